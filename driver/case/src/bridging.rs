@@ -240,13 +240,8 @@ fn sampled(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre) -> Opt
     let ratio = (half / FIRST_SLIP).powf(1.0 / f64::from(count));
     let slips = (0..=count).map(|k| FIRST_SLIP * ratio.powi(k));
     let steps: Vec<Value> = slips.map(|slip| json!({ "increments": 1, "target": { "slip": slip } })).collect();
-    let program = match (others.law)(reader, &lag.law.0, &steps) {
-        Ok(program) => program,
-        Err(message) => {
-            reader.problem(&law_place(), message);
-            return None;
-        }
-    };
+    let program = (others.law)(reader, &lag.law.0, &steps);
+    let program = reader.without_problem(program, &law_place())?;
     let columns = program.columns();
     let column = |name: &str| columns.iter().position(|column| column == name).map(|place| place - LEADING.len());
     let mut curve = Curved { columns: [column("slip")?, column("tau")?], points: Vec::new() };
@@ -396,5 +391,5 @@ fn read_columns<const N: usize>(
         let found = found.map_err(|message| vec![of_file(&message)])?;
         csv.numbers(&found, false).map_err(|messages| messages.iter().map(of_file).collect())
     });
-    rows.map_err(|messages| messages.into_iter().for_each(|message| reader.problem(place, message))).ok()
+    reader.without_problems(rows, place)
 }

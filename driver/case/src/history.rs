@@ -121,16 +121,9 @@ fn compare(
 
 /// The two columns of the curve's file.
 fn points(reader: &mut Reader<'_>, curve: &document::Compare, place: &Place) -> Option<Vec<(f64, f64)>> {
-    let path = reader.file(&curve.file, &place.key("file"))?;
-    let csv = match CsvFile::read(&path) {
-        Ok(csv) => csv,
-        Err(messages) => {
-            for message in messages {
-                reader.problem(&place.key("file"), message);
-            }
-            return None;
-        }
-    };
+    let place_of_file = place.key("file");
+    let path = reader.file(&curve.file, &place_of_file)?;
+    let csv = reader.without_problems(CsvFile::read(&path), &place_of_file)?;
     let mut find = |name: &str, key: &str| {
         let index = csv.header.iter().position(|column| column == name);
         if index.is_none() {
@@ -140,18 +133,13 @@ fn points(reader: &mut Reader<'_>, curve: &document::Compare, place: &Place) -> 
         index
     };
     let (x, y) = (find(&curve.file_x, "file_x"), find(&curve.file_y, "file_y"));
-    match csv.numbers(&[x?, y?], true) {
-        Ok(rows) if rows.is_empty() => {
-            reader
-                .problem(&place.key("file"), format!("{}: the two columns share no row with numbers", path.display()));
-            None
-        }
-        Ok(rows) => Some(rows.into_iter().map(|row| (row[0], row[1])).collect()),
-        Err(messages) => {
-            for message in messages {
-                reader.problem(&place.key("file"), format!("{}, {message}", path.display()));
-            }
-            None
-        }
+    let named =
+        |messages: Vec<String>| messages.iter().map(|message| format!("{}, {message}", path.display())).collect();
+    let rows = reader.without_problems(csv.numbers(&[x?, y?], true).map_err(named), &place_of_file)?;
+    if rows.is_empty() {
+        let message = format!("{}: the two columns share no row with numbers", path.display());
+        reader.problem(&place_of_file, message);
+        return None;
     }
+    Some(rows.into_iter().map(|row| (row[0], row[1])).collect())
 }

@@ -28,20 +28,10 @@ pub fn recorded(
         }
         inline => serde_json::from_value(inline.clone()).map_err(|error| error.to_string()),
     };
-    let recorded = match read {
-        Ok(recorded) => recorded,
-        Err(error) => {
-            reader.problem(&place, format!("is no record of increments (--record-increments writes one): {error}"));
-            return None;
-        }
-    };
-    match mistake(&recorded, steps, may_end_early) {
-        None => Some(Arc::new(recorded)),
-        Some(message) => {
-            reader.problem(&place, message);
-            None
-        }
-    }
+    let read = read.map_err(|error| format!("is no record of increments (--record-increments writes one): {error}"));
+    let recorded = reader.without_problem(read, &place)?;
+    let mistake = mistake(&recorded, steps, may_end_early);
+    reader.without_problem(mistake.map_or(Ok(Arc::new(recorded)), Err), &place)
 }
 
 fn mistake(recorded: &Recorded, steps: &[Option<u64>], may_end_early: bool) -> Option<String> {

@@ -1,13 +1,13 @@
 //! Kind "interface": slips, gap or pressure.
 
-use crate::document::{Cycle, EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
+use crate::document::{EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
 use crate::document::{InterfaceTable, Piece};
 use crate::plugin::{self, Length, Subject, Use};
 use crate::point::Resolved;
 use crate::point::{read_table, statev};
 use crate::problem::Place;
 use crate::reader::Reader;
-use crate::steps::{self, Counted};
+use crate::steps::{self, Counted, Found};
 use crate::{fields, history};
 use pullout_run::columns;
 use pullout_run::program::{InterfaceEntry, InterfaceGoal, InterfaceProgram, InterfaceStep, Kind, NormalControl, Pace};
@@ -39,16 +39,6 @@ impl Counted for OpenStep {
     }
 }
 
-impl steps::StepDocument for StepDocument {
-    fn cycle(&self) -> Option<(&Cycle<Self>, bool)> {
-        match self {
-            Self::Cycle(cycle) => Some((cycle, false)),
-            Self::Cycles(wrapper) => Some((&wrapper.cycles, true)),
-            Self::Table(_) | Self::Ramp(_) => None,
-        }
-    }
-}
-
 /// Resolves the plugin, the initial state and the steps.
 pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let root = Place::root();
@@ -56,15 +46,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let characteristic_length = length.given();
     let place = root.key("material");
     let material = reader.piece(&case.path.material, &place);
-    let entry = match material.and_then(|material| material.entry) {
-        None | Some(Entry::Uinter) => Entry::Uinter,
-        Some(Entry::Fric) => Entry::Fric,
-        Some(Entry::Umat) => {
-            let message = "kind \"interface\" calls the entry point uinter or fric; use kind \"point\" for umat";
-            reader.problem(&place.key("entry"), message);
-            Entry::Uinter
-        }
-    };
+    let message = "kind \"interface\" calls the entry point uinter or fric; use kind \"point\" for umat";
+    let given = material.and_then(|material| material.entry);
+    let entry = plugin::contact_entry(reader, given, &place, message);
     let purpose = Use { subject: Subject::Point, entry, mode: None, length };
     let plugin = material.and_then(|material| plugin::resolve(reader, material, &place, purpose));
     let place = root.key("initial");
@@ -86,9 +70,12 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let dpred = arguments.and_then(|given| given.dpred.as_deref());
     fields::check_increments(reader, dpred, initial_fields.variables.len(), &place_of_arguments);
     let setting = Setting { entry, field_variables: initial_fields.variables.len(), columns: columns.as_deref() };
-    let mut resolve =
-        |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, &setting, place);
-    let open = steps::expand(reader, documents, &place, &mut resolve);
+    let open = steps::expand(reader, documents, &place, &mut |reader, step, place| match step {
+        StepDocument::Ramp(ramp) => Found::Step(Some(ramp_step(reader, ramp, &setting, place))),
+        StepDocument::Table(table) => Found::Step(table_step(reader, table, &setting, place)),
+        StepDocument::Cycle(cycle) => Found::Cycle(cycle),
+        StepDocument::Cycles(wrapper) => Found::Cycles(&wrapper.cycles),
+    });
     let kind = Kind::Interface(InterfaceProgram {
         entry: if entry == Entry::Fric { InterfaceEntry::Fric } else { InterfaceEntry::Uinter },
         tangential_directions: directions,
@@ -133,14 +120,6 @@ fn directions_of_step(reader: &Reader<'_>, step: &StepDocument) -> usize {
 }
 
 const GAP_OF_FRIC: &str = "FRIC has no normal law: prescribe the pressure 'p' instead of the gap";
-
-fn one_step(reader: &mut Reader<'_>, step: &StepDocument, setting: &Setting<'_>, place: &Place) -> Option<OpenStep> {
-    match step {
-        StepDocument::Ramp(ramp) => Some(ramp_step(reader, ramp, setting, place)),
-        StepDocument::Table(table) => table_step(reader, table, setting, place),
-        StepDocument::Cycle(_) | StepDocument::Cycles(_) => None,
-    }
-}
 
 /// Returns what the normal value means; problems for a gap under FRIC, and for gap and pressure at once.
 fn normal_control(

@@ -69,6 +69,14 @@ impl Length {
     }
 }
 
+/// Returns the entry point of a contact law that a material names, UINTER by default; `message`: UMAT is none.
+pub fn contact_entry(reader: &mut Reader<'_>, given: Option<Entry>, place: &Place, message: &str) -> Entry {
+    if given == Some(Entry::Umat) {
+        reader.problem(&place.key("entry"), message);
+    }
+    given.filter(|entry| *entry != Entry::Umat).unwrap_or(Entry::Uinter)
+}
+
 /// Loads and checks; `None` with problems if there is no plugin or its number of states is unknown.
 pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: Use) -> Option<Plugin> {
     let place_of_plugin = place.key("plugin");

@@ -1,12 +1,12 @@
 //! Kind "point": modes, controls, initial state, steps.
 
 use crate::constraints::{self, fixed_by_mode};
-use crate::document::{self, Components, Cycle, EndValue, Entry, Material, Matrix, Piece, PointCase, PointRamp};
+use crate::document::{self, Components, EndValue, Entry, Material, Matrix, Piece, PointCase, PointRamp};
 use crate::document::{PointStep as StepDocument, PointTable};
 use crate::plugin::{self, Length, Subject, Use};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use crate::steps;
+use crate::steps::{self, Found};
 use crate::table::Table;
 use crate::{fields, history};
 use pullout_run::columns;
@@ -77,16 +77,20 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     let place = root.key("steps");
     let documents = reader.piece(&case.path.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let mut gradient = initial.deformation_gradient;
-    let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| {
-        let step = one_step(reader, step, &setting, place)?;
-        if let PointDrive::DeformationGradient(end) = step.goal.drive {
-            gradient = end;
-        } else if nlgeom && steps_apart(&step, &setting, &gradient) {
+    let steps = steps::expand(reader, documents, &place, &mut |reader, step, place| {
+        let step = match step {
+            StepDocument::Ramp(ramp) => Some(ramp_step(reader, ramp, &setting, place)),
+            StepDocument::Table(table) => table_step(reader, table, &setting, place),
+            StepDocument::Cycle(cycle) => return Found::Cycle(cycle),
+            StepDocument::Cycles(wrapper) => return Found::Cycles(&wrapper.cycles),
+        };
+        if let Some(PointDrive::DeformationGradient(end)) = step.as_ref().map(|step| &step.goal.drive) {
+            gradient = *end;
+        } else if nlgeom && step.as_ref().is_some_and(|step| steps_apart(step, &setting, &gradient)) {
             reader.problem(place, TURNED);
         }
-        Some(step)
-    };
-    let steps = steps::expand(reader, documents, &place, &mut resolve);
+        Found::Step(step)
+    });
     let kind = mode.map(|mode| {
         Kind::Point(PointProgram { mode, nlgeom, measure, initial, arguments: arguments.unwrap_or_default(), steps })
     });
@@ -129,24 +133,6 @@ fn steps_apart(step: &PointStep, setting: &Setting<'_>, gradient: &Matrix) -> bo
     setting.measure == Measure::Logarithmic
         && step.goal.mixes_strain_and_stress(setting.mode.controllable())
         && turns(&Polar::new(&matrix(gradient)).rotation)
-}
-
-impl steps::StepDocument for StepDocument {
-    fn cycle(&self) -> Option<(&Cycle<Self>, bool)> {
-        match self {
-            Self::Cycle(cycle) => Some((cycle, false)),
-            Self::Cycles(wrapper) => Some((&wrapper.cycles, true)),
-            Self::Table(_) | Self::Ramp(_) => None,
-        }
-    }
-}
-
-fn one_step(reader: &mut Reader<'_>, step: &StepDocument, setting: &Setting<'_>, place: &Place) -> Option<PointStep> {
-    match step {
-        StepDocument::Ramp(ramp) => Some(ramp_step(reader, ramp, setting, place)),
-        StepDocument::Table(table) => table_step(reader, table, setting, place),
-        StepDocument::Cycle(_) | StepDocument::Cycles(_) => None,
-    }
 }
 
 fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, place: &Place) -> PointStep {
@@ -283,21 +269,14 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
 
 /// A table, or problems at a place.
 pub fn read_table(reader: &mut Reader<'_>, path: &std::path::Path, names: &[&str], place: &Place) -> Option<Table> {
-    match Table::read(path, names) {
-        Ok(table) => {
-            if table.starts_at_zero {
-                let message = format!("{}: the first row is at time 0: its increment takes no time", path.display());
-                if !reader.warnings.contains(&message) {
-                    reader.warnings.push(message);
-                }
-            }
-            Some(table)
-        }
-        Err(messages) => {
-            messages.into_iter().for_each(|message| reader.problem(place, message));
-            None
+    let table = reader.without_problems(Table::read(path, names), place)?;
+    if table.starts_at_zero {
+        let message = format!("{}: the first row is at time 0: its increment takes no time", path.display());
+        if !reader.warnings.contains(&message) {
+            reader.warnings.push(message);
         }
     }
+    Some(table)
 }
 
 /// The steps at finite strain tell what turns; the increments of the first call must be as many as the mode and the case have.

@@ -178,28 +178,11 @@ fn named_files(value: &Value, folder: &Path, files: &mut Vec<PathBuf>) {
 }
 
 fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> Option<Value> {
-    let text = match input::text(path, Input::Case) {
-        Ok(text) => text,
-        Err(error) => {
-            problems.push(Problem::unreadable(format!("the case file cannot be read: {error}")));
-            return None;
-        }
-    };
-    let mut document = match json::parse(&text) {
-        Ok((document, repeated)) => {
-            problems.extend(repeated);
-            document
-        }
-        Err(problem) => {
-            problems.push(problem);
-            return None;
-        }
-    };
-    for text in overrides {
-        if let Err(problem) = json::set(&mut document, text) {
-            problems.push(problem);
-        }
-    }
+    let unreadable = |error| Problem::unreadable(format!("the case file cannot be read: {error}"));
+    let parsed = input::text(path, Input::Case).map_err(unreadable).and_then(|text| json::parse(&text));
+    let (mut document, repeated) = parsed.map_err(|problem| problems.push(problem)).ok()?;
+    problems.extend(repeated);
+    problems.extend(overrides.iter().filter_map(|text| json::set(&mut document, text).err()));
     json::check_texts(&document, &Place::root(), problems);
     Some(document)
 }
@@ -222,14 +205,13 @@ fn read_with(reader: &mut Reader<'_>, path: &Path, document: Value) -> Option<Ca
     }
     // a library may be called while its case is read
     announce(path, &document);
-    let kind = match structure::kind_of(&document) {
-        Ok(kind) => kind.to_owned(),
+    match structure::kind_of(&document).map(str::to_owned) {
+        Ok(kind) => resolve(reader, path, &kind, document),
         Err(problem) => {
             reader.problems.push(problem);
-            return None;
+            None
         }
-    };
-    resolve(reader, path, &kind, document)
+    }
 }
 
 /// Resolves a study file; what is wrong with it goes to the reader.
@@ -339,9 +321,8 @@ fn law(reader: &Reader<'_>, material: &Value, steps: &[Value]) -> bridging::Read
 }
 
 fn typed<T: DeserializeOwned>(reader: &mut Reader<'_>, document: Value) -> Option<T> {
-    serde_json::from_value(document)
-        .map_err(|error| reader.problem(&Place::root(), format!("cannot be read: {error}")))
-        .ok()
+    let read = serde_json::from_value(document).map_err(|error| format!("cannot be read: {error}"));
+    reader.without_problem(read, &Place::root())
 }
 
 /// Puts the program of a point together if nothing is missing.

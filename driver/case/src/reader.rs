@@ -51,7 +51,7 @@ impl<'a> Reader<'a> {
 
     /// The file that the text at a place names, if it may.
     pub fn file(&mut self, name: &str, place: &Place) -> Option<PathBuf> {
-        self.named(name).map_err(|message| self.problem(place, message)).ok()
+        self.without_problem(self.named(name), place)
     }
 
     /// Warns of a value that is hardly meant, a slip of units perhaps.
@@ -99,15 +99,20 @@ impl<'a> Reader<'a> {
         self.problems.push(Problem::new(place.clone(), message));
     }
 
+    /// A value, unless there is a message why not, which is told at a place.
+    pub(crate) fn without_problem<T, E: ToString>(&mut self, value: Result<T, E>, place: &Place) -> Option<T> {
+        value.map_err(|error| self.problem(place, error.to_string())).ok()
+    }
+
+    /// A value, unless there are messages why not, which are told at a place.
+    pub(crate) fn without_problems<T>(&mut self, value: Result<T, Vec<String>>, place: &Place) -> Option<T> {
+        value.map_err(|messages| messages.into_iter().for_each(|message| self.problem(place, message))).ok()
+    }
+
     /// A piece, if it could be read.
     pub fn piece<'p, T>(&mut self, piece: &'p Piece<T>, place: &Place) -> Option<&'p T> {
-        match &piece.0 {
-            Ok(value) => Some(value),
-            Err(message) => {
-                self.problem(place, format!("cannot be read: {message}"));
-                None
-            }
-        }
+        let value = piece.0.as_ref().map_err(|message| format!("cannot be read: {message}"));
+        self.without_problem(value, place)
     }
 
     /// A piece that may be left out, if it is there and could be read.

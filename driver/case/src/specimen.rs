@@ -149,23 +149,29 @@ impl<'a> Scene<'a> {
     fn node_set(self, reader: &mut Reader<'_>, name: &str, place: &Place) -> Option<&'a [usize]> {
         let mesh = self.mesh?;
         let found = mesh.node_set(name);
-        if found.is_none() {
-            let names: Vec<&str> = mesh.node_set_names().collect();
-            reader.problem(place, format!("the mesh has no node set '{name}'{}", hint(name, &names)));
-        }
-        found
+        let known = mesh.node_set_names();
+        found.or_else(|| no_set(reader, "node", name, known, place))
     }
 
     /// An edge set, likewise.
     fn edge_set(self, reader: &mut Reader<'_>, name: &str, place: &Place) -> Option<&'a [fe_core::mesh::ElementEdge]> {
         let mesh = self.mesh?;
         let found = mesh.edge_set(name);
-        if found.is_none() {
-            let names: Vec<&str> = mesh.edge_set_names().collect();
-            reader.problem(place, format!("the mesh has no edge set '{name}'{}", hint(name, &names)));
-        }
-        found
+        let known = mesh.edge_set_names();
+        found.or_else(|| no_set(reader, "edge", name, known, place))
     }
+}
+
+/// Says that the mesh has no set of a name.
+fn no_set<'n, T>(
+    reader: &mut Reader<'_>,
+    of: &str,
+    name: &str,
+    known: impl Iterator<Item = &'n str>,
+    place: &Place,
+) -> Option<T> {
+    reader.problem(place, format!("the mesh has no {of} set '{name}'{}", hint(name, known)));
+    None
 }
 
 fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {

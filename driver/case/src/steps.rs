@@ -10,10 +10,14 @@ const MOST_STEPS: u64 = 1_000_000;
 /// Most rows of tables in memory after cycles are expanded.
 const MOST_ROWS: u64 = 10_000_000;
 
-/// A step of a document: a cycle of steps, or a step proper.
-pub trait StepDocument: Sized {
-    /// The cycle, and whether it stands in a member named "cycles".
-    fn cycle(&self) -> Option<(&Cycle<Self>, bool)>;
+/// A step of a document as it was found.
+pub enum Found<'s, S, R> {
+    /// A step proper; `None`: it cannot be used, which was said.
+    Step(Option<R>),
+    /// A cycle of steps.
+    Cycle(&'s Cycle<S>),
+    /// One in a member named "cycles".
+    Cycles(&'s Cycle<S>),
 }
 
 /// A step of a program.
@@ -37,11 +41,11 @@ impl<G: Clone> Counted for Step<G> {
     }
 }
 
-/// A function that resolves one step proper.
-pub type ResolveStep<'r, S, R> = dyn FnMut(&mut Reader<'_>, &S, &Place) -> Option<R> + 'r;
+/// A function that resolves one step, unless it is a cycle.
+pub type ResolveStep<'r, S, R> = dyn for<'s> FnMut(&mut Reader<'_>, &'s S, &Place) -> Found<'s, S, R> + 'r;
 
 /// Resolves all steps in order; cycles are resolved once and repeated.
-pub fn expand<S: StepDocument, R: Counted>(
+pub fn expand<S, R: Counted>(
     reader: &mut Reader<'_>,
     steps: &[Piece<S>],
     place: &Place,
@@ -51,15 +55,17 @@ pub fn expand<S: StepDocument, R: Counted>(
     for (k, step) in steps.iter().enumerate() {
         let place = place.index(k);
         let Some(step) = reader.piece(step, &place) else { continue };
-        match step.cycle() {
-            None => expanded.extend(resolve(reader, step, &place)),
-            Some((cycle, wrapped)) => {
-                let place = if wrapped { place.key("cycles") } else { place };
-                let once = expand(reader, &cycle.steps, &place.key("steps"), resolve);
-                if fits(reader, &once, cycle.repeat.0, &place.key("repeat")) {
-                    (0..cycle.repeat.0).for_each(|_| expanded.extend_from_slice(&once));
-                }
+        let (cycle, place) = match resolve(reader, step, &place) {
+            Found::Step(step) => {
+                expanded.extend(step);
+                continue;
             }
+            Found::Cycle(cycle) => (cycle, place),
+            Found::Cycles(cycle) => (cycle, place.key("cycles")),
+        };
+        let once = expand(reader, &cycle.steps, &place.key("steps"), resolve);
+        if fits(reader, &once, cycle.repeat.0, &place.key("repeat")) {
+            (0..cycle.repeat.0).for_each(|_| expanded.extend_from_slice(&once));
         }
     }
     fits(reader, &expanded, 1, place);

@@ -5,6 +5,7 @@
 //! that increments which a run chooses by itself make no steps in them.
 
 use super::inverse::{NO_CURVE, root_mean_square};
+use super::output::rows_of;
 use super::uncertainty::{IDENTIFIABLE, spread};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::storage::Owned;
@@ -566,7 +567,6 @@ impl CaseFit {
             })
         };
         let parameters: Vec<Value> = (0..self.free.len()).map(number).collect();
-        let correlation: Vec<Vec<f64>> = self.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
         let summary = json!({
             "status": if self.trouble.is_none() { "done" } else { "failed" },
             "message": self.trouble,
@@ -576,7 +576,7 @@ impl CaseFit {
             "rms": self.rms,
             "runs": self.runs,
             "parameters": parameters,
-            "correlation": correlation,
+            "correlation": rows_of(&self.correlation),
         });
         directory.write("fit.json", format!("{summary:#}\n"))?;
         directory.write("fitted-case.json", format!("{:#}\n", self.case))?;

@@ -4,9 +4,11 @@ use super::curve::LoadSlipCurve;
 use super::law::Quantity;
 use super::uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
 use super::{CURVE_FILE, FittedLaw, Request, specimen};
+use crate::regression::thinned;
+use nalgebra::DMatrix;
 use pullout_report::directory::ResultDirectory;
 use pullout_report::plots;
-use pullout_report::plots::figure::{Figure, Line, Marks, Scale, Style};
+use pullout_report::plots::figure::{Figure, Line, Marks, Style};
 use pullout_report::plots::quantity::Quantity as AxisQuantity;
 use pullout_run::number::significant;
 use serde_json::{Map, Value, json};
@@ -17,7 +19,7 @@ use std::io;
 mod report;
 
 /// Measured points in a picture: more would be a band.
-const MOST_MARKS: usize = 150;
+pub(crate) const MOST_MARKS: usize = 150;
 /// The picture of the peak ends at so many times its slip.
 const PEAK_VIEW: f64 = 4.0;
 /// Points of a law's curve.
@@ -145,8 +147,12 @@ fn form(law: &FittedLaw) -> Value {
 
 fn correlation(uncertainty: &Uncertainty) -> Value {
     let names: Vec<&str> = uncertainty.estimates.iter().map(|estimate| estimate.quantity.name.as_str()).collect();
-    let rows: Vec<Vec<f64>> = uncertainty.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
-    json!({ "names": names, "matrix": rows })
+    json!({ "names": names, "matrix": rows_of(&uncertainty.correlation) })
+}
+
+/// A matrix row by row.
+pub(crate) fn rows_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
 /// The curves, those around the peak once more, and the laws.
@@ -177,9 +183,7 @@ fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<
                 .collect(),
             line: None,
         }],
-        equal_units: false,
-        scale: Scale::Linear,
-        key: None,
+        ..Figure::default()
     };
     let end = curve.largest_slip();
     let near = curve.slips.iter().filter(|&&slip| slip <= peak_end).count().div_ceil(MOST_MARKS).max(1);
@@ -194,16 +198,13 @@ fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<
             lines: laws.iter().enumerate().map(|(k, law)| law_line(k, law, end)).collect(),
             marks: vec![Marks {
                 label: "mean traction of the regression".into(),
-                points: {
-                    let bond = request.fibre.mean_bond(curve, request.slip_at);
-                    let every = bond.len().div_ceil(MOST_MARKS).max(1);
-                    bond.iter().step_by(every).map(|point| (point.slip, point.traction)).collect()
-                },
+                points: thinned(&request.fibre.mean_bond(curve, request.slip_at), MOST_MARKS)
+                    .iter()
+                    .map(|point| (point.slip, point.traction))
+                    .collect(),
                 line: None,
             }],
-            equal_units: false,
-            scale: Scale::Linear,
-            key: None,
+            ..Figure::default()
         },
     ]
 }
@@ -214,7 +215,7 @@ fn line(k: usize, law: &FittedLaw, points: Vec<(f64, f64)>, columns: (&str, &str
         points,
         columns: (columns.0.into(), columns.1.into()),
         style: Style { color: k, dash: k },
-        marked: false,
+        ..Line::default()
     }
 }
 

@@ -4,7 +4,7 @@ use crate::compare::{Comparison, compare};
 use crate::directory::ResultDirectory;
 use crate::history::{BRIDGING_TABLES, History};
 use crate::page::{self, Account};
-use crate::plots::figure::{Figure, Line, Scale, Style};
+use crate::plots::figure::{Figure, Line, Style};
 use crate::plots::quantity::Quantity;
 use crate::plots::{self, Picture, Spec};
 use crate::summary::{self, Status, Summary};
@@ -153,7 +153,7 @@ fn family(program: &Program, composite: &Composite) -> Figure {
                 points: (0..=FAMILY_POINTS).map(at).collect(),
                 columns: ("w".into(), String::new()),
                 style: Style { color, dash },
-                marked: false,
+                ..Line::default()
             });
         }
     }
@@ -163,10 +163,7 @@ fn family(program: &Program, composite: &Composite) -> Figure {
         x: Quantity::of("w", &Default::default()),
         y: Quantity { name: "P".into(), unit: "N".into() },
         lines,
-        marks: Vec::new(),
-        equal_units: false,
-        scale: Scale::Linear,
-        key: None,
+        ..Figure::default()
     }
 }
 
@@ -191,9 +188,7 @@ fn directions(composite: &Composite) -> Figure {
             Line::numbered("p(θ)", polar(&|angle| composite.directions.density(angle)), 0),
             Line::numbered("random in space", polar(&f64::sin), 1),
         ],
-        marks: Vec::new(),
         equal_units: true,
-        scale: Scale::Linear,
-        key: None,
+        ..Figure::default()
     }
 }

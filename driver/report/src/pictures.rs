@@ -11,7 +11,7 @@ use crate::plots::field::{
     Class, FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, crosses, deformed_mesh,
     interface_profiles, zones,
 };
-use crate::plots::figure::{Figure, Line, Scale, Style};
+use crate::plots::figure::{Figure, Line, Style};
 use crate::plots::quantity::{Quantity, capital, group_of};
 use crate::plots::{self, Picture};
 use fe_core::mesh::Mesh;
@@ -225,7 +225,7 @@ impl<'a> Album<'a> {
                 points,
                 columns,
                 style: Style { color: k, dash: k },
-                marked: false,
+                ..Line::default()
             });
         }
         self.keep_figure(&Figure {
@@ -234,10 +234,7 @@ impl<'a> Album<'a> {
             x: Quantity { name: ALONG_FIBRE.into(), unit: "mm".into() },
             y: Quantity { name: "axial stress".into(), unit: "MPa".into() },
             lines,
-            marks: Vec::new(),
-            equal_units: false,
-            scale: Scale::Linear,
-            key: None,
+            ..Figure::default()
         })
     }
 

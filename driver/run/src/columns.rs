@@ -3,6 +3,7 @@
 //!
 //! A row begins with step and increment and ends with its iterations; what a library's metadata name stands in between.
 
+use crate::path::ContactPoint;
 use Group::{Band, Count, Density, Energy, Gradient, Load, Other, Second, Share, Slip, Strain, Stress};
 use fe_core::model::MeasuredFibre;
 use fe_core::stepping::{FibreRecord, Record};
@@ -118,26 +119,9 @@ pub static POINT: [Column<PointRow>; 25] = [
     column("scd", "N·mm/mm³", "scd", Density, |row| row.energies[2]),
 ];
 
-/// State from which a row of a contact point is made.
-#[derive(Clone, Copy, Debug)]
-pub struct ContactRow {
-    /// Total time.
-    pub time: f64,
-    /// Slips, mm.
-    pub slip: [f64; 2],
-    /// Gap, mm; NaN with FRIC.
-    pub gap: f64,
-    /// Shear tractions, MPa.
-    pub shear: [f64; 2],
-    /// Pressure, MPa.
-    pub pressure: f64,
-    /// SED, SFD, SPD, SVD, SCD.
-    pub energies: [f64; 5],
-}
-
 /// Columns of a contact point.
-pub static CONTACT: [Column<ContactRow>; 12] = [
-    column("time", "s", "time", Other, |row| row.time),
+pub static CONTACT: [Column<ContactPoint>; 12] = [
+    column("time", "s", "time", Other, |row| row.total_time),
     column("slip", "mm", "slip", Other, |row| row.slip[0]),
     column("slip2", "mm", "slip_{2}", Second, |row| row.slip[1]),
     // positive: open

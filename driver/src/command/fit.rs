@@ -1,12 +1,11 @@
 //! `pullout fit`: numbers of a case, and laws, from experiments.
 
-use super::{BAD_INPUT, DONE, FAILED, Place, complain, isolated, refuse, run, say};
+use super::{DONE, FAILED, Place, Refusal, complain, isolated, run, say};
 use clap::{Args, Subcommand, ValueEnum};
 use pullout_fit::{Fibre, FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, Weights};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_run::number::significant;
 use std::ffi::OsString;
-use std::io;
 use std::path::PathBuf;
 
 mod beam;
@@ -149,7 +148,7 @@ impl Fit {
 }
 
 /// Fits a law, as the command line says, whose words are `line`.
-pub(super) fn act(fit: &Fit, line: &[OsString]) -> u8 {
+pub(super) fn act(fit: &Fit, line: &[OsString]) -> Result<u8, Refusal> {
     match &fit.law {
         Some(Law::Bond(bond)) => act_on_bond(bond, line),
         Some(Law::Beam(beam)) => beam.act(),
@@ -157,46 +156,29 @@ pub(super) fn act(fit: &Fit, line: &[OsString]) -> u8 {
     }
 }
 
-fn act_on_bond(bond: &Bond, line: &[OsString]) -> u8 {
-    let curve = match LoadSlipCurve::read(&bond.curve, bond.slip.as_deref(), bond.load.as_deref()) {
-        Ok(curve) => curve,
-        Err(problems) => {
-            problems.iter().for_each(complain);
-            return BAD_INPUT;
-        }
-    };
+fn act_on_bond(bond: &Bond, line: &[OsString]) -> Result<u8, Refusal> {
+    let curve = LoadSlipCurve::read(&bond.curve, bond.slip.as_deref(), bond.load.as_deref());
+    let curve = curve.map_err(|problems| Refusal::input(problems.join("\n")))?;
     let request = bond.request();
     if let Some(need) = pullout_fit::need(&request) {
-        return isolated::carry_out(line, &need, &bond.curve, bond.quiet);
+        return Ok(isolated::carry_out(line, &need, &bond.curve, bond.quiet));
     }
-    let mut directory = match bond.open() {
-        Ok(directory) => directory,
-        Err(code) => return code,
-    };
+    let mut directory = bond.open()?;
     let progress = |form: &str, runs: usize, rms: f64| {
         if !bond.quiet {
             complain(format!("{form}: run {runs}, RMS {} % of the peak", significant(100.0 * rms, 4)));
         }
     };
-    let laws = match pullout_fit::fit(&curve, &request, &progress) {
-        Ok(laws) => laws,
-        Err(FitError::Input(message)) => {
-            complain(message);
-            return BAD_INPUT;
-        }
-        Err(FitError::Case(errors)) => return refuse(&errors),
-        Err(FitError::Failed(message)) => {
-            complain(format!("{}: {message}", bond.curve.display()));
-            return FAILED;
-        }
-    };
-    match bond.write(&mut directory, &curve, &request, &laws) {
-        Ok(()) => bond.tell(&laws),
-        Err(error) => {
-            complain(error);
-            FAILED
-        }
-    }
+    let laws = pullout_fit::fit(&curve, &request, &progress).map_err(|error| match error {
+        FitError::Input(message) => Refusal::input(message),
+        FitError::Case(errors) => errors.into(),
+        FitError::Failed(message) => Refusal::failed(format!("{}: {message}", bond.curve.display())),
+    })?;
+    directory.begin(&[])?;
+    pullout_fit::write(&mut directory, &bond.curve.display().to_string(), &curve, &request, &laws)?;
+    directory.remove_earlier()?;
+    directory.finish()?;
+    Ok(bond.tell(&laws))
 }
 
 impl Bond {
@@ -233,24 +215,11 @@ impl Bond {
     }
 
     /// Opens the result directory, or says why not.
-    fn open(&self) -> Result<ResultDirectory, u8> {
+    fn open(&self) -> Result<ResultDirectory, Refusal> {
         let mut inputs = vec![self.curve.clone()];
         inputs.extend(self.specimen_case.iter().flat_map(|case| pullout_case::inputs(case, &[])));
         let access = Access { inputs: &inputs, overwrite: self.overwrite, is_locked: false };
         run::open_for(&self.folder(), Kind::Fit, access)
-    }
-
-    fn write(
-        &self,
-        directory: &mut ResultDirectory,
-        curve: &LoadSlipCurve,
-        request: &Request,
-        laws: &[FittedLaw],
-    ) -> io::Result<()> {
-        directory.begin(&[])?;
-        pullout_fit::write(directory, &self.curve.display().to_string(), curve, request, laws)?;
-        directory.remove_earlier()?;
-        directory.finish()
     }
 
     /// Says what came out; the result is the exit code.

@@ -1,6 +1,6 @@
 //! `pullout import`.
 
-use super::{BAD_INPUT, DONE, FAILED, complain, say};
+use super::{BAD_INPUT, DONE, FAILED, Refusal, complain, say};
 use pullout_case::import::{self, Wishes};
 use std::fs::File;
 use std::io::Write;
@@ -22,37 +22,23 @@ pub(super) struct Arguments {
     plugin: Option<String>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> u8 {
+pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
     let wishes = Wishes { material: arguments.material.as_deref(), plugin: arguments.plugin.as_deref() };
-    let imported = match import::import(&arguments.job, wishes) {
-        Ok(imported) => imported,
-        Err(message) => {
-            complain(message);
-            return BAD_INPUT;
-        }
-    };
+    let imported = import::import(&arguments.job, wishes).map_err(Refusal::input)?;
     let text = format!("{:#}\n", imported.document);
-    let Some(output) = &arguments.output else {
-        say(&text);
-        tell(&imported.left_out);
-        return DONE;
-    };
-    match File::create_new(output).and_then(|mut file| file.write_all(text.as_bytes())) {
-        Ok(()) => {
-            tell(&imported.left_out);
-            DONE
-        }
-        Err(error) => {
-            let is_there = error.kind() == std::io::ErrorKind::AlreadyExists;
-            let advice = if is_there { "; it is not overwritten" } else { "" };
-            complain(format!("{}: {error}{advice}", output.display()));
-            if is_there { BAD_INPUT } else { FAILED }
+    match &arguments.output {
+        None => say(&text),
+        Some(output) => {
+            let written = File::create_new(output).and_then(|mut file| file.write_all(text.as_bytes()));
+            written.map_err(|error| {
+                let is_there = error.kind() == std::io::ErrorKind::AlreadyExists;
+                let (advice, code) = if is_there { ("; it is not overwritten", BAD_INPUT) } else { ("", FAILED) };
+                Refusal { message: format!("{}: {error}{advice}", output.display()), code }
+            })?;
         }
     }
-}
-
-fn tell(left_out: &[String]) {
-    for what in left_out {
+    for what in &imported.left_out {
         complain(format!("not taken over: {what}"));
     }
+    Ok(DONE)
 }

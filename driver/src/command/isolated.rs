@@ -165,18 +165,12 @@ fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<
         failed_at: aftermath.failed_at,
         title: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         plugin: plugin.unwrap_or_default(),
-        plugins: Vec::new(),
-        peaks: Default::default(),
         increments,
         iterations,
         plugin_calls,
         cutbacks,
         wall_time_s: aftermath.wall_time_s,
-        cpu_time_s: None,
-        compare: Vec::new(),
-        specimen: None,
-        bridging: None,
-        warnings: Vec::new(),
+        ..Summary::default()
     })
 }
 

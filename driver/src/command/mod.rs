@@ -14,12 +14,14 @@ mod sweep;
 
 use clap::{Parser, Subcommand};
 use pullout_case::{Case, CaseErrors};
+use pullout_report::directory;
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
 use pullout_run::isolation::prints::plain;
 use pullout_run::isolation::prints::{Prints, say};
 use pullout_run::signals;
 use std::ffi::OsString;
+use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -244,13 +246,13 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         Command::Check { cases, reading, quiet, before_run } => {
             run::check(&cases, &reading, quiet || before_run, before_run)
         }
-        Command::Plugin { action } => plugin::act(&action, line),
+        Command::Plugin { action } => plugin::act(&action, line).unwrap_or_else(Refusal::told),
         Command::Schema => schema(),
-        Command::Plot(arguments) => plot::plot(&arguments),
-        Command::Import(arguments) => import::run(&arguments),
-        Command::Fit(fit) => fit::act(&fit, line),
+        Command::Plot(arguments) => plot::plot(&arguments).unwrap_or_else(Refusal::told),
+        Command::Import(arguments) => import::run(&arguments).unwrap_or_else(Refusal::told),
+        Command::Fit(fit) => fit::act(&fit, line).unwrap_or_else(Refusal::told),
         Command::Bench(arguments) => bench::run(&arguments),
-        Command::Props { law } => props::print(&law),
+        Command::Props { law } => props::print(&law).unwrap_or_else(Refusal::told),
         Command::Worker(task) => isolated::work(&task),
         Command::Pages { share } => pages::write(&share),
     }
@@ -275,8 +277,47 @@ fn complain(text: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "{}", plain(&text.to_string()));
 }
 
-/// Prints a case's problems and returns their exit code.
-fn refuse(errors: &CaseErrors) -> u8 {
-    complain(errors);
-    errors.exit_code()
+/// What ends a command before its work is done: the message, and the exit code.
+struct Refusal {
+    message: String,
+    code: u8,
+}
+
+impl Refusal {
+    /// Bad input.
+    fn input(message: impl std::fmt::Display) -> Self {
+        Self { message: message.to_string(), code: BAD_INPUT }
+    }
+
+    /// A failure of the system, or of a run.
+    fn failed(message: impl std::fmt::Display) -> Self {
+        Self { message: message.to_string(), code: FAILED }
+    }
+
+    /// Prints the message and returns the exit code.
+    fn told(self) -> u8 {
+        complain(self.message);
+        self.code
+    }
+}
+
+impl From<io::Error> for Refusal {
+    fn from(error: io::Error) -> Self {
+        Self::failed(error)
+    }
+}
+
+impl From<CaseErrors> for Refusal {
+    fn from(errors: CaseErrors) -> Self {
+        Self { message: errors.to_string(), code: errors.exit_code() }
+    }
+}
+
+impl From<directory::Refusal> for Refusal {
+    fn from(refusal: directory::Refusal) -> Self {
+        match refusal {
+            directory::Refusal::Content(message) => Self::input(message),
+            directory::Refusal::System(error) => error.into(),
+        }
+    }
 }

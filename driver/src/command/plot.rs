@@ -1,6 +1,6 @@
 //! `pullout plot`.
 
-use super::{BAD_INPUT, DONE, FAILED, complain, run, say};
+use super::{DONE, Refusal, complain, say};
 use pullout_report::directory::{Kind, ResultDirectory};
 use pullout_report::history::History;
 use pullout_report::plots::export::{self, Export};
@@ -29,59 +29,34 @@ pub(super) struct Arguments {
     overwrite: bool,
 }
 
-pub(super) fn plot(arguments: &Arguments) -> u8 {
+pub(super) fn plot(arguments: &Arguments) -> Result<u8, Refusal> {
     let mut runs = Vec::new();
     let first = &arguments.results[0];
     let is_study = arguments.results.len() == 1 && arguments.out.is_none() && first.join("study.json").is_file();
     if is_study && !arguments.png && !arguments.pdf {
-        complain(format!("{}: `pullout study` draws the pictures of a study: --png or --pdf?", first.display()));
-        return BAD_INPUT;
+        let message = "`pullout study` draws the pictures of a study: --png or --pdf?";
+        return Err(Refusal::input(format!("{}: {message}", first.display())));
     }
     for folder in arguments.results.iter().filter(|_| !is_study) {
-        match read(folder) {
-            Ok(run) => runs.push(run),
-            Err(error) => {
-                complain(format!("{error}: is it the result directory of a run with pictures?"));
-                return BAD_INPUT;
-            }
-        }
+        let refused = |error| Refusal::input(format!("{error}: is it the result directory of a run with pictures?"));
+        runs.push(read(folder).map_err(refused)?);
     }
     let (root, kind, folder) = match &arguments.out {
         Some(out) => (out, Kind::Pictures, ""),
         None => (first, if is_study { Kind::Study } else { Kind::Run }, "plots"),
     };
-    let directory = match ResultDirectory::open_to_add(root, kind) {
-        Ok(directory) => directory,
-        Err(refusal) => return run::refused(refusal),
-    };
-    match draw(&runs, directory, folder, arguments) {
-        Ok(Ok(paths)) => {
-            paths.iter().for_each(|path| say(&format!("{}\n", path.display())));
-            DONE
-        }
-        Ok(Err(foreign)) => {
-            complain(format!(
-                "{}: {} would be replaced, but this program did not write it, or it was changed since: choose another \
-                 --out, or replace it with --overwrite",
-                root.display(),
-                foreign.join(", ")
-            ));
-            BAD_INPUT
-        }
-        Err(error) => {
-            complain(error);
-            FAILED
-        }
-    }
+    let paths = draw(&runs, ResultDirectory::open_to_add(root, kind)?, folder, arguments)?;
+    paths.iter().for_each(|path| say(&format!("{}\n", path.display())));
+    Ok(DONE)
 }
 
-/// Draws into a folder of a directory; the result is the files, or those of the user's that stand in the way.
+/// Draws into a folder of a directory; the result is the files.
 fn draw(
     runs: &[(History, Spec)],
     mut directory: ResultDirectory,
     folder: &str,
     arguments: &Arguments,
-) -> io::Result<Result<Vec<PathBuf>, Vec<String>>> {
+) -> Result<Vec<PathBuf>, Refusal> {
     let runs: Vec<_> = runs.iter().map(|(history, spec)| Run { history, spec }).collect();
     let figures = selection::figures(&runs);
     let drawn: Vec<String> = figures.iter().map(|figure| within(folder, &format!("{}.svg", figure.name))).collect();
@@ -102,7 +77,12 @@ fn draw(
     let names = drawn.iter().chain(exports.iter().map(|(_, name, _)| name));
     let foreign = directory.foreign(names.map(String::as_str));
     if !foreign.is_empty() && !arguments.overwrite {
-        return Ok(Err(foreign));
+        return Err(Refusal::input(format!(
+            "{}: {} would be replaced, but this program did not write it, or it was changed since: choose another \
+             --out, or replace it with --overwrite",
+            directory.path().display(),
+            foreign.join(", ")
+        )));
     }
     if !foreign.is_empty() {
         complain(format!("{}: --overwrite replaces {}", directory.path().display(), foreign.join(", ")));
@@ -114,7 +94,7 @@ fn draw(
         paths.push(directory.write(name, export(&svg)?)?);
     }
     directory.finish()?;
-    Ok(Ok(paths))
+    Ok(paths)
 }
 
 /// The drawings in a folder.

@@ -4,7 +4,7 @@ mod abaqus;
 mod build;
 mod check;
 
-use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, Place, complain, isolated, say};
+use super::{DONE, NO_PLUGIN, Place, Refusal, complain, isolated, say};
 use clap::Subcommand;
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{self, End, Job, Need};
@@ -54,19 +54,13 @@ pub(super) enum Action {
 const TIME_LIMIT: f64 = 5.0;
 
 /// Does what the command line says, whose words are `line`.
-pub(super) fn act(action: &Action, line: &[OsString]) -> u8 {
+pub(super) fn act(action: &Action, line: &[OsString]) -> Result<u8, Refusal> {
     match action {
         Action::List { of: Some(library), rows: Some(rows), .. } => list_one(library, rows),
-        Action::List { plugin_paths, .. } => list(plugin_paths),
+        Action::List { plugin_paths, .. } => Ok(list(plugin_paths)),
         Action::Info { plugin, abaqus, plugin_paths, .. } => {
-            with_library(
-                plugin,
-                plugin_paths,
-                line,
-                |library| {
-                    if *abaqus { abaqus_input(library) } else { info(library) }
-                },
-            )
+            let work = if *abaqus { abaqus_input } else { info };
+            with_library(plugin, plugin_paths, line, work)
         }
         Action::Check(arguments) => check::run(arguments),
         Action::Build(arguments) => build::run(arguments),
@@ -86,38 +80,34 @@ impl Action {
 
 /// Loads a library, by its law's name or by its path, and does something with it; in a process of its own, which carries
 /// out the same command line, if it may not run here.
-fn with_library(name: &str, plugin_paths: &[PathBuf], line: &[OsString], work: impl FnOnce(&Library) -> u8) -> u8 {
-    let file = match file_of(name, plugin_paths) {
-        Ok(file) => file,
-        Err(code) => return code,
-    };
+fn with_library(
+    name: &str,
+    plugin_paths: &[PathBuf],
+    line: &[OsString],
+    work: fn(&Library) -> Result<u8, Refusal>,
+) -> Result<u8, Refusal> {
+    let file = file_of(name, plugin_paths)?;
     if let Some(need) = Need::of_library(&file, TIME_LIMIT) {
-        return isolated::carry_out(line, &need, &file, false);
+        return Ok(isolated::carry_out(line, &need, &file, false));
     }
     // what it prints in thousands of calls is nobody's
     let _prints = Prints::discard();
-    match isolation::load(&file) {
-        Ok(library) => work(&library),
-        Err(error) => {
-            complain(error);
-            NO_PLUGIN
-        }
-    }
+    work(&isolation::load(&file).map_err(no_plugin)?)
 }
 
-/// The file of a library, by its law's name or by its path; an exit code if there is none.
-fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, u8> {
+/// A library that cannot be loaded, or is none.
+fn no_plugin(message: impl std::fmt::Display) -> Refusal {
+    Refusal { message: message.to_string(), code: NO_PLUGIN }
+}
+
+/// The file of a library, by its law's name or by its path.
+fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, Refusal> {
+    if names_a_file(name) {
+        return Ok(library_path(Path::new(""), name));
+    }
     let paths = search_paths(plugin_paths);
-    let file = if names_a_file(name) {
-        Some(library_path(Path::new(""), name))
-    } else {
-        Found::by_name(name, &paths).map(|found| found.path)
-    };
-    let Some(file) = file else {
-        complain(format!("{}; `pullout plugin list` tells what there is", pullout_case::not_found(name, &paths)));
-        return Err(NO_PLUGIN);
-    };
-    Ok(file)
+    let not_found = || pullout_case::not_found(name, &paths) + "; `pullout plugin list` tells what there is";
+    Found::by_name(name, &paths).map(|found| found.path).ok_or_else(|| no_plugin(not_found()))
 }
 
 fn list(plugin_paths: &[PathBuf]) -> u8 {
@@ -168,12 +158,11 @@ fn table<const N: usize>(rows: &[[String; N]]) -> String {
     text
 }
 
-fn info(library: &Library) -> u8 {
+fn info(library: &Library) -> Result<u8, Refusal> {
     if library.laws().is_empty() {
         let entry_points = library.entry_points();
         if entry_points.is_empty() {
-            complain(format!("{}: has neither metadata nor an entry point", library.path().display()));
-            return NO_PLUGIN;
+            return Err(no_plugin(format!("{}: has neither metadata nor an entry point", library.path().display())));
         }
         say(&format!(
             "{}: a library without metadata; entry points: {}; a case that uses it gives props, nstatv and, if needed, \
@@ -183,13 +172,13 @@ fn info(library: &Library) -> u8 {
             routines(library),
             place_of(library) + memory()
         ));
-        return DONE;
+        return Ok(DONE);
     }
     for law in library.laws() {
         say(&describe(law, library.path()));
     }
     say(&(routines(library) + &place_of(library) + memory()));
-    DONE
+    Ok(DONE)
 }
 
 /// Returns where cases call it.
@@ -242,33 +231,20 @@ fn laws_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
 }
 
 /// Leaves the laws of a library to the process that started this one.
-fn list_one(library: &Path, rows: &Path) -> u8 {
-    let written = laws_of(library)
-        .and_then(|laws| std::fs::write(rows, serde_json::json!(laws).to_string()).map_err(|error| error.to_string()));
-    match written {
-        Ok(()) => DONE,
-        Err(message) => {
-            complain(message);
-            FAILED
-        }
-    }
+fn list_one(library: &Path, rows: &Path) -> Result<u8, Refusal> {
+    let laws = laws_of(library).map_err(Refusal::failed)?;
+    std::fs::write(rows, serde_json::json!(laws).to_string())?;
+    Ok(DONE)
 }
 
-fn abaqus_input(library: &Library) -> u8 {
+fn abaqus_input(library: &Library) -> Result<u8, Refusal> {
     if library.laws().is_empty() {
-        complain(format!("{}: has no metadata: the order of its constants is not known", library.path().display()));
-        return BAD_INPUT;
+        let message = "has no metadata: the order of its constants is not known";
+        return Err(Refusal::input(format!("{}: {message}", library.path().display())));
     }
-    match library.laws().iter().map(abaqus::input).collect::<Result<Vec<_>, _>>() {
-        Ok(laws) => {
-            say(&laws.join("**\n"));
-            DONE
-        }
-        Err(message) => {
-            complain(message);
-            BAD_INPUT
-        }
-    }
+    let laws: Result<Vec<_>, _> = library.laws().iter().map(abaqus::input).collect();
+    say(&laws.map_err(Refusal::input)?.join("**\n"));
+    Ok(DONE)
 }
 
 fn describe(law: &Law, path: &Path) -> String {

@@ -1,6 +1,6 @@
 //! `pullout props LAW`: calibrated parameters, as JSON to be pasted into a case.
 
-use super::{BAD_INPUT, DONE, complain, say};
+use super::{DONE, Refusal, complain, say};
 use clap::Subcommand;
 use models::concrete_damage::ConcreteDamage;
 use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, Concrete, properties_with_exponent};
@@ -39,7 +39,7 @@ pub(super) enum Law {
 /// Usual values of concretes, from aerated to ultra-high-performance ones, MPa.
 const USUAL: [(&str, [f64; 2]); 3] = [("--E", [500.0, 1e5]), ("--ft", [0.05, 50.0]), ("--fc", [0.5, 500.0])];
 
-pub(super) fn print(law: &Law) -> u8 {
+pub(super) fn print(law: &Law) -> Result<u8, Refusal> {
     let Law::ConcreteDamage {
         youngs_modulus,
         poisson_ratio,
@@ -65,17 +65,10 @@ pub(super) fn print(law: &Law) -> u8 {
             ));
         }
     }
-    match properties_with_exponent(&concrete, compressive_exponent) {
-        Ok(properties) => {
-            let names = ConcreteDamage::INFO.parameters.iter().map(|parameter| parameter.name().to_owned());
-            let table: serde_json::Map<_, _> =
-                names.zip(properties.iter().map(|&value| serde_json::json!(value))).collect();
-            say(&format!("{:#}\n", serde_json::json!({ "plugin": "concrete_damage", "props": table })));
-            DONE
-        }
-        Err(error) => {
-            complain(format!("props concrete_damage: {error}"));
-            BAD_INPUT
-        }
-    }
+    let properties = properties_with_exponent(&concrete, compressive_exponent)
+        .map_err(|error| Refusal::input(format!("props concrete_damage: {error}")))?;
+    let names = ConcreteDamage::INFO.parameters.iter().map(|parameter| parameter.name().to_owned());
+    let table: serde_json::Map<_, _> = names.zip(properties.iter().map(|&value| serde_json::json!(value))).collect();
+    say(&format!("{:#}\n", serde_json::json!({ "plugin": "concrete_damage", "props": table })));
+    Ok(DONE)
 }

@@ -1,11 +1,11 @@
 //! `pullout run` and `pullout check`.
 
-use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, option, refuse, study};
+use super::{BAD_INPUT, DONE, FAILED, Reading, Refusal, complain, isolated, option, study};
 use fe_core::stepping::Recorded;
 use fe_core::threads::Threads;
 use pullout_case::Case;
 use pullout_engine::{Followed, extent, follow};
-use pullout_report::directory::{Access, Kind, Refusal, ResultDirectory};
+use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_report::ending::{RunEnd, conclude};
 use pullout_report::progress::Progress;
 use pullout_report::record::{Kept, Record};
@@ -97,22 +97,17 @@ pub(super) fn check(cases: &[PathBuf], reading: &Reading, quiet: bool, before_ru
     let check = |file: &PathBuf| match reading.need(file) {
         _ if pullout_case::is_study(file) => study::check(file, reading, quiet),
         Some(need) => isolated::check(file, reading, &need, quiet),
-        None => check_here(file, reading, quiet, before_run),
+        None => check_here(file, reading, quiet, before_run).unwrap_or_else(Refusal::told),
     };
     cases.iter().map(check).max().unwrap_or(DONE)
 }
 
 /// Validates a case in this process.
-fn check_here(file: &Path, reading: &Reading, quiet: bool, before_run: bool) -> u8 {
-    let case = match reading.case(file) {
-        Ok(case) => case,
-        Err(errors) => return refuse(&errors),
-    };
+fn check_here(file: &Path, reading: &Reading, quiet: bool, before_run: bool) -> Result<u8, Refusal> {
+    let case = reading.case(file)?;
     if !before_run {
         let _prints = Prints::discard();
-        if let Err(errors) = case.check_laws() {
-            return refuse(&errors);
-        }
+        case.check_laws()?;
     }
     if !quiet {
         say(&format!("{}: no errors\n", file.display()));
@@ -120,7 +115,7 @@ fn check_here(file: &Path, reading: &Reading, quiet: bool, before_run: bool) -> 
         case.about().defaults.iter().for_each(|line| complain(format!("{}: by default, {line}", file.display())));
         case.about().warnings.iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
     }
-    DONE
+    Ok(DONE)
 }
 
 /// A case that is to be run.
@@ -176,7 +171,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
             None => Path::new("out").join(&stem),
         };
         if let Some(aftermath) = &arguments.aftermath {
-            return conclude_here(file, &folder, arguments, aftermath);
+            return conclude_here(file, &folder, arguments, aftermath).unwrap_or_else(Refusal::told);
         }
         if !stems.insert(stem) {
             complain(format!("{}: another case has the same name, and so the same result directory", file.display()));
@@ -211,7 +206,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
                         code = code.max(BAD_INPUT);
                     }
                 },
-                Err(errors) => code = code.max(refuse(&errors)),
+                Err(errors) => code = code.max(Refusal::from(errors).told()),
             },
         }
     }
@@ -222,7 +217,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
     for (job, file, folder) in jobs {
         match open(file, &folder, arguments, &job.libraries()) {
             Ok(directory) => ready.push((job, directory)),
-            Err(refused) => code = code.max(refused),
+            Err(refusal) => code = code.max(refusal.told()),
         }
     }
     if code != DONE {
@@ -243,51 +238,30 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
     ready.into_iter().map(run).max().unwrap_or(DONE)
 }
 
-/// Opens the result directory of a case, or says why not.
-fn open(file: &Path, folder: &Path, arguments: &Arguments, libraries: &[PathBuf]) -> Result<ResultDirectory, u8> {
+/// Opens the result directory of a case.
+fn open(file: &Path, folder: &Path, arguments: &Arguments, libraries: &[PathBuf]) -> Result<ResultDirectory, Refusal> {
     let inputs = [&pullout_case::inputs(file, &arguments.reading.overrides), libraries].concat();
     let is_locked = worker::is_this_process();
     open_for(folder, arguments.kind(), Access { inputs: &inputs, overwrite: arguments.overwrite, is_locked })
 }
 
-/// Opens a result directory, or says why not.
-pub(super) fn open_for(folder: &Path, kind: Kind, access: Access<'_>) -> Result<ResultDirectory, u8> {
-    match ResultDirectory::open(folder, kind, access) {
-        Ok(directory) => {
-            if !access.is_locked {
-                directory.notes().iter().for_each(complain);
-            }
-            Ok(directory)
-        }
-        Err(refusal) => Err(refused(refusal)),
+/// Opens a result directory, and says what the user should know of it.
+pub(super) fn open_for(folder: &Path, kind: Kind, access: Access<'_>) -> Result<ResultDirectory, Refusal> {
+    let directory = ResultDirectory::open(folder, kind, access)?;
+    if !access.is_locked {
+        directory.notes().iter().for_each(complain);
     }
-}
-
-/// Says why a result directory cannot be used; the result is the exit code.
-pub(super) fn refused(refusal: Refusal) -> u8 {
-    match refusal {
-        Refusal::Content(message) => {
-            complain(message);
-            BAD_INPUT
-        }
-        Refusal::System(error) => {
-            complain(error);
-            FAILED
-        }
-    }
+    Ok(directory)
 }
 
 /// Makes results of the rows that a run left which was ended from outside.
-fn conclude_here(file: &Path, folder: &Path, arguments: &Arguments, aftermath: &str) -> u8 {
-    let case = match arguments.reading.case(file) {
-        Ok(case) => case,
-        Err(errors) => return refuse(&errors),
-    };
+fn conclude_here(file: &Path, folder: &Path, arguments: &Arguments, aftermath: &str) -> Result<u8, Refusal> {
+    let case = arguments.reading.case(file)?;
     let concluded = ResultDirectory::join(folder, arguments.kind()).and_then(|mut directory| {
         let end = RunEnd::of(&case, folder, serde_json::from_str(aftermath)?)?;
         conclude(&case, &mut directory, end, None)
     });
-    tell(&case, folder, arguments.quiet, concluded)
+    Ok(tell(&case, folder, arguments.quiet, concluded))
 }
 
 /// Says what came out of a run; the result is its exit code.

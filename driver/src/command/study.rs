@@ -1,6 +1,6 @@
 //! `pullout study`, and what `pullout check` does with a study.
 
-use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, run, say};
+use super::{BAD_INPUT, DONE, FAILED, Reading, Refusal, complain, isolated, run, say};
 use indicatif::{ProgressBar, ProgressStyle};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_run::isolation::prints::Prints;
@@ -124,7 +124,7 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
         },
     );
     drop(prints);
-    let own = read.as_ref().map_or_else(refuse, |_| DONE);
+    let own = read.as_ref().map_or_else(|errors| Refusal::from(errors.clone()).told(), |_| DONE);
     let theirs = apart.iter().map(|(base, own, need)| {
         let code = isolated::check_before_run(base, own, need);
         // what is wrong has been said, of the case alone
@@ -188,10 +188,10 @@ fn open(study: &Study, folder: &Path, arguments: &Arguments) -> Result<ResultDir
         }
     }
     let access = |inputs| Access { inputs, overwrite: arguments.overwrite, is_locked: false };
-    let directory = run::open_for(folder, Kind::Study, access(&inputs))?;
-    let checked =
-        of_runs.iter().filter_map(|(folder, inputs)| run::open_for(folder, Kind::Member, access(inputs)).err());
-    checked.max().map_or(Ok(directory), Err)
+    let open = |folder: &Path, kind, inputs| run::open_for(folder, kind, access(inputs)).map_err(Refusal::told);
+    let directory = open(folder, Kind::Study, &inputs)?;
+    let refused = of_runs.iter().filter_map(|(folder, inputs)| open(folder, Kind::Member, inputs).err());
+    refused.max().map_or(Ok(directory), Err)
 }
 
 fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &Arguments) -> io::Result<u8> {

@@ -1,6 +1,6 @@
 //! `pullout sweep`: many runs of a case of which numbers are kept.
 
-use super::{BAD_INPUT, DONE, FAILED, Place, complain, refuse, say};
+use super::{BAD_INPUT, DONE, FAILED, Place, Refusal, complain, say};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
 use pullout_sweep::{Standing, Store, Work, Worked, batch};
@@ -123,7 +123,7 @@ pub(super) fn act(action: &Action) -> u8 {
             let store = Store::new(out);
             match pullout_sweep::plan(file, design.as_deref(), plugin_paths, &store) {
                 Ok(_) => status(&store),
-                Err(errors) => return refuse(&errors),
+                Err(errors) => return Refusal::from(errors).told(),
             }
         }
         Action::Work(toil) => work(toil),

@@ -46,7 +46,7 @@ impl Fingerprints {
         for file in files {
             digest.update(of_file(&file));
         }
-        digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        input::hexadecimal(digest)
     }
 }
 

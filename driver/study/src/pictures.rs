@@ -111,7 +111,7 @@ fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: 
                 points: result.curve(columns),
                 columns: (columns.x.clone(), columns.y.clone()),
                 style: Style { color, dash: dash + again },
-                marked: false,
+                ..Line::default()
             });
         }
     }
@@ -130,10 +130,8 @@ fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: 
         x: quantity(&columns.x),
         y: quantity(&columns.y),
         lines,
-        marks: Vec::new(),
-        equal_units: false,
-        scale: Scale::Linear,
         key,
+        ..Figure::default()
     }
 }
 
@@ -195,10 +193,8 @@ fn along_x(
         },
         y,
         lines: study.series.iter().enumerate().map(line).collect(),
-        marks: Vec::new(),
-        equal_units: false,
         scale,
-        key: None,
         name: name.clone(),
+        ..Figure::default()
     }
 }

@@ -88,11 +88,7 @@ pub fn write_csv(directory: &mut ResultDirectory, study: &Study, results: &Resul
 }
 
 fn csv_of(study: &Study, results: &Results) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let exact = |value: Option<f64>| -> String {
-        let mut text = Vec::new();
-        value.into_iter().for_each(|value| number::push_exact(&mut text, value));
-        String::from_utf8(text).unwrap_or_default()
-    };
+    let exact = |value: Option<f64>| value.map_or_else(String::new, number::exact);
     let count = |count: Option<u64>| count.map_or(String::new(), |count| count.to_string());
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(COLUMNS)?;

@@ -265,26 +265,15 @@ fn surface(
         return None;
     };
     let edges = scene.edge_set(reader, name, place)?;
-    match chain::in_order(scene.mesh?, edges) {
-        Ok(edges) => Some(edges),
-        Err(message) => {
-            reader.problem(place, format!("'{name}': {message}"));
-            None
-        }
-    }
+    let chain = chain::in_order(scene.mesh?, edges).map_err(|message| format!("'{name}': {message}"));
+    reader.without_problem(chain, place)
 }
 
 fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<ContactLaw> {
     let place_of_law = place.key("law");
     let material = reader.piece(&pair.law, &place_of_law)?;
-    let entry = match material.entry {
-        None | Some(Entry::Uinter) => Entry::Uinter,
-        Some(Entry::Fric) => Entry::Fric,
-        Some(Entry::Umat) => {
-            reader.problem(&place_of_law.key("entry"), "contact calls the entry point uinter or fric");
-            Entry::Uinter
-        }
-    };
+    let message = "contact calls the entry point uinter or fric";
+    let entry = plugin::contact_entry(reader, material.entry, &place_of_law, message);
     if material.statev0.is_some() {
         reader.problem(&place_of_law.key("statev0"), "the states of contact start from 0: leave it out");
     }

@@ -106,31 +106,21 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
         }
         document::MeshSource::File(source) => {
             let properties = file_properties(reader, case)?;
-            let file = reader.file(&source.file, &place.key("file"))?;
-            let bytes = match input::read(&file, Input::Mesh) {
-                Ok(bytes) => bytes,
-                Err(error) => {
-                    reader.problem(&place.key("file"), format!("{} cannot be read: {error}", file.display()));
-                    return None;
-                }
-            };
-            match gmsh::read(&file, &bytes, &properties) {
-                Ok((definition, turned)) => {
-                    if let Some(first) = turned.first() {
-                        let which = match turned.len() {
-                            1 => format!("element {first} has"),
-                            count => format!("{count} elements (the first is {first}) have"),
-                        };
-                        reader.warnings.push(format!("{}: {which} clockwise nodes: turned round", file.display()));
-                    }
-                    let words = format!("file {}", source.file);
-                    Some(Ground { definition, words, diameter: None, defaults: Defaults::default() })
-                }
-                Err(error) => {
-                    reader.problem(&place.key("file"), error.to_string());
-                    None
-                }
+            let place = place.key("file");
+            let file = reader.file(&source.file, &place)?;
+            let bytes = input::read(&file, Input::Mesh);
+            let bytes = bytes.map_err(|error| format!("{} cannot be read: {error}", file.display()));
+            let bytes = reader.without_problem(bytes, &place)?;
+            let (definition, turned) = reader.without_problem(gmsh::read(&file, &bytes, &properties), &place)?;
+            if let Some(first) = turned.first() {
+                let which = match turned.len() {
+                    1 => format!("element {first} has"),
+                    count => format!("{count} elements (the first is {first}) have"),
+                };
+                reader.warnings.push(format!("{}: {which} clockwise nodes: turned round", file.display()));
             }
+            let words = format!("file {}", source.file);
+            Some(Ground { definition, words, diameter: None, defaults: Defaults::default() })
         }
     }
 }
@@ -154,7 +144,7 @@ pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
         };
         definition.node_sets.entry(part.name.clone()).or_insert_with(nodes);
     }
-    Mesh::new(definition).map_err(|error| reader.problem(&Place::root().key("mesh"), error.to_string())).ok()
+    reader.without_problem(Mesh::new(definition), &Place::root().key("mesh"))
 }
 
 /// Properties that a case gives a part besides its material.

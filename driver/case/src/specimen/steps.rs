@@ -3,10 +3,10 @@
 use super::boundary::{Boundary, Drives, SLIP};
 use crate::document::pullout as document;
 use crate::document::pullout::PulloutStep as StepDocument;
-use crate::document::{Cycle, Cycles, Piece, PulloutCase};
+use crate::document::{Cycles, Piece, PulloutCase};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use crate::steps::{self, Counted};
+use crate::steps::{self, Counted, Found};
 use crate::{fields as field_values, history};
 use fe_core::model::{Fields, Step, StepControl};
 use pullout_run::columns;
@@ -34,27 +34,17 @@ impl Counted for ResolvedStep {
     }
 }
 
-impl steps::StepDocument for StepDocument {
-    fn cycle(&self) -> Option<(&Cycle<Self>, bool)> {
-        match self {
-            Self::Cycle(cycle) => Some((cycle, false)),
-            Self::Cycles(wrapper) => Some((&wrapper.cycles, true)),
-            Self::Ramp(_) => None,
-        }
-    }
-}
-
 /// All steps, cycles expanded.
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Boundary) -> Vec<ResolvedStep> {
     let place = Place::root().key("steps");
     let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let columns = columns::of_specimen(&boundary.measured.fibres);
     let drives = &mut boundary.drives;
-    let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| match step {
-        StepDocument::Ramp(ramp) => Some(one_step(reader, ramp, drives, &columns, place)),
-        StepDocument::Cycle(_) | StepDocument::Cycles(_) => None,
-    };
-    let steps = steps::expand(reader, documents, &place, &mut resolve);
+    let steps = steps::expand(reader, documents, &place, &mut |reader, step, place| match step {
+        StepDocument::Ramp(ramp) => Found::Step(Some(one_step(reader, ramp, drives, &columns, place))),
+        StepDocument::Cycle(cycle) => Found::Cycle(cycle),
+        StepDocument::Cycles(wrapper) => Found::Cycles(&wrapper.cycles),
+    });
     for (name, place) in drives.idle() {
         reader.warnings.push(format!("{}: no step moves the drive '{name}': it stays 0", place.in_words()));
     }

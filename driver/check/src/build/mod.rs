@@ -21,12 +21,11 @@ use pullout_run::input::{self, Input};
 use scan::Scan;
 use source::{Language, Source};
 use std::ffi::OsString;
-use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use symbols::Symbols;
-use umat_abi::host::{UnavailableUtilities, library_file_name, utilities_path};
+use umat_abi::host::{library_file_name, utilities_path};
 
 /// Sources to build, and the library to make of them.
 #[derive(Clone, Debug)]
@@ -55,9 +54,10 @@ pub struct Built {
 }
 
 /// Reason why there is no library.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum Refusal {
-    /// A source that is no file, or of no known language; an output that must not be overwritten.
+    /// A source that is no file, or of no known language; an output that must not be overwritten: nothing was run.
+    #[error("{}: {message}", file.display())]
     File {
         /// The file.
         file: PathBuf,
@@ -65,87 +65,24 @@ pub enum Refusal {
         message: String,
     },
     /// A compiler is not installed.
+    #[error("{}: {program} is needed for it and is not installed (on Debian: apt install {program})", file.display())]
     NoCompiler {
         /// Program.
         program: &'static str,
         /// File that it is needed for.
         file: PathBuf,
     },
-    /// A compiler or the linker refused.
-    Compilation {
-        /// The program.
-        program: &'static str,
-        /// Source that it was to compile, or library that it was to make.
-        file: PathBuf,
-        /// The compiler's own words.
-        output: String,
-        /// Advice that may help.
-        hint: String,
-    },
-    /// The library would find these neither in itself nor in this program.
-    Undefined {
-        /// The library.
-        library: PathBuf,
-        /// Names of the symbols.
-        symbols: Vec<String>,
-        /// Names of the utility routines that there are.
-        offered: Vec<String>,
-    },
-    /// The library has no entry point.
-    NoEntryPoint {
-        /// The library.
-        library: PathBuf,
-        /// Routines that it has instead.
-        hint: String,
-    },
-    /// The library of the utility routines is missing.
-    Utilities(UnavailableUtilities),
+    /// A compiler that refuses, a library that would not work.
+    #[error("{0}")]
+    Failed(String),
     /// A file could not be read or written.
-    Io(io::Error),
+    #[error(transparent)]
+    Io(#[from] io::Error),
 }
 
-impl From<io::Error> for Refusal {
-    fn from(error: io::Error) -> Self {
-        Self::Io(error)
-    }
-}
-
-impl Refusal {
-    /// Returns whether the request itself was wrong, and nothing was run.
-    pub fn is_bad_input(&self) -> bool {
-        matches!(self, Self::File { .. })
-    }
-}
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File { file, message } => write!(f, "{}: {message}", file.display()),
-            Self::NoCompiler { program, file } => write!(
-                f,
-                "{}: {program} is needed for it and is not installed (on Debian: apt install {program})",
-                file.display()
-            ),
-            Self::Compilation { program, file, output, hint } => {
-                write!(f, "{}\n{}: {program} could not make it{hint}", output.trim_end(), file.display())
-            }
-            Self::Undefined { library, symbols, offered } => write!(
-                f,
-                "{}: not built: undefined {}: {}; add the source or the library that defines {} (of the utility \
-                 routines of ABAQUS this program offers {})",
-                library.display(),
-                if symbols.len() == 1 { "symbol" } else { "symbols" },
-                symbols.join(", "),
-                if symbols.len() == 1 { "it" } else { "them" },
-                offered.join(", "),
-            ),
-            Self::NoEntryPoint { library, hint } => {
-                write!(f, "{}: not built: it has none of the symbols umat_, uinter_, fric_{hint}", library.display())
-            }
-            Self::Utilities(unavailable) => unavailable.fmt(f),
-            Self::Io(error) => error.fmt(f),
-        }
-    }
+/// A compiler or the linker could not make something of `file`; `output`: its own words, `hint`: advice that may help.
+fn refused(program: &str, file: &Path, output: &str, hint: &str) -> Refusal {
+    Refusal::Failed(format!("{}\n{}: {program} could not make it{hint}", output.trim_end(), file.display()))
 }
 
 /// Builds a library.
@@ -156,7 +93,7 @@ pub fn build(request: &Request) -> Result<Built, Refusal> {
     let sources = request.sources.iter().map(|file| Source::new(file, request.form)).collect::<Result<Vec<_>, _>>()?;
     let output = request.output.clone().unwrap_or_else(|| default_output(&request.sources));
     may_be_written(&output, &sources)?;
-    let utilities = utilities_path().map_err(Refusal::Utilities)?;
+    let utilities = utilities_path().map_err(|error| Refusal::Failed(error.to_string()))?;
     let folder = tempfile::tempdir()?;
     let scans: Vec<_> = sources.iter().map(Scan::of).collect();
     includes::write(folder.path(), &scans)?;
@@ -180,12 +117,13 @@ pub fn build(request: &Request) -> Result<Built, Refusal> {
     let made = folder.path().join("made.so");
     let (linked, words) = run(linker.program, &output, &mut linker.command(&objects, &made, &request.flags))?;
     if !linked {
-        return Err(linker.refusal(output, words));
+        return Err(refused(linker.program, &output, &words, ""));
     }
     let symbols = Symbols::read(&made)?;
     let entry_points = symbols.entry_points();
     if !symbols.has_law(&output) {
-        return Err(Refusal::NoEntryPoint { hint: symbols.hint(), library: output });
+        let none = "not built: it has none of the symbols umat_, uinter_, fric_";
+        return Err(Refusal::Failed(format!("{}: {none}{}", output.display(), symbols.hint())));
     }
     put(&made, &output).map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", output.display())))?;
     let not_offered = not_offered.iter().map(|symbol| stubs::name(symbol)).collect();
@@ -227,7 +165,7 @@ fn put(made: &Path, output: &Path) -> io::Result<()> {
 /// Returns what the objects call and no one defines: the utility routines are at hand for this question, but are not linked in.
 ///
 /// # Errors
-/// [`Refusal::Undefined`] if there is anything but further routines of ABAQUS.
+/// There is anything but further routines of ABAQUS.
 fn undefined(
     linker: &Linker,
     objects: &[PathBuf],
@@ -244,14 +182,21 @@ fn undefined(
     }
     let symbols = symbols::undefined(&words);
     if symbols.is_empty() {
-        return Err(linker.refusal(output.to_path_buf(), words));
+        return Err(refused(linker.program, output, &words, ""));
     }
     let (known, unknown): (Vec<_>, Vec<_>) = symbols.into_iter().partition(|symbol| stubs::is_utility(symbol));
     if unknown.is_empty() {
         return Ok(known);
     }
     let offered = Symbols::read(utilities)?.routines();
-    Err(Refusal::Undefined { library: output.to_path_buf(), symbols: unknown, offered })
+    let (what, them) = if unknown.len() == 1 { ("symbol", "it") } else { ("symbols", "them") };
+    Err(Refusal::Failed(format!(
+        "{}: not built: undefined {what}: {}; add the source or the library that defines {them} (of the utility \
+         routines of ABAQUS this program offers {})",
+        output.display(),
+        unknown.join(", "),
+        offered.join(", "),
+    )))
 }
 
 fn default_output(sources: &[PathBuf]) -> PathBuf {
@@ -293,7 +238,7 @@ fn compile(source: &Source, scan: &Scan, number: usize, folder: &Path, request: 
         Language::Fortran(Form::Free) => "; it was read in free form: --fixed if it is in fixed form",
         _ => "",
     };
-    Err(Refusal::Compilation { program, file: source.file.clone(), output, hint: hint.into() })
+    Err(refused(program, &source.file, &output, hint))
 }
 
 /// Compiles a C source of ours.
@@ -304,8 +249,7 @@ fn compile_own(name: &str, text: &str, folder: &Path) -> Result<PathBuf, Refusal
     let mut command = Command::new("gcc");
     command.args(["-c", "-fPIC", "-O1", "-o"]).arg(&object).arg(&file);
     let (done, output) = run("gcc", &file, &mut command)?;
-    let hint = String::new();
-    if done { Ok(object) } else { Err(Refusal::Compilation { program: "gcc", file, output, hint }) }
+    if done { Ok(object) } else { Err(refused("gcc", &file, &output, "")) }
 }
 
 /// A path that no compiler takes for an option.
@@ -347,9 +291,5 @@ impl Linker {
         command.args(objects.iter().map(|object| absolute(object))).args(flags);
         command.args(self.libraries.iter().map(OsString::from));
         command
-    }
-
-    fn refusal(&self, library: PathBuf, output: String) -> Refusal {
-        Refusal::Compilation { program: self.program, file: library, output, hint: String::new() }
     }
 }

@@ -44,8 +44,7 @@ fn chosen(sample: &[State]) -> impl Iterator<Item = &State> {
 
 /// NaN and infinities in strains, increments and states, one at a time.
 pub(super) fn not_finite(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "NaN and infinity";
-    ledger.begin(CHECK);
+    ledger.begin("NaN and infinity");
     let described = subject.described();
     // Third-party code may loop for ever on infinity; NaN ends most loops.
     let values = if described { &BAD[..] } else { &BAD[..1] };
@@ -69,9 +68,9 @@ pub(super) fn not_finite(subject: &mut Subject<'_>, sample: &[State], ledger: &m
     }
     let figure = format!("{}/{tried} refused", tried - wrong);
     match (wrong, described) {
-        (0, _) => ledger.add(CHECK, Verdict::Pass, figure, said.told("outputs untouched")),
-        (_, true) => ledger.add(CHECK, Verdict::Fail, figure, said.told(first)),
-        (_, false) => ledger.add(CHECK, Verdict::Info, figure, said.told(first)),
+        (0, _) => ledger.add(Verdict::Pass, figure, said.told("outputs untouched")),
+        (_, true) => ledger.add(Verdict::Fail, figure, said.told(first)),
+        (_, false) => ledger.add(Verdict::Info, figure, said.told(first)),
     }
 }
 
@@ -130,21 +129,20 @@ impl Refusals {
         }
     }
 
-    fn report(self, check: &'static str, ledger: &mut Ledger<'_>) {
+    fn report(self, ledger: &mut Ledger<'_>) {
         let figure = format!("{}/{} refused", self.tried - self.accepted.len(), self.tried);
         match self.accepted.first() {
-            None => ledger.add(check, Verdict::Pass, figure, self.said.told("")),
-            Some(first) => ledger.add(check, Verdict::Fail, figure, self.said.told(first)),
+            None => ledger.add(Verdict::Pass, figure, self.said.told("")),
+            Some(first) => ledger.add(Verdict::Fail, figure, self.said.told(first)),
         }
     }
 }
 
 /// Each parameter NaN, infinite, outside its bounds, none of its choices.
 pub(super) fn properties(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "wrong PROPS";
-    ledger.begin(CHECK);
+    ledger.begin("wrong PROPS");
     let (Some(law), Some(state)) = (&subject.plugin.law, sample.first()) else {
-        return ledger.skip(CHECK, "no metadata: bounds are unknown");
+        return ledger.skip("no metadata: bounds are unknown");
     };
     let mut refusals = Refusals::new(&subject.plugin.library);
     for k in 0..subject.props.len() {
@@ -158,15 +156,14 @@ pub(super) fn properties(subject: &mut Subject<'_>, sample: &[State], ledger: &m
             refusals.note(&state.from, &answer, answer.output.len(), || format!("{} = {value}", parameter.name));
         }
     }
-    refusals.report(CHECK, ledger);
+    refusals.report(ledger);
 }
 
 /// Wrong NTENS, NSTATV, NPROPS, and stress states that the law does not support.
 pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "wrong counts";
-    ledger.begin(CHECK);
+    ledger.begin("wrong counts");
     let (Some(law), Some(state)) = (&subject.plugin.law, sample.first()) else {
-        return ledger.skip(CHECK, "no metadata: what the plugin checks is unknown");
+        return ledger.skip("no metadata: what the plugin checks is unknown");
     };
     let mut alterations = Vec::new();
     let count = |n: usize| i32::try_from(n).unwrap_or(i32::MAX);
@@ -201,18 +198,17 @@ pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut L
         };
         refusals.note(&state.from, &answer, components, || format!("{alteration:?}"));
     }
-    refusals.report(CHECK, ledger);
+    refusals.report(ledger);
 }
 
 /// CELENT 0, NaN, negative and NULL: all alike, by a law that does not need it now or by a refusal; no division by it.
 pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "CELENT unusable";
-    ledger.begin(CHECK);
+    ledger.begin("CELENT unusable");
     if !matches!(subject.entry, Entry::Umat(_)) {
         return;
     }
     if !subject.claims(flags::USES_CELENT) {
-        return ledger.skip(CHECK, "not used");
+        return ledger.skip("not used");
     }
     let said = Capture::start(&subject.plugin.library);
     let length = subject.length;
@@ -222,7 +218,7 @@ pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[State],
         let refused = cut_back(&expected) && not_a_number(&state.from, &expected, expected.output.len());
         if !finite && !refused {
             let detail = format!("NULL in {state}: {}", words(&state.from, &expected));
-            return ledger.add(CHECK, Verdict::Fail, "", detail);
+            return ledger.add(Verdict::Fail, "", detail);
         }
         for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             subject.length = value;
@@ -230,9 +226,9 @@ pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[State],
             subject.length = length;
             if !answer.same(&expected) {
                 let detail = format!("CELENT {value} in {state} differs from NULL");
-                return ledger.add(CHECK, Verdict::Fail, "", detail);
+                return ledger.add(Verdict::Fail, "", detail);
             }
         }
     }
-    ledger.add(CHECK, Verdict::Pass, "", said.told("0, NaN, negative, infinite and NULL alike"));
+    ledger.add(Verdict::Pass, "", said.told("0, NaN, negative, infinite and NULL alike"));
 }

@@ -7,13 +7,12 @@ use super::subject::Subject;
 use std::collections::BTreeSet;
 use umat_abi::host::{Alignment, Probed};
 
-const CHECK: &str = "outside arrays";
 /// States tried: each costs two processes.
 const STATES: usize = 8;
 
 /// Reads and writes outside the arrays.
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    ledger.begin(CHECK);
+    ledger.begin("outside arrays");
     if subject.described() {
         return;
     }
@@ -22,7 +21,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     for state in sample.iter().rev().take(STATES) {
         for alignment in [Alignment::End, Alignment::Start] {
             match subject.probe(&state.from, &state.step, alignment) {
-                Err(error) => return ledger.skip(CHECK, &format!("no process could be started: {error}")),
+                Err(error) => return ledger.skip(&format!("no process could be started: {error}")),
                 Ok(Probed::Clean) => {}
                 Ok(Probed::Trespass(trespass)) => {
                     let argument = trespass.argument.to_uppercase();
@@ -37,7 +36,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     }
     let figure = format!("{calls} calls");
     if findings.is_empty() {
-        return ledger.add(CHECK, Verdict::Pass, figure, "");
+        return ledger.add(Verdict::Pass, figure, "");
     }
-    ledger.add(CHECK, Verdict::Fail, figure, findings.into_iter().collect::<Vec<_>>().join("; "));
+    ledger.add(Verdict::Fail, figure, findings.into_iter().collect::<Vec<_>>().join("; "));
 }

@@ -11,7 +11,6 @@ use std::io;
 use std::time::Duration;
 use umat_abi::host::{ExternalDatabases, FricCall, UinterCall, UmatCall};
 
-const CHECK: &str = "case's path";
 /// Increments kept; of a longer path every second, fourth, ...
 const KEPT: usize = 4096;
 /// Time that the path may take: a check is not a run.
@@ -43,7 +42,7 @@ impl CasePath {
         databases: &mut ExternalDatabases,
         ledger: &mut Ledger<'_>,
     ) -> Self {
-        ledger.begin(CHECK);
+        ledger.begin("case's path");
         let mut program = program.clone();
         program.about.every = 1;
         let entry = entry(&program);
@@ -66,7 +65,7 @@ impl CasePath {
         };
         let taken = statistics.increments;
         let verdict = if failure.is_some() { Verdict::Warn } else { Verdict::Info };
-        ledger.add(CHECK, verdict, format!("{taken} increments"), failure.unwrap_or_default());
+        ledger.add(verdict, format!("{taken} increments"), failure.unwrap_or_default());
         Self { entry, increments: keeper.increments, taken }
     }
 

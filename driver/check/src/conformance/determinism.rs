@@ -35,10 +35,10 @@ pub(super) fn repeatability(subject: &mut Subject<'_>, sample: &[State], ledger:
         let (first, second) = (answer(subject, state), answer(subject, state));
         if !first.same(&second) {
             let detail = format!("{state}: {}", difference(&first, &second));
-            return ledger.add("repeated call", Verdict::Fail, "", detail);
+            return ledger.add(Verdict::Fail, "", detail);
         }
     }
-    ledger.add("repeated call", Verdict::Pass, "bit for bit", "");
+    ledger.add(Verdict::Pass, "bit for bit", "");
 }
 
 /// Every state again after all others, in reversed order, and one in between each pair.
@@ -49,22 +49,21 @@ pub(super) fn call_order(subject: &mut Subject<'_>, sample: &[State], ledger: &m
         let again = answer(subject, state);
         if !before.same(&again) {
             let detail = format!("{state} after others: {} (hidden memory)", difference(before, &again));
-            return ledger.add("order of calls", Verdict::Fail, "", detail);
+            return ledger.add(Verdict::Fail, "", detail);
         }
     }
-    ledger.add("order of calls", Verdict::Pass, "bit for bit", "");
+    ledger.add(Verdict::Pass, "bit for bit", "");
 }
 
 /// All threads at once on different states, against the answers of one.
 pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], options: &Options, ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "thread safety";
-    ledger.begin(CHECK);
+    ledger.begin("thread safety");
     if !subject.claims(flags::THREAD_SAFE) {
-        return ledger.skip(CHECK, "not claimed");
+        return ledger.skip("not claimed");
     }
     let expected: Vec<Answer> = sample.iter().map(|state| answer(subject, state)).collect();
     let twins: Result<Vec<_>, _> = (0..THREADS).map(|_| subject.twin(&subject.props.clone(), subject.nstatv)).collect();
-    let Ok(twins) = twins else { return ledger.skip(CHECK, "no second call could be prepared") };
+    let Ok(twins) = twins else { return ledger.skip("no second call could be prepared") };
     let work = |mut twin: Subject<'_>, thread: usize| {
         let first = thread * sample.len() / THREADS;
         for k in (0..ROUNDS * sample.len()).map(|k| (first + k) % sample.len()) {
@@ -87,21 +86,20 @@ pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], options: &Opt
     });
     let calls = format!("{} calls", wrong.len() * ROUNDS * sample.len());
     match wrong.iter().flatten().next() {
-        None if wrong.len() > 1 => ledger.add(CHECK, Verdict::Pass, calls, format!("{} threads", wrong.len())),
-        None => ledger.skip(CHECK, "the system gives no threads"),
+        None if wrong.len() > 1 => ledger.add(Verdict::Pass, calls, format!("{} threads", wrong.len())),
+        None => ledger.skip("the system gives no threads"),
         Some(number) => {
             let detail = format!("state {number} (seed {}) differs from the single thread's answer", options.seed);
-            ledger.add(CHECK, Verdict::Fail, calls, detail);
+            ledger.add(Verdict::Fail, calls, detail);
         }
     }
 }
 
 /// The tangent's pointer NULL gives the same stress and states.
 pub(super) fn stress_only(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "stress only";
-    ledger.begin(CHECK);
+    ledger.begin("stress only");
     if !subject.claims(flags::STRESS_ONLY) {
-        return ledger.skip(CHECK, "not claimed");
+        return ledger.skip("not claimed");
     }
     let tangent = subject.argument_names().1;
     for state in sample {
@@ -109,8 +107,8 @@ pub(super) fn stress_only(subject: &mut Subject<'_>, sample: &[State], ledger: &
         let stress = subject.call(&state.from, &state.step, 0.0, Alteration::Null(tangent));
         if !full.same_response(&stress) || full.outcome != stress.outcome {
             let detail = format!("{state}: {}", difference(&full, &stress));
-            return ledger.add(CHECK, Verdict::Fail, "", detail);
+            return ledger.add(Verdict::Fail, "", detail);
         }
     }
-    ledger.add(CHECK, Verdict::Pass, "bit for bit", "");
+    ledger.add(Verdict::Pass, "bit for bit", "");
 }

@@ -70,15 +70,14 @@ fn dissipated(energies: &[f64; 5]) -> f64 {
 
 /// The rows "energy balance" and "dissipation".
 pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "energy balance";
-    ledger.begin(CHECK);
+    ledger.begin("energy balance");
     if subject.reads_gradient {
-        return ledger.skip(CHECK, "finite strain: which volume its energies belong to is the law's choice");
+        return ledger.skip("finite strain: which volume its energies belong to is the law's choice");
     }
     let is_heated =
         |path: &CasePath| path.increments.iter().any(|increment| increment.from.setting.temperature[1] != 0.0);
     if subject.path.as_deref().is_some_and(is_heated) {
-        return ledger.skip(CHECK, "the case changes the temperature: heat is energy as well");
+        return ledger.skip("the case changes the temperature: heat is energy as well");
     }
     let mut random = Random::new(options.seed ^ 0xE4E6);
     let calls = LEGS * (INCREMENTS << (HALVINGS + 1)) as usize;
@@ -108,13 +107,13 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
             true
         });
         if paths.is_empty() {
-            return ledger.add(CHECK, Verdict::Warn, "", "every path was cut short by a cut-back request");
+            return ledger.add(Verdict::Warn, "", "every path was cut short by a cut-back request");
         }
         let mean = |level| paths.iter().map(|path| path.errors[level]).sum::<f64>() / paths.len() as f64;
         errors = (0..=halvings).map(mean).collect();
     }
     if !returned && !subject.described() {
-        return ledger.add(CHECK, Verdict::Info, "", "the plugin returns no energies");
+        return ledger.add(Verdict::Info, "", "the plugin returns no energies");
     }
     let [.., before, last] = errors[..] else { unreachable!("two subdivisions at least") };
     let verdict = match converges(&errors) {
@@ -129,10 +128,10 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
         paths.len(),
         if is_told { "" } else { "; undecided: the plugin is too slow for more halvings" }
     );
-    ledger.add(CHECK, verdict, format!("{last:.1e}"), detail);
+    ledger.add(verdict, format!("{last:.1e}"), detail);
     // Nothing promises it: some published laws do not dissipate at every step.
     let verdict = if fall <= tolerances::DISSIPATION { Verdict::Pass } else { Verdict::Warn };
-    ledger.add(
+    ledger.row(
         "dissipation grows",
         verdict,
         format!("{:.1e}", fall.max(0.0)),

@@ -14,8 +14,7 @@ const STATES: usize = 12;
 
 /// Variables that change from call to call. What was set up once, in the calls so far, does not.
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "data between calls";
-    ledger.begin(CHECK);
+    ledger.begin("data between calls");
     if subject.described() {
         return;
     }
@@ -28,14 +27,14 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
         before = after;
     }
     if changed.is_empty() {
-        return ledger.add(CHECK, Verdict::Pass, "none", "");
+        return ledger.add(Verdict::Pass, "none", "");
     }
     let names = variables(subject.plugin.library.path(), &changed);
     let detail = format!(
         "changes {}: scratch, or memory that other points, repeated increments and replays do not find",
         names.into_iter().collect::<Vec<_>>().join(", ")
     );
-    ledger.add(CHECK, Verdict::Warn, format!("{} bytes", changed.len()), detail);
+    ledger.add(Verdict::Warn, format!("{} bytes", changed.len()), detail);
 }
 
 /// Names of what lies at these addresses of a library's file.

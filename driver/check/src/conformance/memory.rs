@@ -28,8 +28,8 @@ pub(super) fn unset_entries(subject: &mut Subject<'_>, sample: &[State], ledger:
     }
     let detail = unset.iter().cloned().collect::<Vec<_>>().join(", ");
     match unset.len() {
-        0 => ledger.add("tangent entries set", Verdict::Pass, "", ""),
-        n => ledger.add("tangent entries set", Verdict::Fail, format!("{n} unset"), format!("never written: {detail}")),
+        0 => ledger.add(Verdict::Pass, "", ""),
+        n => ledger.add(Verdict::Fail, format!("{n} unset"), format!("never written: {detail}")),
     }
 }
 
@@ -41,18 +41,18 @@ pub(super) fn inputs_untouched(subject: &mut Subject<'_>, sample: &[State], ledg
         let changed = subject.changed_inputs(&state.from, &state.step);
         if !changed.is_empty() {
             let detail = format!("{state}: writes to {}", changed.join(", "));
-            return ledger.add("inputs untouched", Verdict::Fail, "", detail);
+            return ledger.add(Verdict::Fail, "", detail);
         }
     }
-    ledger.add("inputs untouched", Verdict::Pass, "", "");
+    ledger.add(Verdict::Pass, "", "");
 }
 
 /// Writes behind the ends of arrays, in any call of any check.
 pub(super) fn overruns(subject: &Subject<'_>, ledger: &mut Ledger<'_>) {
     if subject.overruns.is_empty() {
-        return ledger.add("array bounds", Verdict::Pass, "", "");
+        return ledger.row("array bounds", Verdict::Pass, "", "");
     }
     let arrays: Vec<_> = subject.overruns.iter().map(|(array, calls)| format!("{array} in {calls} calls")).collect();
     let detail = format!("writes behind the end of {}", arrays.join(", "));
-    ledger.add("array bounds", Verdict::Fail, format!("{} arrays", arrays.len()), detail);
+    ledger.row("array bounds", Verdict::Fail, format!("{} arrays", arrays.len()), detail);
 }

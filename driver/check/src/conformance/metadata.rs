@@ -54,7 +54,7 @@ pub(super) fn check(law: &Law, props: &[f64], length: Option<f64>, ledger: &mut 
 
 fn report(ledger: &mut Ledger<'_>, check: &'static str, figure: String, errors: Vec<String>) {
     let verdict = if errors.is_empty() { Verdict::Pass } else { Verdict::Fail };
-    ledger.add(check, verdict, figure, errors.join("; "));
+    ledger.row(check, verdict, figure, errors.join("; "));
 }
 
 fn parameter_errors(law: &Law) -> Vec<String> {

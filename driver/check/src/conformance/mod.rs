@@ -75,7 +75,7 @@ pub struct Options {
     /// The one stress state that is checked of the laws of a library with metadata, without a case.
     pub stress_state: Option<StressState>,
     /// Told of what happens as it happens: a plugin may end the process before the end.
-    pub listener: Option<fn(Event<'_>)>,
+    pub listener: Option<fn(Event)>,
 }
 
 impl Default for Options {
@@ -178,7 +178,7 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
         match Subject::new(plugin, entry, &props, options, path) {
             Ok(subject) => subjects.push(subject),
             Err(error) if describes => {
-                Ledger::new(&mut report, label).add("entry point", Verdict::Fail, "missing", error.to_string());
+                Ledger::new(&mut report, label).row("entry point", Verdict::Fail, "missing", error.to_string());
             }
             Err(_) => {}
         }
@@ -229,7 +229,7 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
     if options.longest_path == Some(0) {
         let detail =
             "not tested: the plugin does not survive the case's first increment: only the virgin state was judged";
-        return ledger.add("answers", Verdict::NotTested, "none", detail);
+        return ledger.row("answers", Verdict::NotTested, "none", detail);
     }
     scale::find(subject, options, ledger);
     let sample = sample::draw(subject, options, ledger);

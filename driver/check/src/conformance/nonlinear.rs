@@ -7,7 +7,6 @@ use super::subject::{Committed, Entry, Subject, distance, largest};
 use super::tolerances::{NONLINEAR, ROUNDING_OF_F};
 use umat_abi::host::{Alignment, Alteration, CallOutcome, Probed};
 
-const CHECK: &str = "nonlinear states";
 /// States in which the stress is asked whether it depends on STATEV.
 const ASKED: usize = 4;
 /// Values given to state variables: damage, plastic strains, equivalent stresses.
@@ -99,7 +98,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     const LOOKED_AT: usize = 200;
     const CALLS: usize = 4;
     const TIME: f64 = 1.0;
-    ledger.begin(CHECK);
+    ledger.begin("nonlinear states");
     let mut seen = Seen::default();
     let has_histories = (0..subject.nstatv).any(|k| subject.is_history(k));
     for state in sample {
@@ -147,10 +146,10 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     };
     let Some(why) = why else {
         let words = if seen.stress > 0 { words } else { format!("linear everywhere it was looked at; {words}") };
-        return ledger.add(CHECK, Verdict::Pass, figure, words);
+        return ledger.add(Verdict::Pass, figure, words);
     };
     let advice = if subject.path.is_some() { "give a case that goes farther" } else { "give a case by --case" };
-    ledger.add(CHECK, Verdict::NotTested, figure, format!("not tested: {why}; {words}; {advice}"));
+    ledger.add(Verdict::NotTested, figure, format!("not tested: {why}; {words}; {advice}"));
 }
 
 /// Returns how many times farther than the sample a first step finds the law nonlinear, or ended by what it cannot answer. Asked

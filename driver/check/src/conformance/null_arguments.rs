@@ -12,10 +12,9 @@ const STATES: usize = 5;
 
 /// The answer is the same bit for bit.
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "NULL arguments";
-    ledger.begin(CHECK);
+    ledger.begin("NULL arguments");
     if !subject.described() {
-        return ledger.skip(CHECK, "no metadata: the plugin may read any argument");
+        return ledger.skip("no metadata: the plugin may read any argument");
     }
     let said = Capture::start(&subject.plugin.library);
     let several_laws = subject.plugin.library.laws().len() > 1;
@@ -40,5 +39,5 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
         }
     }
     let verdict = if errors.is_empty() { Verdict::Pass } else { Verdict::Fail };
-    ledger.add(CHECK, verdict, format!("{} arguments", names.len()), said.told(errors.join("; ")));
+    ledger.add(verdict, format!("{} arguments", names.len()), said.told(errors.join("; ")));
 }

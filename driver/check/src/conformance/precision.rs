@@ -23,8 +23,7 @@ const LAST_BITS: u64 = 0xff << 29;
 
 /// The row "double precision" of a plain UMAT.
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "double precision";
-    ledger.begin(CHECK);
+    ledger.begin("double precision");
     if subject.described() {
         return;
     }
@@ -38,9 +37,9 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     findings.extend(rounded(subject, sample).into_iter().map(|array| format!("{array} has 24 bits")));
     let figure = format!("{worst:.1e}");
     if findings.is_empty() {
-        return ledger.add(CHECK, Verdict::Pass, figure, "");
+        return ledger.add(Verdict::Pass, figure, "");
     }
-    ledger.add(CHECK, Verdict::Fail, figure, format!("single precision (REAL*4): {}", findings.join("; ")));
+    ledger.add(Verdict::Fail, figure, format!("single precision (REAL*4): {}", findings.join("; ")));
 }
 
 /// The largest second difference of the stress at strains that differ by [`STEP`], relative to the stress.

@@ -2,7 +2,9 @@
 
 use pullout_run::isolation::worker;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt;
+use std::path::PathBuf;
 
 /// Outcome of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -37,12 +39,12 @@ impl fmt::Display for Verdict {
 }
 
 /// One check of one stress state.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Row {
     /// Name of the check.
-    pub check: &'static str,
+    pub check: Cow<'static, str>,
     /// Stress state or entry point; "-" for the metadata.
-    pub stress_state: &'static str,
+    pub stress_state: Cow<'static, str>,
     /// Outcome.
     pub verdict: Verdict,
     /// The number that decided.
@@ -60,15 +62,18 @@ impl fmt::Display for Row {
     }
 }
 
-/// Event of a check, reported as it happens.
-#[derive(Clone, Copy, Debug)]
-pub enum Event<'a> {
+/// Event of a check, reported as it happens: from process to process as a line of JSON.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Event {
+    /// The checks of a law of a library begin.
+    Law(String, PathBuf),
     /// A check of an entry point begins.
-    Begins(&'static str, &'static str),
+    Begins(Cow<'static, str>, Cow<'static, str>),
     /// A state of the sample is drawn; whether it is a long step away from the case's path.
     Draws(usize, bool),
     /// A check has ended.
-    Ends(&'a Row),
+    Row(Row),
 }
 
 /// All rows.
@@ -77,7 +82,7 @@ pub struct Report {
     /// Rows in the order of the checks.
     pub rows: Vec<Row>,
     /// Told of what happens.
-    pub(super) listener: Option<fn(Event<'_>)>,
+    pub(super) listener: Option<fn(Event)>,
 }
 
 impl Report {
@@ -120,20 +125,23 @@ impl fmt::Display for Report {
 pub(super) struct Ledger<'r> {
     report: &'r mut Report,
     stress_state: &'static str,
+    /// The check that was begun last.
+    check: &'static str,
     /// Rows that another process reports are not wanted.
     pub(super) is_muted: bool,
 }
 
 impl<'r> Ledger<'r> {
     pub(super) fn new(report: &'r mut Report, stress_state: &'static str) -> Self {
-        Self { report, stress_state, is_muted: false }
+        Self { report, stress_state, check: "", is_muted: false }
     }
 
     /// Says which check the calls from now on belong to.
     pub(super) fn begin(&mut self, check: &'static str) {
+        self.check = check;
         worker::begin_calls();
         if let Some(listener) = self.report.listener {
-            listener(Event::Begins(check, self.stress_state));
+            listener(Event::Begins(check.into(), self.stress_state.into()));
         }
     }
 
@@ -144,7 +152,13 @@ impl<'r> Ledger<'r> {
         }
     }
 
-    pub(super) fn add(
+    /// Adds a row of the check that was begun last.
+    pub(super) fn add(&mut self, verdict: Verdict, figure: impl Into<String>, detail: impl Into<String>) {
+        self.row(self.check, verdict, figure, detail);
+    }
+
+    /// Adds a row of another check.
+    pub(super) fn row(
         &mut self,
         check: &'static str,
         verdict: Verdict,
@@ -155,14 +169,15 @@ impl<'r> Ledger<'r> {
             return;
         }
         let (figure, detail) = (figure.into(), detail.into());
-        let row = Row { check, stress_state: self.stress_state, verdict, figure, detail };
+        let row = Row { check: check.into(), stress_state: self.stress_state.into(), verdict, figure, detail };
         if let Some(listener) = self.report.listener {
-            listener(Event::Ends(&row));
+            listener(Event::Row(row.clone()));
         }
         self.report.rows.push(row);
     }
 
-    pub(super) fn skip(&mut self, check: &'static str, reason: &str) {
-        self.add(check, Verdict::Skipped, "", reason);
+    /// Says why the check that was begun last does not apply.
+    pub(super) fn skip(&mut self, reason: &str) {
+        self.add(Verdict::Skipped, "", reason);
     }
 }

@@ -57,13 +57,12 @@ fn relative_error(subject: &Subject<'_>, input: &[f64], output: &[f64], expected
 /// Random paths of three legs, and the same rotated. Where isotropy is not claimed the result is only reported; a law
 /// that is isotropic as long as it is elastic and not beyond has axes, or takes shear strains for something else.
 pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "isotropy";
     /// More than what an iteration leaves.
     const CLEAR: f64 = 1e-3;
-    ledger.begin(CHECK);
+    ledger.begin("isotropy");
     let claimed = subject.claims(flags::ISOTROPIC);
     if !claimed && (subject.described() || subject.finite) {
-        return ledger.skip(CHECK, "not claimed");
+        return ledger.skip("not claimed");
     }
     let mut random = Random::new(options.seed ^ 0x707);
     let entry = subject.entry;
@@ -104,7 +103,7 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
         let space = if detail.is_empty() { "" } else { "; " };
         detail += &format!("{space}{refused} paths cut short by cut-backs");
     }
-    ledger.add(CHECK, verdict, format!("{worst:.1e}"), detail);
+    ledger.add(verdict, format!("{worst:.1e}"), detail);
 }
 
 /// Returns how far a small first step and the same rotated differ, relative to the stress that it adds.
@@ -128,13 +127,12 @@ pub(super) fn incremental_rotation(
     options: &Options,
     ledger: &mut Ledger<'_>,
 ) {
-    const CHECK: &str = "DROT";
-    ledger.begin(CHECK);
+    ledger.begin("DROT");
     if !matches!(subject.entry, Entry::Umat(_)) {
         return;
     }
     if !subject.described() {
-        return ledger.skip(CHECK, "no metadata: which states are tensors is unknown");
+        return ledger.skip("no metadata: which states are tensors is unknown");
     }
     let mut random = Random::new(options.seed ^ 0xD407);
     let identity = subject.rotation;
@@ -160,13 +158,12 @@ pub(super) fn incremental_rotation(
         }
     }
     let verdict = if worst.0 <= tolerances::ROTATION { Verdict::Pass } else { Verdict::Fail };
-    ledger.add(CHECK, verdict, format!("{:.1e}", worst.0), "stress and states against states turned before");
+    ledger.add(verdict, format!("{:.1e}", worst.0), "stress and states against states turned before");
 }
 
 /// NLGEOM: a point that turns as a rigid body, F₁ = Q F₀, and is then strained answers like one that does not turn, turned.
 pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], options: &Options, ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "objectivity";
-    ledger.begin(CHECK);
+    ledger.begin("objectivity");
     const STATES: usize = 100;
     if !subject.finite {
         return;
@@ -214,14 +211,14 @@ pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], options: 
         }
     }
     if tried == 0 {
-        return ledger.skip(CHECK, "no state could be turned");
+        return ledger.skip("no state could be turned");
     }
     let objective = worst.0 <= tolerances::ROTATION;
     let (verdict, detail) = match objective {
         true => (Verdict::Pass, format!("F1 = Q F0, then a step: {tried} states")),
         false => (Verdict::Fail, worst.1),
     };
-    ledger.add(CHECK, verdict, format!("{:.1e}", worst.0), detail);
+    ledger.add(verdict, format!("{:.1e}", worst.0), detail);
 }
 
 /// STATEV with its strain-like tensors turned.

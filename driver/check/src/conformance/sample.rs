@@ -131,9 +131,9 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
         words += &format!("; {far} long steps away from the path refused");
     }
     match failures {
-        0 if sample.is_empty() => ledger.add("answers", Verdict::Fail, figure, words),
-        0 => ledger.add("answers", Verdict::Pass, figure, words),
-        _ => ledger.add("answers", Verdict::Fail, figure, first_failure),
+        0 if sample.is_empty() => ledger.add(Verdict::Fail, figure, words),
+        0 => ledger.add(Verdict::Pass, figure, words),
+        _ => ledger.add(Verdict::Fail, figure, first_failure),
     }
     sample
 }

@@ -54,7 +54,7 @@ pub(super) fn find(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
     find_output_size(subject);
     let sizes: Vec<_> =
         (0..subject.size.len()).map(|k| format!("{} {:.2e}", subject.entry.input_name(k), subject.size[k])).collect();
-    ledger.add("typical size", Verdict::Info, format!("{:.2e}", subject.size[0]), sizes.join(", "));
+    ledger.add(Verdict::Info, format!("{:.2e}", subject.size[0]), sizes.join(", "));
 }
 
 /// Sets the sizes that the case's path has. Who has metadata promises to answer anywhere, and is searched besides.

@@ -28,8 +28,7 @@ fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<
 
 /// Errors against 1000 increments; a law that claims to be exact must be.
 pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "increment size";
-    ledger.begin(CHECK);
+    ledger.begin("increment size");
     let mut random = Random::new(options.seed ^ 0x57E9);
     let (mut errors, mut paths) = ([0.0_f64; 3], 0);
     let calls: u32 = COUNTS.iter().sum();
@@ -46,7 +45,7 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
         }
     }
     if paths == 0 {
-        return ledger.add(CHECK, Verdict::Warn, "", "every path was cut short by a cut-back request");
+        return ledger.add(Verdict::Warn, "", "every path was cut short by a cut-back request");
     }
     let worst = largest(&errors);
     let detail = format!(
@@ -61,5 +60,5 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
         (true, false) => Verdict::Fail,
         (false, _) => Verdict::Info,
     };
-    ledger.add(CHECK, verdict, format!("{worst:.1e}"), detail);
+    ledger.add(verdict, format!("{worst:.1e}"), detail);
 }

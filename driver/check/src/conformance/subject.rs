@@ -219,18 +219,15 @@ pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
 pub(super) enum Trouble {
     /// Failure that any host recognises; a cut-back request left the arrays as they were.
     Call(CallFailure),
-    /// A cut-back request and NaN: a configuration error or a panic.
-    Refused,
-    /// FRIC gave no tractions, and why.
-    NoTractions(String),
+    /// A refusal, or no tractions, in words.
+    Refused(String),
 }
 
 impl fmt::Display for Trouble {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Call(failure) => failure.fmt(f),
-            Self::Refused => f.write_str("it refused: NaN and a cut-back request (a panic, or a configuration error)"),
-            Self::NoTractions(why) => f.write_str(why),
+            Self::Refused(why) => f.write_str(why),
         }
     }
 }
@@ -547,7 +544,10 @@ impl<'p> Subject<'p> {
     pub(super) fn evaluate(&mut self, from: &Committed, step: &[f64]) -> Result<Answer, Trouble> {
         let mut answer = self.call(from, step, 0.0, Alteration::None);
         match judge(Ok(answer.outcome), answer.not_finite) {
-            Err(CallFailure::CutBack(_)) if answer.output.iter().any(|x| x.is_nan()) => return Err(Trouble::Refused),
+            Err(CallFailure::CutBack(_)) if answer.output.iter().any(|x| x.is_nan()) => {
+                let why = "it refused: NaN and a cut-back request (a panic, or a configuration error)";
+                return Err(Trouble::Refused(why.into()));
+            }
             judgement => judgement.map_err(Trouble::Call)?,
         }
         match &answer.given {
@@ -556,8 +556,8 @@ impl<'p> Subject<'p> {
                 answer.output.fill(0.0);
                 answer.tangent.fill(0.0);
             }
-            Ok(FricAnswer::Sticks) => return Err(Trouble::NoTractions("it returned LM = 1, no tractions".into())),
-            Err(words) => return Err(Trouble::NoTractions(words.clone())),
+            Ok(FricAnswer::Sticks) => return Err(Trouble::Refused("it returned LM = 1, no tractions".into())),
+            Err(words) => return Err(Trouble::Refused(words.clone())),
         }
         Ok(answer)
     }

@@ -71,8 +71,7 @@ impl fmt::Display for Kind {
 
 /// The row "consistent tangent".
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "consistent tangent";
-    ledger.begin(CHECK);
+    ledger.begin("consistent tangent");
     let (mut worst, mut kinks, mut undecided) = (0.0_f64, 0, 0);
     let mut wrong: Vec<(&State, Mismatch)> = Vec::new();
     let calls = 1 + 4 * STEPS.len() * subject.entry.inputs();
@@ -94,7 +93,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     let Some((state, mismatch)) = wrong.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error)) else {
         let excluded = (kinks + undecided) as f64 > EXCLUDED_SHARE * sample.len() as f64;
         let verdict = if excluded { Verdict::Warn } else { Verdict::Pass };
-        return ledger.add(CHECK, verdict, format!("{worst:.1e}"), format!("consistent{rate}; {counts}"));
+        return ledger.add(verdict, format!("{worst:.1e}"), format!("consistent{rate}; {counts}"));
     };
     let kinds: Vec<Kind> = wrong.iter().take(CLASSIFIED).map(|(state, m)| classify(subject, state, m)).collect();
     let least = wrong.iter().map(|(_, mismatch)| mismatch.error).fold(f64::INFINITY, f64::min);
@@ -118,7 +117,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     let is_choice =
         kinds.iter().all(|kind| matches!(kind, Kind::Elastic | Kind::Cauchy | Kind::Secant | Kind::Unloading));
     let verdict = if is_choice && !subject.described() { Verdict::Warn } else { Verdict::Fail };
-    ledger.add(CHECK, verdict, format!("{:.1e}", mismatch.error), detail);
+    ledger.add(verdict, format!("{:.1e}", mismatch.error), detail);
 }
 
 /// One word for all wrong states.
@@ -362,12 +361,12 @@ pub(super) fn symmetry(subject: &mut Subject<'_>, sample: &[State], ledger: &mut
     }
     let (figure, symmetric) = (format!("{:.1e}", worst.0), worst.0 <= SYMMETRY);
     match (subject.claims(flags::SYMMETRIC_TANGENT), symmetric) {
-        (true, true) => ledger.add("symmetric tangent", Verdict::Pass, figure, ""),
+        (true, true) => ledger.add(Verdict::Pass, figure, ""),
         (true, false) => {
-            ledger.add("symmetric tangent", Verdict::Fail, figure, format!("claimed; {}", worst.1));
+            ledger.add(Verdict::Fail, figure, format!("claimed; {}", worst.1));
         }
-        (false, true) => ledger.add("symmetric tangent", Verdict::Info, figure, "symmetric, though not claimed"),
-        (false, false) => ledger.add("symmetric tangent", Verdict::Info, figure, "not claimed"),
+        (false, true) => ledger.add(Verdict::Info, figure, "symmetric, though not claimed"),
+        (false, false) => ledger.add(Verdict::Info, figure, "not claimed"),
     }
 }
 

@@ -16,14 +16,13 @@ fn blame(subject: &Subject<'_>) -> Verdict {
 
 /// Zero step from the start: no stress but an initial one. (Contact in a soft layer begins before the gap closes: there the shear.)
 pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "virgin state";
-    ledger.begin(CHECK);
+    ledger.begin("virgin state");
     let virgin = subject.virgin();
     subject.share = INSTANT;
     let answer = subject.evaluate(&virgin, &vec![0.0; subject.entry.inputs()]);
     subject.share = 1.0;
     match answer {
-        Err(trouble) => ledger.add(CHECK, blame(subject), "", trouble.to_string()),
+        Err(trouble) => ledger.add(blame(subject), "", trouble.to_string()),
         Ok(answer) => {
             let skipped = usize::from(matches!(subject.entry, Entry::Uinter(_)));
             // an initial stress of the case stays
@@ -33,7 +32,7 @@ pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
                 .filter(|&k| answer.statev[k] != virgin.statev[k])
                 .map(|k| format!("{} = {:e}", subject.state_name(k), answer.statev[k]))
                 .collect();
-            ledger.add(CHECK, verdict, format!("{stress:e}"), initialised.join(", "));
+            ledger.add(verdict, format!("{stress:e}"), initialised.join(", "));
         }
     }
 }
@@ -49,8 +48,7 @@ fn typical_states(subject: &Subject<'_>, sample: &[State]) -> Vec<f64> {
 
 /// A step of zero leaves stress, states and energies as they are; but it settles what a law that extrapolates lags behind.
 pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "zero increment";
-    ledger.begin(CHECK);
+    ledger.begin("zero increment");
     let zero = vec![0.0; subject.entry.inputs()];
     let mut worst = (0.0, String::new());
     let typical = typical_states(subject, sample);
@@ -63,7 +61,7 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger
         let answer = match answer {
             Ok(answer) => answer,
             Err(trouble) => {
-                return ledger.add(CHECK, blame(subject), "", format!("{state}: {trouble}"));
+                return ledger.add(blame(subject), "", format!("{state}: {trouble}"));
             }
         };
         let floor = tolerances::CANCELLATION / tolerances::ZERO_INCREMENT * subject.elastic_size(&point.input);
@@ -88,11 +86,11 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger
         true => Verdict::Pass,
         false if extrapolates(subject) => {
             let detail = format!("settles what the law, which extrapolates, lags behind: {}", worst.1);
-            return ledger.add(CHECK, Verdict::Info, format!("{:.1e}", worst.0), detail);
+            return ledger.add(Verdict::Info, format!("{:.1e}", worst.0), detail);
         }
         false => blame(subject),
     };
-    ledger.add(CHECK, verdict, format!("{:.1e}", worst.0), worst.1);
+    ledger.add(verdict, format!("{:.1e}", worst.0), worst.1);
 }
 
 /// Returns whether the law tells what its extrapolation costs.
@@ -102,8 +100,7 @@ fn extrapolates(subject: &Subject<'_>) -> bool {
 
 /// Checks that the state `strain_33` is ε33 where ε33 is given.
 pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const CHECK: &str = "strain_33";
-    ledger.begin(CHECK);
+    ledger.begin("strain_33");
     let given = matches!(subject.entry, Entry::Umat(stress_state) if stress_state != StressState::PlaneStress);
     let (Some(index), true) = (subject.plugin.strain_33(), given) else { return };
     for state in sample {
@@ -111,10 +108,10 @@ pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[State], ledger: &mu
         let expected = state.from.input[2] + state.step[2];
         if (answer.statev[index] - expected).abs() > f64::EPSILON * expected.abs() {
             let detail = format!("{state}: {:e}, given {expected:e}", answer.statev[index]);
-            return ledger.add(CHECK, Verdict::Fail, "", detail);
+            return ledger.add(Verdict::Fail, "", detail);
         }
     }
-    ledger.add(CHECK, Verdict::Pass, "", "");
+    ledger.add(Verdict::Pass, "", "");
 }
 
 /// Plane strain, and plane stress with the ε33 that it found, give the stresses of the 3D response.
@@ -141,13 +138,12 @@ fn agreement(
     options: &Options,
     ledger: &mut Ledger<'_>,
 ) {
-    const CHECK: &str = "agrees with 3D";
-    ledger.begin(CHECK);
+    ledger.begin("agrees with 3D");
     const PATHS: usize = 20;
     let condensed = stress_state == StressState::PlaneStress;
     let index = plane.plugin.strain_33();
     if condensed && index.is_none() {
-        return ledger.skip(CHECK, "no state strain_33");
+        return ledger.skip("no state strain_33");
     }
     let mut random = Random::new(options.seed ^ 0x33);
     let mut worst = (0.0_f64, String::from("stress on random paths"));
@@ -185,7 +181,7 @@ fn agreement(
         false if condensed => Verdict::Warn,
         false => blame(plane),
     };
-    ledger.add(CHECK, verdict, format!("{:.1e}", worst.0), worst.1);
+    ledger.add(verdict, format!("{:.1e}", worst.0), worst.1);
 }
 
 /// Six strain components of a point.

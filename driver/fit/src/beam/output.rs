@@ -1,20 +1,19 @@
 //! Files that the fit of a beam writes.
 
 use super::{BeamFit, IDENTIFIABLE, POINTS, measured_points};
+use crate::output::{MOST_MARKS, rows_of};
+use crate::regression::thinned;
 use maud::{PreEscaped, html};
 use pullout_bridging::{Estimate, Measured, Polyline};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page;
 use pullout_report::plots;
-use pullout_report::plots::figure::{Figure, Line, Marks, Scale};
+use pullout_report::plots::figure::{Figure, Line, Marks};
 use pullout_report::plots::quantity::Quantity;
 use pullout_run::number::significant;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io;
-
-/// Measured points in a picture: more would be a band.
-const MOST_MARKS: usize = 150;
 
 /// Writes everything into a result directory. `case` is the document of the case; with the bond that was found it becomes
 /// a case of its own.
@@ -108,14 +107,12 @@ fn summary(source: &str, fit: &BeamFit) -> Value {
         (name, entry)
     });
     let numbers: serde_json::Map<String, Value> = numbers.collect();
-    let correlation = &fit.full.fitted.correlation;
-    let rows: Vec<Vec<f64>> = correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
     json!({
         "test": source,
         "rms_of_greatest": fit.full.fitted.rms,
         "penalty_weight": fit.full.weight,
         "numbers": numbers,
-        "correlation": rows,
+        "correlation": rows_of(&fit.full.fitted.correlation),
         "bond": match &fit.bond {
             Ok(bond) => json!({ "rms_of_greatest": bond.rms, "correlation": bond.correlation.get((0, 1)) }),
             Err(message) => json!({ "message": message }),
@@ -140,7 +137,6 @@ fn figures(measured: &[(f64, f64)], fit: &BeamFit) -> [Figure; 2] {
     let law = |law: &Polyline| law.points().filter(|point| point.0 <= end).collect::<Vec<_>>();
     let cmod = measured.last().map_or(0.0, |point| point.0);
     let cmods = (0..POINTS).map(|k| cmod * (k as f64 / (POINTS - 1) as f64).powi(2));
-    let every = measured.len().div_ceil(MOST_MARKS).max(1);
     let figure = |name: &str, title: &str, [x, y]: [&str; 2], lines: Vec<Line>, marks: Vec<Marks>| Figure {
         name: name.into(),
         title: title.into(),
@@ -148,9 +144,7 @@ fn figures(measured: &[(f64, f64)], fit: &BeamFit) -> [Figure; 2] {
         y: quantity(y),
         lines,
         marks,
-        equal_units: false,
-        scale: Scale::Linear,
-        key: None,
+        ..Figure::default()
     };
     [
         figure(
@@ -169,11 +163,7 @@ fn figures(measured: &[(f64, f64)], fit: &BeamFit) -> [Figure; 2] {
             "Measured and computed load",
             ["cmod", "load"],
             vec![Line::numbered("computed", fit.forces(cmods), 0)],
-            vec![Marks {
-                label: "measured".into(),
-                points: measured.iter().copied().step_by(every).collect(),
-                line: None,
-            }],
+            vec![Marks { label: "measured".into(), points: thinned(measured, MOST_MARKS), line: None }],
         ),
     ]
 }

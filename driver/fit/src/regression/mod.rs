@@ -9,3 +9,8 @@ mod test;
 
 pub use piecewise::piecewise;
 pub use powers::powers;
+
+/// Every n-th point, so that there are at most so many.
+pub(crate) fn thinned<T: Copy>(points: &[T], most: usize) -> Vec<T> {
+    points.iter().step_by(points.len().div_ceil(most).max(1)).copied().collect()
+}

@@ -1,6 +1,7 @@
 //! Straight lines, one after the other (6.23).
 
 use super::sums::{Line, Sums};
+use super::thinned;
 use crate::geometry::BondPoint;
 use crate::law::Piecewise;
 use nalgebra::{DMatrix, DVector};
@@ -20,7 +21,7 @@ const LEAST_TRACTION: f64 = 1e-3;
 /// The stretches are those with the least sum of squares of lines of their own (dynamic programming, Bellman and Roth
 /// 1969); neighbouring lines meet in the joints; the tractions there are those of the continuous function that fits best.
 pub fn piecewise(points: &[BondPoint], count: usize) -> Option<Piecewise> {
-    let points: Vec<BondPoint> = points.iter().step_by(points.len().div_ceil(MOST_POINTS).max(1)).copied().collect();
+    let points = thinned(points, MOST_POINTS);
     let ends = stretches(&points, count)?;
     let mut slips = joints(&points, &ends);
     slips.push(points.last()?.slip);

@@ -1,6 +1,7 @@
 //! k_e s, a₁ s^b₁, a₂ s^b₂ (6.24).
 
 use super::sums::{Line, Sums};
+use super::thinned;
 use crate::geometry::BondPoint;
 use crate::law::Powers;
 use models::bond_slip::Envelope;
@@ -15,7 +16,7 @@ const MOST_POINTS: usize = 1500;
 ///
 /// A power is a straight line between logarithms; the weight τ² makes its residuals those of τ, to first order.
 pub fn powers(points: &[BondPoint]) -> Option<Powers> {
-    let points = thinned(points);
+    let points = thinned(points, MOST_POINTS);
     let n = points.len();
     let elastic = Sums::of(points.iter().map(|point| [point.slip, point.traction, 1.0]));
     let logarithmic =
@@ -50,9 +51,4 @@ fn law(line: &Line, rise: &Line, fall: &Line) -> Option<Powers> {
     let [rise, fall] = [rise, fall].map(|line| [line.intercept.exp(), line.slope]);
     Envelope::powers(line.slope, rise, fall, 0.0).ok()?;
     Some(Powers { elastic_stiffness: line.slope, rise, fall })
-}
-
-/// Every n-th point.
-fn thinned(points: &[BondPoint]) -> Vec<BondPoint> {
-    points.iter().step_by(points.len().div_ceil(MOST_POINTS).max(1)).copied().collect()
 }

@@ -55,8 +55,8 @@ impl Content {
 }
 
 fn hash(path: &Path) -> io::Result<String> {
-    let digest = Sha256::digest(input::read(path, Input::Result).map_err(at(path))?);
-    Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+    let content = input::read(path, Input::Result).map_err(at(path))?;
+    Ok(input::hexadecimal(Sha256::new_with_prefix(content)))
 }
 
 impl Manifest {

@@ -2,7 +2,7 @@
 
 use pullout_case::Case;
 use pullout_run::bridging;
-use pullout_run::number::{rounded, signed};
+use pullout_run::number::{self, rounded, signed};
 use pullout_run::program::{
     Constraint, Control, InterfaceEntry, InterfaceGoal, InterfaceProgram, Kind, Measure, Mode, NormalControl, Pace,
     PointDrive, PointGoal, PointProgram, Program, STRAIN_NAMES, STRESS_NAMES, Step, StepFields, Until,
@@ -184,9 +184,7 @@ fn parameters(law: Option<&Law>, props: &[f64]) -> Vec<Parameter> {
 
 /// All digits, since parameters are what a run is repeated from.
 fn exact(value: f64) -> String {
-    let mut text = Vec::new();
-    pullout_run::number::push_exact(&mut text, value);
-    signed(String::from_utf8_lossy(&text).into_owned())
+    signed(number::exact(value))
 }
 
 /// Returns how a UMAT is called, where the case says so.

@@ -35,11 +35,7 @@ impl Axis {
     /// Makes an axis for data between `least` and `greatest`; `least_span` widens a narrower range about its middle.
     pub fn new(quantity: &Quantity, (least, greatest): (f64, f64), least_span: f64, ticks: usize) -> Self {
         let (start, end) = widened(least, greatest, least_span);
-        let exponent = exponent(start.abs().max(end.abs()));
-        let scale = 10f64.powi(exponent);
-        let range = start / scale..end / scale;
-        let decimals = decimals(&range, ticks);
-        Self { label: quantity.label(exponent), range, scale, decimals, ticks, kind: Kind::Numbers }
+        Self::exact(quantity, start..end, ticks)
     }
 
     /// Powers of ten around data > 0.

@@ -44,7 +44,7 @@ pub(super) const PALETTE: [RGBColor; 7] = [
 ];
 
 /// A picture.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Figure {
     /// Stem of the file's name.
     pub name: String,
@@ -78,7 +78,7 @@ pub struct Key {
 }
 
 /// A computed curve. Points that are no numbers interrupt it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
     /// Label in the legend.
     pub label: String,

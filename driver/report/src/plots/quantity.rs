@@ -4,7 +4,7 @@ use pullout_run::columns::{self, Group};
 use std::collections::BTreeMap;
 
 /// Quantity that an axis shows.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Quantity {
     /// Symbol or word, in the markup of the pictures (`_{11}` is an index).
     pub name: String,

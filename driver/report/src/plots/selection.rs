@@ -1,6 +1,6 @@
 //! Choice of the pictures of a run, and their contents.
 
-use super::figure::{Figure, Line, Marks, PALETTE, Scale, Style};
+use super::figure::{Figure, Line, Marks, PALETTE, Style};
 use super::quantity::{Quantity, capital, group_of};
 use super::{Curve, Run, Subject};
 use pullout_run::columns::Group;
@@ -97,8 +97,7 @@ impl Layout {
             lines,
             marks,
             equal_units: self.equal_units,
-            scale: Scale::Linear,
-            key: None,
+            ..Figure::default()
         };
         (!figure.lines.is_empty()).then_some(figure)
     }

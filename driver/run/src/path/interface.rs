@@ -5,7 +5,7 @@
 use super::subdivision::{Divisible, Trouble, take_steps};
 use super::{Accepted, Observer, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
 use crate::arguments::ContactArguments;
-use crate::columns::{self, CONTACT, ContactRow, Group};
+use crate::columns::{self, CONTACT, Group};
 use crate::number::exact;
 use crate::program::lerp;
 use crate::program::{
@@ -26,10 +26,7 @@ pub(super) fn run(
     observer: &mut dyn Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Stop> {
-    let mut runner = match Runner::new(program, interface, databases) {
-        Ok(runner) => runner,
-        Err(message) => return Err(Stop::unusable(message)),
-    };
+    let mut runner = Runner::new(program, interface, databases).map_err(Stop::unusable)?;
     let mut recorder = Recorder::new(program, observer);
     recorder.initial(|values| runner.fill(values))?;
     take_steps(&mut runner, &interface.steps, program, &mut recorder, statistics)
@@ -427,17 +424,9 @@ impl Divisible for Runner<'_> {
 
     fn fill(&self, values: &mut [f64]) {
         let state = &self.committed;
-        let row = ContactRow {
-            time: state.total_time,
-            slip: state.slip,
-            gap: state.gap,
-            shear: state.shear,
-            pressure: state.pressure,
-            energies: state.energies,
-        };
         let derived = self.derived.iter().map(|derived| derived.value(&state.statev));
         let left_out = (self.directions < 2).then_some(Group::Second);
-        columns::fill(&CONTACT, left_out, &row, state.statev.iter().copied().chain(derived), values);
+        columns::fill(&CONTACT, left_out, state, state.statev.iter().copied().chain(derived), values);
     }
 
     fn replay(&self, program: &Program, to: f64) -> serde_json::Value {

@@ -30,10 +30,7 @@ pub(super) fn run(
     observer: &mut dyn Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Stop> {
-    let mut runner = match Runner::new(program, point, databases) {
-        Ok(runner) => runner,
-        Err(message) => return Err(Stop::unusable(message)),
-    };
+    let mut runner = Runner::new(program, point, databases).map_err(Stop::unusable)?;
     let mut recorder = Recorder::new(program, observer);
     if let Some(reason) = runner.find_components(&program.plugin).map_err(Stop::unusable)? {
         recorder.observer.warn(format!("{} is called with NTENS = 6: {reason}", program.plugin.name));

@@ -1,6 +1,6 @@
 //! `pullout fit beam`.
 
-use super::super::{BAD_INPUT, DONE, FAILED, Reading, complain, refuse, run, say};
+use super::super::{DONE, Reading, Refusal, run, say};
 use pullout_case::Case;
 use pullout_fit::{BeamColumns, BeamFit, describe_beam, read_beam_test, write_beam};
 use pullout_report::directory::{Access, Kind};
@@ -38,52 +38,29 @@ pub(in super::super) struct Beam {
 }
 
 impl Beam {
-    pub(super) fn act(&self) -> u8 {
+    pub(super) fn act(&self) -> Result<u8, Refusal> {
         let columns = BeamColumns { cmod: self.cmod.clone(), load: self.load.clone(), load_factor: self.load_factor };
-        let test = match read_beam_test(&self.test, &columns) {
-            Ok(test) => test,
-            Err(problems) => {
-                problems.iter().for_each(complain);
-                return BAD_INPUT;
-            }
-        };
-        let program = match self.reading.case(&self.case) {
-            Ok(Case::Bridging(program)) => program,
-            Ok(_) => {
-                complain(format!("{}: $.kind: a beam is fitted with a case of kind \"bridging\"", self.case.display()));
-                return BAD_INPUT;
-            }
-            Err(errors) => return refuse(&errors),
+        let test = read_beam_test(&self.test, &columns).map_err(|problems| Refusal::input(problems.join("\n")))?;
+        let Case::Bridging(program) = self.reading.case(&self.case)? else {
+            let message = "$.kind: a beam is fitted with a case of kind \"bridging\"";
+            return Err(Refusal::input(format!("{}: {message}", self.case.display())));
         };
         let folder = self.out.clone();
         let folder = folder.unwrap_or_else(|| PathBuf::from("out").join(self.test.file_stem().unwrap_or_default()));
         let mut inputs = pullout_case::inputs(&self.case, &self.reading.overrides);
         inputs.push(self.test.clone());
         let access = Access { inputs: &inputs, overwrite: self.overwrite, is_locked: false };
-        let mut directory = match run::open_for(&folder, Kind::Fit, access) {
-            Ok(directory) => directory,
-            Err(code) => return code,
-        };
-        let fit = match BeamFit::new(&program, &test) {
-            Ok(fit) => fit,
-            Err(error) => {
-                complain(format!("{}: {error}", self.test.display()));
-                return BAD_INPUT;
-            }
-        };
+        let mut directory = run::open_for(&folder, Kind::Fit, access)?;
+        let refused = |error| Refusal::input(format!("{}: {error}", self.test.display()));
+        let fit = BeamFit::new(&program, &test).map_err(refused)?;
         let document = pullout_case::document(&self.case, &self.reading.overrides).unwrap_or_default();
-        let written = directory.begin(&[]).and_then(|()| {
-            write_beam(&mut directory, &self.test.display().to_string(), &document, &test, &fit)?;
-            directory.remove_earlier()?;
-            directory.finish()
-        });
-        if let Err(error) = written {
-            complain(error);
-            return FAILED;
-        }
+        directory.begin(&[])?;
+        write_beam(&mut directory, &self.test.display().to_string(), &document, &test, &fit)?;
+        directory.remove_earlier()?;
+        directory.finish()?;
         if !self.quiet {
             say(&(describe_beam(&fit) + &format!("-> {}\n", folder.display())));
         }
-        DONE
+        Ok(DONE)
     }
 }

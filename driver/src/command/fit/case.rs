@@ -1,6 +1,6 @@
 //! `pullout fit CASE`.
 
-use super::super::{BAD_INPUT, DONE, FAILED, Place, complain, run, say};
+use super::super::{DONE, Place, Refusal, complain, run, say};
 use pullout_engine::Source;
 use pullout_fit::{CaseRequest, Free, fit_case};
 use pullout_report::directory::{Access, Kind};
@@ -52,8 +52,10 @@ fn columns(text: &str) -> Result<[String; 2], String> {
 }
 
 impl Arguments {
-    pub(super) fn act(&self) -> u8 {
-        let (Some(case), Some(data)) = (&self.case, &self.data) else { return BAD_INPUT };
+    pub(super) fn act(&self) -> Result<u8, Refusal> {
+        let (Some(case), Some(data)) = (&self.case, &self.data) else {
+            return Err(Refusal::input("CASE.json and --data are needed"));
+        };
         let mut source = Source::file(case);
         (source.overrides, source.plugin_paths) = (self.overrides.clone(), self.plugin_paths.clone());
         let request = CaseRequest {
@@ -70,10 +72,7 @@ impl Arguments {
         let mut inputs = pullout_case::inputs(case, &self.overrides);
         inputs.push(data.clone());
         let access = Access { inputs: &inputs, overwrite: self.overwrite, is_locked: false };
-        let mut directory = match run::open_for(&folder, Kind::Fit, access) {
-            Ok(directory) => directory,
-            Err(code) => return code,
-        };
+        let mut directory = run::open_for(&folder, Kind::Fit, access)?;
         let progress = |runs: usize, rms: f64| {
             if !self.quiet {
                 complain(format!("run {runs}, RMS difference {}", significant(rms, 4)));
@@ -83,31 +82,17 @@ impl Arguments {
             let _prints = Prints::discard();
             fit_case(&request, &progress)
         };
-        let fit = match found {
-            Ok(fit) => fit,
-            Err(problems) => {
-                problems.iter().for_each(complain);
-                return BAD_INPUT;
-            }
-        };
-        let written = directory.begin(&[]).and_then(|()| {
-            fit.write(&mut directory, &request)?;
-            directory.remove_earlier()?;
-            directory.finish()
-        });
-        if let Err(error) = written {
-            complain(error);
-            return FAILED;
-        }
+        let fit = found.map_err(|problems| Refusal::input(problems.join("\n")))?;
+        directory.begin(&[])?;
+        fit.write(&mut directory, &request)?;
+        directory.remove_earlier()?;
+        directory.finish()?;
         if !self.quiet {
             say(&(fit.describe() + &format!("-> {}\n", folder.display())));
         }
         match &fit.trouble {
-            None => DONE,
-            Some(trouble) => {
-                complain(format!("{}: {trouble}", case.display()));
-                FAILED
-            }
+            None => Ok(DONE),
+            Some(trouble) => Err(Refusal::failed(format!("{}: {trouble}", case.display()))),
         }
     }
 }

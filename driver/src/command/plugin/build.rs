@@ -1,6 +1,6 @@
 //! `pullout plugin build`.
 
-use super::super::{BAD_INPUT, DONE, FAILED, complain, say};
+use super::super::{DONE, Refusal, complain, say};
 use pullout_check::build::{self, Form, Request};
 use std::path::PathBuf;
 
@@ -27,7 +27,7 @@ pub(in crate::command) struct Arguments {
     debug: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> u8 {
+pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
     let form = match (arguments.fixed, arguments.free) {
         (true, _) => Some(Form::Fixed),
         (_, true) => Some(Form::Free),
@@ -40,21 +40,17 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
         flags: arguments.flags.clone(),
         debug: arguments.debug,
     };
-    match build::build(&request) {
-        Ok(built) => {
-            for routine in &built.not_offered {
-                complain(format!(
-                    "{}: {routine} is a utility routine of ABAQUS that this program does not offer: a run that reaches \
-                     a call of it ends there and says so",
-                    built.library.display()
-                ));
-            }
-            say(&format!("{}: {}\n", built.library.display(), built.entry_points.join(", ")));
-            DONE
-        }
-        Err(refusal) => {
-            complain(&refusal);
-            if refusal.is_bad_input() { BAD_INPUT } else { FAILED }
-        }
+    let built = build::build(&request).map_err(|refusal| match refusal {
+        build::Refusal::File { .. } => Refusal::input(refusal),
+        _ => Refusal::failed(refusal),
+    })?;
+    for routine in &built.not_offered {
+        complain(format!(
+            "{}: {routine} is a utility routine of ABAQUS that this program does not offer: a run that reaches a call of \
+             it ends there and says so",
+            built.library.display()
+        ));
     }
+    say(&format!("{}: {}\n", built.library.display(), built.entry_points.join(", ")));
+    Ok(DONE)
 }

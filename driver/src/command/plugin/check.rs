@@ -1,7 +1,7 @@
 //! `pullout plugin check`: in this process, or each group of checks in one of its own where the library may not run here.
 
-use super::super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, NOT_TESTED, Place, complain, option, refuse, say};
-use super::{TIME_LIMIT, file_of};
+use super::super::{DONE, FAILED, NOT_TESTED, Place, Refusal, option, say};
+use super::{TIME_LIMIT, file_of, no_plugin};
 use clap::ValueEnum;
 use pullout_case::Case;
 use pullout_check::conformance::{self, Event, Group, Options, Report};
@@ -164,46 +164,36 @@ fn conclude(arguments: &Arguments, judged: &[Judged]) -> u8 {
 }
 
 /// Checks a library, by its law's name or by its path; the exit code.
-pub(super) fn run(arguments: &Arguments) -> u8 {
-    let file = match file_of(&arguments.plugin, &arguments.plugin_paths) {
-        Ok(file) => file,
-        Err(code) => return code,
-    };
+pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
+    let file = file_of(&arguments.plugin, &arguments.plugin_paths)?;
     let case = arguments.case.as_deref();
     if case.is_none() && (arguments.nstatv.is_some() || !arguments.overrides.is_empty()) {
-        complain("--nstatv and --set change a case: give one by --case");
-        return BAD_INPUT;
+        return Err(Refusal::input("--nstatv and --set change a case: give one by --case"));
     }
     let of_case = || pullout_case::need(case?, &arguments.overrides(), &arguments.plugin_paths);
     if let Some(need) = of_case().or_else(|| Need::of_library(&file, TIME_LIMIT)) {
-        return children::run(arguments, &file, need);
+        return Ok(children::run(arguments, &file, need));
     }
     worker::let_calls_come_back();
     // what it prints in thousands of calls is nobody's
     let _prints = Prints::discard();
-    match isolation::load(&file) {
-        Ok(library) => here(arguments, &library),
-        Err(error) => {
-            complain(error);
-            NO_PLUGIN
-        }
-    }
+    here(arguments, &isolation::load(&file).map_err(no_plugin)?)
 }
 
 /// File in which the process that started this one reads the events.
 static ROWS: OnceLock<Mutex<File>> = OnceLock::new();
 
-/// Hands a line on.
-fn hand_on(line: &Value) {
+/// Hands an event on.
+fn hand_on(event: &Event) {
     if let Some(mut file) = ROWS.get().and_then(|file| file.lock().ok())
-        && file.write_all(format!("{line}\n").as_bytes()).is_err()
+        && file.write_all(format!("{}\n", json!(event)).as_bytes()).is_err()
     {
         worker::end_for_closed_output();
     }
 }
 
 /// Checks a library in this process.
-fn here(arguments: &Arguments, library: &Library) -> u8 {
+fn here(arguments: &Arguments, library: &Library) -> Result<u8, Refusal> {
     let mut options = Options {
         states: arguments.states,
         group: arguments.group,
@@ -212,23 +202,16 @@ fn here(arguments: &Arguments, library: &Library) -> u8 {
         seconds: arguments.seconds,
         ..Options::default()
     };
-    let plugins = match plugins(arguments, library, &mut options) {
-        Ok(plugins) => plugins,
-        Err(code) => return code,
-    };
+    let plugins = plugins(arguments, library, &mut options)?;
     options.listener = match &arguments.rows {
         Some(rows) => {
-            let Ok(file) = File::options().append(true).open(rows) else { return FAILED };
+            let file = File::options().append(true).open(rows)?;
             let _ = ROWS.set(Mutex::new(isolation::out_of_reach(file)));
-            Some(|event| match event {
-                Event::Begins(check, stress_state) => hand_on(&json!({ "begins": [check, stress_state] })),
-                Event::Draws(state, is_far) => hand_on(&json!({ "draws": [state, is_far] })),
-                Event::Ends(row) => hand_on(&json!({ "row": row })),
-            })
+            Some(|event| hand_on(&event))
         }
         None if arguments.json => None,
         None => Some(|event| {
-            if let Event::Ends(row) = event {
+            if let Event::Row(row) = event {
                 say(&format!("{row}\n"));
             }
         }),
@@ -236,7 +219,7 @@ fn here(arguments: &Arguments, library: &Library) -> u8 {
     let mut judged = Vec::new();
     for plugin in plugins {
         let path = plugin.library.path();
-        hand_on(&json!({ "law": [plugin.name, path] }));
+        hand_on(&Event::Law(plugin.name.clone(), path.to_owned()));
         let is_told = arguments.rows.is_none() && !arguments.json;
         if is_told {
             say(&Judged::header(&plugin.name, path));
@@ -247,15 +230,12 @@ fn here(arguments: &Arguments, library: &Library) -> u8 {
         }
         judged.push(Judged { name: plugin.name.clone(), library: path.to_owned(), report, replays: Vec::new() });
     }
-    if arguments.rows.is_some() { DONE } else { conclude(arguments, &judged) }
+    Ok(if arguments.rows.is_some() { DONE } else { conclude(arguments, &judged) })
 }
 
 /// The laws to be checked: the case's, or all of the library.
-fn plugins(arguments: &Arguments, library: &Library, options: &mut Options) -> Result<Vec<Plugin>, u8> {
-    let wrong = |message: String| {
-        complain(message);
-        Err(BAD_INPUT)
-    };
+fn plugins(arguments: &Arguments, library: &Library, options: &mut Options) -> Result<Vec<Plugin>, Refusal> {
+    let wrong = |message: String| Err(Refusal::input(message));
     let path = library.path();
     let Some(file) = &arguments.case else {
         if library.laws().is_empty() {
@@ -284,12 +264,9 @@ fn plugins(arguments: &Arguments, library: &Library, options: &mut Options) -> R
         options.props.clone_from(&arguments.props);
         return Ok(library.laws().iter().map(|law| Plugin::with_defaults(library, law)).collect());
     };
-    let program = match pullout_case::read(file, &arguments.overrides(), &arguments.plugin_paths) {
-        Ok(Case::Path(program)) => program,
-        Ok(_) => {
-            return wrong(format!("{}: give a case of kind point or interface: it has one plugin", file.display()));
-        }
-        Err(errors) => return Err(refuse(&errors)),
+    let case = pullout_case::read(file, &arguments.overrides(), &arguments.plugin_paths)?;
+    let Case::Path(program) = case else {
+        return wrong(format!("{}: give a case of kind point or interface: it has one plugin", file.display()));
     };
     let plugin = program.plugin.clone();
     if plugin.library.path() != path {

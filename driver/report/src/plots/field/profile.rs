@@ -1,6 +1,6 @@
 //! Fields along lines: the tractions of contact pairs along their surfaces.
 
-use super::super::figure::{Figure, Line, Scale, Style};
+use super::super::figure::{Figure, Line, Style};
 use super::super::quantity::Quantity;
 use fe_core::output::{ContactPoint, Fields};
 
@@ -23,10 +23,7 @@ pub(crate) fn interface_profiles(title: &str, fields: &Fields<'_>) -> Vec<Figure
         x: Quantity { name: ALONG_SURFACE.into(), unit: "mm".into() },
         y: Quantity { name: label.into(), unit: "MPa".into() },
         lines: (0..fields.pairs.len()).map(|pair| line(fields, pair, name, value)).collect(),
-        marks: Vec::new(),
-        equal_units: false,
-        scale: Scale::Linear,
-        key: None,
+        ..Figure::default()
     };
     if fields.contact.is_empty() { Vec::new() } else { quantities.into_iter().map(figure).collect() }
 }
@@ -42,6 +39,6 @@ fn line(fields: &Fields<'_>, pair: usize, name: &str, value: impl Fn(&ContactPoi
         points,
         columns: ("arc".into(), name.into()),
         style: Style { color: pair, dash: pair % 2 },
-        marked: false,
+        ..Line::default()
     }
 }

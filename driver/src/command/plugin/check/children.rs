@@ -3,9 +3,9 @@
 use super::{Arguments, Judged, TIME_LIMIT, conclude};
 use crate::command::{BAD_INPUT, DONE, NO_PLUGIN, complain, isolated, say};
 use clap::ValueEnum;
-use pullout_check::conformance::{Group, Report, Row, Verdict};
+use pullout_check::conformance::{Event, Group, Report, Row, Verdict};
 use pullout_run::isolation::{self, End, Failure, Job, Need};
-use serde_json::Value;
+use std::borrow::Cow;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ const BOUNDS: &str = "array bounds";
 #[derive(Default)]
 struct Told {
     /// Check and entry point.
-    begun: Option<(String, String)>,
+    begun: Option<(Cow<'static, str>, Cow<'static, str>)>,
     /// The state that was being drawn, and whether it is far from the case's path.
     drawn: Option<(usize, bool)>,
 }
@@ -99,9 +99,7 @@ pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
 impl Told {
     /// Returns whether all groups would end here.
     fn is_in_the_sample(&self) -> bool {
-        self.begun
-            .as_ref()
-            .is_none_or(|(check, _)| ["case's path", "typical size", "answers"].contains(&check.as_str()))
+        self.begun.as_ref().is_none_or(|(check, _)| ["case's path", "typical size", "answers"].contains(&&**check))
     }
 }
 
@@ -110,15 +108,12 @@ impl Tally<'_> {
     fn read(&mut self, text: &str) -> Told {
         let mut told = Told::default();
         let mut law = 0;
-        for line in text.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok()) {
-            if let [Value::String(name), Value::String(path)] = list(&line["law"]) {
-                law = self.law(name, Path::new(path));
-            } else if let [Value::String(check), Value::String(entry)] = list(&line["begins"]) {
-                told = Told { begun: Some((check.clone(), entry.clone())), drawn: None };
-            } else if let [state, is_far] = list(&line["draws"]) {
-                told.drawn = state.as_u64().map(|state| (state as usize, *is_far == true));
-            } else if let Some(row) = row(&line["row"]) {
-                self.add(law, row);
+        for event in text.lines().filter_map(|line| serde_json::from_str(line).ok()) {
+            match event {
+                Event::Law(name, library) => law = self.law(&name, &library),
+                Event::Begins(check, entry) => told = Told { begun: Some((check, entry)), drawn: None },
+                Event::Draws(state, is_far) => told.drawn = Some((state, is_far)),
+                Event::Row(row) => self.add(law, row),
             }
         }
         told
@@ -161,7 +156,7 @@ impl Tally<'_> {
         let rows = &mut self.judged[law].report.rows;
         // a sample that is drawn again repeats what came before
         let is_known = rows.iter().any(|other| {
-            (other.check, other.stress_state, &other.detail) == (row.check, row.stress_state, &row.detail)
+            (&other.check, &other.stress_state, &other.detail) == (&row.check, &row.stress_state, &row.detail)
         });
         if is_known {
             return;
@@ -180,7 +175,7 @@ impl Tally<'_> {
     /// Tells what a group had no time for.
     fn leave(&mut self, library: &Path, group: Group, told: &Told, failure: &Failure, time_limit: Duration) {
         let law = self.present_law(library);
-        let (check, entry) = told.begun.clone().unwrap_or_else(|| ("start".into(), "-".into()));
+        let (check, stress_state) = told.begun.clone().unwrap_or(("start".into(), "-".into()));
         let detail = format!(
             "not tested: no time left after {:.1} s, in call {} of this check: the plugin's calls take long; left out with \
              what follows of {}",
@@ -189,10 +184,7 @@ impl Tally<'_> {
             group.words()
         );
         let figure = "out of time".into();
-        self.add(
-            law,
-            Row { check: check.leak(), stress_state: entry.leak(), verdict: Verdict::NotTested, figure, detail },
-        );
+        self.add(law, Row { check, stress_state, verdict: Verdict::NotTested, figure, detail });
     }
 
     /// Tells of a call that did not come back.
@@ -200,7 +192,7 @@ impl Tally<'_> {
         let message = &failure.report.message;
         complain(format!("{}: {message}", library.display()));
         let law = self.present_law(library);
-        let (check, entry) = told.begun.clone().unwrap_or_else(|| ("loading".into(), "-".into()));
+        let (check, stress_state) = told.begun.clone().unwrap_or(("loading".into(), "-".into()));
         let mut detail = match told.drawn {
             Some((state, true)) => format!("a long step away from the case's path, state {state}: {message}"),
             Some((state, false)) => format!("state {state}: {message}"),
@@ -218,7 +210,7 @@ impl Tally<'_> {
         // what makes no sense, or what the case never does, may end the analysis
         let is_senseless = group == Group::BadInput || told.drawn.is_some_and(|(_, is_far)| is_far);
         let verdict = if is_senseless { Verdict::Warn } else { Verdict::Fail };
-        self.add(law, Row { check: check.leak(), stress_state: entry.leak(), verdict, figure: "ended".into(), detail });
+        self.add(law, Row { check, stress_state, verdict, figure: "ended".into(), detail });
     }
 
     /// Tells the rows that concern all groups, and the conclusion; the exit code.
@@ -247,20 +239,4 @@ fn replay_path(number: usize) -> PathBuf {
         0 => "plugin-check-replay.json".into(),
         number => format!("plugin-check-replay-{}.json", number + 1).into(),
     }
-}
-
-fn list(value: &Value) -> &[Value] {
-    value.as_array().map_or(&[], Vec::as_slice)
-}
-
-/// A row as a group has told it.
-fn row(value: &Value) -> Option<Row> {
-    let text = |key: &str| value[key].as_str().map(str::to_owned);
-    Some(Row {
-        check: text("check")?.leak(),
-        stress_state: text("stress_state")?.leak(),
-        verdict: serde_json::from_value(value["verdict"].clone()).ok()?,
-        figure: text("figure")?,
-        detail: text("detail")?,
-    })
 }
