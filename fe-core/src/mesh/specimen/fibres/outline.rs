@@ -191,9 +191,8 @@ impl Outline {
         if edge.start > last {
             let beyond = divided(edge.start - last, &|_| parameters.exit_size(fibre));
             let beyond = beyond.map_err(SpecimenError::along("mesh sizes beyond the fibre"))?;
-            stations.extend(beyond[1..].iter().map(|distance| last + distance));
+            stations.extend(beyond[1..beyond.len() - 1].iter().map(|distance| last + distance));
             // exactly, whatever the sum rounds to
-            stations.pop();
             stations.push(edge.start);
         }
         // without separation the wall that reaches above the exit is a wall like any other

@@ -5,7 +5,7 @@ use super::{Fibre, Fibres, Laid};
 use crate::element::EdgeKind;
 use crate::mesh::specimen::perpendicular_fibre::{AWAY_LENGTH, NEAR_CLEARANCE};
 use crate::mesh::specimen::{ContactSurfaces, NodeCoupling, SurfaceRole, contact_width};
-use crate::mesh::structured::{Grid, Side, StructuredMesh};
+use crate::mesh::structured::{Grid, Side};
 use crate::mesh::{ElementEdge, MeshDefinition};
 
 /// Returns where supports (b) and (c) begin on the left and on the right of the holes, x in mm: those that the block has room for.
@@ -21,11 +21,11 @@ pub(super) fn support_limits(parameters: &Fibres, laid: &[Laid<'_>]) -> [[f64; 2
 }
 
 /// Ends and sides of a fibre.
-pub(super) fn name_fibre_sets(mesh: &mut StructuredMesh, fibre: &Fibre, grid: &Grid) {
-    mesh.node_set(&fibre.set("grip", ""), grid.side_nodes(Side::Right));
-    mesh.edge_set(&fibre.set("fibre", "tail"), grid.side_edges(Side::Left));
-    mesh.edge_set(&fibre.set("fibre", "right"), grid.side_edges(Side::Bottom));
-    mesh.edge_set(&fibre.set("fibre", "left"), grid.side_edges(Side::Top));
+pub(super) fn name_fibre_sets(definition: &mut MeshDefinition, fibre: &Fibre, grid: &Grid) {
+    definition.node_set(&fibre.set("grip", ""), grid.side_nodes(Side::Right));
+    definition.edge_set(&fibre.set("fibre", "tail"), grid.side_edges(Side::Left));
+    definition.edge_set(&fibre.set("fibre", "right"), grid.side_edges(Side::Bottom));
+    definition.edge_set(&fibre.set("fibre", "left"), grid.side_edges(Side::Top));
 }
 
 /// Makes the grips of fibres with names one set `grip` as well.
