@@ -15,18 +15,6 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The stiffness of elements: row-major over their freedoms.
-pub trait ElementStiffness: Sync {
-    /// ∂force/∂displacement of an element.
-    fn stiffness(&self, element: usize) -> &[f64];
-}
-
-impl ElementStiffness for Solids {
-    fn stiffness(&self, element: usize) -> &[f64] {
-        Solids::stiffness(self, element)
-    }
-}
-
 /// Places in the matrix of the entries of an element's stiffness.
 #[derive(Clone, Debug)]
 enum Scatter {
@@ -91,10 +79,6 @@ pub struct Condensation<'a> {
 
 impl System {
     /// Finds the pattern and condenses the far field.
-    ///
-    /// # Errors
-    ///
-    /// Those of the symbolic analysis and of the condensation.
     pub fn new(
         mesh: &Mesh,
         equations: Equations,
@@ -103,7 +87,7 @@ impl System {
     ) -> Result<Self, SolverError> {
         let far_field = match &condensation {
             Some(Condensation { elements, active, retained }) => {
-                FarField::new(mesh, &equations, *elements, active, retained)?
+                FarField::new(mesh, &equations, elements, active, retained)?
             }
             None => None,
         };
@@ -123,7 +107,7 @@ impl System {
             .filter(|(element, _)| is_active(*element))
             .map(|(_, freedoms)| by_rows(freedoms))
             .collect();
-        groups.extend(far_field.iter().map(|far| by_rows(far.border())));
+        groups.extend(far_field.iter().map(|far| by_rows(&far.border)));
         let pattern = Pattern::from_groups(equation_of_row.len(), groups.iter().map(Vec::as_slice));
         let scatter: Vec<Scatter> = element_freedoms
             .iter()
@@ -135,7 +119,7 @@ impl System {
             .collect();
         let far_places = far_field.as_ref().map_or_else(Vec::new, |far| {
             let rows: Vec<usize> = far
-                .border()
+                .border
                 .iter()
                 .map(|&freedom| row_of_equation[equations.equations_of(freedom)[0].0] as usize)
                 .collect();
@@ -150,7 +134,7 @@ impl System {
         let diagonal = (0..pattern.size()).map(on_diagonal).collect();
         let pattern = Arc::new(pattern);
         let positions = nodes.iter().map(|&node| mesh.nodes()[node]).collect();
-        let solver = LinearSolver::new(&pattern, &nodes, options)?.with_positions(positions)?;
+        let solver = LinearSolver::new(&pattern, &nodes, options).with_positions(positions);
         Ok(Self {
             matrix: SystemMatrix::new(pattern),
             equations,
@@ -193,11 +177,11 @@ impl System {
     /// Returns how many freedoms are condensed.
     #[cfg(test)]
     pub(crate) fn condensed_count(&self) -> usize {
-        self.far_field.as_ref().map_or(0, |far| far.interior().len())
+        self.far_field.as_ref().map_or(0, |far| far.interior.len())
     }
 
     /// Adds all elements into the matrix. Each thread has its own range of the values, and every value the same sum.
-    pub(crate) fn assemble_elements(&mut self, elements: &impl ElementStiffness) {
+    pub(crate) fn assemble_elements(&mut self, elements: &Solids) {
         let values = &mut self.matrix.values;
         let count = if values.len() < LEAST_SHARED { 1 } else { self.threads.count() };
         let length = values.len().div_ceil(count).max(1);
@@ -237,7 +221,7 @@ impl System {
     #[cfg(test)]
     pub(crate) fn multiply(&self, unknowns: &[f64]) -> Vec<f64> {
         let mut product = vec![0.0; unknowns.len()];
-        self.matrix.multiply(unknowns, &mut product).expect("one unknown per row");
+        self.matrix.multiply(unknowns, &mut product);
         product
     }
 
@@ -253,10 +237,6 @@ impl System {
     }
 
     /// Factorises the matrix.
-    ///
-    /// # Errors
-    ///
-    /// It is singular or not finite.
     pub fn factorise(&mut self, symmetry: Symmetry) -> Result<FactorisationReport, SolverError> {
         self.solver.factorise(&self.matrix, symmetry)
     }
@@ -285,14 +265,10 @@ impl System {
             self.matrix.contact.clone_from(contact);
             self.blocks.clone_from(blocks);
         }
-        fits && self.solver.take_memory(solver, &self.matrix).is_ok()
+        fits && self.solver.take_memory(solver, &self.matrix)
     }
 
     /// Solves in place with the last factor.
-    ///
-    /// # Errors
-    ///
-    /// The residual stays too large.
     pub fn solve(&mut self, right_side: &mut [f64]) -> Result<(), SolverError> {
         self.solver.solve(&self.matrix, right_side).map(|_| ())
     }
@@ -314,7 +290,7 @@ impl System {
     }
 
     /// Tᵀ K S a by rows: the forces when the drives move by `drives` and the unknowns stay.
-    pub(crate) fn drive_stiffness(&self, elements: &impl ElementStiffness, drives: &[f64]) -> Vec<f64> {
+    pub(crate) fn drive_stiffness(&self, elements: &Solids, drives: &[f64]) -> Vec<f64> {
         let displacements = self.displacements(&vec![0.0; self.row_count()], drives);
         let mut forces = vec![0.0; displacements.len()];
         for &element in &self.driven_elements {
@@ -334,19 +310,15 @@ impl System {
     }
 
     /// Sets the displacements in the far field from those at its border.
-    ///
-    /// # Errors
-    ///
-    /// Those of a solution.
-    pub fn expand(&mut self, displacements: &mut [f64]) -> Result<(), SolverError> {
-        self.far_field.as_mut().map_or(Ok(()), |far| far.expand(displacements))
+    pub fn expand(&mut self, displacements: &mut [f64]) {
+        self.far_field.iter_mut().for_each(|far| far.expand(displacements));
     }
 }
 
 /// Row of each equation and equation of each row.
 fn rows(equations: &Equations, far_field: Option<&FarField>) -> (Vec<u32>, Vec<usize>) {
     let mut row_of_equation = vec![0; equations.count()];
-    for &freedom in far_field.map_or(&[][..], FarField::interior) {
+    for &freedom in far_field.map_or(&[][..], |far| &far.interior) {
         for &(equation, _) in equations.equations_of(freedom) {
             row_of_equation[equation] = NOWHERE;
         }

@@ -17,22 +17,24 @@ pub(super) const MAX_SHAPE_NODES: usize = 7;
 
 /// Edges of which each starts where the one before ends. The body lies on the left. Counted without end in both
 /// directions if closed: edge −1 is the last one, and the arc length goes on growing from round to round.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     kinds: Vec<EdgeKind>,
     nodes: Vec<[usize; 3]>,
     reference: Vec<[[f64; 2]; 3]>,
     /// Arc length at the start of each edge.
     starts: Vec<f64>,
-    length: f64,
-    closed: bool,
+    /// Reference arc length of all edges, mm.
+    pub length: f64,
+    /// Whether the last edge ends where the first one starts.
+    pub closed: bool,
     /// Whether normals are smoothed where each edge meets the next.
     smooth: Vec<bool>,
     rule: Vec<LinePoint>,
 }
 
 /// A place on a chain.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Foot {
     /// The edge, counted without end on closed chains.
     pub edge: i64,
@@ -44,7 +46,7 @@ pub(super) struct Foot {
 
 /// Shape functions of an edge with two derivatives by ξ: along the end's tangent past the ends of an open chain. With
 /// the smoothed direction m = Σ turn x in place of x' = Σ first x, in which its neighbours' nodes have a part.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shape {
     count: usize,
     nodes: [usize; MAX_SHAPE_NODES],
@@ -88,11 +90,7 @@ impl Chain {
         let mut chain = Self::empty(closed);
         for edge in order {
             let edge = mesh.edge_nodes(edge);
-            let mut reference = [[0.0; 2]; 3];
-            for (position, &node) in reference.iter_mut().zip(edge.nodes()) {
-                *position = mesh.nodes()[node];
-            }
-            chain.add(&edge, reference);
+            chain.add(&edge, mesh.edge_positions(&edge, None));
         }
         let straight = if bends { 0.0 } else { STRAIGHT };
         chain.smooth = (0..chain.len() as i64).map(|edge| chain.turns_after(edge, straight..CORNER)).collect();
@@ -107,16 +105,7 @@ impl Chain {
     }
 
     fn empty(closed: bool) -> Self {
-        Self {
-            kinds: Vec::new(),
-            nodes: Vec::new(),
-            reference: Vec::new(),
-            starts: Vec::new(),
-            length: 0.0,
-            closed,
-            smooth: Vec::new(),
-            rule: gauss_legendre(ARC_LENGTH_POINTS),
-        }
+        Self { closed, rule: gauss_legendre(ARC_LENGTH_POINTS), ..Self::default() }
     }
 
     /// Adds an edge at the end.
@@ -147,16 +136,6 @@ impl Chain {
     /// Returns how many edges there are.
     pub fn len(&self) -> usize {
         self.kinds.len()
-    }
-
-    /// Reference arc length of all edges, mm.
-    pub fn length(&self) -> f64 {
-        self.length
-    }
-
-    /// Returns whether the last edge ends where the first one starts.
-    pub fn is_closed(&self) -> bool {
-        self.closed
     }
 
     /// The edge at a place, from 0.
@@ -194,16 +173,7 @@ impl Chain {
         let at = coordinate - excess;
         let (values, first) = (kind.shape_functions(at), kind.shape_derivatives(at));
         let second = if excess == 0.0 { kind.shape_second_derivatives() } else { [0.0; 3] };
-        let mut shape = Shape {
-            count: kind.node_count(),
-            nodes: [0; MAX_SHAPE_NODES],
-            values: [0.0; MAX_SHAPE_NODES],
-            first: [0.0; MAX_SHAPE_NODES],
-            second: [0.0; MAX_SHAPE_NODES],
-            turn: [0.0; MAX_SHAPE_NODES],
-            turning: [0.0; MAX_SHAPE_NODES],
-            smoothed: false,
-        };
+        let mut shape = Shape { count: kind.node_count(), ..Shape::default() };
         for (node, &index) in self.nodes(edge).iter().enumerate() {
             shape.nodes[node] = index;
             shape.values[node] = values[node] + first[node] * excess;
@@ -274,7 +244,10 @@ impl Chain {
 
 /// The edges in a row, and whether it closes.
 fn order(mesh: &Mesh, edges: &[ElementEdge], pair: &str) -> Result<(Vec<ElementEdge>, bool), ContactError> {
-    let broken = |reason: String| ContactError::Chain { pair: pair.to_owned(), reason };
+    let broken = |reason: String| {
+        let reason = format!("the master is no single chain of edges: {reason}");
+        ContactError::Unusable { pair: pair.to_owned(), reason }
+    };
     let ends = |edge: &ElementEdge| {
         let nodes = mesh.edge_nodes(*edge);
         (nodes.nodes()[0], nodes.nodes()[1])

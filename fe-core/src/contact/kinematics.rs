@@ -1,6 +1,7 @@
 //! Gap and slip of a contact point with their first and second derivatives by the nodes' positions.
 
 use super::chain::{Chain, Foot, MAX_SHAPE_NODES, Shape};
+use crate::plane::dot;
 use serde::{Deserialize, Serialize};
 
 /// Nodes of a contact point: at most three of a slave edge, three of a master edge and two of each of its neighbours.
@@ -30,18 +31,9 @@ impl SlavePoint {
     }
 }
 
-/// Reason why a foot gives no gap.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NoGap {
-    /// The master edge has no length there.
-    Collapsed,
-    /// The point lies at the master's centre of curvature or beyond it.
-    BeyondCentre,
-}
-
 /// Gap g and arc length s of one point, their gradients, and what their second derivatives are made of; the module's
 /// page has the equations. Freedoms are ordered node by node, slave nodes first.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Kinematics {
     count: usize,
     nodes: [usize; MAX_NODES],
@@ -69,7 +61,7 @@ pub(super) struct Kinematics {
 }
 
 /// Ingredients of the second derivatives.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Second {
     /// A and B: ∂d/∂x and ∂m/∂x at fixed ξ, per node.
     arm: [f64; MAX_NODES],
@@ -110,10 +102,6 @@ impl Directions {
     }
 }
 
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
 /// The normal to the right of a tangent: out of the body that lies on its left.
 fn right_of([x, y]: [f64; 2]) -> [f64; 2] {
     [y, -x]
@@ -136,20 +124,20 @@ impl Kinematics {
     /// Evaluates the kinematics of a slave point over its foot.
     ///
     /// # Errors
-    /// The foot gives no gap.
+    /// The foot gives no gap; why, in words.
     pub fn new(
         chain: &Chain,
         slave: &SlavePoint,
         foot: Foot,
         position: &impl Fn(usize) -> [f64; 2],
-    ) -> Result<Self, NoGap> {
+    ) -> Result<Self, &'static str> {
         let shape = chain.shape(foot.edge, foot.coordinate);
         let mut point = Self::over(slave, &shape, position);
         let directions = Directions::new(&shape, position);
         let Directions { tangent, bend, direction, turning } = directions;
         let stretch = direction[0].hypot(direction[1]);
         if stretch.is_nan() || stretch <= 0.0 {
-            return Err(NoGap::Collapsed);
+            return Err("the master edge under it has no length");
         }
         point.tangent = direction.map(|t| t / stretch);
         point.normal = right_of(point.tangent);
@@ -163,7 +151,7 @@ impl Kinematics {
         point.gap = dot(arm, point.normal);
         let denominator = dot(tangent, direction) - dot(arm, turning);
         if denominator <= 0.0 {
-            return Err(NoGap::BeyondCentre);
+            return Err("it lies beyond the centre of the master's curvature");
         }
         point.fill(slave.count, &shape, &directions, arm, denominator);
         for freedom in 0..2 * point.count {
@@ -179,7 +167,6 @@ impl Kinematics {
 
     /// Nodes, positions and A; the rest is 0.
     fn over(slave: &SlavePoint, shape: &Shape, position: &impl Fn(usize) -> [f64; 2]) -> Self {
-        let zero = [0.0; MAX_FREEDOMS];
         let mut nodes = [0; MAX_NODES];
         let mut arm = [0.0; MAX_NODES];
         let mut foot = [0.0; 2];
@@ -191,23 +178,9 @@ impl Kinematics {
             let x = position(node);
             foot = [foot[0] + shape.values[k] * x[0], foot[1] + shape.values[k] * x[1]];
         }
-        let (pull, slip) = ([0.0; 4], [0.0; 2]);
-        let turn = [0.0; MAX_NODES];
-        Self {
-            count: slave.count + shape.nodes().len(),
-            nodes,
-            position: slave.position(position),
-            foot,
-            tangent: [0.0; 2],
-            normal: [0.0; 2],
-            gap: 0.0,
-            arc_length: 0.0,
-            lean: 0.0,
-            pull: zero,
-            gap_gradient: zero,
-            slip_gradient: zero,
-            second: Second { arm, turn, a: zero, b: zero, b_edge: zero, c: zero, coordinate: zero, pull, slip },
-        }
+        let count = slave.count + shape.nodes().len();
+        let (position, second) = (slave.position(position), Second { arm, ..Second::default() });
+        Self { count, nodes, position, foot, second, ..Self::default() }
     }
 
     /// Distance from a corner: its side is that of the mean of the two edges' normals; no slip.

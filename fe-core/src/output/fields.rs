@@ -73,30 +73,10 @@ pub struct ContactPoint {
     pub weight: f64,
 }
 
-/// Fields that do not belong to their mesh.
+/// Fields that do not belong to their mesh, in words.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum FieldsError {
-    /// A vector of the wrong length.
-    #[error("there are {found} {what}, the mesh needs {expected}")]
-    Length {
-        /// Contents of the vector.
-        what: &'static str,
-        /// Length.
-        found: usize,
-        /// Length that the mesh needs.
-        expected: usize,
-    },
-    /// A contact point of a pair that does not exist.
-    #[error("contact point {} belongs to pair {}, there are {count}", point + 1, pair + 1)]
-    Pair {
-        /// Index of the point.
-        point: usize,
-        /// Index of the pair.
-        pair: usize,
-        /// Number of pairs.
-        count: usize,
-    },
-}
+#[error("{0}")]
+pub struct FieldsError(String);
 
 impl Fields<'_> {
     /// The same with displacements of their own, to be kept while the run goes on. `mesh` must be the fields' own, by a
@@ -125,8 +105,10 @@ impl Fields<'_> {
         expect_length("state variables", self.states.len(), states)?;
         expect_length("activities", self.activities.len(), mesh.elements().len())?;
         let count = self.pairs.len();
-        match self.contact.iter().position(|point| point.pair >= count) {
-            Some(point) => Err(FieldsError::Pair { point, pair: self.contact[point].pair, count }),
+        match self.contact.iter().zip(1..).find(|(point, _)| point.pair >= count) {
+            Some((&ContactPoint { pair, .. }, point)) => {
+                Err(FieldsError(format!("contact point {point} belongs to pair {}, there are {count}", pair + 1)))
+            }
             None => Ok(()),
         }
     }
@@ -159,6 +141,9 @@ impl Fields<'_> {
     }
 }
 
-pub(super) fn expect_length(what: &'static str, found: usize, expected: usize) -> Result<(), FieldsError> {
-    if found == expected { Ok(()) } else { Err(FieldsError::Length { what, found, expected }) }
+pub(super) fn expect_length(what: &str, found: usize, expected: usize) -> Result<(), FieldsError> {
+    if found != expected {
+        return Err(FieldsError(format!("there are {found} {what}, the mesh needs {expected}")));
+    }
+    Ok(())
 }

@@ -46,7 +46,7 @@ pub use axial::axial_stress;
 pub use fields::{Activity, ContactPoint, Fields, FieldsError};
 pub use principal::Principal;
 pub use recovery::{PartNodes, Recovery};
-pub use series::{Series, SeriesFiles, WriteError};
+pub use series::{Series, SeriesFiles};
 pub use snapshot::contact_points;
 
 #[cfg(test)]

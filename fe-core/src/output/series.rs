@@ -3,8 +3,8 @@
 use super::fields::{ContactPoint, Fields, FieldsError};
 use super::principal::{Principal, von_mises};
 use super::recovery::Recovery;
-use super::vtu::{Array, Cells, Data, Grid, VERTEX, cell_type};
-use crate::mesh::Mesh;
+use super::vtu::{Array, Cells, Grid, VERTEX, cell_type};
+use crate::mesh::{Element, Mesh};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::io;
@@ -42,22 +42,6 @@ pub struct SeriesFiles {
     written: usize,
 }
 
-/// An increment that could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum WriteError {
-    /// Fields that do not belong to the mesh.
-    #[error(transparent)]
-    Fields(#[from] FieldsError),
-    /// A file or folder that could not be written.
-    #[error("{}: {source}", path.display())]
-    File {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-}
-
 impl SeriesFiles {
     /// Returns whether a series can have come to it: the names of its increments, one after the other.
     pub fn is_sound(&self) -> bool {
@@ -86,9 +70,9 @@ impl Series {
     /// # Errors
     ///
     /// The folder cannot be made.
-    pub fn create(directory: &Path, mesh: &Mesh) -> Result<Self, WriteError> {
+    pub fn create(directory: &Path, mesh: &Mesh) -> io::Result<Self> {
         let folder = directory.join("fields");
-        std::fs::create_dir_all(&folder).map_err(|source| WriteError::File { path: folder, source })?;
+        std::fs::create_dir_all(&folder).map_err(failed(&folder))?;
         let (directory, recovery) = (directory.to_owned(), Recovery::new(mesh));
         Ok(Self { directory, recovery, files: SeriesFiles::default() })
     }
@@ -98,13 +82,13 @@ impl Series {
     /// # Errors
     ///
     /// The folder cannot be made, or a file not be written or removed.
-    pub fn resume(directory: &Path, mesh: &Mesh, files: SeriesFiles) -> Result<Self, WriteError> {
+    pub fn resume(directory: &Path, mesh: &Mesh, files: SeriesFiles) -> io::Result<Self> {
         let series = Self { files, ..Self::create(directory, mesh)? };
         series.replace("fields.pvd", Ok(series.list().into_bytes()))?;
         let later = (series.files.written..).map(|number| names(number).map(|name| directory.join(name)));
         for paths in later.take_while(|paths| paths.iter().any(|path| path.exists())) {
             for path in paths.into_iter().filter(|path| path.exists()) {
-                std::fs::remove_file(&path).map_err(|source| WriteError::File { path, source })?;
+                std::fs::remove_file(&path).map_err(failed(&path))?;
             }
         }
         Ok(series)
@@ -125,10 +109,10 @@ impl Series {
     /// # Errors
     ///
     /// The fields do not fit the mesh that the series was made for, or a file cannot be written.
-    pub fn write(&mut self, fields: &Fields<'_>) -> Result<(), WriteError> {
-        fields.check()?;
+    pub fn write(&mut self, fields: &Fields<'_>) -> io::Result<()> {
+        fields.check().map_err(io::Error::other)?;
         let [file, contact_file] = names(self.files.written);
-        self.replace(&file, solids(fields, &self.recovery)?.bytes())?;
+        self.replace(&file, solids(fields, &self.recovery).map_err(io::Error::other)?.bytes())?;
         self.files.entries.push((fields.time, 0, file));
         if !fields.pairs.is_empty() {
             self.replace(&contact_file, contact(fields).bytes())?;
@@ -139,7 +123,7 @@ impl Series {
     }
 
     /// Writes a file beside its place and moves it there.
-    fn replace(&self, file: &str, content: io::Result<Vec<u8>>) -> Result<(), WriteError> {
+    fn replace(&self, file: &str, content: io::Result<Vec<u8>>) -> io::Result<()> {
         let path = self.directory.join(file);
         let partial = path.with_extension("partial");
         let written = content
@@ -148,7 +132,7 @@ impl Series {
         if written.is_err() {
             let _ = std::fs::remove_file(&partial);
         }
-        written.map_err(|source| WriteError::File { path, source })
+        written.map_err(failed(&path))
     }
 
     fn list(&self) -> String {
@@ -162,6 +146,11 @@ impl Series {
         xml.push_str("</Collection>\n</VTKFile>\n");
         xml
     }
+}
+
+/// Adds the place to what went wrong there.
+fn failed(path: &Path) -> impl FnOnce(io::Error) -> io::Error {
+    move |error| io::Error::other(format!("{}: {error}", path.display()))
 }
 
 /// The files of an increment: of solids and of contact.
@@ -181,15 +170,15 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
     let tensors: Vec<[f64; 6]> = stresses.iter().map(|&[a, b, c, d]| [a, b, c, d, 0.0, 0.0]).collect();
     let directions: Vec<[f64; 3]> = principal.iter().map(Principal::direction).collect();
     let mut point_data = vec![
-        Array::integers("node", counted(places.nodes().iter().copied())),
+        Array::numbers("node", places.nodes().iter().copied()),
         Array::tuples("displacement", &VECTOR, &vectors(&fields.displacements)),
         Array::tuples("reaction", &VECTOR, &vectors(&fields.reactions)),
         Array::tuples("stress", &STRESS, &tensors),
-        Array::scalars("principal_stress_max", principal.iter().map(|p| p.maximum).collect()),
-        Array::scalars("principal_stress_mid", principal.iter().map(|p| p.middle).collect()),
-        Array::scalars("principal_stress_min", principal.iter().map(|p| p.minimum).collect()),
+        Array::scalars("principal_stress_max", principal.iter().map(|p| p.maximum)),
+        Array::scalars("principal_stress_mid", principal.iter().map(|p| p.middle)),
+        Array::scalars("principal_stress_min", principal.iter().map(|p| p.minimum)),
         Array::tuples("principal_direction", &VECTOR, &directions),
-        Array::scalars("von_mises", stresses.iter().map(|&stress| von_mises(stress)).collect()),
+        Array::scalars("von_mises", stresses.iter().map(|&stress| von_mises(stress))),
         Array::tuples("strain", &STRAIN, &recovery.recover(&fields.strains)?),
     ];
     for name in fields.distinct_state_names() {
@@ -218,9 +207,9 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
         cells,
         point_data,
         cell_data: vec![
-            Array::integers("part", counted(elements.iter().map(|element| element.part()))),
-            Array::integers("element", counted(0..elements.len())),
-            Array::scalars("thickness", elements.iter().map(|element| element.thickness()).collect()),
+            Array::numbers("part", elements.iter().map(Element::part)),
+            Array::numbers("element", 0..elements.len()),
+            Array::scalars("thickness", elements.iter().map(Element::thickness)),
         ],
     })
 }
@@ -229,7 +218,7 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
 fn contact<'a>(fields: &'a Fields<'_>) -> Grid<'a> {
     let points = &fields.contact;
     let count = points.len() as i64;
-    let scalars = |name, value: fn(&ContactPoint) -> f64| Array::scalars(name, points.iter().map(value).collect());
+    let scalars = |name, value: fn(&ContactPoint) -> f64| Array::scalars(name, points.iter().map(value));
     Grid {
         time: fields.time,
         numbers: numbers("pair", fields.pairs.iter().map(String::as_str)),
@@ -240,17 +229,13 @@ fn contact<'a>(fields: &'a Fields<'_>) -> Grid<'a> {
             types: vec![VERTEX; points.len()],
         },
         point_data: vec![
-            Array::integers("pair", counted(points.iter().map(|point| point.pair))),
+            Array::numbers("pair", points.iter().map(|point| point.pair)),
             scalars("arc", |point| point.arc),
             scalars("gap", |point| point.gap),
             scalars("pressure", |point| point.pressure),
             scalars("slip", |point| point.slip),
             scalars("bond_traction", |point| point.shear_traction),
-            Array {
-                name: "open".into(),
-                components: &[""],
-                data: Data::Byte(points.iter().map(|p| u8::from(p.open)).collect()),
-            },
+            Array::switches("open", points.iter().map(|point| point.open)),
             scalars("weight", |point| point.weight),
         ],
         cell_data: Vec::new(),
@@ -260,9 +245,4 @@ fn contact<'a>(fields: &'a Fields<'_>) -> Grid<'a> {
 /// "part fibre" is 1, and so on.
 fn numbers<'n>(what: &str, names: impl Iterator<Item = &'n str>) -> Vec<(String, i32)> {
     names.zip(1..).map(|(name, number)| (format!("{what} {name}"), number)).collect()
-}
-
-/// Indices as people count.
-fn counted(indices: impl Iterator<Item = usize>) -> Vec<i32> {
-    indices.map(|index| index as i32 + 1).collect()
 }

@@ -13,15 +13,11 @@ use std::io::{self, Write as _};
 pub(super) struct Array<'a> {
     pub name: String,
     /// A name for each component; one empty name for a scalar.
-    pub components: &'a [&'a str],
-    pub data: Data,
-}
-
-/// Contents of an array, tuple by tuple.
-pub(super) enum Data {
-    Real(Vec<f64>),
-    Integer(Vec<i32>),
-    Byte(Vec<u8>),
+    components: &'a [&'a str],
+    /// VTK's name of its numbers.
+    kind: &'static str,
+    /// The numbers, tuple by tuple.
+    bytes: Vec<u8>,
 }
 
 /// Cells of a grid.
@@ -59,32 +55,34 @@ pub(super) const fn cell_type(kind: ElementKind) -> u8 {
 
 impl<'a> Array<'a> {
     /// One real number per tuple.
-    pub(super) fn scalars(name: impl Into<String>, data: Vec<f64>) -> Self {
-        Self { name: name.into(), components: &[""], data: Data::Real(data) }
+    pub(super) fn scalars(name: impl Into<String>, data: impl IntoIterator<Item = f64>) -> Self {
+        let bytes = data.into_iter().flat_map(f64::to_le_bytes).collect();
+        Self { name: name.into(), components: &[""], kind: "Float64", bytes }
     }
 
-    /// One integer per tuple.
-    pub(super) fn integers(name: &str, data: Vec<i32>) -> Self {
-        Self { name: name.into(), components: &[""], data: Data::Integer(data) }
+    /// The number of each index, as people count.
+    pub(super) fn numbers(name: &str, indices: impl IntoIterator<Item = usize>) -> Self {
+        let bytes = indices.into_iter().flat_map(|index| (index as i32 + 1).to_le_bytes()).collect();
+        Self { name: name.into(), components: &[""], kind: "Int32", bytes }
+    }
+
+    /// Whether something holds, per tuple.
+    pub(super) fn switches(name: &str, data: impl IntoIterator<Item = bool>) -> Self {
+        Self { name: name.into(), components: &[""], kind: "UInt8", bytes: data.into_iter().map(u8::from).collect() }
     }
 
     /// Tuples of real numbers.
     pub(super) fn tuples<const N: usize>(name: &str, components: &'a [&'a str; N], data: &[[f64; N]]) -> Self {
-        Self { name: name.into(), components, data: Data::Real(data.as_flattened().to_vec()) }
+        Self { components, ..Self::scalars(name, data.as_flattened().iter().copied()) }
     }
 
     fn write(&self, file: &mut File) -> io::Result<()> {
-        let (kind, bytes): (_, Vec<u8>) = match &self.data {
-            Data::Real(values) => ("Float64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
-            Data::Integer(values) => ("Int32", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
-            Data::Byte(values) => ("UInt8", values.clone()),
-        };
         let named: String = match self.components {
             [_] => String::new(),
             several => several.iter().enumerate().map(|(k, name)| format!(" ComponentName{k}=\"{name}\"")).collect(),
         };
         let attributes = format!("NumberOfComponents=\"{}\"{named}", self.components.len());
-        file.data_array(kind, &escaped(&self.name), &attributes, &bytes)
+        file.data_array(self.kind, &escaped(&self.name), &attributes, &self.bytes)
     }
 }
 

@@ -54,7 +54,7 @@ impl FieldWriter {
     /// # Errors
     /// A file cannot be written or removed.
     pub fn resume(folder: &Path, model: &Model, written: &WrittenFields) -> io::Result<Self> {
-        let series = Series::resume(folder, &model.mesh, written.files.clone()).map_err(io::Error::other)?;
+        let series = Series::resume(folder, &model.mesh, written.files.clone())?;
         let hashed = Some((folder.to_owned(), written.sha256.clone()));
         Ok(Self { series, last: written.last, spent: Duration::ZERO, hashed })
     }
@@ -70,7 +70,7 @@ impl FieldWriter {
     /// # Errors
     /// The folder cannot be made.
     pub fn create(folder: &Path, model: &Model, is_hashed: bool) -> io::Result<Self> {
-        let series = Series::create(folder, &model.mesh).map_err(io::Error::other)?;
+        let series = Series::create(folder, &model.mesh)?;
         let hashed = is_hashed.then(|| (folder.to_owned(), Vec::new()));
         Ok(Self { series, last: None, spent: Duration::ZERO, hashed })
     }
@@ -82,7 +82,7 @@ impl FieldWriter {
     pub fn write(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
         let start = Instant::now();
         worker::look_after_plugins();
-        self.series.write(&Fields::of(snapshot)).map_err(io::Error::other)?;
+        self.series.write(&Fields::of(snapshot))?;
         if let Some((folder, sha256)) = &mut self.hashed {
             let new = self.series.files().names().skip(sha256.len());
             let new: io::Result<Vec<String>> = new.map(|name| hash(&folder.join(name))).collect();

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::PartProperties;
 use super::element_type::ElementType;
-use super::error::GmshFault;
+use super::error::part_names;
 use super::file::{File, FileElement};
 use crate::element::{ElementKind, area};
 use crate::mesh::{ElementDefinition, ElementEdge, MeshDefinition, Part};
@@ -15,7 +15,7 @@ use crate::mesh::{ElementDefinition, ElementEdge, MeshDefinition, Part};
 const RELATIVE_PLANE_TOLERANCE: f64 = 1e-9;
 
 /// A fault, with the byte where its cause stands if it stands anywhere.
-type Trouble = (Option<usize>, GmshFault);
+type Trouble = (Option<usize>, String);
 
 /// Makes a mesh of a file.
 pub(super) fn mesh_definition(
@@ -52,28 +52,36 @@ fn surface_elements(file: &File) -> Result<Vec<Surface<'_>>, Trouble> {
             }
             [group] => group.clone(),
             [first, second, ..] => {
-                let (first, second) = (first.to_string(), second.to_string());
-                return Err((Some(element.place), GmshFault::TwoGroups { element: element.tag, first, second }));
+                let both = format!("element {} is in the physical surfaces '{first}' and '{second}'", element.tag);
+                return Err((Some(element.place), format!("{both}; every surface belongs to one part")));
             }
         };
         let mut nodes = element.nodes.clone();
         nodes.sort_unstable();
         if let Some(index) = element_with.insert(nodes, surfaces.len()) {
             let (earlier, _, earlier_group) = &surfaces[index];
-            let fault = GmshFault::SameNodes {
-                first: earlier.tag,
-                second: element.tag,
-                first_group: earlier_group.to_string(),
-                second_group: group.into_owned(),
-            };
+            let fault = format!(
+                "elements {} (physical surface '{earlier_group}') and {} ('{group}') have the same nodes; every surface \
+                 belongs to one part, once",
+                earlier.tag, element.tag
+            );
             return Err((Some(element.place), fault));
         }
         surfaces.push((element, kind, group));
     }
     if let Some(first) = outside.first() {
-        return Err((Some(first.place), GmshFault::NoGroup { element: first.tag, count: outside.len() }));
+        let others = if outside.len() > 1 { format!(" (the first of {})", outside.len()) } else { String::new() };
+        let fault = format!(
+            "element {}{others} is in no physical surface; add Physical Surface(\"name\") = {{...}} over all surfaces",
+            first.tag
+        );
+        return Err((Some(first.place), fault));
     }
-    if surfaces.is_empty() { Err((None, GmshFault::NoSurface)) } else { Ok(surfaces) }
+    if surfaces.is_empty() {
+        let remedy = "mesh the surfaces (Mesh > 2D) and put them into physical groups";
+        return Err((None, format!("there are no triangles or quadrilaterals; {remedy}")));
+    }
+    Ok(surfaces)
 }
 
 /// The names of the physical groups of an element. A reversed curve has its group with a minus.
@@ -95,8 +103,8 @@ fn check_part_names(surfaces: &[Surface<'_>], properties: &BTreeMap<String, Part
     if without_properties.is_empty() && without_elements.is_empty() {
         return Ok(());
     }
-    let available = available.into_iter().map(str::to_owned).collect();
-    Err((None, GmshFault::PartNames { without_properties, without_elements, available }))
+    let available: Vec<String> = available.into_iter().map(str::to_owned).collect();
+    Err((None, part_names(&without_properties, &without_elements, &available)))
 }
 
 /// A mesh in the making.
@@ -157,8 +165,10 @@ impl<'a> Conversion<'a> {
             self.turned.push(element.tag);
         }
         let positions: Vec<[f64; 2]> = nodes.iter().map(|&node| self.definition.nodes[node]).collect();
-        area(kind, &positions)
-            .map_err(|source| (Some(element.place), GmshFault::Shape { element: element.tag, source }))?;
+        area(kind, &positions).map_err(|error| {
+            let shape = format!("element {}: {error}; it is folded or collapsed", element.tag);
+            (Some(element.place), format!("{shape}, repair the mesh (Mesh > Inspect shows it)"))
+        })?;
         for edge in 0..kind.corner_count() {
             let ([start, end, _], _) = kind.edge_nodes(edge);
             // Two elements on one side are for `Mesh::new` to find.
@@ -194,7 +204,10 @@ impl<'a> Conversion<'a> {
             }
         }
         if let Some(name) = point_names.into_iter().find(|name| self.definition.edge_sets.contains_key(name)) {
-            return Err((None, GmshFault::SetName { name }));
+            let fault = format!(
+                "'{name}' names a physical point and a physical curve; both would become the node set of this name"
+            );
+            return Err((None, fault));
         }
         for nodes in self.definition.node_sets.values_mut() {
             nodes.sort_unstable();
@@ -220,11 +233,14 @@ impl<'a> Conversion<'a> {
         };
         found
             .filter(|&ElementEdge { element, edge }| {
-                let ElementDefinition { kind, ref nodes, .. } = self.definition.elements[element];
-                let (local, count) = kind.edge_nodes(edge);
-                (count == 3).then(|| Some(nodes[local[2]])) == middle
+                let nodes = self.definition.elements[element].edge_nodes(edge);
+                nodes.get(2).map(|&node| Some(node)) == middle
             })
-            .ok_or_else(|| (Some(line.place), GmshFault::NoEdge { element: line.tag, group: group.to_owned() }))
+            .ok_or_else(|| {
+                let what = format!("line element {} of the physical curve '{group}'", line.tag);
+                let fault = "is no edge of a surface element of its order; the curve must bound a meshed surface";
+                (Some(line.place), format!("{what} {fault}"))
+            })
     }
 
     /// All nodes of the mesh have the z of the first.
@@ -233,7 +249,11 @@ impl<'a> Conversion<'a> {
         let largest = nodes().flat_map(|node| node.position).fold(0.0_f64, |largest, x| largest.max(x.abs()));
         let other = nodes().next().map_or(0.0, |node| node.position[2]);
         match nodes().find(|node| (node.position[2] - other).abs() > RELATIVE_PLANE_TOLERANCE * largest) {
-            Some(node) => Err((Some(node.place), GmshFault::OutOfPlane { node: node.tag, z: node.position[2], other })),
+            Some(node) => {
+                let z = node.position[2];
+                let fault = format!("node {} lies at z = {z}, others at {other}; a plane mesh has one z", node.tag);
+                Err((Some(node.place), fault))
+            }
             None => Ok(()),
         }
     }

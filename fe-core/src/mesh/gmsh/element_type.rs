@@ -1,6 +1,5 @@
 //! Gmsh's numbers for the types of element.
 
-use super::error::GmshFault;
 use crate::element::ElementKind;
 
 /// A type of element that is read.
@@ -15,7 +14,7 @@ pub(super) enum ElementType {
 impl ElementType {
     /// Reads Gmsh's number of a type. Gmsh numbers the nodes of all types below as [`crate::element`] does: corners
     /// counter-clockwise, then the middles of the edges, the first one between corners 1 and 2.
-    pub(super) fn new(number: i64) -> Result<Self, GmshFault> {
+    pub(super) fn new(number: i64) -> Result<Self, String> {
         const INCOMPLETE: &str =
             "with Mesh.ElementOrder = 2 also set Mesh.SecondOrderIncomplete = 1 (second-order incomplete: 8 nodes)";
         const LOWER: &str = "set Mesh.ElementOrder to 1 or 2";
@@ -37,7 +36,7 @@ impl ElementType {
             26..=28 => ("line of a higher order", LOWER),
             _ => ("unknown or of a higher order", LOWER),
         };
-        Err(GmshFault::ElementType { number, name, remedy })
+        Err(format!("element type {number} ({name}) is not computed; {remedy}"))
     }
 
     pub(super) fn dimension(self) -> usize {

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::element_type::ElementType;
-use super::error::GmshFault;
+use super::error::{shown, unexpected};
 use super::source::{Encoding, Source, Trouble};
 
 /// Most physical groups of an entity. All its elements are in all of them: without a limit a file of a megabyte
@@ -64,7 +64,7 @@ impl File {
             let (start, section) = section_start(source)?;
             if !seen.insert(section.clone()) && matches!(&*section, "PhysicalNames" | "Entities" | "Nodes" | "Elements")
             {
-                return Err((start, GmshFault::RepeatedSection { section }));
+                return Err((start, format!("section ${section} comes a second time; a file holds one mesh")));
             }
             match (&*section, version) {
                 ("PhysicalNames", _) => file.read_names(source)?,
@@ -73,7 +73,11 @@ impl File {
                 ("Nodes", Version::V2) => file.read_nodes_2(source)?,
                 ("Elements", Version::V4) => file.read_elements_4(source)?,
                 ("Elements", Version::V2) => file.read_elements_2(source)?,
-                ("PartitionedEntities", _) => return Err((start, GmshFault::Partitioned)),
+                ("PartitionedEntities", _) => {
+                    let fault =
+                        "the mesh is partitioned; save it with Mesh.PartitionSplitMeshFiles = 0 and without partitions";
+                    return Err((start, fault.to_owned()));
+                }
                 _ => {
                     source.skip_section(&section)?;
                     continue;
@@ -83,7 +87,8 @@ impl File {
         }
         for section in ["Nodes", "Elements"] {
             if !seen.contains(section) {
-                return Err((source.position(), GmshFault::MissingSection { section }));
+                let fault = format!("there is no section ${section}; mesh the model (Mesh > 2D) before saving it");
+                return Err((source.position(), fault));
             }
         }
         Ok(file)
@@ -116,7 +121,7 @@ impl File {
                 let group_count = source.size("the number of an entity's physical groups")?;
                 if group_count > MOST_GROUPS {
                     let expected = format!("at most {MOST_GROUPS} physical groups of an entity");
-                    return Err((place, GmshFault::Expected { expected, found: group_count.to_string() }));
+                    return Err((place, unexpected(&expected, &group_count.to_string())));
                 }
                 let mut groups = Vec::new();
                 for _ in 0..group_count {
@@ -176,13 +181,13 @@ impl File {
                 ElementType::new(source.integer("a type of element")?).map_err(|fault| (start, fault))?;
             if dimension != element_type.dimension() as i64 {
                 let expected = format!("a block of dimension {}, as its type of element", element_type.dimension());
-                return Err((start, GmshFault::Expected { expected, found: dimension.to_string() }));
+                return Err((start, unexpected(&expected, &dimension.to_string())));
             }
             let dimension = element_type.dimension();
-            let &groups = self
-                .groups_of_entity
-                .get(&(dimension, entity))
-                .ok_or((start, GmshFault::UnknownEntity { dimension, tag: entity }))?;
+            let &groups = self.groups_of_entity.get(&(dimension, entity)).ok_or_else(|| {
+                let what = format!("elements of the entity of dimension {dimension} and tag {entity}");
+                (start, format!("{what}, which is not in $Entities; save the mesh from Gmsh again"))
+            })?;
             for _ in 0..source.size("the number of elements of a block")? {
                 let place = source.position();
                 let tag = source.size("an element tag")?;
@@ -227,8 +232,8 @@ impl File {
                     let block_count = source.integer("the number of elements of a block")?;
                     let tag_count = source.integer("the number of an element's tags")?;
                     if block_count < 1 {
-                        let expected = "a positive number of elements of a block".to_owned();
-                        return Err((place, GmshFault::Expected { expected, found: block_count.to_string() }));
+                        let expected = "a positive number of elements of a block";
+                        return Err((place, unexpected(expected, &block_count.to_string())));
                     }
                     for _ in 0..block_count {
                         let place = source.position();
@@ -267,10 +272,10 @@ impl File {
 
     fn add_node(&mut self, node: FileNode) -> Result<(), Trouble> {
         if !node.position.iter().all(|x| x.is_finite()) {
-            return Err((node.place, GmshFault::Position { node: node.tag }));
+            return Err((node.place, format!("node {}: its position is not finite", node.tag)));
         }
         if self.node_of_tag.insert(node.tag, self.nodes.len()).is_some() {
-            return Err((node.place, GmshFault::RepeatedNode { node: node.tag }));
+            return Err((node.place, format!("node {} is defined twice", node.tag)));
         }
         self.nodes.push(node);
         Ok(())
@@ -292,8 +297,8 @@ impl File {
                 Version::V2 => read_tag(source, expected)?,
                 Version::V4 => source.size(expected)?,
             };
-            let index = self.node_of_tag.get(&node);
-            nodes.push(*index.ok_or((place, GmshFault::UnknownNode { element: tag, node }))?);
+            let unknown = || (place, format!("element {tag} has node {node}, which is not in $Nodes"));
+            nodes.push(*self.node_of_tag.get(&node).ok_or_else(unknown)?);
         }
         self.elements.push(FileElement { tag, element_type, groups, nodes, place });
         Ok(())
@@ -305,35 +310,43 @@ fn read_format(source: &mut Source<'_>) -> Result<Version, Trouble> {
     let start = source.position();
     let first = source.word("$MeshFormat")?;
     if first != "$MeshFormat" {
-        let found = first.chars().take(40).collect::<String>().escape_debug().to_string();
-        return Err((start, GmshFault::NotGmsh { found }));
+        let found = shown(&first);
+        return Err((start, format!("this is no Gmsh mesh: it must start with $MeshFormat, found '{found}'")));
     }
     let place = source.position();
     let version = match source.word("the format version")? {
         version if version == "2.2" => Version::V2,
         version if version == "4.1" => Version::V4,
-        version => return Err((place, GmshFault::Version { version: version.escape_debug().to_string() })),
+        version => {
+            let version = version.escape_debug();
+            let fault = format!("format version {version} is not read; save with Mesh.MshFileVersion = 4.1 (or 2.2)");
+            return Err((place, fault));
+        }
     };
     let place = source.position();
     let file_type: i64 = source.number("0 (text) or 1 (binary)")?;
     if !(0..=1).contains(&file_type) {
-        let expected = "0 (text) or 1 (binary)".to_owned();
-        return Err((place, GmshFault::Expected { expected, found: file_type.to_string() }));
+        return Err((place, unexpected("0 (text) or 1 (binary)", &file_type.to_string())));
     }
     let data_size: i64 = source.number("the size of a number in bytes")?;
     if file_type == 1 {
         if data_size != 8 {
-            return Err((place, GmshFault::Binary { what: format!("numbers of {data_size} bytes") }));
+            return Err((place, unread_binary(&format!("numbers of {data_size} bytes"))));
         }
         source.line_end()?;
         source.encoding = Encoding::Binary;
         let place = source.position();
         if source.integer("the 1 that shows the byte order")? != 1 {
-            return Err((place, GmshFault::Binary { what: "its highest byte first".to_owned() }));
+            return Err((place, unread_binary("its highest byte first")));
         }
     }
     source.section_end("MeshFormat")?;
     Ok(version)
+}
+
+/// Binary in a form that this reader does not have.
+fn unread_binary(what: &str) -> String {
+    format!("binary data with {what} is not read; save as text with Mesh.Binary = 0")
 }
 
 /// The line that opens a section: where, and its name.
@@ -342,8 +355,7 @@ fn section_start(source: &mut Source<'_>) -> Result<(usize, String), Trouble> {
     let start = source.position();
     let word = source.word("a section")?;
     let Some(section) = word.strip_prefix('$') else {
-        let found = word.chars().take(40).collect::<String>().escape_debug().to_string();
-        return Err((start, GmshFault::Expected { expected: "a section, such as $Nodes".to_owned(), found }));
+        return Err((start, unexpected("a section, such as $Nodes", &shown(&word))));
     };
     source.line_end()?;
     Ok((start, section.to_owned()))
@@ -353,8 +365,7 @@ fn section_start(source: &mut Source<'_>) -> Result<(usize, String), Trouble> {
 fn read_tag(source: &mut Source<'_>, expected: &str) -> Result<u64, Trouble> {
     let place = source.position();
     let tag = source.integer(expected)?;
-    u64::try_from(tag)
-        .map_err(|_| (place, GmshFault::Expected { expected: expected.to_owned(), found: tag.to_string() }))
+    u64::try_from(tag).map_err(|_| (place, unexpected(expected, &tag.to_string())))
 }
 
 fn read_type(source: &mut Source<'_>, place: usize) -> Result<ElementType, Trouble> {
@@ -374,6 +385,5 @@ fn check_count(place: usize, what: &str, stated: u64, found: usize) -> Result<()
     if stated == found as u64 {
         return Ok(());
     }
-    let expected = format!("{stated} entries ({what})");
-    Err((place, GmshFault::Expected { expected, found: found.to_string() }))
+    Err((place, unexpected(&format!("{stated} entries ({what})"), &found.to_string())))
 }

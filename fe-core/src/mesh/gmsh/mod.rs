@@ -9,7 +9,7 @@ mod source;
 #[cfg(test)]
 mod test;
 
-pub use error::{GmshError, GmshFault, Place};
+pub use error::{GmshError, Place};
 
 use std::collections::BTreeMap;
 use std::path::Path;

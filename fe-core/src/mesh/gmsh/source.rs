@@ -1,10 +1,10 @@
 //! A reading position in the bytes of a file, in text or in binary.
 
-use super::error::{GmshError, GmshFault, Place};
+use super::error::{GmshError, Place, shown, truncated, unexpected};
 use std::path::Path;
 
 /// A fault at a byte of the file.
-pub(super) type Trouble = (usize, GmshFault);
+pub(super) type Trouble = (usize, String);
 
 /// Encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +57,7 @@ impl<'a> Source<'a> {
         let rest = &self.bytes[self.position..];
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
         if length == 0 {
-            return Err((self.position, GmshFault::Truncated { expected: expected.to_owned() }));
+            return Err((self.position, truncated(expected)));
         }
         self.position += length;
         Ok(String::from_utf8_lossy(&rest[..length]).into_owned())
@@ -68,11 +68,7 @@ impl<'a> Source<'a> {
         self.skip_blanks();
         let start = self.position;
         let word = self.word(expected)?;
-        word.parse().map_err(|_| {
-            // Binary rubbish would make the message unreadable.
-            let found = word.chars().take(40).collect::<String>().escape_debug().to_string();
-            (start, GmshFault::Expected { expected: expected.to_owned(), found })
-        })
+        word.parse().map_err(|_| (start, unexpected(expected, &shown(&word))))
     }
 
     /// Text in quotes.
@@ -85,8 +81,8 @@ impl<'a> Source<'a> {
         self.position += line_length;
         match line.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
             Some(text) => Ok(text.to_owned()),
-            None if start == self.bytes.len() => Err((start, GmshFault::Truncated { expected: expected.to_owned() })),
-            None => Err((start, GmshFault::Expected { expected: expected.to_owned(), found: line })),
+            None if start == self.bytes.len() => Err((start, truncated(expected))),
+            None => Err((start, unexpected(expected, &line))),
         }
     }
 
@@ -95,7 +91,7 @@ impl<'a> Source<'a> {
         while let Some(&byte) = self.bytes.get(self.position) {
             if !byte.is_ascii_whitespace() {
                 let found = (byte as char).escape_debug().to_string();
-                return Err((self.position, GmshFault::Expected { expected: "the end of the line".to_owned(), found }));
+                return Err((self.position, unexpected("the end of the line", &found)));
             }
             self.position += 1;
             if byte == b'\n' {
@@ -132,7 +128,7 @@ impl<'a> Source<'a> {
     fn take<const COUNT: usize>(&mut self, expected: &str) -> Result<[u8; COUNT], Trouble> {
         let bytes = self.bytes[self.position..]
             .first_chunk::<COUNT>()
-            .ok_or_else(|| (self.bytes.len(), GmshFault::Truncated { expected: expected.to_owned() }))?;
+            .ok_or_else(|| (self.bytes.len(), truncated(expected)))?;
         self.position += COUNT;
         Ok(*bytes)
     }
@@ -145,8 +141,7 @@ impl<'a> Source<'a> {
         if found == expected {
             return Ok(());
         }
-        let found = found.chars().take(40).collect::<String>().escape_debug().to_string();
-        Err((start, GmshFault::Expected { expected, found }))
+        Err((start, unexpected(&expected, &shown(&found))))
     }
 
     /// Skips a section that does not concern the mesh.
@@ -158,7 +153,7 @@ impl<'a> Source<'a> {
                 self.position += offset + end.len();
                 Ok(())
             }
-            None => Err((self.bytes.len(), GmshFault::Truncated { expected: end })),
+            None => Err((self.bytes.len(), truncated(&end))),
         }
     }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::element::ElementKind::{self, *};
 use crate::kinematics::PlaneModel;
-use crate::mesh::structured::{Block, Side, StructuredMesh};
+use crate::mesh::structured::{Block, Side};
 use crate::mesh::{ElementDefinition, MeshDefinition, Part};
 
 fn part(name: &str) -> Part {
@@ -10,7 +10,7 @@ fn part(name: &str) -> Part {
 
 /// Two columns of cells upon x = 1, `left` and `right` rows high, of two parts or of one; joined where nodes coincide.
 fn columns(kind: ElementKind, rows: [usize; 2], parts: usize, glued: bool) -> Mesh {
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     for name in &["left", "right"][..parts] {
         mesh.add_part(part(name));
     }
@@ -18,7 +18,7 @@ fn columns(kind: ElementKind, rows: [usize; 2], parts: usize, glued: bool) -> Me
     let left = mesh.block(&Block::new(0, kind, &[0.0, 1.0], &eta[0])).unwrap();
     let others = if glued { left.side_nodes(Side::Right) } else { vec![] };
     mesh.glued_block(&Block::new(parts - 1, kind, &[1.0, 2.0], &eta[1]), &others).unwrap();
-    Mesh::new(mesh.definition()).unwrap()
+    Mesh::new(mesh).unwrap()
 }
 
 #[test]
@@ -87,14 +87,14 @@ fn nodes_on_curved_edges_are_found() {
 /// cover, −½ ≤ x ≤ ½, on the same block. The cover ends at y = 1, where the fibre has nodes.
 #[test]
 fn nodes_of_what_passes_in_front_do_not_hang() {
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     for name in ["block", "cover", "fibre"] {
         mesh.add_part(part(name));
     }
     let below = mesh.block(&Block::new(0, Q4, &[-0.5, 0.0, 0.5], &[-1.0, 0.0])).unwrap().side_nodes(Side::Top);
     mesh.glued_block(&Block::new(1, Q4, &[-0.5, 0.5], &[0.0, 1.0]), &below).unwrap();
     mesh.glued_block(&Block::new(2, Q4, &[-0.25, 0.0, 0.25], &[0.0, 1.0, 2.0]), &below).unwrap();
-    let found = findings(&Mesh::new(mesh.definition()).unwrap(), &[]);
+    let found = findings(&Mesh::new(mesh).unwrap(), &[]);
     let hanging: Vec<[f64; 2]> = found
         .iter()
         .filter_map(|finding| match finding {

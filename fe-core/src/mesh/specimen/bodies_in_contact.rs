@@ -1,9 +1,9 @@
 //! Two bodies whose contact is known.
 
 use super::requirement::Requirements;
-use super::{BodyChoice, SpecimenError};
+use super::{BodyChoice, SpecimenError, positions, uniform};
 use crate::mesh::MeshDefinition;
-use crate::mesh::structured::{Block, Grading, Grid, Side, StructuredMesh, capped_through};
+use crate::mesh::structured::{Block, Grading, Grid, Side, capped_through};
 
 /// Two rectangles upon each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,20 +24,16 @@ pub struct TwoBlocks {
 ///
 /// Parts `lower`, `upper`; node sets `bottom`, `top`, `lower_left`, `lower_right`, `upper_left`, `upper_right`; edge
 /// sets `lower_contact`, `upper_contact`, `top`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenError> {
     let TwoBlocks { width, heights, edges, rows, bodies } = *parameters;
     let mut required = Requirements::default();
-    required.positive("width", width);
-    heights.into_iter().for_each(|height| required.positive("heights", height));
-    edges.into_iter().for_each(|count| required.count("edges", count));
-    rows.into_iter().for_each(|count| required.count("rows", count));
+    required.positive([("width", width)]);
+    required.positive(heights.map(|height| ("heights", height)));
+    required.count(edges.map(|count| ("edges", count)));
+    required.count(rows.map(|count| ("rows", count)));
     required.check()?;
 
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let mut grids = Vec::new();
     for (index, name) in ["lower", "upper"].into_iter().enumerate() {
         let x = uniform(width, edges[index], "edges of a block")?;
@@ -56,7 +52,7 @@ pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenErro
         mesh.node_set(left, grid.side_nodes(Side::Left));
         mesh.node_set(right, grid.side_nodes(Side::Right));
     }
-    Ok(mesh.definition())
+    Ok(mesh)
 }
 
 /// A cylinder that is pressed onto a plane: the half right of its symmetry line, near the contact.
@@ -85,18 +81,12 @@ pub struct CylinderOnPlane {
 ///
 /// Parts `cylinder`, `base`; node sets `symmetry` (x = 0 of both), `top`, `bottom`, `base_side`; edge sets
 /// `cylinder_contact` (the arc), `base_contact`, `top`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition, SpecimenError> {
     let CylinderOnPlane { radius, half_width, height, depth, contact_zone, contact_edges, growth, bodies } =
         *parameters;
     let mut required = Requirements::default();
-    for (name, value) in [("radius", radius), ("half_width", half_width), ("height", height), ("depth", depth)] {
-        required.positive(name, value);
-    }
-    required.positive("contact_zone", contact_zone);
+    required.positive([("radius", radius), ("half_width", half_width), ("height", height), ("depth", depth)]);
+    required.positive([("contact_zone", contact_zone)]);
     required.that(half_width < radius, "half_width", half_width, format!("less than the radius {radius}"));
     required.that(
         contact_zone < half_width,
@@ -104,7 +94,7 @@ pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition,
         contact_zone,
         format!("less than the half_width {half_width}"),
     );
-    required.count("contact_edges", contact_edges);
+    required.count([("contact_edges", contact_edges)]);
     required.that(growth >= 1.0 && growth.is_finite(), "growth", growth, "at least 1");
     // R − √(R² − x²) without its cancellation.
     let arc = |x: f64| x * x / (radius + (radius * radius - x * x).sqrt());
@@ -123,12 +113,13 @@ pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition,
         &capped_through(&[contact_zone, half_width], size * growth, growth, half_width)
             .map_err(SpecimenError::along("growth away from the contact"))?[1..],
     );
-    let upwards = graded(height, size, growth, height, "growth upwards")?;
-    let downwards = graded(depth, size, growth, depth, "growth downwards")?;
+    let graded = |largest| Grading::Capped { first: size, growth, largest };
+    let upwards = positions(height, graded(height), "growth upwards")?;
+    let downwards = positions(depth, graded(depth), "growth downwards")?;
     let y: Vec<f64> = downwards.iter().rev().map(|y| 0.0 - y).collect();
     let map = |[x, s]: [f64; 2]| [x, arc(x) + s / height * (height - arc(x))];
 
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let parts = [mesh.add_part(bodies[0].part("cylinder")), mesh.add_part(bodies[1].part("base"))];
     let cylinder = mesh.block(&Block::new(parts[0], bodies[0].kind, &x, &upwards).mapped(&map))?;
     let base = mesh.block(&Block::new(parts[1], bodies[1].kind, &x, &y))?;
@@ -140,7 +131,7 @@ pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition,
     mesh.edge_set("top", cylinder.side_edges(Side::Top));
     mesh.edge_set("cylinder_contact", cylinder.side_edges(Side::Bottom));
     mesh.edge_set("base_contact", base.side_edges(Side::Top));
-    Ok(mesh.definition())
+    Ok(mesh)
 }
 
 /// An elastic strip that is pulled out from under a block; both are the upper half of something symmetric about y = 0.
@@ -194,22 +185,16 @@ impl DragOutStrip {
 ///
 /// Parts `strip`, `block`; node sets `sliding_end`, `tail`, `symmetry` (the strip's lower side), `block_left`,
 /// `block_right`, `block_top`; edge sets `strip_contact`, `block_contact`, `pressure` (the block's top).
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn drag_out_strip(parameters: &DragOutStrip) -> Result<MeshDefinition, SpecimenError> {
     let DragOutStrip { strip_length, strip_height, block_start, block_length, block_height, growth, .. } = *parameters;
     let mut required = Requirements::default();
-    for (name, value) in [
+    required.positive([
         ("strip_length", strip_length),
         ("strip_height", strip_height),
         ("block_length", block_length),
         ("block_height", block_height),
         ("block_size", parameters.block_size),
-    ] {
-        required.positive(name, value);
-    }
+    ]);
     let end = block_start + block_length;
     required.that(block_start >= 0.0 && block_start.is_finite(), "block_start", block_start, "0 or positive");
     required.that(
@@ -218,31 +203,30 @@ pub fn drag_out_strip(parameters: &DragOutStrip) -> Result<MeshDefinition, Speci
         end,
         format!("not more than the strip_length {strip_length}"),
     );
-    for (name, count) in [
+    required.count([
         ("strip_edges", parameters.strip_edges),
         ("strip_rows", parameters.strip_rows),
         ("block_edges", parameters.block_edges),
-    ] {
-        required.count(name, count);
-    }
+    ]);
     required.that(growth >= 1.0 && growth.is_finite(), "growth", growth, "at least 1");
     required.check()?;
 
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let [strip_body, block_body] = parameters.bodies;
     let parts = [mesh.add_part(strip_body.part("strip")), mesh.add_part(block_body.part("block"))];
     let x = uniform(strip_length, parameters.strip_edges, "strip_edges")?;
     let y = uniform(strip_height, parameters.strip_rows, "strip_rows")?;
     let strip = mesh.block(&Block::new(parts[0], strip_body.kind, &x, &y))?;
     let x = uniform(block_length, parameters.block_edges, "block_edges")?;
-    let y = graded(block_height, parameters.block_size, growth, block_height, "block_size")?;
+    let graded = Grading::Capped { first: parameters.block_size, growth, largest: block_height };
+    let y = positions(block_height, graded, "block_size")?;
     let map = |[x, y]: [f64; 2]| [block_start + x, strip_height + y];
     let block = mesh.block(&Block::new(parts[1], block_body.kind, &x, &y).mapped(&map))?;
     name_drag_out_sets(&mut mesh, &strip, &block);
-    Ok(mesh.definition())
+    Ok(mesh)
 }
 
-fn name_drag_out_sets(mesh: &mut StructuredMesh, strip: &Grid, block: &Grid) {
+fn name_drag_out_sets(mesh: &mut MeshDefinition, strip: &Grid, block: &Grid) {
     for (name, grid, side) in [
         ("sliding_end", strip, Side::Right),
         ("tail", strip, Side::Left),
@@ -256,12 +240,4 @@ fn name_drag_out_sets(mesh: &mut StructuredMesh, strip: &Grid, block: &Grid) {
     mesh.edge_set("strip_contact", strip.side_edges(Side::Top));
     mesh.edge_set("block_contact", block.side_edges(Side::Bottom));
     mesh.edge_set("pressure", block.side_edges(Side::Top));
-}
-
-fn uniform(length: f64, count: usize, line: &'static str) -> Result<Vec<f64>, SpecimenError> {
-    Grading::Uniform { count }.positions(length).map_err(SpecimenError::along(line))
-}
-
-fn graded(length: f64, first: f64, growth: f64, largest: f64, line: &'static str) -> Result<Vec<f64>, SpecimenError> {
-    Grading::Capped { first, growth, largest }.positions(length).map_err(SpecimenError::along(line))
 }

@@ -1,9 +1,9 @@
 //! A fibre that lies on a curved channel.
 
 use super::requirement::Requirements;
-use super::{BodyChoice, SpecimenError};
+use super::{BodyChoice, SpecimenError, uniform};
 use crate::mesh::MeshDefinition;
-use crate::mesh::structured::{Block, Grading, Side, StructuredMesh};
+use crate::mesh::structured::{Block, Side};
 
 /// A fibre over an arc, straight before and after it: a capstan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,38 +33,30 @@ pub struct CurvedChannel {
 ///
 /// Parts `fibre`, `channel`; node sets `grip`, `tail` (the fibre's ends); edge sets `fibre_contact`, `channel_contact`,
 /// `tail`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn curved_channel(parameters: &CurvedChannel) -> Result<MeshDefinition, SpecimenError> {
     let CurvedChannel { radius, angle, fibre_height, free_length, depth, edges, free_edges, rows, bodies } =
         *parameters;
     let mut required = Requirements::default();
-    for (name, value) in
-        [("radius", radius), ("angle", angle), ("fibre_height", fibre_height), ("free_length", free_length)]
-    {
-        required.positive(name, value);
-    }
+    required.positive([
+        ("radius", radius),
+        ("angle", angle),
+        ("fibre_height", fibre_height),
+        ("free_length", free_length),
+    ]);
     required.that(angle <= std::f64::consts::PI, "angle", angle, "at most a half turn");
     required.that(depth > 0.0 && depth < radius, "depth", depth, format!("positive and less than the radius {radius}"));
-    for (name, count) in [("edges", edges), ("free_edges", free_edges), ("rows", rows)] {
-        required.count(name, count);
-    }
+    required.count([("edges", edges), ("free_edges", free_edges), ("rows", rows)]);
     required.check()?;
 
     let arc = radius * angle;
-    let line = |length: f64, count: usize, what: &'static str| {
-        Grading::Uniform { count }.positions(length).map_err(SpecimenError::along(what))
-    };
-    let around = line(arc, edges, "edges around the arc")?;
-    let free = line(free_length, free_edges, "edges along the free length")?;
+    let around = uniform(arc, edges, "edges around the arc")?;
+    let free = uniform(free_length, free_edges, "edges along the free length")?;
     let along: Vec<f64> = (free.iter().map(|s| s - free_length))
         .chain(around[1..].iter().copied())
         .chain(free[1..].iter().map(|s| arc + s))
         .collect();
-    let across = line(fibre_height, rows, "rows of the fibre")?;
-    let below = line(depth, 1, "depth of the channel")?;
+    let across = uniform(fibre_height, rows, "rows of the fibre")?;
+    let below = uniform(depth, 1, "depth of the channel")?;
     // s runs clockwise, from `angle` to 0, and straight on at both ends
     let map = |[s, height]: [f64; 2]| {
         let on_arc = s.clamp(0.0, arc);
@@ -74,7 +66,7 @@ pub fn curved_channel(parameters: &CurvedChannel) -> Result<MeshDefinition, Spec
     };
     let under = |[s, height]: [f64; 2]| map([s, height - depth]);
 
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let parts = [mesh.add_part(bodies[0].part("fibre")), mesh.add_part(bodies[1].part("channel"))];
     let fibre = mesh.block(&Block::new(parts[0], bodies[0].kind, &along, &across).mapped(&map))?;
     let channel = mesh.block(&Block::new(parts[1], bodies[1].kind, &around, &below).mapped(&under))?;
@@ -83,5 +75,5 @@ pub fn curved_channel(parameters: &CurvedChannel) -> Result<MeshDefinition, Spec
     mesh.edge_set("tail", fibre.side_edges(Side::Left));
     mesh.edge_set("fibre_contact", fibre.side_edges(Side::Bottom));
     mesh.edge_set("channel_contact", channel.side_edges(Side::Top));
-    Ok(mesh.definition())
+    Ok(mesh)
 }

@@ -23,6 +23,7 @@ pub use perpendicular_fibre::{Configuration, FibreMesh, PartMesh, PerpendicularF
 pub use requirement::{ParameterProblem, SpecimenError};
 pub use thickness::GradedThickness;
 
+use super::structured::Grading;
 use super::{MeshDefinition, Part};
 use crate::element::{ElementKind, Integration};
 use crate::kinematics::PlaneModel;
@@ -92,6 +93,16 @@ pub struct PulledFibre {
     pub exit_node: usize,
     /// Node on its axis at its embedded end.
     pub tail_node: usize,
+}
+
+/// Divides a line, which messages call `line`.
+fn positions(length: f64, grading: Grading, line: &'static str) -> Result<Vec<f64>, SpecimenError> {
+    grading.positions(length).map_err(SpecimenError::along(line))
+}
+
+/// Divides a line into equal pieces.
+fn uniform(length: f64, count: usize, line: &'static str) -> Result<Vec<f64>, SpecimenError> {
+    positions(length, Grading::Uniform { count }, line)
 }
 
 /// πφ/2: the width of each of the two lines of contact of a round fibre (6.28), mm.

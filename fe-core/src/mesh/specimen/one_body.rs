@@ -3,11 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::requirement::Requirements;
-use super::{BodyChoice, SpecimenError};
+use super::{BodyChoice, SpecimenError, positions, uniform};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::MeshDefinition;
-use crate::mesh::structured::{Block, Grading, Side, StructuredMesh};
+use crate::mesh::structured::{Block, Grading, Side};
 
 /// A quarter of a plate with a hole in its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,16 +29,10 @@ pub struct PlateWithHole {
 /// The quarter 0 ≤ x ≤ width, 0 ≤ y ≤ height of a plate whose hole is about the origin.
 ///
 /// Node and edge sets `symmetry_x` (x = 0), `symmetry_y` (y = 0), `right`, `top`, `hole`; part `plate`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, SpecimenError> {
     let PlateWithHole { width, height, radius, cells, grading, body } = *parameters;
     let mut required = Requirements::default();
-    for (name, value) in [("width", width), ("height", height), ("radius", radius), ("grading", grading)] {
-        required.positive(name, value);
-    }
+    required.positive([("width", width), ("height", height), ("radius", radius), ("grading", grading)]);
     required.that(
         radius < width.min(height),
         "radius",
@@ -49,10 +43,8 @@ pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, Spe
     required.check()?;
 
     let count = ((cells as f64 / 2.0).sqrt().round() as usize).max(1);
-    let outwards = Grading::Ratio { count, ratio: grading }
-        .positions(1.0)
-        .map_err(SpecimenError::along("cells from the hole outwards"))?;
-    let around = Grading::Uniform { count }.positions(1.0).map_err(SpecimenError::along("cells around the hole"))?;
+    let outwards = positions(1.0, Grading::Ratio { count, ratio: grading }, "cells from the hole outwards")?;
+    let around = uniform(1.0, count, "cells around the hole")?;
     // The blocks meet on the line from the hole to the plate's corner.
     let corner_angle = height.atan2(width);
     let between = |s: f64, angle: f64, outer: [f64; 2]| {
@@ -66,7 +58,7 @@ pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, Spe
         // cos 90° is not 0.
         [if t == 1.0 { 0.0 } else { x }, y]
     };
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let part = mesh.add_part(body.part("plate"));
     let first = mesh.block(&Block::new(part, body.kind, &outwards, &around).mapped(&lower))?;
     let second = mesh
@@ -83,7 +75,7 @@ pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, Spe
             mesh.node_set(name, grid.side_nodes(side));
         }
     }
-    Ok(mesh.definition())
+    Ok(mesh)
 }
 
 /// Plane section of a thick cylinder.
@@ -126,40 +118,34 @@ pub struct ThickCylinder {
 }
 
 /// A thick cylinder, for Lamé's solution; node and edge sets of [`CylinderSection`], part `cylinder`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn thick_cylinder(parameters: &ThickCylinder) -> Result<MeshDefinition, SpecimenError> {
     let ThickCylinder { inner_radius, outer_radius, radial_cells, grading, section, kind } = *parameters;
     let mut required = Requirements::default();
-    required.positive("inner_radius", inner_radius);
-    required.positive("grading", grading);
+    required.positive([("inner_radius", inner_radius), ("grading", grading)]);
     required.that(
         outer_radius > inner_radius && outer_radius.is_finite(),
         "outer_radius",
         outer_radius,
         format!("more than the inner_radius {inner_radius}"),
     );
-    required.count("radial_cells", radial_cells);
+    required.count([("radial_cells", radial_cells)]);
     let (length, cells, body) = match section {
         CylinderSection::Axisymmetric { height, cells } => {
-            required.positive("height", height);
+            required.positive([("height", height)]);
             (height, cells, BodyChoice::new(kind, PlaneModel::Axisymmetric, 1.0))
         }
         CylinderSection::Quarter { model, thickness, cells } => {
-            required.positive("thickness", thickness);
+            required.positive([("thickness", thickness)]);
             required.that(model != PlaneModel::Axisymmetric, "model", "axisymmetric", "plane in a cross-section");
             (FRAC_PI_2, cells, BodyChoice::new(kind, model, thickness))
         }
     };
-    required.count("cells", cells);
+    required.count([("cells", cells)]);
     required.check()?;
 
-    let radii = Grading::Ratio { count: radial_cells, ratio: grading }
-        .positions(outer_radius - inner_radius)
-        .map_err(SpecimenError::along("radial_cells"))?;
-    let along = Grading::Uniform { count: cells }.positions(length).map_err(SpecimenError::along("cells"))?;
+    let outwards = Grading::Ratio { count: radial_cells, ratio: grading };
+    let radii = positions(outer_radius - inner_radius, outwards, "radial_cells")?;
+    let along = uniform(length, cells, "cells")?;
     let straight = |[s, y]: [f64; 2]| [inner_radius + s, y];
     let round = |[s, angle]: [f64; 2]| {
         let radius = inner_radius + s;
@@ -175,15 +161,11 @@ pub fn thick_cylinder(parameters: &ThickCylinder) -> Result<MeshDefinition, Spec
 
 /// Cook's membrane: (0, 0), (48, 44), (48, 60), (0, 44) in `cells` × `cells` cells; node and edge sets `left` (held),
 /// `right` (loaded), `bottom`, `top`; part `membrane`.
-///
-/// # Errors
-///
-/// No cells.
 pub fn cook_membrane(cells: usize, body: BodyChoice) -> Result<MeshDefinition, SpecimenError> {
     let mut required = Requirements::default();
-    required.count("cells", cells);
+    required.count([("cells", cells)]);
     required.check()?;
-    let line = Grading::Uniform { count: cells }.positions(1.0).map_err(SpecimenError::along("cells"))?;
+    let line = uniform(1.0, cells, "cells")?;
     let map = |[s, t]: [f64; 2]| {
         let (bottom, top) = (44.0 * s, 44.0 + 16.0 * s);
         [48.0 * s, bottom + t * (top - bottom)]
@@ -206,22 +188,14 @@ pub struct TimoshenkoBeam {
 
 /// A rectangle for Timoshenko's beam and for patch tests; node and edge sets `left`, `right`, `bottom`, `top`; part
 /// `beam`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn timoshenko_beam(parameters: &TimoshenkoBeam) -> Result<MeshDefinition, SpecimenError> {
     let TimoshenkoBeam { length, height, cells, body } = *parameters;
     let mut required = Requirements::default();
-    required.positive("length", length);
-    required.positive("height", height);
-    cells.into_iter().for_each(|count| required.count("cells", count));
+    required.positive([("length", length), ("height", height)]);
+    required.count(cells.map(|count| ("cells", count)));
     required.check()?;
-    let along =
-        Grading::Uniform { count: cells[0] }.positions(length).map_err(SpecimenError::along("cells along the beam"))?;
-    let across = Grading::Uniform { count: cells[1] }
-        .positions(height)
-        .map_err(SpecimenError::along("cells across the beam"))?;
+    let along = uniform(length, cells[0], "cells along the beam")?;
+    let across = uniform(height, cells[1], "cells across the beam")?;
     let map = |[x, y]: [f64; 2]| [x, y - 0.5 * height];
     one_block("beam", body, [&along, &across], &map, ["bottom", "right", "top", "left"])
 }
@@ -234,12 +208,12 @@ fn one_block(
     map: &dyn Fn([f64; 2]) -> [f64; 2],
     names: [&str; 4],
 ) -> Result<MeshDefinition, SpecimenError> {
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let part = mesh.add_part(body.part(part));
     let grid = mesh.block(&Block::new(part, body.kind, lines[0], lines[1]).mapped(map))?;
     for (name, side) in std::iter::zip(names, [Side::Bottom, Side::Right, Side::Top, Side::Left]) {
         mesh.node_set(name, grid.side_nodes(side));
         mesh.edge_set(name, grid.side_edges(side));
     }
-    Ok(mesh.definition())
+    Ok(mesh)
 }

@@ -1,6 +1,6 @@
 //! Requirements on parameters.
 
-use crate::mesh::structured::{GradingError, StructuredError};
+use crate::mesh::structured::StructuredError;
 use crate::mesh::triangulation::TriangulationError;
 
 /// A parameter that is not admissible.
@@ -26,21 +26,7 @@ pub enum SpecimenError {
         /// Each of them.
         problems: Vec<ParameterProblem>,
     },
-    /// Sizes that do not divide a line.
-    #[error("{line}: {source}")]
-    Grading {
-        /// Line that was to be divided.
-        line: &'static str,
-        /// Reason why it cannot be divided.
-        source: GradingError,
-    },
-    /// A fibre so near the direction of the exit face that its hole has no edge there.
-    #[error("no rounded edge touches both the exit face and the hole of {}", fibre.as_ref().map_or_else(|| "the fibre".to_owned(), |name| format!("the fibre '{name}'")))]
-    Exit {
-        /// Name.
-        fibre: Option<String>,
-    },
-    /// A block that cannot be built.
+    /// A line that cannot be divided, a block that cannot be built.
     #[error(transparent)]
     Structured(#[from] StructuredError),
     /// An outline that cannot be filled.
@@ -50,8 +36,8 @@ pub enum SpecimenError {
 
 impl SpecimenError {
     /// Names the line whose division failed.
-    pub(super) fn along(line: &'static str) -> impl FnOnce(GradingError) -> Self {
-        move |source| Self::Grading { line, source }
+    pub(super) fn along(line: &'static str) -> impl FnOnce(StructuredError) -> Self {
+        move |error| Self::Structured(StructuredError(format!("{line}: {error}")))
     }
 }
 
@@ -68,14 +54,18 @@ impl Requirements {
         self.fibre = fibre;
     }
 
-    /// Requires that a number is positive and finite.
-    pub(super) fn positive(&mut self, name: &'static str, value: f64) {
-        self.that(value > 0.0 && value.is_finite(), name, value, "positive");
+    /// Requires that numbers are positive and finite.
+    pub(super) fn positive<const N: usize>(&mut self, numbers: [(&'static str, f64); N]) {
+        for (name, value) in numbers {
+            self.that(value > 0.0 && value.is_finite(), name, value, "positive");
+        }
     }
 
-    /// Requires that a number is at least 1.
-    pub(super) fn count(&mut self, name: &'static str, value: usize) {
-        self.that(value > 0, name, value, "at least 1");
+    /// Requires that numbers are at least 1.
+    pub(super) fn count<const N: usize>(&mut self, numbers: [(&'static str, usize); N]) {
+        for (name, value) in numbers {
+            self.that(value > 0, name, value, "at least 1");
+        }
     }
 
     /// Requires any other condition.

@@ -66,7 +66,7 @@ impl Thickness {
         if let Some(GradedThickness { slope, extent }) = self.graded {
             required.that(slope >= 0.1 && slope.is_finite(), "graded_thickness.slope", slope, "at least 0.1");
             if let Some(extent) = extent {
-                required.positive("graded_thickness.extent", extent);
+                required.positive([("graded_thickness.extent", extent)]);
             }
         }
     }

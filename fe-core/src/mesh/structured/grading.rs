@@ -1,5 +1,7 @@
 //! Division of a line.
 
+use super::StructuredError;
+
 /// Division of a line, from its start to its end. If the number of divisions follows from sizes, it is rounded and
 /// all sizes are scaled to fill the line.
 ///
@@ -40,56 +42,6 @@ pub enum Grading {
     },
 }
 
-/// Reason why a line cannot be divided.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum GradingError {
-    /// Nothing to divide.
-    #[error("the length to divide is {length}, it must be positive")]
-    Length {
-        /// The length.
-        length: f64,
-    },
-    /// No divisions.
-    #[error("a line must be divided at least once")]
-    Count,
-    /// Not a positive number.
-    #[error("{name} is {value}, it must be positive")]
-    NotPositive {
-        /// Name of the number.
-        name: &'static str,
-        /// Value.
-        value: f64,
-    },
-    /// A size that does not fit onto the line.
-    #[error("{name} is {value}, more than the length {length} to divide")]
-    TooLarge {
-        /// Name of the number.
-        name: &'static str,
-        /// Value.
-        value: f64,
-        /// The length.
-        length: f64,
-    },
-    /// More divisions than are allowed.
-    #[error(
-        "a length of {length} would be divided {count:.0} times, more than {MOST_DIVISIONS}; are the sizes too small?"
-    )]
-    TooMany {
-        /// Number of divisions.
-        count: f64,
-        /// The length.
-        length: f64,
-    },
-    /// Sizes that rounding swallows.
-    #[error("the sizes go down to {smallest:e}, nothing against the length {length}")]
-    Vanishing {
-        /// The smallest size.
-        smallest: f64,
-        /// The length.
-        length: f64,
-    },
-}
-
 /// A line of so many elements is a mistake in a size.
 pub const MOST_DIVISIONS: usize = 100_000;
 
@@ -103,9 +55,9 @@ impl Grading {
     ///
     /// A length, number, size or factor that is not positive and finite, sizes larger than the line, more than
     /// [`MOST_DIVISIONS`].
-    pub fn positions(self, length: f64) -> Result<Vec<f64>, GradingError> {
+    pub fn positions(self, length: f64) -> Result<Vec<f64>, StructuredError> {
         if !(length > 0.0 && length.is_finite()) {
-            return Err(GradingError::Length { length });
+            return refuse(format!("the length to divide is {length}, it must be positive"));
         }
         self.check(length)?;
         let sizes = match self {
@@ -117,16 +69,20 @@ impl Grading {
         cumulated(&sizes, length)
     }
 
-    fn check(self, length: f64) -> Result<(), GradingError> {
+    fn check(self, length: f64) -> Result<(), StructuredError> {
         let positive = |name, value: f64| {
-            if value > 0.0 && value.is_finite() { Ok(()) } else { Err(GradingError::NotPositive { name, value }) }
+            let is_fine = value > 0.0 && value.is_finite();
+            if is_fine { Ok(()) } else { refuse(format!("{name} is {value}, it must be positive")) }
         };
         let size = |name, value: f64| {
             positive(name, value)?;
-            if value <= length { Ok(()) } else { Err(GradingError::TooLarge { name, value, length }) }
+            if value > length {
+                return refuse(format!("{name} is {value}, more than the length {length} to divide"));
+            }
+            Ok(())
         };
         let number = |count: usize| match count {
-            0 => Err(GradingError::Count),
+            0 => refuse("a line must be divided at least once".to_owned()),
             _ => rounded(count as f64, length).map(|_| ()),
         };
         match self {
@@ -148,7 +104,12 @@ impl Grading {
 /// # Errors
 ///
 /// As [`Grading::positions`] of [`Grading::Capped`]; stops that do not ascend.
-pub(crate) fn capped_through(stops: &[f64], first: f64, growth: f64, largest: f64) -> Result<Vec<f64>, GradingError> {
+pub(crate) fn capped_through(
+    stops: &[f64],
+    first: f64,
+    growth: f64,
+    largest: f64,
+) -> Result<Vec<f64>, StructuredError> {
     let mut positions = vec![stops.first().copied().unwrap_or(0.0)];
     let mut size = first;
     for ends in stops.windows(2) {
@@ -160,13 +121,20 @@ pub(crate) fn capped_through(stops: &[f64], first: f64, growth: f64, largest: f6
     Ok(positions)
 }
 
+fn refuse<T>(reason: String) -> Result<T, StructuredError> {
+    Err(StructuredError(reason))
+}
+
+/// More divisions than are allowed.
+pub(crate) fn too_many(count: f64, length: f64) -> StructuredError {
+    StructuredError(format!(
+        "a length of {length} would be divided {count:.0} times, more than {MOST_DIVISIONS}; are the sizes too small?"
+    ))
+}
+
 /// Rounds a computed number of divisions to a whole one.
-fn rounded(count: f64, length: f64) -> Result<usize, GradingError> {
-    if count <= MOST_DIVISIONS as f64 {
-        Ok((count.round() as usize).max(1))
-    } else {
-        Err(GradingError::TooMany { count, length })
-    }
+fn rounded(count: f64, length: f64) -> Result<usize, StructuredError> {
+    if count <= MOST_DIVISIONS as f64 { Ok((count.round() as usize).max(1)) } else { Err(too_many(count, length)) }
 }
 
 /// A geometric series from 1 to `ratio`.
@@ -199,14 +167,14 @@ fn growth_from_first(count: usize, first: f64) -> f64 {
     (0.5 * (low + high)).exp()
 }
 
-fn capped(length: f64, first: f64, growth: f64, largest: f64) -> Result<Vec<f64>, GradingError> {
+fn capped(length: f64, first: f64, growth: f64, largest: f64) -> Result<Vec<f64>, StructuredError> {
     let mut size = first.min(largest);
     let mut sizes = Vec::new();
     let mut filled = 0.0;
     // The last size is taken if at least half of it fits.
     while sizes.is_empty() || filled + 0.5 * size <= length {
         if sizes.len() == MOST_DIVISIONS {
-            return Err(GradingError::TooMany { count: length / size, length });
+            return Err(too_many(length / size, length));
         }
         sizes.push(size);
         filled += size;
@@ -216,11 +184,11 @@ fn capped(length: f64, first: f64, growth: f64, largest: f64) -> Result<Vec<f64>
 }
 
 /// Positions from sizes of any scale.
-fn cumulated(sizes: &[f64], length: f64) -> Result<Vec<f64>, GradingError> {
+fn cumulated(sizes: &[f64], length: f64) -> Result<Vec<f64>, StructuredError> {
     let scale = length / sizes.iter().sum::<f64>();
     let smallest = scale * sizes.iter().copied().fold(f64::INFINITY, f64::min);
     if smallest.is_nan() || smallest < SMALLEST_FRACTION * length {
-        return Err(GradingError::Vanishing { smallest, length });
+        return refuse(format!("the sizes go down to {smallest:e}, nothing against the length {length}"));
     }
     let mut positions = vec![0.0];
     let mut position = 0.0;

@@ -1,7 +1,7 @@
 //! Structured meshes: blocks of cells from two divided lines, mapped onto what they shall be.
 //!
 //! Every cell becomes one quadrilateral or two triangles. Blocks do not share nodes, so surfaces in contact can lie upon
-//! each other, unless a block is glued to nodes of others ([`StructuredMesh::glued_block`]).
+//! each other, unless a block is glued to nodes of others ([`MeshDefinition::glued_block`]).
 //!
 //! # Example
 //!
@@ -10,18 +10,18 @@
 //! ```
 //! use fe_core::element::ElementKind::Q8;
 //! use fe_core::kinematics::PlaneModel::PlaneStrain;
-//! use fe_core::mesh::structured::{Block, Grading, Side, StructuredMesh};
-//! use fe_core::mesh::{Mesh, Part};
+//! use fe_core::mesh::structured::{Block, Grading, Side};
+//! use fe_core::mesh::{Mesh, MeshDefinition, Part};
 //!
 //! let radii = Grading::Ratio { count: 6, ratio: 2.0 }.positions(1.0)?;
 //! let angles = Grading::Uniform { count: 8 }.positions(std::f64::consts::FRAC_PI_2)?;
 //! let ring = |[s, angle]: [f64; 2]| [(1.0 + s) * angle.cos(), (1.0 + s) * angle.sin()];
 //!
-//! let mut mesh = StructuredMesh::default();
+//! let mut mesh = MeshDefinition::default();
 //! let part = mesh.add_part(Part::new("ring", PlaneStrain, 1.0));
 //! let grid = mesh.block(&Block::new(part, Q8, &radii, &angles).mapped(&ring))?;
 //! mesh.edge_set("inner", grid.side_edges(Side::Left));
-//! let mesh = Mesh::new(mesh.definition())?;
+//! let mesh = Mesh::new(mesh)?;
 //! assert_eq!(mesh.edge_set("inner").unwrap().len(), 8);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -33,42 +33,18 @@ mod grading;
 mod test;
 
 pub use block::{Block, Diagonal, Grid, Side};
-pub(crate) use grading::capped_through;
-pub use grading::{Grading, GradingError, MOST_DIVISIONS};
+pub use grading::{Grading, MOST_DIVISIONS};
+pub(crate) use grading::{capped_through, too_many};
 
 use std::collections::HashMap;
 
 use super::{ElementDefinition, ElementEdge, MeshDefinition, Part};
+use crate::plane::distance;
 
-/// Reason why a block cannot be built.
+/// Reason why a line cannot be divided, or a block not be built, in words.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum StructuredError {
-    /// A line that cannot be divided.
-    #[error(transparent)]
-    Grading(#[from] GradingError),
-    /// Fewer than two positions, or positions that do not ascend.
-    #[error("the divisions of a block along {line} must be at least two ascending numbers")]
-    Divisions {
-        /// ξ or η.
-        line: char,
-    },
-    /// More cells than can be computed with.
-    #[error("{columns} × {rows} cells are too many, a mesh has at most {MOST_CELLS}; are the sizes too small?")]
-    Cells {
-        /// Along ξ.
-        columns: usize,
-        /// Along η.
-        rows: usize,
-    },
-    /// A map that leaves the plane.
-    #[error("the map of a block gives ({}, {}) at ξ = {}, η = {}", position[0], position[1], reference[0], reference[1])]
-    Map {
-        /// (ξ, η).
-        reference: [f64; 2],
-        /// Position that the map gives.
-        position: [f64; 2],
-    },
-}
+#[error("{0}")]
+pub struct StructuredError(pub(crate) String);
 
 /// Most cells of a mesh: beyond what can be solved, within what memory holds.
 pub const MOST_CELLS: usize = 1_000_000;
@@ -76,17 +52,11 @@ pub const MOST_CELLS: usize = 1_000_000;
 /// Nodes closer than this fraction of a block's shortest edge are one when the block is glued.
 const GLUE_TOLERANCE: f64 = 1e-6;
 
-/// A mesh in the making.
-#[derive(Clone, Debug, Default)]
-pub struct StructuredMesh {
-    definition: MeshDefinition,
-}
-
-impl StructuredMesh {
+impl MeshDefinition {
     /// Adds a part; returns its index.
     pub fn add_part(&mut self, part: Part) -> usize {
-        self.definition.parts.push(part);
-        self.definition.parts.len() - 1
+        self.parts.push(part);
+        self.parts.len() - 1
     }
 
     /// Adds a block with nodes of its own.
@@ -99,16 +69,14 @@ impl StructuredMesh {
     }
 
     /// Adds a block that takes those nodes of `others` that coincide with its own.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::block`].
     pub fn glued_block(&mut self, block: &Block<'_>, others: &[usize]) -> Result<Grid, StructuredError> {
         check_divisions('ξ', block.xi)?;
         check_divisions('η', block.eta)?;
         let (columns, rows) = (block.columns(), block.rows());
-        if columns.saturating_mul(rows).saturating_add(self.definition.elements.len()) > MOST_CELLS {
-            return Err(StructuredError::Cells { columns, rows });
+        if columns.saturating_mul(rows).saturating_add(self.elements.len()) > MOST_CELLS {
+            return Err(StructuredError(format!(
+                "{columns} × {rows} cells are too many, a mesh has at most {MOST_CELLS}; are the sizes too small?"
+            )));
         }
         let mut grid = Grid {
             kind: block.kind,
@@ -117,18 +85,18 @@ impl StructuredMesh {
             nodes: vec![None; (2 * columns + 1) * (2 * rows + 1)],
             cells: vec![None; columns * rows],
         };
-        let glue = Glue::new(&self.definition.nodes, others, shortest_edge(block));
+        let glue = Glue::new(&self.nodes, others, shortest_edge(block));
         for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
             if !(block.keep)(column, row) {
                 continue;
             }
-            grid.cells[row * columns + column] = Some((self.definition.elements.len(), (block.diagonal)(column, row)));
+            grid.cells[row * columns + column] = Some((self.elements.len(), (block.diagonal)(column, row)));
             for places in block.cell(column, row) {
                 let nodes = places
                     .into_iter()
                     .map(|place| self.node(block, &mut grid, &glue, place))
                     .collect::<Result<_, _>>()?;
-                self.definition.elements.push(ElementDefinition { kind: block.kind, part: block.part, nodes });
+                self.elements.push(ElementDefinition { kind: block.kind, part: block.part, nodes });
             }
         }
         Ok(grid)
@@ -148,12 +116,12 @@ impl StructuredMesh {
         }
         let position = block.position(place);
         if !position.iter().all(|x| x.is_finite()) {
-            let reference = [block.xi[place[0] / 2], block.eta[place[1] / 2]];
-            return Err(StructuredError::Map { reference, position });
+            let ([x, y], [xi, eta]) = (position, [block.xi[place[0] / 2], block.eta[place[1] / 2]]);
+            return Err(StructuredError(format!("the map of a block gives ({x}, {y}) at ξ = {xi}, η = {eta}")));
         }
-        let node = glue.find(&self.definition.nodes, position).unwrap_or_else(|| {
-            self.definition.nodes.push(position);
-            self.definition.nodes.len() - 1
+        let node = glue.find(&self.nodes, position).unwrap_or_else(|| {
+            self.nodes.push(position);
+            self.nodes.len() - 1
         });
         grid.nodes[index] = Some(node);
         Ok(node)
@@ -161,7 +129,7 @@ impl StructuredMesh {
 
     /// Adds nodes to a named set, each once.
     pub fn node_set(&mut self, name: &str, nodes: impl IntoIterator<Item = usize>) {
-        let set = self.definition.node_sets.entry(name.to_owned()).or_default();
+        let set = self.node_sets.entry(name.to_owned()).or_default();
         set.extend(nodes);
         set.sort_unstable();
         set.dedup();
@@ -169,28 +137,16 @@ impl StructuredMesh {
 
     /// Names a set of edges; it keeps their order.
     pub fn edge_set(&mut self, name: &str, edges: Vec<ElementEdge>) {
-        self.definition.edge_sets.insert(name.to_owned(), edges);
-    }
-
-    /// Returns how many elements there are so far.
-    pub(crate) fn element_count(&self) -> usize {
-        self.definition.elements.len()
-    }
-
-    /// Reference positions of the nodes so far.
-    pub fn nodes(&self) -> &[[f64; 2]] {
-        &self.definition.nodes
-    }
-
-    /// The mesh.
-    pub fn definition(self) -> MeshDefinition {
-        self.definition
+        self.edge_sets.insert(name.to_owned(), edges);
     }
 }
 
 fn check_divisions(line: char, positions: &[f64]) -> Result<(), StructuredError> {
-    let ascending = positions.windows(2).all(|pair| pair[0] < pair[1]);
-    if positions.len() >= 2 && ascending { Ok(()) } else { Err(StructuredError::Divisions { line }) }
+    if positions.len() >= 2 && positions.windows(2).all(|pair| pair[0] < pair[1]) {
+        return Ok(());
+    }
+    let fault = format!("the divisions of a block along {line} must be at least two ascending numbers");
+    Err(StructuredError(fault))
 }
 
 /// The shortest edge along a block's sides and grid lines, mapped.
@@ -199,8 +155,7 @@ fn shortest_edge(block: &Block<'_>) -> f64 {
     for (i, j) in (0..=block.columns()).flat_map(|i| (0..=block.rows()).map(move |j| (2 * i, 2 * j))) {
         let here = block.position([i, j]);
         let mut compare = |place| {
-            let there = block.position(place);
-            let length = (there[0] - here[0]).hypot(there[1] - here[1]);
+            let length = distance(block.position(place), here);
             // Edges may collapse where cells are not kept.
             if length > 0.0 {
                 shortest = shortest.min(length);
@@ -241,10 +196,7 @@ impl Glue {
             return None;
         }
         let [column, row] = self.square(position);
-        let near = |node: &&usize| {
-            let there = positions[**node];
-            (there[0] - position[0]).hypot(there[1] - position[1]) <= self.tolerance
-        };
+        let near = |node: &&usize| distance(positions[**node], position) <= self.tolerance;
         (-1..=1)
             .flat_map(|i| (-1..=1).map(move |j| [column.saturating_add(i), row.saturating_add(j)]))
             .filter_map(|square| self.nodes.get(&square))

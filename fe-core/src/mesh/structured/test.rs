@@ -8,7 +8,7 @@ fn sizes(positions: &[f64]) -> Vec<f64> {
     positions.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
-fn body(mesh: &mut StructuredMesh) -> usize {
+fn body(mesh: &mut MeshDefinition) -> usize {
     mesh.add_part(Part::new("body", PlaneModel::PlaneStress, 1.0))
 }
 
@@ -99,7 +99,7 @@ fn ring(kind: ElementKind, diagonal: Diagonal) -> Mesh {
     let radii = Grading::Ratio { count: 3, ratio: 2.0 }.positions(1.0).unwrap();
     let angles = Grading::Uniform { count: 4 }.positions(FRAC_PI_2).unwrap();
     let map = |[s, angle]: [f64; 2]| [(1.0 + s) * angle.cos(), (1.0 + s) * angle.sin()];
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let part = body(&mut mesh);
     let cut = |_, _| diagonal;
     let grid = mesh.block(&Block::new(part, kind, &radii, &angles).mapped(&map).cut(&cut)).unwrap();
@@ -107,7 +107,7 @@ fn ring(kind: ElementKind, diagonal: Diagonal) -> Mesh {
         mesh.edge_set(name, grid.side_edges(side));
         mesh.node_set(name, grid.side_nodes(side));
     }
-    Mesh::new(mesh.definition()).unwrap()
+    Mesh::new(mesh).unwrap()
 }
 
 #[test]
@@ -151,14 +151,14 @@ fn mapped_grids_of_all_kinds_are_sound_and_know_their_sides() {
 fn cells_can_be_left_out() {
     let line = [0.0, 1.0, 2.0, 3.0];
     for kind in ElementKind::ALL {
-        let mut mesh = StructuredMesh::default();
+        let mut mesh = MeshDefinition::default();
         let part = body(&mut mesh);
         let keep = |column, row| (column, row) != (1, 1);
         let grid = mesh.block(&Block::new(part, kind, &line, &line).keeping(&keep)).unwrap();
         assert_eq!(grid.edge(1, 1, Side::Left), None);
         assert_eq!((grid.edge(3, 0, Side::Left), grid.edge(0, 3, Side::Left), grid.node(7, 0)), (None, None, None));
         mesh.edge_set("hole", vec![grid.edge(0, 1, Side::Right).unwrap(), grid.edge(1, 2, Side::Bottom).unwrap()]);
-        let mesh = Mesh::new(mesh.definition()).unwrap();
+        let mesh = Mesh::new(mesh).unwrap();
         assert_eq!(mesh.boundary_loops().len(), 2);
         assert!(mesh.edge_set("hole").unwrap().iter().all(|&edge| mesh.neighbour(edge).is_none()));
         assert_eq!(mesh.free_nodes(), []);
@@ -171,16 +171,16 @@ fn blocks_are_glued_only_where_asked() {
     for kind in ElementKind::ALL {
         let side = if kind.edge_kind() == crate::element::EdgeKind::Quadratic { 5 } else { 3 };
         for (glued, loops) in [(true, 1), (false, 2)] {
-            let mut mesh = StructuredMesh::default();
+            let mut mesh = MeshDefinition::default();
             let part = body(&mut mesh);
             let first = mesh.block(&Block::new(part, kind, &left, &height)).unwrap();
-            let before = mesh.nodes().len();
+            let before = mesh.nodes.len();
             let others = if glued { first.side_nodes(Side::Right) } else { vec![] };
             // A gap far below the sizes is closed.
             let map = |[x, y]: [f64; 2]| [x + 1e-11, y];
             let second = mesh.glued_block(&Block::new(part, kind, &right, &height).mapped(&map), &others).unwrap();
-            assert_eq!(mesh.nodes().len(), before + second.nodes().count() - if glued { side } else { 0 });
-            let mesh = Mesh::new(mesh.definition()).unwrap();
+            assert_eq!(mesh.nodes.len(), before + second.nodes().count() - if glued { side } else { 0 });
+            let mesh = Mesh::new(mesh).unwrap();
             assert_eq!(mesh.boundary_loops().len(), loops);
         }
     }
@@ -189,7 +189,7 @@ fn blocks_are_glued_only_where_asked() {
 #[test]
 fn blocks_that_cannot_be_are_refused() {
     let line = [0.0, 1.0];
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let part = body(&mut mesh);
     let message = |result: Result<Grid, StructuredError>| result.unwrap_err().to_string();
     let divisions = "must be at least two ascending numbers";
@@ -212,7 +212,7 @@ fn blocks_that_cannot_be_are_refused() {
 #[test]
 fn more_cells_than_a_mesh_may_have_are_refused() {
     let line = Grading::Uniform { count: MOST_DIVISIONS }.positions(1.0).unwrap();
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let error = mesh.block(&Block::new(0, ElementKind::Q8, &line, &line)).unwrap_err();
     assert_eq!(
         error.to_string(),

@@ -2,7 +2,7 @@
 //! strain and one stress, and its inside moves linearly too.
 
 use super::*;
-use crate::mesh::structured::{Block, Grading, StructuredMesh};
+use crate::mesh::structured::{Block, Grading};
 use end_to_end_tests::rotated_in_plane;
 
 /// Relative to the largest displacement or stress.
@@ -21,7 +21,7 @@ pub(super) type Matrix = [[f64; 2]; 2];
 
 /// A patch whose boundary nodes follow two drives each, `x` first. It starts at radius 1.
 pub(super) fn patch(kind: ElementKind, plane: PlaneModel, law: PluginLaw) -> Model {
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let part = mesh.add_part(Part::new("patch", plane, 0.5));
     let line = Grading::Uniform { count: CELLS }.positions(SIDE).unwrap();
     let distorted = |[x, y]: [f64; 2]| {
@@ -29,7 +29,7 @@ pub(super) fn patch(kind: ElementKind, plane: PlaneModel, law: PluginLaw) -> Mod
         [1.0 + x + bubble * (3.0 * x + y).sin(), y + bubble * (x + 2.0 * y).cos()]
     };
     mesh.block(&Block::new(part, kind, &line, &line).mapped(&distorted)).unwrap();
-    let mut definition = mesh.definition();
+    let mut definition = mesh;
     if plane == PlaneModel::Axisymmetric {
         // the rules integrate the radius of straight edges only
         straighten(&mut definition);

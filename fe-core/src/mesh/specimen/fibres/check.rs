@@ -22,7 +22,7 @@ impl Fibres {
     pub(super) fn check(&self) -> Result<(), SpecimenError> {
         let mut required = Requirements::default();
         let mesh = &self.mesh;
-        for (name, value) in [
+        required.positive([
             ("width", self.width),
             ("depth", self.depth),
             ("matrix_thickness", self.matrix_thickness),
@@ -30,10 +30,8 @@ impl Fibres {
             ("largest_fibre_size", mesh.largest_fibre_size),
             ("growth_rate", mesh.growth_rate),
             ("largest_size", mesh.largest_size),
-        ] {
-            required.positive(name, value);
-        }
-        required.count("fibres", self.fibres.len());
+        ]);
+        required.count([("fibres", self.fibres.len())]);
         for (index, fibre) in self.fibres.iter().enumerate() {
             required.of(fibre.name.is_some().then_some(index));
             let first = self.fibres.iter().position(|other| other.name == fibre.name);
@@ -43,11 +41,11 @@ impl Fibres {
                 "given: there are others"
             };
             required.that(first == Some(index), "name", fibre.name.as_deref().unwrap_or("missing"), alone);
-            required.positive("exit_size", self.exit_size(fibre));
+            required.positive([("exit_size", self.exit_size(fibre))]);
             fibre.check(&mut required);
         }
         required.of(None);
-        required.count("elements_across", mesh.elements_across);
+        required.count([("elements_across", mesh.elements_across)]);
         let middle = self.fibre.kind.edge_kind() == EdgeKind::Quadratic || mesh.elements_across.is_multiple_of(2);
         let requirement = format!("even with {}: the fibre needs nodes on its axis", self.fibre.kind);
         required.that(middle, "elements_across", mesh.elements_across, requirement);
@@ -160,13 +158,11 @@ impl Fibre {
 
     fn check(&self, required: &mut Requirements) {
         let (diameter, embedded) = (self.diameter, self.embedded_length);
-        for (name, value) in [
+        required.positive([
             (self.key("fibre_diameter", "diameter"), diameter),
             (self.key("embedded_length", "embedded"), embedded),
             ("exit_radius", self.exit_radius()),
-        ] {
-            required.positive(name, value);
-        }
+        ]);
         required.that(self.exit.is_finite(), "exit", self.exit, "finite");
         required.that(self.lean.abs() < std::f64::consts::PI, "tilt_deg", self.lean.to_degrees(), "less than 180");
         let gap = self.tail_gap;
@@ -176,7 +172,7 @@ impl Fibre {
         required.that((0.0..embedded).contains(&separation), "separation_length", separation, requirement);
         let requirement = format!("0 or positive, and not more than the embedded length {embedded}");
         required.that((0.0..=embedded).contains(&fine), "fine_length", fine, requirement);
-        required.count("path", self.path.len());
+        required.count([("path", self.path.len())]);
         let mut thickest = diameter;
         let mut last = 0.0;
         for &[at, width] in &self.profile {

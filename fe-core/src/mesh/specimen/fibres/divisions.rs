@@ -2,7 +2,7 @@
 
 use super::{Fibres, Laid};
 use crate::mesh::specimen::SpecimenError;
-use crate::mesh::structured::{GradingError, MOST_DIVISIONS};
+use crate::mesh::structured::{MOST_DIVISIONS, StructuredError, too_many};
 
 /// Stations closer than this × the size there are one.
 const MERGED: f64 = 0.3;
@@ -76,8 +76,11 @@ fn exit_edges(parameters: &Fibres, laid: &Laid<'_>) -> Result<[ExitEdge; 2], Spe
     let half = 0.5 * fibre.diameter;
     let reach = EXIT_REACH * fibre.diameter;
     let start = |offset: f64| {
-        path.exit_start(offset, fibre.exit_radius(), reach)
-            .ok_or_else(|| SpecimenError::Exit { fibre: fibre.name.clone() })
+        // a fibre may be so near the direction of the exit face that its hole has no edge there
+        path.exit_start(offset, fibre.exit_radius(), reach).ok_or_else(|| {
+            let name = fibre.name.as_ref().map_or_else(String::new, |name| format!(" '{name}'"));
+            StructuredError(format!("no rounded edge touches both the exit face and the hole of the fibre{name}"))
+        })
     };
     let (left, right) = (start(half)?, start(-half)?);
     let (mut left, mut right) = if (left - right).abs() < close {
@@ -101,7 +104,7 @@ fn exit_edges(parameters: &Fibres, laid: &Laid<'_>) -> Result<[ExitEdge; 2], Spe
 
 /// Distances from 0 to `length` that divide a line into pieces of a size that changes along it: n is ∫ds/h, rounded, and each
 /// piece has the same share of it.
-pub(super) fn divided(length: f64, size: &dyn Fn(f64) -> f64) -> Result<Vec<f64>, GradingError> {
+pub(super) fn divided(length: f64, size: &dyn Fn(f64) -> f64) -> Result<Vec<f64>, StructuredError> {
     let at = |sample: usize| length * sample as f64 / SAMPLES as f64;
     let sizes: Vec<f64> = (0..=SAMPLES).map(|sample| size(at(sample))).collect();
     let mut shares = vec![0.0];
@@ -112,7 +115,7 @@ pub(super) fn divided(length: f64, size: &dyn Fn(f64) -> f64) -> Result<Vec<f64>
     let whole = shares[SAMPLES];
     let count = whole.round().max(1.0);
     if count.is_nan() || count > MOST_DIVISIONS as f64 {
-        return Err(GradingError::TooMany { length, count });
+        return Err(too_many(count, length));
     }
     let count = count as usize;
     let mut positions = vec![0.0];

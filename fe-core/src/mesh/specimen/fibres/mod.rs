@@ -12,11 +12,11 @@ use std::collections::BTreeSet;
 
 use super::perpendicular_fibre::{PartMesh, fibre_thickness, section_notes};
 use super::thickness::{Exit, GradedThickness, Thickness};
-use super::{PulledFibre, Specimen, SpecimenError};
+use super::{PulledFibre, Specimen, SpecimenError, uniform};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
-use crate::mesh::Part;
-use crate::mesh::structured::{Block, Grading, StructuredMesh};
+use crate::mesh::structured::Block;
+use crate::mesh::{MeshDefinition, Part};
 use divisions::Divisions;
 use outline::Outline;
 use path::Path;
@@ -251,26 +251,26 @@ impl Laid<'_> {
 pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
     let laid = parameters.laid()?;
     let divisions = laid.iter().map(|laid| Divisions::new(parameters, laid)).collect::<Result<Vec<_>, _>>()?;
-    let mut mesh = StructuredMesh::default();
+    let mut definition = MeshDefinition::default();
     let mut grids = Vec::new();
     let mut pulled = Vec::new();
     for (laid, divisions) in std::iter::zip(&laid, &divisions) {
         let Laid { fibre, path, .. } = laid;
         let thickness = fibre_thickness(fibre.diameter);
-        let part = mesh.add_part(Part {
+        let part = definition.add_part(Part {
             integration: parameters.fibre.integration,
             ..Part::new(fibre.set("fibre", ""), parameters.fibre_model, thickness)
         });
         let map = |[s, share]: [f64; 2]| path.point(s, 2.0 * share * fibre.half_width(s));
         let block = Block::new(part, parameters.fibre.kind, &divisions.along, &divisions.across);
-        let grid = mesh.block(&block.mapped(&map))?;
+        let grid = definition.block(&block.mapped(&map))?;
         // the middle between the fibre's sides: `check` has ruled out kinds without a node there
         let on_axis = |station: usize| grid.node(2 * station, grid.rows()).expect("the fibre has nodes on its axis");
         let (exit_node, tail_node) = (on_axis(divisions.exit_station), on_axis(0));
-        mesh.node_set(&fibre.set("exit", ""), [exit_node]);
-        mesh.node_set(&fibre.set("tail", ""), [tail_node]);
-        mesh.node_set(&fibre.set("fibre", "axis"), (0..divisions.along.len()).map(on_axis));
-        sets::name_fibre_sets(&mut mesh, fibre, &grid);
+        definition.node_set(&fibre.set("exit", ""), [exit_node]);
+        definition.node_set(&fibre.set("tail", ""), [tail_node]);
+        definition.node_set(&fibre.set("fibre", "axis"), (0..divisions.along.len()).map(on_axis));
+        sets::name_fibre_sets(&mut definition, fibre, &grid);
         let direction = path.lean(0.0).sin_cos().into();
         pulled.push(PulledFibre {
             name: fibre.name.clone(),
@@ -281,13 +281,11 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
         });
         grids.push(grid);
     }
-    let mut definition = mesh.definition();
     let matrix = Part {
         integration: parameters.matrix.integration,
         ..Part::new("matrix", parameters.matrix_model, parameters.matrix_thickness)
     };
-    let matrix_part = definition.parts.len();
-    definition.parts.push(matrix.clone());
+    let matrix_part = definition.add_part(matrix.clone());
     let outline = Outline::new(parameters, &laid, &divisions)?;
     let (kind, largest_area) = (parameters.matrix.kind, parameters.largest_area());
     // each piece of the outline is an edge of a triangle
@@ -298,8 +296,7 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
     let thickness = parameters.thickness(&laid);
     let mut covers = Vec::new();
     if parameters.cover {
-        let part = definition.parts.len();
-        definition.parts.push(thickness.cover(matrix));
+        let part = definition.add_part(thickness.cover(matrix));
         for (index, laid) in laid.iter().enumerate() {
             let (first, diameter) = (definition.elements.len(), laid.fibre.diameter);
             let channel = outline.channel(parameters, laid, index, &definition, &outer)?;
@@ -392,8 +389,7 @@ impl Fibres {
 
     /// Positions across a fibre as shares of its width, from its right to its left side.
     fn positions_across(&self) -> Result<Vec<f64>, SpecimenError> {
-        let across = Grading::Uniform { count: self.mesh.elements_across }.positions(1.0);
-        let across = across.map_err(SpecimenError::along("mesh.elements_across"))?;
+        let across = uniform(1.0, self.mesh.elements_across, "mesh.elements_across")?;
         Ok(across.into_iter().map(|share| share - 0.5).collect())
     }
 }

@@ -10,7 +10,7 @@ impl PerpendicularFibre {
     /// Checks the parameters.
     pub(super) fn check(&self) -> Result<(), SpecimenError> {
         let mut required = Requirements::default();
-        for (name, value) in [
+        required.positive([
             ("width", self.width),
             ("depth", self.depth),
             ("matrix_thickness", self.matrix_thickness),
@@ -19,9 +19,7 @@ impl PerpendicularFibre {
             ("free_length", self.free_length),
             ("mesh.interface_size", self.mesh.interface_size),
             ("mesh.largest_size", self.mesh.largest_size),
-        ] {
-            required.positive(name, value);
-        }
+        ]);
         let (gap, hole_depth) = (self.tail_gap, self.embedded_length + self.tail_gap);
         required.that(gap >= 0.0 && gap.is_finite(), "tail_gap", gap, "0 or positive");
         required.that(
@@ -42,9 +40,11 @@ impl PerpendicularFibre {
             required.that(!asked || !self.is_axisymmetric(), name, "given", "left out of a body of revolution");
         }
         let mesh = &self.mesh;
-        required.count("mesh.embedded_elements", mesh.embedded_elements);
-        required.count("mesh.elements_across", mesh.elements_across);
-        required.count("mesh.slave_edges_per_master", mesh.slave_edges_per_master);
+        required.count([
+            ("mesh.embedded_elements", mesh.embedded_elements),
+            ("mesh.elements_across", mesh.elements_across),
+            ("mesh.slave_edges_per_master", mesh.slave_edges_per_master),
+        ]);
         required.that(mesh.growth >= 1.0 && mesh.growth.is_finite(), "mesh.growth", mesh.growth, "at least 1");
         if let Some(size) = mesh.exit_size {
             let fits = size > 0.0 && size < self.embedded_length;
@@ -71,7 +71,7 @@ impl PerpendicularFibre {
             }
             Configuration::Axisymmetric { outer_radius } => {
                 if let Some(radius) = outer_radius {
-                    required.positive("outer_radius", radius);
+                    required.positive([("outer_radius", radius)]);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! The divisions of a fibre and of the block around it.
 
 use super::PerpendicularFibre;
-use crate::mesh::specimen::SpecimenError;
+use crate::mesh::specimen::{SpecimenError, positions, uniform};
 use crate::mesh::structured::{Grading, capped_through};
 
 /// The divisions of all lines.
@@ -44,15 +44,13 @@ impl Lines {
 /// Across the fibre; the mirror image of itself to the bit where it has a node on the axis.
 fn fibre_x(parameters: &PerpendicularFibre) -> Result<Vec<f64>, SpecimenError> {
     let (radius, count) = (0.5 * parameters.fibre_diameter, parameters.mesh.elements_across);
-    let uniform = |count, length| {
-        Grading::Uniform { count }.positions(length).map_err(SpecimenError::along("mesh.elements_across"))
-    };
+    let line = "mesh.elements_across";
     Ok(if parameters.is_axisymmetric() {
-        uniform(count, radius)?
+        uniform(radius, count, line)?
     } else if count.is_multiple_of(2) {
-        with_mirror_image(&uniform(count / 2, radius)?)
+        with_mirror_image(&uniform(radius, count / 2, line)?)
     } else {
-        uniform(count, 2.0 * radius)?.into_iter().map(|x| x - radius).collect()
+        uniform(2.0 * radius, count, line)?.into_iter().map(|x| x - radius).collect()
     })
 }
 
@@ -70,9 +68,7 @@ fn matrix_x(parameters: &PerpendicularFibre) -> Result<(Vec<f64>, std::ops::Rang
     // Below the fibre not coarser than beside the hole, nor than the fibre.
     let across = if parameters.is_axisymmetric() { mesh.elements_across } else { mesh.elements_across.div_ceil(2) };
     let count = ((radius / mesh.interface_size).ceil() as usize).max(across);
-    let mut half = Grading::Uniform { count }
-        .positions(radius)
-        .map_err(SpecimenError::along("mesh.interface_size below the fibre"))?;
+    let mut half = uniform(radius, count, "mesh.interface_size below the fibre")?;
     half.extend(&right[1..]);
     if parameters.is_axisymmetric() {
         return Ok((half, 0..count));
@@ -88,9 +84,7 @@ fn embedded_depths(parameters: &PerpendicularFibre) -> Result<Vec<f64>, Specimen
         Some(first) if count > 1 => Grading::First { count, first },
         _ => Grading::Uniform { count },
     };
-    grading
-        .positions(parameters.embedded_length)
-        .map_err(SpecimenError::along("mesh.exit_size and mesh.embedded_elements along the fibre"))
+    positions(parameters.embedded_length, grading, "mesh.exit_size and mesh.embedded_elements along the fibre")
 }
 
 /// Each division into `count` equal ones; the positions given stay bit by bit.
@@ -111,15 +105,10 @@ fn depths_below(parameters: &PerpendicularFibre, slaves: &[f64]) -> Result<(Vec<
         let length = end - start;
         let first = size.min(length / least);
         let sizes = Grading::Capped { first, growth: mesh.growth, largest: mesh.largest_size.min(length / least) };
-        let mut depths: Vec<f64> =
-            sizes.positions(length).map_err(SpecimenError::along("mesh sizes below the fibre"))?[1..]
-                .iter()
-                .map(|depth| start + depth)
-                .collect();
-        // Exactly, whatever start + length rounds to.
-        depths.pop();
-        depths.push(end);
-        Ok::<_, SpecimenError>(depths)
+        let depths = positions(length, sizes, "mesh sizes below the fibre")?;
+        // the end exactly, whatever start + length rounds to
+        let inner = depths[1..depths.len() - 1].iter().map(|depth| start + depth);
+        Ok::<_, SpecimenError>(inner.chain([end]).collect::<Vec<f64>>())
     };
     let hole_depth = embedded_length + tail_gap;
     let gap = if tail_gap > 0.0 { below(embedded_length, hole_depth, 1.0)? } else { vec![] };
@@ -131,6 +120,5 @@ fn depths_below(parameters: &PerpendicularFibre, slaves: &[f64]) -> Result<(Vec<
 fn free_heights(parameters: &PerpendicularFibre, masters: &[f64]) -> Result<Vec<f64>, SpecimenError> {
     let PerpendicularFibre { free_length, ref mesh, .. } = *parameters;
     let sizes = Grading::Capped { first: masters[1], growth: mesh.growth, largest: mesh.largest_size };
-    let heights = sizes.positions(free_length).map_err(SpecimenError::along("mesh sizes along the free length"))?;
-    Ok(heights[1..].to_vec())
+    Ok(positions(free_length, sizes, "mesh sizes along the free length")?[1..].to_vec())
 }

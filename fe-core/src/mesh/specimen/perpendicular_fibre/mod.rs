@@ -10,8 +10,8 @@ use super::thickness::{Exit, GradedThickness, Thickness};
 use super::{PulledFibre, Specimen, SpecimenError};
 use crate::element::{ElementKind, Integration};
 use crate::kinematics::PlaneModel;
-use crate::mesh::Part;
-use crate::mesh::structured::{Block, Diagonal, Grid, StructuredMesh};
+use crate::mesh::structured::{Block, Diagonal, Grid};
+use crate::mesh::{MeshDefinition, Part};
 use lines::Lines;
 
 /// Support (b) begins so many diameters beside the fibre.
@@ -155,7 +155,7 @@ impl Default for PerpendicularFibre {
 pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, SpecimenError> {
     parameters.check()?;
     let lines = Lines::new(parameters)?;
-    let mut mesh = StructuredMesh::default();
+    let mut mesh = MeshDefinition::default();
     let [fibre_part, matrix_part] = parameters.parts();
     let (fibre_part, matrix_part) = (mesh.add_part(fibre_part), mesh.add_part(matrix_part));
 
@@ -171,15 +171,12 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     )?;
 
     let thickness = parameters.thickness();
-    let cover_part = parameters.cover.then(|| {
-        let [_, matrix] = parameters.parts();
-        mesh.add_part(thickness.cover(matrix))
-    });
     let mut cover = Vec::new();
-    if let Some(part) = cover_part {
-        let first = mesh.element_count();
+    if parameters.cover {
+        let part = mesh.add_part(thickness.cover(mesh.parts[matrix_part].clone()));
+        let first = mesh.elements.len();
         parameters.fill_hole(&mut mesh, part, &lines, &matrix)?;
-        cover.push((first..mesh.element_count(), parameters.fibre_diameter));
+        cover.push((first..mesh.elements.len(), parameters.fibre_diameter));
     }
 
     // `check` has ruled out kinds without a node on the axis.
@@ -193,10 +190,9 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     let mut notes = parameters.notes();
     notes.extend(sets::name_supports_of_face(&mut mesh, parameters, &matrix));
     notes.extend(thickness.notes(parameters.cover));
-    let mut definition = mesh.definition();
-    thickness.assign(&mut definition, matrix_part, &cover);
+    thickness.assign(&mut mesh, matrix_part, &cover);
     Ok(Specimen {
-        definition,
+        definition: mesh,
         pull_direction: [0.0, 1.0],
         fibres: vec![PulledFibre {
             name: None,
@@ -270,7 +266,7 @@ impl PerpendicularFibre {
     /// Adds the cover: the cells of the block that the hole leaves out, on the nodes of its walls and its end.
     fn fill_hole(
         &self,
-        mesh: &mut StructuredMesh,
+        mesh: &mut MeshDefinition,
         part: usize,
         lines: &Lines,
         matrix: &Grid,

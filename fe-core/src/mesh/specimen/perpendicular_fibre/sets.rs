@@ -2,13 +2,13 @@
 
 use super::PerpendicularFibre;
 use super::lines::Lines;
-use crate::mesh::ElementEdge;
 use crate::mesh::specimen::{ContactSurfaces, SurfaceRole, contact_width};
-use crate::mesh::structured::{Grid, Side, StructuredMesh};
+use crate::mesh::structured::{Grid, Side};
+use crate::mesh::{ElementEdge, MeshDefinition};
 
 /// Grip, sides or outer surface and axis, bottom.
 pub(super) fn name_outer_sets(
-    mesh: &mut StructuredMesh,
+    mesh: &mut MeshDefinition,
     parameters: &PerpendicularFibre,
     fibre: &Grid,
     matrix: &Grid,
@@ -28,7 +28,7 @@ pub(super) fn name_outer_sets(
 
 /// The edge sets; returns the contact pairs.
 pub(super) fn name_surfaces(
-    mesh: &mut StructuredMesh,
+    mesh: &mut MeshDefinition,
     parameters: &PerpendicularFibre,
     fibre: &Grid,
     matrix: &Grid,
@@ -65,7 +65,7 @@ pub(super) fn name_surfaces(
 
 /// Supports (b) and (c); returns what is missing.
 pub(super) fn name_supports_of_face(
-    mesh: &mut StructuredMesh,
+    mesh: &mut MeshDefinition,
     parameters: &PerpendicularFibre,
     matrix: &Grid,
 ) -> Vec<String> {
@@ -78,7 +78,7 @@ pub(super) fn name_supports_of_face(
                 let stops = parameters.stops().into_iter();
                 let reach = stops.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(limit);
                 let face = matrix.side_nodes(Side::Top);
-                let nodes: Vec<usize> = face.into_iter().filter(|&node| mesh.nodes()[node][0].abs() >= reach).collect();
+                let nodes: Vec<usize> = face.into_iter().filter(|&node| mesh.nodes[node][0].abs() >= reach).collect();
                 mesh.node_set(name, nodes);
             }
             None => missing.push(format!("the block is too narrow for the support '{name}'")),
