@@ -3,9 +3,8 @@
 //!
 //! A row begins with step and increment and ends with its iterations; what a library's metadata name stands in between.
 
-use crate::path::ContactPoint;
 use Group::{Band, Count, Density, Energy, Gradient, Load, Other, Second, Share, Slip, Strain, Stress};
-use fe_core::model::MeasuredFibre;
+use fe_core::model::{FieldValues, MeasuredFibre};
 use fe_core::stepping::{FibreRecord, Record};
 use pullout_bridging::{Average, Load as BeamLoad, Residual};
 
@@ -118,6 +117,33 @@ pub static POINT: [Column<PointRow>; 25] = [
     // creep, likewise
     column("scd", "N·mm/mm³", "scd", Density, |row| row.energies[2]),
 ];
+
+/// The state of a contact point between increments.
+#[derive(Clone, Debug)]
+pub struct ContactPoint {
+    /// \[slip, slip2\], mm.
+    pub slip: [f64; 2],
+    /// gap > 0 open, mm; NaN with FRIC.
+    pub gap: f64,
+    /// Shear tractions, MPa.
+    pub shear: [f64; 2],
+    /// Pressure, MPa.
+    pub pressure: f64,
+    /// Accumulated DSLIP (FRIC).
+    pub inelastic_slip: [f64; 2],
+    /// STATEV.
+    pub statev: Vec<f64>,
+    /// SED, SFD, SPD, SVD, SCD.
+    pub energies: [f64; 5],
+    /// LOPENCLOSE, LSTATE (UINTER); LM of the next call (FRIC).
+    pub flags: [i32; 2],
+    /// Step time, s.
+    pub step_time: f64,
+    /// Total time, s.
+    pub total_time: f64,
+    /// Temperature and field variables.
+    pub fields: FieldValues,
+}
 
 /// Columns of a contact point.
 pub static CONTACT: [Column<ContactPoint>; 12] = [

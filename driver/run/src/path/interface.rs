@@ -5,7 +5,7 @@
 use super::subdivision::{Divisible, Trouble, take_steps};
 use super::{Accepted, Observer, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
 use crate::arguments::ContactArguments;
-use crate::columns::{self, CONTACT, Group};
+use crate::columns::{self, CONTACT, ContactPoint as Committed, Group};
 use crate::number::exact;
 use crate::program::lerp;
 use crate::program::{
@@ -36,33 +36,6 @@ pub(super) fn run(
 enum Call {
     Uinter(Box<UinterCall>),
     Fric(Box<FricCall>),
-}
-
-/// The state of the point between increments.
-#[derive(Clone, Debug)]
-pub struct Committed {
-    /// \[slip, slip2\], mm.
-    pub slip: [f64; 2],
-    /// gap > 0 open, mm; NaN with FRIC.
-    pub gap: f64,
-    /// Shear tractions, MPa.
-    pub shear: [f64; 2],
-    /// Pressure, MPa.
-    pub pressure: f64,
-    /// Accumulated DSLIP (FRIC).
-    pub inelastic_slip: [f64; 2],
-    /// STATEV.
-    pub statev: Vec<f64>,
-    /// SED, SFD, SPD, SVD, SCD.
-    pub energies: [f64; 5],
-    /// LOPENCLOSE, LSTATE (UINTER); LM of the next call (FRIC).
-    pub flags: [i32; 2],
-    /// Step time, s.
-    pub step_time: f64,
-    /// Total time, s.
-    pub total_time: f64,
-    /// Temperature and field variables.
-    pub fields: FieldValues,
 }
 
 /// Goal of the current increment: \[slip, slip2, normal\] at its ends.

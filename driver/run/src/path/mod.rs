@@ -10,11 +10,11 @@ mod subdivision;
 #[cfg(test)]
 mod test;
 
+pub use crate::columns::ContactPoint;
 use crate::columns::LEADING;
 use crate::program::{Kind, Program, Until};
 use fe_core::assembly::GREATEST_COUNT;
 use fe_core::stepping::{Snapshot, Tried};
-pub use interface::Committed as ContactPoint;
 pub use point::Committed as MaterialPoint;
 use serde::{Deserialize, Serialize};
 use std::io;

@@ -109,7 +109,7 @@ pub(super) fn point(
 /// Replays an increment of a contact point.
 pub(super) fn interface(
     program: &Program,
-    state: &interface::Committed,
+    state: &super::ContactPoint,
     goal: &interface::Goal,
     fields_at_end: &FieldValues,
     counters: [i32; 3],
