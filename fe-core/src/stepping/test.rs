@@ -167,7 +167,7 @@ fn fields_of_a_snapshot_hold_the_stress_of_the_load_and_can_be_kept() {
 #[test]
 fn a_pressure_follows_the_body_without_contact() {
     let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
-    let mut model = strip(law, PlaneModel::PlaneStress, 1.0, StepControl::Fixed { increments: 2 });
+    let mut model = strip(law, PlaneModel::PlaneStrain, 1.0, StepControl::Fixed { increments: 2 });
     let (pressure, length, thickness) = (1.0, 4.0, 0.5);
     model.nlgeom.fill(true);
     model.supports.truncate(2);
@@ -180,6 +180,31 @@ fn a_pressure_follows_the_body_without_contact() {
     assert!(end.slip_exit.abs() > 1e-3 * length, "it bends: {end:?}");
     approx::assert_relative_eq!(end.load_lateral, pressure * thickness * (length + end.slip_exit), max_relative = 1e-6);
     assert!(records[1..].iter().all(|record| record.cutbacks == 0 && record.iterations.len() <= 8), "{records:?}");
+}
+
+/// A pressure acts on the present section: as Cauchy's stress it is E ln λ, however thin the plate has become.
+#[test]
+fn a_pressure_acts_on_the_present_thickness() {
+    let modulus = 1000.0;
+    let law = PluginLaw::shipped("linear_elastic", &[("E", modulus), ("nu", 0.3)]);
+    let mut model = strip(law, PlaneModel::PlaneStress, 1.0, StepControl::Fixed { increments: 4 });
+    model.nlgeom.fill(true);
+    model.supports.truncate(2);
+    let edges: Vec<ElementEdge> = [3, 7].map(|element| ElementEdge { element, edge: 1 }).into();
+    let tip = model.mesh.nodes().len() - 1;
+    model.measured = Measured { supports: vec![0], direction: [1.0, 0.0], exit_node: Some(tip), ..Measured::default() };
+    for pressure in [-100.0, 100.0] {
+        model.loads =
+            vec![Load { name: "end".into(), drive: 0, kind: LoadKind::Pressure { edges: edges.clone(), pressure } }];
+        let mut analysis = Analysis::new(&model).unwrap();
+        let mut records = Keeper::default();
+        analysis.run(&mut records).unwrap();
+        let stretch = 1.0 + analysis.snapshot().displacements()[2 * tip] / 4.0;
+        // strains are those of the middle of each increment; the thickness changes by 3 %
+        approx::assert_relative_eq!(modulus * stretch.ln(), -pressure, max_relative = 1e-4);
+        let is_easy = |record: &Record| record.cutbacks == 0 && record.iterations.len() <= 8;
+        assert!(records.0[1..].iter().all(is_easy), "{:?}", records.0);
+    }
 }
 
 /// An attempt that cannot converge is cut as often as the controls allow.

@@ -9,7 +9,7 @@ use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::gmsh::{self, PartProperties};
 use fe_core::mesh::specimen::{NodeCoupling, PulledFibre, SpecimenError, SurfaceRole};
-use fe_core::mesh::{Mesh, MeshDefinition};
+use fe_core::mesh::{Mesh, MeshDefinition, Part};
 use fe_core::model::Width;
 use pullout_run::input::{self, Input};
 use std::collections::{BTreeMap, BTreeSet};
@@ -136,6 +136,12 @@ pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
             let what = format!("the thickness of the part '{}'", part.name);
             reader.warn_unusual(&what, part.thickness, "mm", USUAL_THICKNESS);
         }
+    }
+    let (round, plane): (Vec<&Part>, Vec<&Part>) =
+        definition.parts.iter().partition(|part| part.model == PlaneModel::Axisymmetric);
+    if let (Some(round), Some(plane)) = (round.first(), plane.first()) {
+        let message = format!("part '{}' is axisymmetric and this one is not: a mesh has an axis, or it has none", round.name);
+        reader.problem(&Place::root().key("parts").key(&plane.name).key("model"), message);
     }
     for (index, part) in definition.parts.iter().enumerate() {
         let nodes = || {

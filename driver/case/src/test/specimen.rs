@@ -131,6 +131,22 @@ fn accepted(case: &Value, overrides: &[&str]) -> Program {
     }
 }
 
+/// A mesh has an axis of rotation for all its parts, or for none.
+#[test]
+fn plane_parts_beside_round_ones_are_refused() {
+    for overrides in [
+        ["mesh.specimen.axisymmetric=true", "parts.fibre.model=plane_stress"],
+        ["mesh.specimen.axisymmetric=false", "parts.matrix.model=axisymmetric"],
+    ] {
+        let mut case = specimen_case(json!({ "type": "perpendicular_fibre" }), &["fibre", "matrix"]);
+        case["contact"] = json!({ "law": { "plugin": "bond_slip" } });
+        case["steps"] = json!([{ "slip": 1 }]);
+        let Err(errors) = Bench::new().read(&case, &overrides) else { panic!("{overrides:?} is read") };
+        let message = errors.to_string();
+        assert!(message.contains(".model") && message.contains("a mesh has an axis"), "{message}");
+    }
+}
+
 fn program(overrides: &[&str]) -> Program {
     accepted(&pullout_case(), overrides)
 }

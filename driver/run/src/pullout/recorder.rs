@@ -261,13 +261,15 @@ pub(super) struct RecorderState {
     energies: Energies,
     so_far: Statistics,
     energy_error: f64,
+    initial_displacement: Option<f64>,
     step_start: f64,
 }
 
 impl RecorderState {
     /// Returns whether a run of this program can have come to it.
     pub(super) fn fits(&self, program: &Program) -> bool {
-        let Self { fields, peak, moments, ruptures, present, energies, so_far, energy_error, step_start } = self;
+        let Self { fields, peak, moments, ruptures, present, energies, so_far, .. } = self;
+        let Self { energy_error, initial_displacement, step_start, .. } = self;
         present.values.len() == columns::count_in_specimen(&program.model.measured.fibres)
             && fields.is_some() == program.fields_every.is_some()
             && fields.as_ref().is_none_or(WrittenFields::is_sound)
@@ -278,6 +280,7 @@ impl RecorderState {
             && energies.is_finite()
             && so_far.counts_on()
             && energy_error.is_finite()
+            && initial_displacement.is_none_or(f64::is_finite)
             && step_start.is_finite()
     }
 }
@@ -337,13 +340,14 @@ impl<'p, 'o> Recorder<'p, 'o> {
 
     /// Goes on where another recorder was.
     fn resume(&mut self, state: RecorderState) {
-        let RecorderState { fields: _, peak, moments, ruptures, present, energies, so_far, energy_error, step_start } =
-            state;
+        let RecorderState { fields: _, peak, moments, ruptures, present, energies, so_far, .. } = state;
+        let RecorderState { energy_error, initial_displacement, step_start, .. } = state;
         let mesh = self.program.about.plots.then_some(&self.program.model.mesh);
         self.peak = PeakKeeper::resumed(mesh, peak);
         self.moments = mesh.zip(moments).map(|(mesh, kept)| Moments::resumed(mesh, &self.program.pictures_at, kept));
         self.ruptures = ruptures;
         (self.present, self.energies, self.so_far) = (present, energies, so_far);
+        self.initial_displacement = initial_displacement;
         (self.energy_error, self.step_start) = (energy_error, step_start);
     }
 
@@ -357,6 +361,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
             energies: self.energies,
             so_far: self.so_far,
             energy_error: self.energy_error,
+            initial_displacement: self.initial_displacement,
             step_start: self.step_start,
         }
     }

@@ -6,8 +6,8 @@
 //! depth       the element's thickness, or 2πr
 //! ```
 //!
-//! Under large displacements a pressure acts on the present edge, with the present radius; the thickness of a plane part
-//! stays the reference one. Tractions and forces keep direction and area.
+//! Under large displacements a pressure acts on the present edge, with the present radius or thickness. Its stiffness leaves
+//! the change of the thickness out: no law of plane stress returns it at an edge. Tractions and forces keep direction and area.
 
 use crate::element::EdgePoint;
 use crate::kinematics::PlaneModel;
@@ -24,15 +24,16 @@ const RULE: [(f64, f64); 3] =
 
 /// Adds the nodal forces (N) of `factor` times a load to `forces`.
 ///
-/// `displacements` (two per node, mm) matter to pressures on parts with `nlgeom` (one each). Then, if `blocks` are given, each loaded edge
-/// adds one: −∂force/∂displacement, what the load adds to the system's stiffness. It is not symmetric.
+/// `displacements` (two per node, mm) matter to pressures on elements with large displacements, for which `thickness` gives the present
+/// one, mm. Then, if `blocks` are given, each loaded edge adds one: −∂force/∂displacement, what the load adds to the system's stiffness.
+/// It is not symmetric.
 ///
 /// # Panics
 ///
 /// If the load names nodes or edges that the mesh does not have, or the vectors do not hold two per node.
 pub fn external(
     mesh: &Mesh,
-    nlgeom: &[bool],
+    thickness: &dyn Fn(usize) -> Option<f64>,
     load: &LoadKind,
     factor: f64,
     displacements: &[f64],
@@ -56,11 +57,12 @@ pub fn external(
         LoadKind::Pressure { edges, pressure } => {
             let pressure = factor * pressure;
             for &edge in edges {
-                let follows = nlgeom[mesh.elements()[edge.element].part()];
-                let loaded = LoadedEdge::new(mesh, edge, follows.then_some(displacements));
+                let present = thickness(edge.element);
+                let mut loaded = LoadedEdge::new(mesh, edge, present.map(|_| displacements));
+                loaded.thickness = present.unwrap_or(loaded.thickness);
                 loaded.add(forces, |point| [-pressure * point.tangent[1], pressure * point.tangent[0]]);
                 if let Some(blocks) = blocks.as_deref_mut()
-                    && follows
+                    && present.is_some()
                 {
                     loaded.add_pressure_stiffness(pressure, blocks);
                 }

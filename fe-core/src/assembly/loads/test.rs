@@ -28,7 +28,7 @@ fn all_edges() -> Vec<ElementEdge> {
 
 fn forces(mesh: &Mesh, nlgeom: bool, load: &LoadKind, factor: f64, displacements: &[f64]) -> Vec<f64> {
     let mut forces = vec![0.0; 2 * mesh.nodes().len()];
-    external(mesh, &[nlgeom], load, factor, displacements, &mut forces, None);
+    external(mesh, &|_| nlgeom.then_some(0.7), load, factor, displacements, &mut forces, None);
     forces
 }
 
@@ -123,7 +123,7 @@ fn stiffness_of_a_follower_pressure_agrees_with_differences() {
             let load = LoadKind::Pressure { edges: vec![RIGHT, ElementEdge { element: 0, edge: 2 }], pressure: 5.0 };
             let mut blocks = Blocks::default();
             let size = displacements.len();
-            external(&mesh, &[true], &load, 0.4, &displacements, &mut vec![0.0; size], Some(&mut blocks));
+            external(&mesh, &|_| Some(0.7), &load, 0.4, &displacements, &mut vec![0.0; size], Some(&mut blocks));
             assert_eq!(blocks.len(), 2);
             let mut stiffness = vec![0.0; size * size];
             for (rows, values) in blocks.iter() {
@@ -159,7 +159,7 @@ fn small_displacements_and_dead_loads_have_no_stiffness() {
     let mut blocks = Blocks::default();
     for (nlgeom, load) in [(false, &pressure), (true, &traction)] {
         let mut found = vec![0.0; 16];
-        external(&mesh, &[nlgeom], load, 1.0, &displacements, &mut found, Some(&mut blocks));
+        external(&mesh, &|_| nlgeom.then_some(0.7), load, 1.0, &displacements, &mut found, Some(&mut blocks));
         assert!(blocks.is_empty());
         assert_eq!(found, forces(&mesh, nlgeom, load, 1.0, &[0.0; 16]), "the reference edge bears it");
     }

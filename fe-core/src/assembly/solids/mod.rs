@@ -169,6 +169,13 @@ impl Solids {
         &self.block(element).records[self.places[element].local]
     }
 
+    /// Returns the mean of the present per reference thickness at the points of an element with large displacements, by the trial state.
+    pub(crate) fn thickness_ratio(&self, element: usize) -> f64 {
+        let (points, record) = (&self.block(element).body.points, self.record(element));
+        let count = record.points.len() as f64;
+        record.points.clone().map(|point| points.thickness_ratio(point)).sum::<f64>() / count
+    }
+
     /// Returns whether the tangent of an element may be negative: its law damages, or has no metadata on that.
     pub fn softens(&self, element: usize) -> bool {
         self.block(element).body.part.softens

@@ -324,6 +324,11 @@ impl Points {
         }
     }
 
+    /// Returns λ of the trial state of a point with large displacements; 1 where it is unknown, and but for plane stress.
+    pub(super) fn thickness_ratio(&self, point: usize) -> f64 {
+        if self.thickness.is_empty() { 1.0 } else { self.thickness_strain(point, &self.trial).exp() }
+    }
+
     /// λ at the end of an increment that the law has answered, and half-way.
     fn thickness_ratios(&self, point: usize, increment: &PointIncrement<'_>) -> [f64; 2] {
         if !self.follows_thickness(increment) {

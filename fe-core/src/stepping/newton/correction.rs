@@ -1,10 +1,10 @@
 //! The correction of an iteration, under direct and indirect control, and how much of it is applied.
 
 use super::beside::Beside;
-use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, largest, trouble, unsolvable};
+use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, largest, present_thickness, trouble, unsolvable};
 use crate::assembly::{Place, Trouble, loads};
 use crate::contact::PointIndex;
-use crate::model::{IncrementContext, Model};
+use crate::model::IncrementContext;
 use crate::stepping::line_search;
 use crate::stepping::times::timed;
 use umat_abi::law::Request;
@@ -166,9 +166,10 @@ impl Equilibrium<'_> {
         let mut forces = self.system.drive_stiffness(&self.solids, drives);
         forces.iter_mut().for_each(|force| *force = -*force);
         let mut external = vec![0.0; start.displacements.len()];
+        let thickness = present_thickness(self.model, &self.solids);
         for load in &self.model.loads {
-            let Model { mesh, nlgeom, .. } = self.model;
-            loads::external(mesh, nlgeom, &load.kind, drives[load.drive], &start.displacements, &mut external, None);
+            let (mesh, factor) = (&self.model.mesh, drives[load.drive]);
+            loads::external(mesh, &thickness, &load.kind, factor, &start.displacements, &mut external, None);
         }
         let reduced = self.system.reduce(&external);
         forces.iter_mut().zip(&reduced).for_each(|(force, load)| *force += load);

@@ -395,7 +395,7 @@ impl<'m> Equilibrium<'m> {
     pub(super) fn evaluate(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
         let request = Request::StressAndTangent;
         let (trial, context) = (&attempt.trial, attempt.context());
-        let Model { mesh, nlgeom, loads, fields, steps, .. } = self.model;
+        let Model { mesh, loads, fields, steps, .. } = self.model;
         let Self { solids, contact, system, memory, times, .. } = self;
         memory.statistics.evaluations += 1;
         memory.has_tangents = true;
@@ -417,10 +417,11 @@ impl<'m> Equilibrium<'m> {
         let Memory { drag, internal, blocks, .. } = memory;
         drag.evaluate(attempt.resistance(), contact.freedoms(), moved, system.equations(), internal, blocks);
         memory.external.fill(0.0);
+        let thickness = present_thickness(self.model, solids);
         for load in loads {
             let factor = trial.drives[load.drive];
             let blocks = Some(&mut memory.blocks);
-            loads::external(mesh, nlgeom, &load.kind, factor, &trial.displacements, &mut memory.external, blocks);
+            loads::external(mesh, &thickness, &load.kind, factor, &trial.displacements, &mut memory.external, blocks);
         }
         system.add_far_forces(&trial.displacements, 1.0, &mut memory.internal);
         let unbalanced = memory.unbalanced();
@@ -455,6 +456,14 @@ fn coupled_freedoms(model: &Model, contact: &Contact) -> Vec<usize> {
         freedoms.dedup();
     }
     freedoms
+}
+
+/// Returns the present thickness of an element with large displacements, mm.
+pub(super) fn present_thickness<'a>(model: &'a Model, solids: &'a Solids) -> impl Fn(usize) -> Option<f64> + 'a {
+    |index| {
+        let element = model.mesh.elements()[index];
+        model.nlgeom[element.part()].then(|| element.thickness() * solids.thickness_ratio(index))
+    }
 }
 
 fn unsolvable(error: &SolverError) -> Trouble {
