@@ -58,7 +58,7 @@ fn measure(rows: usize, bonded: usize, method: Method, repeats: usize) {
     // the same values each time: all of it would stay
     let options = SolverOptions { first_method: Some(method), forgets: true };
     let symmetry = if method < Method::BlockLu { Symmetry::Symmetric } else { Symmetry::Unsymmetric };
-    let fresh = || LinearSolver::new(matrix.pattern(), &bodies.nodes, options).expect("memory");
+    let fresh = || LinearSolver::new(matrix.pattern(), &bodies.nodes, options);
     let first = median(repeats, || {
         black_box(fresh().factorise(&matrix, symmetry)).expect("a regular matrix");
     });

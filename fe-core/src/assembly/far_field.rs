@@ -9,8 +9,8 @@
 //! equation checked with the laws: an element that is no longer elastic is noticed exactly, leaves the far field,
 //! and the increment goes on.
 
-use super::Equations;
-use super::system::{ElementStiffness, freedoms};
+use super::system::freedoms;
+use super::{Equations, Solids};
 use crate::mesh::Mesh;
 use crate::solver::{Pattern, SolverError, Superelement};
 
@@ -28,7 +28,7 @@ impl FarField {
     pub(super) fn new(
         mesh: &Mesh,
         equations: &Equations,
-        elements: &impl ElementStiffness,
+        elements: &Solids,
         active: &[bool],
         retained: &[usize],
     ) -> Result<Option<Self>, SolverError> {
@@ -80,23 +80,16 @@ impl FarField {
     }
 
     /// Sets the displacements of its interior from those of its border.
-    pub(super) fn expand(&mut self, displacements: &mut [f64]) -> Result<(), SolverError> {
+    pub(super) fn expand(&mut self, displacements: &mut [f64]) {
         let border: Vec<f64> = self.border.iter().map(|&freedom| displacements[freedom]).collect();
         let mut expanded = vec![0.0; self.own.len()];
-        self.superelement.expand(&border, &mut expanded)?;
+        self.superelement.expand(&border, &mut expanded);
         self.own.iter().zip(&expanded).for_each(|(&freedom, value)| displacements[freedom] = *value);
-        Ok(())
     }
 }
 
 /// The stiffness of the far elements over their own numbering.
-fn assemble(
-    mesh: &Mesh,
-    elements: &impl ElementStiffness,
-    active: &[bool],
-    local: &[usize],
-    size: usize,
-) -> (Pattern, Vec<f64>) {
+fn assemble(mesh: &Mesh, elements: &Solids, active: &[bool], local: &[usize], size: usize) -> (Pattern, Vec<f64>) {
     let far: Vec<(usize, Vec<usize>)> = (0..active.len())
         .filter(|&element| !active[element])
         .map(|element| (element, freedoms(mesh.elements()[element].nodes())))

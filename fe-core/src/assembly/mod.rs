@@ -13,7 +13,7 @@ pub(crate) use far_field::may_be_condensed;
 pub use far_field::touching;
 pub(crate) use loads::loaded_freedoms;
 pub use solids::{GreatestInPart, Solids, SolidsError};
-pub use system::{Condensation, ElementStiffness, System, SystemState};
+pub use system::{Condensation, System, SystemState};
 pub use trouble::{Place, Trouble};
 
 /// Largest count of calls, evaluations or factorisations that is accepted: beyond it counters could overflow.

@@ -15,18 +15,6 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The stiffness of elements: row-major over their freedoms.
-pub trait ElementStiffness: Sync {
-    /// ∂force/∂displacement of an element.
-    fn stiffness(&self, element: usize) -> &[f64];
-}
-
-impl ElementStiffness for Solids {
-    fn stiffness(&self, element: usize) -> &[f64] {
-        Solids::stiffness(self, element)
-    }
-}
-
 /// Places in the matrix of the entries of an element's stiffness.
 #[derive(Clone, Debug)]
 enum Scatter {
@@ -103,7 +91,7 @@ impl System {
     ) -> Result<Self, SolverError> {
         let far_field = match &condensation {
             Some(Condensation { elements, active, retained }) => {
-                FarField::new(mesh, &equations, *elements, active, retained)?
+                FarField::new(mesh, &equations, elements, active, retained)?
             }
             None => None,
         };
@@ -150,7 +138,7 @@ impl System {
         let diagonal = (0..pattern.size()).map(on_diagonal).collect();
         let pattern = Arc::new(pattern);
         let positions = nodes.iter().map(|&node| mesh.nodes()[node]).collect();
-        let solver = LinearSolver::new(&pattern, &nodes, options)?.with_positions(positions)?;
+        let solver = LinearSolver::new(&pattern, &nodes, options).with_positions(positions);
         Ok(Self {
             matrix: SystemMatrix::new(pattern),
             equations,
@@ -197,7 +185,7 @@ impl System {
     }
 
     /// Adds all elements into the matrix. Each thread has its own range of the values, and every value the same sum.
-    pub(crate) fn assemble_elements(&mut self, elements: &impl ElementStiffness) {
+    pub(crate) fn assemble_elements(&mut self, elements: &Solids) {
         let values = &mut self.matrix.values;
         let count = if values.len() < LEAST_SHARED { 1 } else { self.threads.count() };
         let length = values.len().div_ceil(count).max(1);
@@ -237,7 +225,7 @@ impl System {
     #[cfg(test)]
     pub(crate) fn multiply(&self, unknowns: &[f64]) -> Vec<f64> {
         let mut product = vec![0.0; unknowns.len()];
-        self.matrix.multiply(unknowns, &mut product).expect("one unknown per row");
+        self.matrix.multiply(unknowns, &mut product);
         product
     }
 
@@ -285,7 +273,7 @@ impl System {
             self.matrix.contact.clone_from(contact);
             self.blocks.clone_from(blocks);
         }
-        fits && self.solver.take_memory(solver, &self.matrix).is_ok()
+        fits && self.solver.take_memory(solver, &self.matrix)
     }
 
     /// Solves in place with the last factor.
@@ -314,7 +302,7 @@ impl System {
     }
 
     /// Tᵀ K S a by rows: the forces when the drives move by `drives` and the unknowns stay.
-    pub(crate) fn drive_stiffness(&self, elements: &impl ElementStiffness, drives: &[f64]) -> Vec<f64> {
+    pub(crate) fn drive_stiffness(&self, elements: &Solids, drives: &[f64]) -> Vec<f64> {
         let displacements = self.displacements(&vec![0.0; self.row_count()], drives);
         let mut forces = vec![0.0; displacements.len()];
         for &element in &self.driven_elements {
@@ -334,12 +322,8 @@ impl System {
     }
 
     /// Sets the displacements in the far field from those at its border.
-    ///
-    /// # Errors
-    ///
-    /// Those of a solution.
-    pub fn expand(&mut self, displacements: &mut [f64]) -> Result<(), SolverError> {
-        self.far_field.as_mut().map_or(Ok(()), |far| far.expand(displacements))
+    pub fn expand(&mut self, displacements: &mut [f64]) {
+        self.far_field.iter_mut().for_each(|far| far.expand(displacements));
     }
 }
 

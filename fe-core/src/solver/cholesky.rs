@@ -102,14 +102,9 @@ impl Cholesky {
     /// x ← L⁻ᵀ x, x in the order of elimination.
     pub(super) fn backward(&mut self, x: &mut [f64]) {
         let factor = SupernodalLltRef::new(&self.analysis.supernodes, &self.factor);
-        backward(factor, x, &mut self.memory);
-    }
-
-    /// The same with memory of its own.
-    pub(super) fn backward_apart(&self, x: &mut [f64]) -> Result<(), SolverError> {
-        let mut memory = MemBuffer::try_new(self.analysis.supernodes.solve_in_place_scratch::<f64>(1, Par::Seq))?;
-        backward(self.view(), x, &mut memory);
-        Ok(())
+        let size = x.len();
+        let x = MatMut::from_column_major_slice_mut(x, size, 1);
+        factor.l_transpose_solve_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut self.memory));
     }
 
     /// Copies as many of the last rows and columns of L as `triangle` has; zero above the diagonal.
@@ -135,12 +130,6 @@ impl Cholesky {
             }
         }
     }
-}
-
-fn backward(factor: SupernodalLltRef<'_, usize, f64>, x: &mut [f64], memory: &mut MemBuffer) {
-    let size = x.len();
-    let x = MatMut::from_column_major_slice_mut(x, size, 1);
-    factor.l_transpose_solve_with_conj(Conj::No, x, Par::Seq, MemStack::new(memory));
 }
 
 fn parameters() -> Spec<LltParams, f64> {

@@ -1,7 +1,6 @@
 //! A linear elastic far field, condensed onto its border once and for all.
 
 use super::cholesky::Refusal;
-use super::pattern::check_length;
 use super::zone::Zone;
 use super::{Pattern, SolverError};
 
@@ -28,12 +27,9 @@ impl Superelement {
     ///
     /// # Errors
     ///
-    /// If the lists do not fit the pattern, a value is not finite, or the body is not stable with its border held:
-    /// A_II is not positive definite. Also if S has an eigenvalue far below zero, which no elastic body has.
+    /// If a value is not finite, or the body is not stable with its border held: A_II is not positive definite. Also if S has
+    /// an eigenvalue far below zero, which no elastic body has.
     pub fn new(pattern: &Pattern, values: &[f64], nodes: &[usize], border: &[usize]) -> Result<Self, SolverError> {
-        check_length("matrix", pattern.entries(), values.len())?;
-        check_length("list of nodes", pattern.size(), nodes.len())?;
-        check_list(pattern.size(), border)?;
         pattern.check_finite(values)?;
         let mut zone = Zone::new(pattern, nodes, &[], border)?;
         zone.condense(values).map_err(|refusal| match refusal {
@@ -52,32 +48,12 @@ impl Superelement {
     }
 
     /// Displacements of all equations of the body, mm, from those of its border; the latter are copied.
-    ///
-    /// # Errors
-    ///
-    /// If a vector has the wrong length, or memory does not suffice.
-    pub fn expand(&self, border: &[f64], displacements: &mut [f64]) -> Result<(), SolverError> {
-        check_length("border", self.border.len(), border.len())?;
-        check_length("vector of displacements", self.size, displacements.len())?;
+    pub fn expand(&mut self, border: &[f64], displacements: &mut [f64]) {
         let mut ordered = vec![0.0; self.size];
         let first = self.size - border.len();
         self.places.iter().zip(border).for_each(|(&place, value)| ordered[first + place] = *value);
-        self.zone.backward_apart(&mut ordered)?;
+        self.zone.backward(&mut ordered);
         self.zone.scatter(&ordered, displacements);
         self.border.iter().zip(border).for_each(|(&equation, value)| displacements[equation] = *value);
-        Ok(())
     }
-}
-
-/// Checks that a list has equations of the system, each once.
-fn check_list(size: usize, equations: &[usize]) -> Result<(), SolverError> {
-    let mut is_listed = vec![false; size];
-    for &equation in equations {
-        match is_listed.get_mut(equation) {
-            None => return Err(SolverError::Equation { equation, size }),
-            Some(true) => return Err(SolverError::Repeated { equation }),
-            Some(mark) => *mark = true,
-        }
-    }
-    Ok(())
 }

@@ -4,18 +4,6 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the message of each variant says what its fields are")]
 pub enum SolverError {
-    /// Vectors, values and patterns belong together.
-    #[error("the {what} has {found} entries, it needs {expected}")]
-    Length { what: &'static str, expected: usize, found: usize },
-    /// An equation that does not exist.
-    #[error("equation {} does not exist, the system has {size}", equation + 1)]
-    Equation { equation: usize, size: usize },
-    /// An equation twice in a list that allows it once.
-    #[error("equation {} is listed twice", equation + 1)]
-    Repeated { equation: usize },
-    /// A matrix over another pattern than the solver's.
-    #[error("the matrix has another pattern than the solver was made for")]
-    Pattern,
     /// NaN or infinite.
     #[error("the entry in row {}, column {} of the matrix is not finite", row + 1, column + 1)]
     NotFinite { row: usize, column: usize },

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::pattern::check_length;
 use super::whole::Whole;
 use super::{
     ACCEPTED_RESIDUAL, Blocks, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern, REFINED_RESIDUAL, ROUNDING,
@@ -22,11 +21,7 @@ pub struct LinearSolver {
     whole: Option<Whole>,
     /// The factor that solves, by its method, and the symmetry of its solids.
     factor: Option<(Method, Symmetry)>,
-    work: Work,
-}
-
-/// Vectors of the size of the system.
-struct Work {
+    /// Vectors of the size of the system, to work with.
     solution: Vec<f64>,
     residual: Vec<f64>,
 }
@@ -34,15 +29,8 @@ struct Work {
 impl LinearSolver {
     /// A solver for matrices over `pattern`. `nodes` has the node of each equation, by any numbering (the graph of the
     /// nodes is ordered).
-    ///
-    /// # Errors
-    ///
-    /// If a list does not fit the pattern, or memory does not suffice.
-    pub fn new(pattern: &Arc<Pattern>, nodes: &[usize], options: SolverOptions) -> Result<Self, SolverError> {
-        let size = pattern.size();
-        check_length("list of nodes", size, nodes.len())?;
-        let vector = || vec![0.0; size];
-        Ok(Self {
+    pub fn new(pattern: &Arc<Pattern>, nodes: &[usize], options: SolverOptions) -> Self {
+        Self {
             pattern: Arc::clone(pattern),
             nodes: nodes.to_vec(),
             positions: Vec::new(),
@@ -50,19 +38,14 @@ impl LinearSolver {
             options,
             whole: None,
             factor: None,
-            work: Work { solution: vector(), residual: vector() },
-        })
+            solution: vec![0.0; pattern.size()],
+            residual: vec![0.0; pattern.size()],
+        }
     }
 
     /// Tells where the node of each equation is, mm: a large definite matrix is then factorised in parts.
-    ///
-    /// # Errors
-    ///
-    /// If there is not one position for each equation.
-    pub fn with_positions(mut self, positions: Vec<[f64; 2]>) -> Result<Self, SolverError> {
-        check_length("list of positions", self.pattern.size(), positions.len())?;
-        self.positions = positions;
-        Ok(self)
+    pub fn with_positions(self, positions: Vec<[f64; 2]>) -> Self {
+        Self { positions, ..self }
     }
 
     /// The threads that work on the parts. Their number changes no bit of a solution.
@@ -74,10 +57,9 @@ impl LinearSolver {
     ///
     /// # Errors
     ///
-    /// If the matrix does not fit the solver, has a number that is not finite, or is singular. There is no factor then.
+    /// If the matrix has a number that is not finite, or is singular. There is no factor then.
     pub fn factorise(&mut self, matrix: &SystemMatrix, symmetry: Symmetry) -> Result<FactorisationReport, SolverError> {
         self.factor = None;
-        self.check(matrix)?;
         matrix.check_finite()?;
         let mut whole = self.whole.take().unwrap_or_else(|| Whole::new(matrix));
         if self.options.forgets {
@@ -124,35 +106,30 @@ impl LinearSolver {
         (self.factor.map(|(_, symmetry)| symmetry), self.whole.as_ref().map(|whole| whole.pattern().clone()))
     }
 
-    /// Takes over the memory of another solver of the same pattern, and makes its factor of its matrix.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`Self::factorise`], and a pattern of another system.
+    /// Takes over the memory of another solver of the same pattern, and makes its factor of its matrix; `false` if it is that of
+    /// another system, or there is no factor.
     pub(crate) fn take_memory(
         &mut self,
         (symmetry, pattern): &(Option<Symmetry>, Option<Pattern>),
         matrix: &SystemMatrix,
-    ) -> Result<(), SolverError> {
+    ) -> bool {
         if let Some(pattern) = pattern {
             if !pattern.is_superset_of(&self.pattern) {
-                return Err(SolverError::Pattern);
+                return false;
             }
             self.whole = Some(Whole::over(pattern.clone(), &self.pattern));
         }
-        symmetry.map_or(Ok(()), |symmetry| self.factorise(matrix, symmetry).map(|_| ()))
+        symmetry.is_none_or(|symmetry| self.factorise(matrix, symmetry).is_ok())
     }
 
     /// Solves K x = `right_side` in place with the last factor, which must be that of `matrix`.
     ///
     /// # Errors
     ///
-    /// Without a factor, for a right side that does not fit or is not finite, and if what the solution leaves of the
-    /// right side stays above [`ACCEPTED_RESIDUAL`]. The right side is as it was then.
+    /// Without a factor, for a right side that is not finite, and if what the solution leaves of the right side stays above
+    /// [`ACCEPTED_RESIDUAL`]. The right side is as it was then.
     pub fn solve(&mut self, matrix: &SystemMatrix, right_side: &mut [f64]) -> Result<SolveReport, SolverError> {
         let (method, _) = self.factor.ok_or(SolverError::NotFactorised)?;
-        check_length("right side", self.pattern.size(), right_side.len())?;
-        self.check(matrix)?;
         if let Some(equation) = right_side.iter().position(|value| !value.is_finite()) {
             return Err(SolverError::RightSide { equation });
         }
@@ -160,14 +137,14 @@ impl LinearSolver {
         if scale == 0.0 {
             return Ok(SolveReport { relative_residual: 0.0, refined: false });
         }
-        let mut solution = std::mem::take(&mut self.work.solution);
+        let mut solution = std::mem::take(&mut self.solution);
         solution.copy_from_slice(right_side);
         self.apply(method, &mut solution);
         let result = self.refine(method, matrix, right_side, &mut solution, scale);
         if result.is_ok() {
             right_side.copy_from_slice(&solution);
         }
-        self.work.solution = solution;
+        self.solution = solution;
         result
     }
 
@@ -180,8 +157,8 @@ impl LinearSolver {
         solution: &mut [f64],
         scale: f64,
     ) -> Result<SolveReport, SolverError> {
-        let mut residual = std::mem::take(&mut self.work.residual);
-        let mut left = set_residual(matrix, right_side, solution, &mut residual)? / scale;
+        let mut residual = std::mem::take(&mut self.residual);
+        let mut left = set_residual(matrix, right_side, solution, &mut residual) / scale;
         let (mut refined, mut tolerance) = (false, ACCEPTED_RESIDUAL);
         if left.is_nan() || left > REFINED_RESIDUAL {
             let rounding = ROUNDING * matrix.norm() * greatest(solution) / scale;
@@ -189,11 +166,11 @@ impl LinearSolver {
             if refined {
                 self.apply(method, &mut residual);
                 solution.iter_mut().zip(&residual).for_each(|(x, correction)| *x += correction);
-                left = set_residual(matrix, right_side, solution, &mut residual)? / scale;
+                left = set_residual(matrix, right_side, solution, &mut residual) / scale;
             }
             tolerance = tolerance.max((ROUNDING_MARGIN * rounding).min(LARGEST_RESIDUAL));
         }
-        self.work.residual = residual;
+        self.residual = residual;
         if left <= tolerance {
             Ok(SolveReport { relative_residual: left, refined })
         } else {
@@ -207,11 +184,6 @@ impl LinearSolver {
             whole.solve(method, x, &self.threads);
         }
     }
-
-    fn check(&self, matrix: &SystemMatrix) -> Result<(), SolverError> {
-        let same = Arc::ptr_eq(&self.pattern, matrix.pattern()) || self.pattern == *matrix.pattern();
-        if same { matrix.check_lengths() } else { Err(SolverError::Pattern) }
-    }
 }
 
 /// Returns whether each block is symmetric but for rounding.
@@ -224,15 +196,10 @@ fn is_symmetric(contact: &Blocks) -> bool {
 }
 
 /// residual = right side − K x; returns its greatest magnitude, NaN if there is one.
-fn set_residual(
-    matrix: &SystemMatrix,
-    right_side: &[f64],
-    x: &[f64],
-    residual: &mut [f64],
-) -> Result<f64, SolverError> {
-    matrix.multiply(x, residual)?;
+fn set_residual(matrix: &SystemMatrix, right_side: &[f64], x: &[f64], residual: &mut [f64]) -> f64 {
+    matrix.multiply(x, residual);
     residual.iter_mut().zip(right_side).for_each(|(residual, right)| *residual = right - *residual);
-    Ok(greatest(residual))
+    greatest(residual)
 }
 
 /// The greatest magnitude; NaN if there is one.

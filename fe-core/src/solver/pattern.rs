@@ -186,15 +186,7 @@ impl SystemMatrix {
     }
 
     /// y = K x.
-    ///
-    /// # Errors
-    ///
-    /// If a vector or the values have the wrong length, or a block an equation out of range.
-    pub(crate) fn multiply(&self, x: &[f64], y: &mut [f64]) -> Result<(), SolverError> {
-        let size = self.pattern.size();
-        check_length("vector", size, x.len())?;
-        check_length("product", size, y.len())?;
-        self.check_lengths()?;
+    pub(crate) fn multiply(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for (column, &factor) in x.iter().enumerate() {
             let range = self.pattern.starts[column]..self.pattern.starts[column + 1];
@@ -207,27 +199,11 @@ impl SystemMatrix {
                 y[*row] += line.iter().zip(rows).map(|(value, column)| value * x[*column]).sum::<f64>();
             }
         }
-        Ok(())
-    }
-
-    /// Values fit the pattern, blocks the size.
-    pub(super) fn check_lengths(&self) -> Result<(), SolverError> {
-        let size = self.pattern.size();
-        check_length("matrix", self.pattern.entries(), self.values.len())?;
-        match self.contact.iter().flat_map(|(rows, _)| rows).find(|&&equation| equation >= size) {
-            Some(&equation) => Err(SolverError::Equation { equation, size }),
-            None => Ok(()),
-        }
     }
 
     /// All entries are numbers.
     pub(super) fn check_finite(&self) -> Result<(), SolverError> {
         self.pattern.check_finite(&self.values)?;
-        self.check_finite_contact()
-    }
-
-    /// All entries of contact are numbers.
-    pub(super) fn check_finite_contact(&self) -> Result<(), SolverError> {
         for (rows, values) in self.contact.iter() {
             if let Some(place) = values.iter().position(|value| !value.is_finite()) {
                 return Err(SolverError::NotFinite { row: rows[place / rows.len()], column: rows[place % rows.len()] });
@@ -247,9 +223,4 @@ impl SystemMatrix {
         }
         sums.into_iter().fold(0.0, f64::max)
     }
-}
-
-/// A vector has the length that it must have.
-pub(super) fn check_length(what: &'static str, expected: usize, found: usize) -> Result<(), SolverError> {
-    if found == expected { Ok(()) } else { Err(SolverError::Length { what, expected, found }) }
 }

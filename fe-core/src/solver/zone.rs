@@ -142,23 +142,13 @@ impl Zone {
 
     /// The displacements of all equations from those of the zone and what [`Self::forward`] left of the others.
     pub(super) fn backward(&mut self, x: &mut [f64]) {
-        self.multiply_by_transposed_triangle(x);
-        self.cholesky.backward(x);
-    }
-
-    /// The same with memory of its own.
-    pub(super) fn backward_apart(&self, x: &mut [f64]) -> Result<(), SolverError> {
-        self.multiply_by_transposed_triangle(x);
-        self.cholesky.backward_apart(x)
-    }
-
-    /// x_Z ← L_ZZᵀ x_Z: back substitution then finds x_Z, and goes on to the others.
-    fn multiply_by_transposed_triangle(&self, x: &mut [f64]) {
+        // x_Z ← L_ZZᵀ x_Z: back substitution then finds x_Z, and goes on to the others
         let first = x.len() - self.len();
         let zone = &mut x[first..];
         for column in 0..zone.len() {
             zone[column] = (column..zone.len()).map(|row| self.triangle[(row, column)] * zone[row]).sum();
         }
+        self.cholesky.backward(x);
     }
 
     /// Takes the equations of the system into the order of elimination.

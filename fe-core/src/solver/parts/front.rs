@@ -15,7 +15,7 @@ use crate::solver::{Pattern, SINGULAR_PIVOT, SolverError};
 use crate::threads::Threads;
 
 pub(super) struct Front {
-    pub(super) parts: [Part; 2],
+    parts: [Box<dyn Part>; 2],
     /// The equations of the cut and of the border in the system, ascending each; in this order they are in F.
     equations: Vec<usize>,
     cut: usize,
@@ -62,12 +62,12 @@ impl Front {
     /// cut.
     pub(super) fn new(
         pattern: &Pattern,
-        parts: [Part; 2],
+        parts: [Box<dyn Part>; 2],
         cut: &[usize],
         is_inside: impl Fn(usize) -> bool,
     ) -> Result<Self, SolverError> {
         let coupled = cut.iter().flat_map(|&equation| pattern.column(equation)).copied();
-        let of_parts = parts.iter().flat_map(Part::border).copied();
+        let of_parts = parts.iter().flat_map(|part| part.border()).copied();
         let mut border: Vec<usize> = coupled.chain(of_parts).filter(|&equation| !is_inside(equation)).collect();
         border.sort_unstable();
         border.dedup();
@@ -91,31 +91,6 @@ impl Front {
             x: vec![0.0; size],
             memory: MemBuffer::try_new(memory)?,
         })
-    }
-
-    pub(super) fn border(&self) -> &[usize] {
-        &self.equations[self.cut..]
-    }
-
-    pub(super) fn forget(&mut self) {
-        self.is_factorised = false;
-        self.parts.iter_mut().for_each(Part::forget);
-    }
-
-    pub(super) fn factorise(&mut self, values: &[f64], threads: &Threads) -> Elimination {
-        let [first, second] = &mut self.parts;
-        let (first, second) = threads.join(|| first.factorise(values, threads), || second.factorise(values, threads));
-        let parts = first.and(second);
-        let mut is_same = self.is_factorised && parts == Elimination::Unchanged;
-        for own in &mut self.own {
-            is_same &= own.value.to_bits() == values[own.from].to_bits();
-            own.value = values[own.from];
-        }
-        if is_same {
-            return Elimination::Unchanged;
-        }
-        self.is_factorised = parts != Elimination::Refused && self.eliminate(threads);
-        if self.is_factorised { parts.and(Elimination::Done(self.flops())) } else { Elimination::Refused }
     }
 
     /// Assembles F and eliminates the cut; `false` if it is not definite.
@@ -157,7 +132,7 @@ impl Front {
     /// F, its lower triangle.
     fn assemble(&mut self, threads: &Threads) {
         let (cut, own, places) = (self.cut, &self.own, &self.places);
-        let schurs = self.parts.each_ref().map(Part::schur);
+        let schurs = self.parts.each_ref().map(|part| part.schur());
         let (mut of_cut, of_border) = self.matrix.as_mut().split_at_col_mut(cut);
         let (_, mut of_border) = of_border.split_at_row_mut(cut);
         let of_cut_columns = || {
@@ -185,19 +160,49 @@ impl Front {
         threads.join(of_cut_columns, of_border_columns);
     }
 
-    /// S, its lower triangle.
-    pub(super) fn schur(&self) -> MatRef<'_, f64> {
-        let border = self.border().len();
-        self.matrix.as_ref().submatrix(self.cut, self.cut, border, border)
-    }
-
     /// Returns the flops of the elimination of the cut.
     fn flops(&self) -> f64 {
         let (cut, border) = (self.cut as f64, self.border().len() as f64);
         dense_cholesky_flops(self.cut) + cut * border * (cut + border)
     }
+}
 
-    pub(super) fn forward(&mut self, right_side: &[f64], threads: &Threads) {
+impl Part for Front {
+    fn border(&self) -> &[usize] {
+        &self.equations[self.cut..]
+    }
+
+    fn each_leaf(&self, give: &mut dyn FnMut(&[usize])) {
+        self.parts.iter().for_each(|part| part.each_leaf(give));
+    }
+
+    fn forget(&mut self) {
+        self.is_factorised = false;
+        self.parts.iter_mut().for_each(|part| part.forget());
+    }
+
+    fn factorise(&mut self, values: &[f64], threads: &Threads) -> Elimination {
+        let [first, second] = &mut self.parts;
+        let (first, second) = threads.join(|| first.factorise(values, threads), || second.factorise(values, threads));
+        let parts = first.and(second);
+        let mut is_same = self.is_factorised && parts == Elimination::Unchanged;
+        for own in &mut self.own {
+            is_same &= own.value.to_bits() == values[own.from].to_bits();
+            own.value = values[own.from];
+        }
+        if is_same {
+            return Elimination::Unchanged;
+        }
+        self.is_factorised = parts != Elimination::Refused && self.eliminate(threads);
+        if self.is_factorised { parts.and(Elimination::Done(self.flops())) } else { Elimination::Refused }
+    }
+
+    fn schur(&self) -> MatRef<'_, f64> {
+        let border = self.border().len();
+        self.matrix.as_ref().submatrix(self.cut, self.cut, border, border)
+    }
+
+    fn forward(&mut self, right_side: &[f64], threads: &Threads) {
         let [first, second] = &mut self.parts;
         threads.join(|| first.forward(right_side, threads), || second.forward(right_side, threads));
         let (in_cut, in_border) = self.x.split_at_mut(self.cut);
@@ -212,11 +217,11 @@ impl Front {
         matmul(column(in_border), Accum::Add, coupling, column(in_cut).rb(), -1.0, Par::Seq);
     }
 
-    pub(super) fn border_part(&self) -> &[f64] {
+    fn border_part(&self) -> &[f64] {
         &self.x[self.cut..]
     }
 
-    pub(super) fn backward(&mut self, x: &[f64], places: &[usize], threads: &Threads) {
+    fn backward(&mut self, x: &[f64], places: &[usize], threads: &Threads) {
         let (in_cut, in_border) = self.x.split_at_mut(self.cut);
         in_border.iter_mut().zip(places).for_each(|(value, &place)| *value = x[place]);
         let (of_cut, _, coupling, _) = self.matrix.as_ref().split_at(self.cut, self.cut);
@@ -226,13 +231,13 @@ impl Front {
         threads.join(|| first.backward(x, &at_first.all, threads), || second.backward(x, &at_second.all, threads));
     }
 
-    pub(super) fn collect(&self, x: &mut [f64]) {
+    fn collect(&self, x: &mut [f64]) {
         self.parts.iter().for_each(|part| part.collect(x));
         self.equations[..self.cut].iter().zip(&self.x).for_each(|(&equation, value)| x[equation] = *value);
     }
 
-    pub(super) fn entries(&self) -> usize {
-        self.parts.iter().map(Part::entries).sum::<usize>() + self.equations.len() * self.cut
+    fn entries(&self) -> usize {
+        self.parts.iter().map(|part| part.entries()).sum::<usize>() + self.equations.len() * self.cut
     }
 }
 
@@ -260,11 +265,17 @@ fn subtract_square(schur: MatMut<'_, f64>, coupling: MatRef<'_, f64>) {
 }
 
 /// Entries of the lower triangle between the cut and all of a front, that not just one of the leaves has.
-fn own_entries(pattern: &Pattern, parts: &[Part; 2], cut: &[usize], place_of: &[usize], size: usize) -> Vec<Own> {
+fn own_entries(
+    pattern: &Pattern,
+    parts: &[Box<dyn Part>; 2],
+    cut: &[usize],
+    place_of: &[usize],
+    size: usize,
+) -> Vec<Own> {
     let (mut leaves_at, mut count) = (vec![Vec::new(); size], 0_usize);
     for part in parts {
         part.each_leaf(&mut |leaf| {
-            let places = leaf.border().iter().map(|&equation| place_of[equation]);
+            let places = leaf.iter().map(|&equation| place_of[equation]);
             places.filter(|&place| place != NONE).for_each(|place| leaves_at[place].push(count));
             count += 1;
         });

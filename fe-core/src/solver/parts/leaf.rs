@@ -2,9 +2,10 @@
 
 use faer::{Mat, MatRef};
 
-use super::Elimination;
+use super::{Elimination, Part};
 use crate::solver::zone::Zone;
 use crate::solver::{Pattern, SolverError};
+use crate::threads::Threads;
 
 pub(super) struct Leaf {
     /// Equations in the system and those of its border, ascending.
@@ -61,16 +62,22 @@ impl Leaf {
             equations,
         })
     }
+}
 
-    pub(super) fn border(&self) -> &[usize] {
+impl Part for Leaf {
+    fn border(&self) -> &[usize] {
         &self.border
     }
 
-    pub(super) fn forget(&mut self) {
+    fn each_leaf(&self, give: &mut dyn FnMut(&[usize])) {
+        give(&self.border);
+    }
+
+    fn forget(&mut self) {
         self.is_factorised = false;
     }
 
-    pub(super) fn factorise(&mut self, values: &[f64]) -> Elimination {
+    fn factorise(&mut self, values: &[f64], _: &Threads) -> Elimination {
         let mut is_same = self.is_factorised;
         for (value, &from) in self.values.iter_mut().zip(&self.from) {
             is_same &= value.to_bits() == values[from].to_bits();
@@ -92,11 +99,11 @@ impl Leaf {
         Elimination::Done(self.zone.flops())
     }
 
-    pub(super) fn schur(&self) -> MatRef<'_, f64> {
+    fn schur(&self) -> MatRef<'_, f64> {
         self.schur.as_ref()
     }
 
-    pub(super) fn forward(&mut self, right_side: &[f64]) {
+    fn forward(&mut self, right_side: &[f64], _: &Threads) {
         self.x.iter_mut().zip(&self.equations).for_each(|(value, &equation)| *value = right_side[equation]);
         self.zone.gather(&self.x, &mut self.ordered);
         let first = self.ordered.len() - self.border.len();
@@ -106,11 +113,11 @@ impl Leaf {
         self.border_part.iter_mut().zip(&self.place_in_zone).for_each(|(value, &place)| *value = in_zone[place]);
     }
 
-    pub(super) fn border_part(&self) -> &[f64] {
+    fn border_part(&self) -> &[f64] {
         &self.border_part
     }
 
-    pub(super) fn backward(&mut self, x: &[f64], places: &[usize]) {
+    fn backward(&mut self, x: &[f64], places: &[usize], _: &Threads) {
         let first = self.ordered.len() - self.border.len();
         for (&in_zone, &place) in self.place_in_zone.iter().zip(places) {
             self.ordered[first + in_zone] = x[place];
@@ -120,11 +127,11 @@ impl Leaf {
     }
 
     /// The border too, to other bits than where it was found: that is written later.
-    pub(super) fn collect(&self, x: &mut [f64]) {
+    fn collect(&self, x: &mut [f64]) {
         self.equations.iter().zip(&self.x).for_each(|(&equation, value)| x[equation] = *value);
     }
 
-    pub(super) fn entries(&self) -> usize {
+    fn entries(&self) -> usize {
         self.zone.entries()
     }
 }

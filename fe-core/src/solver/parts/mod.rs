@@ -8,8 +8,6 @@ use faer::MatRef;
 
 use super::{Pattern, SolverError};
 use crate::threads::Threads;
-use front::Front;
-use leaf::Leaf;
 
 /// Fewer equations are factorised in one piece: a few milliseconds.
 const LEAST_EQUATIONS: usize = 10_000;
@@ -32,7 +30,7 @@ const LEAST_EQUATIONS: usize = 10_000;
 /// The cuts follow from the pattern and the positions alone, and the same values give the same S: neither
 /// the number of threads nor parts that are kept change a bit.
 pub(super) struct Parts {
-    root: Front,
+    root: Box<dyn Part>,
     /// Flops of the last factorisation, without parts that were kept.
     flops: f64,
 }
@@ -60,87 +58,34 @@ impl Elimination {
 }
 
 /// A leaf, or what was cut.
-enum Part {
-    Leaf(Box<Leaf>),
-    Front(Box<Front>),
-}
-
-impl Part {
+trait Part: Send + Sync {
     /// Returns the border in the system, ascending.
-    fn border(&self) -> &[usize] {
-        match self {
-            Self::Leaf(leaf) => leaf.border(),
-            Self::Front(front) => front.border(),
-        }
-    }
+    fn border(&self) -> &[usize];
 
-    /// All of its leaves.
-    fn each_leaf<'p>(&'p self, give: &mut impl FnMut(&'p Leaf)) {
-        match self {
-            Self::Leaf(leaf) => give(leaf),
-            Self::Front(front) => front.parts.iter().for_each(|part| part.each_leaf(give)),
-        }
-    }
+    /// Gives the borders of all of its leaves.
+    fn each_leaf(&self, give: &mut dyn FnMut(&[usize]));
 
-    fn factorise(&mut self, values: &[f64], threads: &Threads) -> Elimination {
-        match self {
-            Self::Leaf(leaf) => leaf.factorise(values),
-            Self::Front(front) => front.factorise(values, threads),
-        }
-    }
+    fn factorise(&mut self, values: &[f64], threads: &Threads) -> Elimination;
 
-    fn forget(&mut self) {
-        match self {
-            Self::Leaf(leaf) => leaf.forget(),
-            Self::Front(front) => front.forget(),
-        }
-    }
+    /// Discards the factor.
+    fn forget(&mut self);
 
     /// S, its lower triangle: rows and columns of the border, ascending.
-    fn schur(&self) -> MatRef<'_, f64> {
-        match self {
-            Self::Leaf(leaf) => leaf.schur(),
-            Self::Front(front) => front.schur(),
-        }
-    }
+    fn schur(&self) -> MatRef<'_, f64>;
 
     /// Reduces a right side; [`Self::border_part`] then has −A_BI A_II⁻¹ b_I.
-    fn forward(&mut self, right_side: &[f64], threads: &Threads) {
-        match self {
-            Self::Leaf(leaf) => leaf.forward(right_side),
-            Self::Front(front) => front.forward(right_side, threads),
-        }
-    }
+    fn forward(&mut self, right_side: &[f64], threads: &Threads);
 
-    fn border_part(&self) -> &[f64] {
-        match self {
-            Self::Leaf(leaf) => leaf.border_part(),
-            Self::Front(front) => front.border_part(),
-        }
-    }
+    fn border_part(&self) -> &[f64];
 
     /// x_I from x_B, which is at these places of `x`.
-    fn backward(&mut self, x: &[f64], places: &[usize], threads: &Threads) {
-        match self {
-            Self::Leaf(leaf) => leaf.backward(x, places),
-            Self::Front(front) => front.backward(x, places, threads),
-        }
-    }
+    fn backward(&mut self, x: &[f64], places: &[usize], threads: &Threads);
 
     /// Writes x_I.
-    fn collect(&self, x: &mut [f64]) {
-        match self {
-            Self::Leaf(leaf) => leaf.collect(x),
-            Self::Front(front) => front.collect(x),
-        }
-    }
+    fn collect(&self, x: &mut [f64]);
 
-    fn entries(&self) -> usize {
-        match self {
-            Self::Leaf(leaf) => leaf.entries(),
-            Self::Front(front) => front.entries(),
-        }
-    }
+    /// Returns how many numbers the factor has.
+    fn entries(&self) -> usize;
 }
 
 impl Parts {

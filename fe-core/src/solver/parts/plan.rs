@@ -21,14 +21,13 @@ pub(super) fn plan(
     nodes: &[usize],
     positions: &[[f64; 2]],
     threads: &Threads,
-) -> Result<Option<Front>, SolverError> {
+) -> Result<Option<Box<dyn Part>>, SolverError> {
     let graph = NodeGraph::new(pattern, nodes, &[]);
     let planner = Planner { pattern, nodes, positions, graph: &graph, threads };
     let all = (0..graph.graph.len()).collect();
-    Ok(match planner.part(&graph.graph, &graph.positions(positions), all)? {
-        Part::Front(front) => Some(*front),
-        Part::Leaf(_) => None,
-    })
+    let (whole, mut leaves) = (planner.part(&graph.graph, &graph.positions(positions), all)?, 0);
+    whole.each_leaf(&mut |_| leaves += 1);
+    Ok((leaves > 1).then_some(whole))
 }
 
 struct Planner<'p> {
@@ -41,12 +40,12 @@ struct Planner<'p> {
 
 impl Planner<'_> {
     /// The part of these nodes; `names` has them in the whole.
-    fn part(&self, graph: &Graph, positions: &[[f64; 2]], names: Vec<usize>) -> Result<Part, SolverError> {
+    fn part(&self, graph: &Graph, positions: &[[f64; 2]], names: Vec<usize>) -> Result<Box<dyn Part>, SolverError> {
         let is_short = |cut: &Cut| cut.between.len() as f64 <= LARGEST_CUT * graph.len() as f64;
         let cut = if graph.len() < LEAST_NODES { None } else { cut(graph, positions).filter(is_short) };
         let Some(Cut { halves: [first, second], between }) = cut else {
             let inside = self.graph.all_equations(&names);
-            return Ok(Part::Leaf(Box::new(Leaf::new(self.pattern, self.nodes, self.positions, &inside)?)));
+            return Ok(Box::new(Leaf::new(self.pattern, self.nodes, self.positions, &inside)?));
         };
         let half = |half: &[usize]| {
             let positions: Vec<[f64; 2]> = half.iter().map(|&node| positions[node]).collect();
@@ -57,7 +56,6 @@ impl Planner<'_> {
         let between = self.graph.all_equations(&between);
         let mut is_inside = vec![false; self.pattern.size()];
         names.iter().flat_map(|&node| self.graph.equations(node)).for_each(|&equation| is_inside[equation] = true);
-        let front = Front::new(self.pattern, [first?, second?], &between, |equation| is_inside[equation])?;
-        Ok(Part::Front(Box::new(front)))
+        Ok(Box::new(Front::new(self.pattern, [first?, second?], &between, |equation| is_inside[equation])?))
     }
 }

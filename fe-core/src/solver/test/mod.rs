@@ -50,7 +50,7 @@ impl Scene {
 
     fn solver(&self, first_method: Option<Method>) -> LinearSolver {
         let options = SolverOptions { first_method, ..SolverOptions::default() };
-        LinearSolver::new(self.matrix.pattern(), &self.bodies.nodes, options).unwrap()
+        LinearSolver::new(self.matrix.pattern(), &self.bodies.nodes, options)
     }
 
     fn size(&self) -> usize {
@@ -123,7 +123,7 @@ fn the_product_is_that_of_the_dense_matrix() {
     disturb(&mut scene.matrix);
     let x = Random::new(3).vector(scene.size());
     let mut y = vec![0.0; x.len()];
-    scene.matrix.multiply(&x, &mut y).unwrap();
+    scene.matrix.multiply(&x, &mut y);
     let full = dense(&scene.matrix);
     for (row, value) in y.iter().enumerate() {
         let expected: f64 = x.iter().enumerate().map(|(column, x)| full[(row, column)] * x).sum();
@@ -181,7 +181,7 @@ fn pivots_that_a_supernode_lacks_are_left_to_general_lu() {
         matrix.values[pattern.index(*row, *column).unwrap()] = 1.0 + *row as f64;
     }
     let nodes: Vec<usize> = (0..size).collect();
-    let mut solver = LinearSolver::new(&pattern, &nodes, SolverOptions::default()).unwrap();
+    let mut solver = LinearSolver::new(&pattern, &nodes, SolverOptions::default());
     assert_eq!(solver.factorise(&matrix, Symmetry::Unsymmetric).unwrap().method, Method::GeneralLu);
     check_solution(&mut solver, &matrix);
 }
@@ -207,7 +207,7 @@ fn lu_does_again_what_changed_and_what_is_above_it_to_the_same_bits() {
     disturb(&mut scene.matrix);
     let mut kept = scene.solver(Some(Method::BlockLu));
     let options = SolverOptions { first_method: Some(Method::BlockLu), forgets: true };
-    let mut forgetful = LinearSolver::new(scene.matrix.pattern(), &scene.bodies.nodes, options).unwrap();
+    let mut forgetful = LinearSolver::new(scene.matrix.pattern(), &scene.bodies.nodes, options);
     let size = scene.size();
     let all = kept.factorise(&scene.matrix, Symmetry::Unsymmetric).unwrap().flops.unwrap();
     let mut done = Vec::new();
@@ -249,7 +249,7 @@ fn lu_forgets_old_blocks_when_they_outweigh_the_present_ones() {
     matrix.values.fill(50.0);
     let nodes: Vec<usize> = (0..40).collect();
     let options = SolverOptions { first_method: Some(Method::BlockLu), ..SolverOptions::default() };
-    let mut solver = LinearSolver::new(&pattern, &nodes, options).unwrap();
+    let mut solver = LinearSolver::new(&pattern, &nodes, options);
     let mut factor_entries = Vec::new();
     for start in [0, 20, 0] {
         matrix.contact.clear();
@@ -312,21 +312,6 @@ fn numbers_that_are_none_are_refused() {
 }
 
 #[test]
-fn what_does_not_belong_together_is_refused() {
-    let mut scene = Scene::new();
-    let pattern = scene.matrix.pattern();
-    let (size, nodes) = (scene.size(), &scene.bodies.nodes);
-    let short = LinearSolver::new(pattern, &nodes[1..], SolverOptions::default()).map(|_| ()).unwrap_err();
-    assert!(matches!(short, SolverError::Length { .. }));
-
-    let mut solver = scene.solver(None);
-    let other = SystemMatrix::new(Arc::new(Pattern::from_groups(size, std::iter::empty())));
-    assert_eq!(solver.factorise(&other, Symmetry::Symmetric), Err(SolverError::Pattern));
-    scene.matrix.values.pop();
-    assert!(matches!(solver.factorise(&scene.matrix, Symmetry::Symmetric), Err(SolverError::Length { .. })));
-}
-
-#[test]
 fn a_factor_of_another_matrix_is_noticed() {
     let mut scene = Scene::new();
     scene.bond(50.0);
@@ -358,7 +343,7 @@ fn nothing_to_solve_is_solved() {
     for first_method in [None, Some(Method::BlockLu), Some(Method::GeneralLu)] {
         for symmetry in [Symmetry::Symmetric, Symmetry::Unsymmetric] {
             let mut solver =
-                LinearSolver::new(&pattern, &[], SolverOptions { first_method, ..SolverOptions::default() }).unwrap();
+                LinearSolver::new(&pattern, &[], SolverOptions { first_method, ..SolverOptions::default() });
             solver.factorise(&matrix, symmetry).unwrap();
             assert_eq!(solver.solve(&matrix, &mut []).unwrap().relative_residual, 0.0);
         }
@@ -370,7 +355,7 @@ fn every_equation_may_be_in_contact() {
     let pattern = Arc::new(Pattern::from_groups(3, std::iter::empty()));
     let mut matrix = SystemMatrix::new(Arc::clone(&pattern));
     matrix.contact.push(&[2, 0, 1], &[0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 4.0, 0.0, 1.0]);
-    let mut solver = LinearSolver::new(&pattern, &[0, 1, 2], SolverOptions::default()).unwrap();
+    let mut solver = LinearSolver::new(&pattern, &[0, 1, 2], SolverOptions::default());
     solver.factorise(&matrix, Symmetry::Symmetric).unwrap();
     check_solution(&mut solver, &matrix);
 }
@@ -417,7 +402,7 @@ fn a_superelement_is_the_schur_complement_and_expands() {
         let [lower, upper] = &bodies.surfaces[0];
         let mut border = [upper.as_slice(), lower].concat();
         border.reverse();
-        let superelement = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &border).unwrap();
+        let mut superelement = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &border).unwrap();
         let displacements = Random::new(4).vector(border.len());
         let (condensed, expanded) = dense_condensation(&matrix, &border, &displacements);
         let count = border.len();
@@ -427,7 +412,7 @@ fn a_superelement_is_the_schur_complement_and_expands() {
             assert_eq!(*value, superelement.stiffness()[column * count + row]);
         }
         let mut found = vec![0.0; bodies.nodes.len()];
-        superelement.expand(&displacements, &mut found).unwrap();
+        superelement.expand(&displacements, &mut found);
         for (row, value) in found.iter().enumerate() {
             assert!((value - expanded[(row, 0)]).abs() < 1e-10);
         }
@@ -446,9 +431,9 @@ fn a_superelement_may_be_all_border_or_have_none() {
     for (place, value) in whole.stiffness().iter().enumerate() {
         assert!((value - full[(place / all.len(), place % all.len())]).abs() < 1e-10 * 30e3);
     }
-    let none = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &[]).unwrap();
+    let mut none = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &[]).unwrap();
     let mut displacements = vec![1.0; all.len()];
-    none.expand(&[], &mut displacements).unwrap();
+    none.expand(&[], &mut displacements);
     assert!(none.stiffness().is_empty() && displacements.iter().all(|&value| value == 0.0));
 }
 
@@ -469,9 +454,6 @@ fn a_superelement_refuses_an_interior_that_is_not_stable() {
     assert!(!surfaces.contains(&equation));
     scene.matrix.values[7] = f64::NAN;
     assert!(matches!(condense(&scene, &surfaces), SolverError::NotFinite { .. }));
-    assert_eq!(condense(&scene, &[3, 3]), SolverError::Repeated { equation: 3 });
-    let size = scene.size();
-    assert_eq!(condense(&scene, &[size]), SolverError::Equation { equation: size, size });
 }
 
 #[test]

@@ -261,7 +261,7 @@ impl<'m> Equilibrium<'m> {
         }
         let context = attempt.context();
         let trial = &mut attempt.trial;
-        self.system.expand(&mut trial.displacements).map_err(|error| unsolvable(&error))?;
+        self.system.expand(&mut trial.displacements);
         self.system.add_far_forces(&trial.displacements, -1.0, &mut self.memory.internal);
         let far: Vec<bool> = self.zone.active().iter().map(|active| !active).collect();
         self.solids.set_active(&far);
