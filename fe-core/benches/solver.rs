@@ -9,12 +9,16 @@ use std::time::Instant;
 
 use end_to_end_tests::Random;
 use fe_core::element::{ElementKind, Integration, MappedPoint};
-use fe_core::kinematics::{MAX_FREEDOMS, PlaneModel, StrainDisplacement};
+use fe_core::kinematics::PlaneModel;
 use fe_core::solver::{LinearSolver, Method, Pattern, SolverOptions, Symmetry, SystemMatrix};
 use grid::Bodies;
+use strain_displacement::{MAX_FREEDOMS, StrainDisplacement};
 
 #[path = "../src/solver/test/grid.rs"]
 mod grid;
+#[allow(dead_code, reason = "the tests use all of it")]
+#[path = "../src/kinematics/test/strain_displacement.rs"]
+mod strain_displacement;
 
 const REPEATS: usize = 7;
 /// Columns of elements: 201 nodes on each surface.

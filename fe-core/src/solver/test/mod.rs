@@ -2,7 +2,8 @@ use std::sync::Arc;
 
 use super::*;
 use crate::element::{ElementKind, Integration, MappedPoint};
-use crate::kinematics::{MAX_FREEDOMS, PlaneModel, StrainDisplacement};
+use crate::kinematics::PlaneModel;
+use crate::kinematics::test::strain_displacement::{MAX_FREEDOMS, StrainDisplacement};
 use end_to_end_tests::Random;
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};

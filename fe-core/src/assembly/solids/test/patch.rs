@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::element::MappedPoint;
-use crate::kinematics::StrainDisplacement;
+use crate::kinematics::test::strain_displacement::StrainDisplacement;
 use crate::mesh::Element;
 
 /// Nodes on no boundary edge.
