@@ -33,30 +33,16 @@ struct Dependence {
 /// Supports and couplings that cannot be met together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConstraintError {
-    /// Two supports or couplings prescribe one displacement differently.
-    #[error("node {} (from 1) is held twice along one direction, by {first} and by {second}", node + 1)]
-    Contradiction {
-        /// Index of the node.
-        node: usize,
-        /// One of the two.
-        first: String,
-        /// The other.
-        second: String,
-    },
     /// Couplings that follow each other in a circle.
     #[error("the coupling of node {} (from 1) depends on itself", node + 1)]
     Circle {
         /// Index of a node in the circle.
         node: usize,
     },
-    /// A direction without length, an index out of range, NaN or infinity.
-    #[error("{by}: {problem}")]
-    Unusable {
-        /// The support or coupling.
-        by: String,
-        /// Description of the problem.
-        problem: String,
-    },
+    /// Two supports or couplings prescribe one displacement differently; a direction without length, an index out of range,
+    /// NaN or infinity.
+    #[error("{0}")]
+    Unmet(String),
 }
 
 /// The freedoms of a model by equations and drives.
@@ -252,11 +238,11 @@ fn held_directions(model: &Model) -> Result<Vec<Vec<Held>>, ConstraintError> {
     for support in &model.supports {
         let direction = unit_direction(support)?;
         if let Some(drive) = support.drive.filter(|drive| *drive >= model.drives.len()) {
-            return Err(unusable(support, format!("there is no drive {} (from 1)", drive + 1)));
+            return Err(unusable(&support.name, &format!("there is no drive {} (from 1)", drive + 1)));
         }
         for &node in &support.nodes {
             let Some(held) = held.get_mut(node) else {
-                return Err(unusable(support, format!("there is no node {} (from 1)", node + 1)));
+                return Err(unusable(&support.name, &format!("there is no node {} (from 1)", node + 1)));
             };
             held.push(Held { direction, drive: support.drive, by: support.name.clone() });
         }
@@ -264,8 +250,8 @@ fn held_directions(model: &Model) -> Result<Vec<Vec<Held>>, ConstraintError> {
     Ok(held)
 }
 
-fn unusable(support: &Support, problem: String) -> ConstraintError {
-    ConstraintError::Unusable { by: support.name.clone(), problem }
+fn unusable(by: &str, problem: &str) -> ConstraintError {
+    ConstraintError::Unmet(format!("{by}: {problem}"))
 }
 
 fn unit_direction(support: &Support) -> Result<[f64; 2], ConstraintError> {
@@ -274,7 +260,7 @@ fn unit_direction(support: &Support) -> Result<[f64; 2], ConstraintError> {
     if length > 0.0 && length.is_finite() {
         Ok([x / length, y / length])
     } else {
-        Err(unusable(support, format!("({x}, {y}) is no direction")))
+        Err(unusable(&support.name, &format!("({x}, {y}) is no direction")))
     }
 }
 
@@ -293,9 +279,9 @@ fn support_dependences(node: usize, held: &[Held]) -> Result<Vec<(usize, Depende
             // opposite directions agree if nothing moves
             Some(same)
                 if same.drive == one.drive && (one.drive.is_none() || dot(one.direction, same.direction) > 0.0) => {}
-            Some(other) => return Err(contradiction(node, other, one)),
+            Some(other) => return Err(contradiction(node, &other.by, &one.by)),
             None if independent.len() == 2 => {
-                return Err(contradiction(node, independent[0], one));
+                return Err(contradiction(node, &independent[0].by, &one.by));
             }
             None => independent.push(one),
         }
@@ -322,8 +308,9 @@ fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
     a * c + b * d
 }
 
-fn contradiction(node: usize, first: &Held, second: &Held) -> ConstraintError {
-    ConstraintError::Contradiction { node, first: first.by.clone(), second: second.by.clone() }
+fn contradiction(node: usize, first: &str, second: &str) -> ConstraintError {
+    let node = format!("node {} (from 1)", node + 1);
+    ConstraintError::Unmet(format!("{node} is held twice along one direction, by {first} and by {second}"))
 }
 
 /// Both components of a node held in two directions: the drives of each with their coefficients.
@@ -347,15 +334,14 @@ fn add_coupling(dependences: &mut [Option<Dependence>], coupling: &Coupling) -> 
     let by = format!("the coupling of node {} (from 1)", coupling.dependent.node + 1);
     let in_range = |freedom: &Freedom| freedom.component < 2 && freedom.index() < dependences.len();
     if !in_range(&coupling.dependent) || !coupling.terms.iter().all(|(freedom, _)| in_range(freedom)) {
-        return Err(ConstraintError::Unusable { by, problem: "it names a freedom that does not exist".into() });
+        return Err(unusable(&by, "it names a freedom that does not exist"));
     }
     if !coupling.terms.iter().all(|(_, coefficient)| coefficient.is_finite()) {
-        return Err(ConstraintError::Unusable { by, problem: "a coefficient is not finite".into() });
+        return Err(unusable(&by, "a coefficient is not finite"));
     }
     let dependent = coupling.dependent.index();
     if let Some(present) = &dependences[dependent] {
-        let first = present.by.clone();
-        return Err(ConstraintError::Contradiction { node: coupling.dependent.node, first, second: by });
+        return Err(contradiction(coupling.dependent.node, &present.by, &by));
     }
     let mut terms = Vec::new();
     for (freedom, coefficient) in &coupling.terms {

@@ -17,7 +17,7 @@ pub(super) const MAX_SHAPE_NODES: usize = 7;
 
 /// Edges of which each starts where the one before ends. The body lies on the left. Counted without end in both
 /// directions if closed: edge −1 is the last one, and the arc length goes on growing from round to round.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     kinds: Vec<EdgeKind>,
     nodes: Vec<[usize; 3]>,
@@ -32,7 +32,7 @@ pub(super) struct Chain {
 }
 
 /// A place on a chain.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Foot {
     /// The edge, counted without end on closed chains.
     pub edge: i64,
@@ -44,7 +44,7 @@ pub(super) struct Foot {
 
 /// Shape functions of an edge with two derivatives by ξ: along the end's tangent past the ends of an open chain. With
 /// the smoothed direction m = Σ turn x in place of x' = Σ first x, in which its neighbours' nodes have a part.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shape {
     count: usize,
     nodes: [usize; MAX_SHAPE_NODES],
@@ -107,16 +107,7 @@ impl Chain {
     }
 
     fn empty(closed: bool) -> Self {
-        Self {
-            kinds: Vec::new(),
-            nodes: Vec::new(),
-            reference: Vec::new(),
-            starts: Vec::new(),
-            length: 0.0,
-            closed,
-            smooth: Vec::new(),
-            rule: gauss_legendre(ARC_LENGTH_POINTS),
-        }
+        Self { closed, rule: gauss_legendre(ARC_LENGTH_POINTS), ..Self::default() }
     }
 
     /// Adds an edge at the end.
@@ -194,16 +185,7 @@ impl Chain {
         let at = coordinate - excess;
         let (values, first) = (kind.shape_functions(at), kind.shape_derivatives(at));
         let second = if excess == 0.0 { kind.shape_second_derivatives() } else { [0.0; 3] };
-        let mut shape = Shape {
-            count: kind.node_count(),
-            nodes: [0; MAX_SHAPE_NODES],
-            values: [0.0; MAX_SHAPE_NODES],
-            first: [0.0; MAX_SHAPE_NODES],
-            second: [0.0; MAX_SHAPE_NODES],
-            turn: [0.0; MAX_SHAPE_NODES],
-            turning: [0.0; MAX_SHAPE_NODES],
-            smoothed: false,
-        };
+        let mut shape = Shape { count: kind.node_count(), ..Shape::default() };
         for (node, &index) in self.nodes(edge).iter().enumerate() {
             shape.nodes[node] = index;
             shape.values[node] = values[node] + first[node] * excess;

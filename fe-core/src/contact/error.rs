@@ -1,7 +1,5 @@
 //! Faults of contact pairs. Messages count points, nodes and elements from 1.
 
-use crate::model::LawError;
-
 /// A contact pair that cannot be set up.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the message of each variant says what its fields are")]
@@ -27,10 +25,7 @@ pub enum ContactError {
     /// An enforcement that the law cannot have.
     #[error("contact '{pair}': {reason}")]
     Enforcement { pair: String, reason: &'static str },
-    /// A law that refuses its parameters.
+    /// A law that refuses its parameters, or cannot be called.
     #[error("contact '{pair}': {message}")]
-    Parameters { pair: String, message: String },
-    /// A law that cannot be called.
-    #[error("contact '{pair}': {source}")]
-    Law { pair: String, source: LawError },
+    Law { pair: String, message: String },
 }

@@ -21,7 +21,7 @@ pub enum PointStatus {
 }
 
 /// The numbers of one point. All energies are accumulated.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct PointState {
     pub foot: Foot,
     /// g_N and g, mm.
@@ -64,31 +64,7 @@ pub(super) struct PointState {
 impl PointState {
     /// A virgin point over its foot.
     pub fn new(foot: Foot, weight: f64) -> Self {
-        Self {
-            foot,
-            gap: 0.0,
-            slip: 0.0,
-            lean: 0.0,
-            largest_slip: 0.0,
-            weight,
-            pressure: 0.0,
-            shear: 0.0,
-            own_pressure: 0.0,
-            own_energy: 0.0,
-            normal: NormalState::default(),
-            status: PointStatus::Sticking,
-            held: false,
-            inelastic_slip: 0.0,
-            stick: FricCall::STICKING,
-            flags: [-1; 2],
-            plugin_energies: [0.0; 5],
-            normal_energy: 0.0,
-            work: 0.0,
-            leaning: 0.0,
-            dissipated: 0.0,
-            opening: 0.0,
-            released: 0.0,
-        }
+        Self { foot, weight, stick: FricCall::STICKING, flags: [-1; 2], ..Self::default() }
     }
 
     /// Returns whether all are numbers, and the foot is on a master of a size that there is.

@@ -41,7 +41,7 @@ pub(super) enum NoGap {
 
 /// Gap g and arc length s of one point, their gradients, and what their second derivatives are made of; the module's
 /// page has the equations. Freedoms are ordered node by node, slave nodes first.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Kinematics {
     count: usize,
     nodes: [usize; MAX_NODES],
@@ -69,7 +69,7 @@ pub(super) struct Kinematics {
 }
 
 /// Ingredients of the second derivatives.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Second {
     /// A and B: ∂d/∂x and ∂m/∂x at fixed ξ, per node.
     arm: [f64; MAX_NODES],
@@ -179,7 +179,6 @@ impl Kinematics {
 
     /// Nodes, positions and A; the rest is 0.
     fn over(slave: &SlavePoint, shape: &Shape, position: &impl Fn(usize) -> [f64; 2]) -> Self {
-        let zero = [0.0; MAX_FREEDOMS];
         let mut nodes = [0; MAX_NODES];
         let mut arm = [0.0; MAX_NODES];
         let mut foot = [0.0; 2];
@@ -191,23 +190,9 @@ impl Kinematics {
             let x = position(node);
             foot = [foot[0] + shape.values[k] * x[0], foot[1] + shape.values[k] * x[1]];
         }
-        let (pull, slip) = ([0.0; 4], [0.0; 2]);
-        let turn = [0.0; MAX_NODES];
-        Self {
-            count: slave.count + shape.nodes().len(),
-            nodes,
-            position: slave.position(position),
-            foot,
-            tangent: [0.0; 2],
-            normal: [0.0; 2],
-            gap: 0.0,
-            arc_length: 0.0,
-            lean: 0.0,
-            pull: zero,
-            gap_gradient: zero,
-            slip_gradient: zero,
-            second: Second { arm, turn, a: zero, b: zero, b_edge: zero, c: zero, coordinate: zero, pull, slip },
-        }
+        let count = slave.count + shape.nodes().len();
+        let (position, second) = (slave.position(position), Second { arm, ..Second::default() });
+        Self { count, nodes, position, foot, second, ..Self::default() }
     }
 
     /// Distance from a corner: its side is that of the mean of the two edges' normals; no slip.

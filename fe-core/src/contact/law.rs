@@ -2,7 +2,9 @@
 
 use super::ContactError;
 use super::history::{PointState, PointStatus};
+use super::kinematics::Kinematics;
 use super::normal::{HostNormal, NormalState};
+use super::quadrature::ContactPoint;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, PluginLaw};
 use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
 use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, Plugin, SurfaceFields, UinterCall, Validation, judge};
@@ -24,15 +26,10 @@ pub(super) struct LawFailure {
 pub(super) struct Situation<'a> {
     pub gap: f64,
     pub slip: f64,
-    /// x_s and x(ξ), mm; n and T, out of the master and along it.
-    pub position: [f64; 2],
-    pub foot: [f64; 2],
-    pub normal: [f64; 2],
-    pub tangent: [f64; 2],
-    pub area: f64,
-    pub length: f64,
-    /// Number of the increment, from 1.
-    pub number: i32,
+    pub point: &'a ContactPoint,
+    /// Index of the point.
+    pub index: usize,
+    pub kinematics: &'a Kinematics,
     pub start: &'a PointState,
     pub start_statev: &'a [f64],
     pub context: &'a IncrementContext,
@@ -82,7 +79,7 @@ impl PointLaw {
             Enforcement::PerturbedLagrangian { ratio } => 1.0 + ratio,
             Enforcement::Penalty | Enforcement::Uzawa { .. } => 1.0,
         };
-        let failed = |law: &PluginLaw, error| ContactError::Law { pair: pair.name.clone(), source: law.error(error) };
+        let failed = |law: &PluginLaw, error| ContactError::Law { pair: pair.name.clone(), message: law.error(error) };
         match &pair.law {
             ContactLaw::Uinter(law) => {
                 let (filled, normal) = filled(pair, law, Some(ratio * penalty), penalty)?;
@@ -209,7 +206,7 @@ fn filled(
     });
     filled.props = description.with_penalties(&law.props, normal_penalty, tangential_penalty);
     match refusal(description, &filled.props) {
-        Some(message) => Err(ContactError::Parameters { pair: pair.name.clone(), message }),
+        Some(message) => Err(ContactError::Law { pair: pair.name.clone(), message }),
         None => Ok((filled, normal)),
     }
 }
@@ -237,6 +234,11 @@ fn counter(number: u32) -> i32 {
     i32::try_from(number).unwrap_or(i32::MAX)
 }
 
+/// Number of a point, from 1.
+fn number_of(index: usize) -> i32 {
+    i32::try_from(index + 1).unwrap_or(i32::MAX)
+}
+
 fn uinter(
     call: &mut UinterCall,
     augmented: Option<f64>,
@@ -255,13 +257,13 @@ fn uinter(
     call.flags = start.flags;
     call.time = end_times(context);
     call.dtime = context.dtime();
-    call.area = situation.area;
-    call.chrlngth = situation.length;
-    call.coords = [situation.position[0], situation.position[1], 0.0];
-    let ([n_1, n_2], [t_1, t_2]) = (situation.normal, situation.tangent);
+    call.area = situation.point.area;
+    call.chrlngth = situation.point.edge_length;
+    let Kinematics { position: [x, y], normal: [n_1, n_2], tangent: [t_1, t_2], .. } = *situation.kinematics;
+    call.coords = [x, y, 0.0];
     call.local_directions = [n_1, n_2, 0.0, t_1, t_2, 0.0, 0.0, 0.0, 1.0];
     call.counters = [context.step, context.increment, context.iteration].map(counter);
-    call.node = situation.number;
+    call.node = number_of(situation.index);
     let outcome = call.call();
     judge(outcome, call.not_finite().or_else(|| call.moduli_not_finite()))?;
     [end.pressure, end.shear] = [call.traction()[0], call.traction()[1]];
@@ -319,11 +321,11 @@ fn fric(
     call.energies = [start.plugin_energies[0], start.plugin_energies[1]];
     call.time = end_times(context);
     call.dtime = context.dtime();
-    call.coords = [situation.position[0], situation.position[1], 0.0];
-    call.rcoord = [situation.foot[0], situation.foot[1], 0.0];
-    call.chrlngth = situation.length;
+    call.coords = [situation.kinematics.position[0], situation.kinematics.position[1], 0.0];
+    call.rcoord = [situation.kinematics.foot[0], situation.kinematics.foot[1], 0.0];
+    call.chrlngth = situation.point.edge_length;
     call.counters = [context.step, context.increment].map(counter);
-    call.node = situation.number;
+    call.node = number_of(situation.index);
     let outcome = call.call();
     judge(outcome, call.not_finite().or_else(|| call.moduli_not_finite()))?;
     statev.copy_from_slice(call.statev());

@@ -118,13 +118,9 @@ pub struct PointIndex {
     pub point: usize,
 }
 
-/// The point whose slip grows most for its history.
+/// The growth of a point's slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipGrowth {
-    /// Index of its pair.
-    pub pair: usize,
-    /// Index in the pair.
-    pub point: usize,
     /// |Δg| of the increment, mm.
     pub growth: f64,
     /// |Δg| / max(g_crit, κ/2), κ the largest |g| at the start; 0 where there is no elastic bond.
@@ -392,19 +388,20 @@ impl Contact {
         self.pairs.iter().flat_map(|pair| &pair.points).map(|point| point.area).sum()
     }
 
-    /// The closed point whose slip grows most in the increment that was evaluated last; `None` without such a point.
+    /// The growth of the closed point whose slip grows most for its history in the increment that was evaluated last; `None`
+    /// without such a point.
     pub(crate) fn largest_slip_growth(&self) -> Option<SlipGrowth> {
         let mut largest: Option<SlipGrowth> = None;
-        for (pair, of_pair) in self.pairs.iter().enumerate() {
-            for (point, (start, end)) in of_pair.committed.points.iter().zip(&of_pair.trial.points).enumerate() {
+        for pair in &self.pairs {
+            for (start, end) in pair.committed.points.iter().zip(&pair.trial.points) {
                 if matches!(end.status, PointStatus::Open | PointStatus::Released) {
                     continue;
                 }
                 let growth = (end.slip - start.slip).abs();
-                let measure = of_pair.critical_slip.max(0.5 * start.largest_slip);
-                let ratio = if of_pair.critical_slip > 0.0 { growth / measure } else { 0.0 };
+                let measure = pair.critical_slip.max(0.5 * start.largest_slip);
+                let ratio = if pair.critical_slip > 0.0 { growth / measure } else { 0.0 };
                 if largest.is_none_or(|largest| (ratio, growth) > (largest.ratio, largest.growth)) {
-                    largest = Some(SlipGrowth { pair, point, growth, ratio });
+                    largest = Some(SlipGrowth { growth, ratio });
                 }
             }
         }

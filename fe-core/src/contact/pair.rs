@@ -218,8 +218,8 @@ impl Pair {
             tangents[index] = [[0.0; 2]; 2];
             return Ok(());
         }
-        let situation =
-            situation(&points[index], kinematics, index, [asked_at, end.slip], start, start_statev, context);
+        let (point, slip) = (&points[index], end.slip);
+        let situation = Situation { gap: asked_at, slip, point, index, kinematics, start, start_statev, context };
         tangents[index] = law.advance(&situation, end, statev)?;
         let [[by_gap, _], [shear_by_gap, _]] = tangents[index];
         end.pressure += by_gap * (asked_at - gap);
@@ -235,31 +235,5 @@ impl NoGap {
             Self::Collapsed => "the master edge under it has no length",
             Self::BeyondCentre => "it lies beyond the centre of the master's curvature",
         }
-    }
-}
-
-/// A point as its law sees it.
-pub(super) fn situation<'a>(
-    point: &ContactPoint,
-    kinematics: &Kinematics,
-    index: usize,
-    [gap, slip]: [f64; 2],
-    start: &'a PointState,
-    start_statev: &'a [f64],
-    context: &'a IncrementContext,
-) -> Situation<'a> {
-    Situation {
-        gap,
-        slip,
-        position: kinematics.position,
-        foot: kinematics.foot,
-        normal: kinematics.normal,
-        tangent: kinematics.tangent,
-        area: point.area,
-        length: point.edge_length,
-        number: i32::try_from(index + 1).unwrap_or(i32::MAX),
-        start,
-        start_statev,
-        context,
     }
 }

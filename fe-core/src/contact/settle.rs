@@ -13,14 +13,10 @@ const OPENING_SHARE: f64 = 0.1;
 pub struct Settlement {
     /// Whether the increment must be iterated again, at the same load.
     pub again: bool,
-    /// Multipliers that were updated.
-    pub updated: usize,
     /// Points that opened for good.
     pub opened: usize,
     /// Largest |g_N| of points held under Uzawa's rule, mm.
     pub worst_gap: f64,
-    /// Indices of its pair and of the point in it.
-    pub worst_point: Option<(usize, usize)>,
 }
 
 impl Contact {
@@ -32,19 +28,19 @@ impl Contact {
         let mut wanting = Vec::new();
         for (index, pair) in self.pairs.iter().enumerate() {
             let Enforcement::Uzawa { tolerance, max_updates } = pair.enforcement else { continue };
-            let (gap, point) = worst_gap(pair);
-            if gap > settlement.worst_gap {
-                (settlement.worst_gap, settlement.worst_point) = (gap, Some((index, point)));
-            }
+            let held = pair.trial.points.iter().filter(|state| state.held);
+            let gap = held.fold(0.0, |worst: f64, state| worst.max(state.gap.abs()));
+            settlement.worst_gap = settlement.worst_gap.max(gap);
             if gap > tolerance && self.updates < max_updates {
                 wanting.push(index);
             }
         }
+        let mut updated = 0;
         if settlement.opened == 0 && !wanting.is_empty() {
             self.updates += 1;
-            settlement.updated = wanting.iter().map(|&index| update_multipliers(&mut self.pairs[index])).sum();
+            updated = wanting.iter().map(|&index| update_multipliers(&mut self.pairs[index])).sum();
         }
-        settlement.again = settlement.opened > 0 || settlement.updated > 0;
+        settlement.again = settlement.opened > 0 || updated > 0;
         settlement
     }
 }
@@ -68,15 +64,6 @@ fn open_worst(pairs: &mut [Pair]) -> usize {
         (normal.latched, normal.multiplier) = (true, 0.0);
     }
     count
-}
-
-/// The largest |g_N| of held points, and its point.
-fn worst_gap(pair: &Pair) -> (f64, usize) {
-    let held = pair.trial.points.iter().enumerate().filter(|(_, state)| state.held);
-    held.fold(
-        (0.0, 0),
-        |worst, (point, state)| if state.gap.abs() > worst.0 { (state.gap.abs(), point) } else { worst },
-    )
 }
 
 /// λ ← p of held points, and of those that were held and are capped or open now.

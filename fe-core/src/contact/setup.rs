@@ -5,8 +5,8 @@ use super::error::ContactError;
 use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
-use super::law::{LawFailure, PointLaw};
-use super::pair::{Datum, Pair, situation};
+use super::law::{LawFailure, PointLaw, Situation};
+use super::pair::{Datum, Pair};
 use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
@@ -23,6 +23,9 @@ const FIRST_PROBE: f64 = 1e-7;
 const ELASTIC_PROBE: f64 = 1e-6;
 /// Halvings by which the limit is found: to a hundredth of itself.
 const PROBES: usize = 7;
+/// The increment in which a law is asked.
+const FIRST: IncrementContext =
+    IncrementContext { step: 1, increment: 1, iteration: 1, step_time: 0.0, total_time: 0.0, time_increment: 1.0 };
 
 impl Pair {
     /// A pair of a mesh without displacements.
@@ -91,14 +94,12 @@ impl Pair {
         let Ok(kinematics) = Kinematics::new(&self.chain, &point.slave, foot, &position) else { return Ok(0.0) };
         let start = PointState { gap: 0.0, ..PointState::new(foot, 1.0) };
         let virgin = vec![0.0; self.state_count];
-        let context =
-            IncrementContext { step: 1, increment: 1, iteration: 1, time_increment: 1.0, ..Default::default() };
         let mut shear_at = |slip: f64| {
-            let situation = situation(&point, &kinematics, index, [0.0, slip], &start, &virgin, &context);
-            let mut end = start;
-            let mut statev = virgin.clone();
-            let refused =
-                |failure: LawFailure| ContactError::Parameters { pair: self.name.clone(), message: failure.reason };
+            let (start, start_statev, context) = (&start, &virgin, &FIRST);
+            let (point, kinematics) = (&point, &kinematics);
+            let situation = Situation { gap: 0.0, slip, point, index, kinematics, start, start_statev, context };
+            let (mut end, mut statev) = (*start, virgin.clone());
+            let refused = |failure: LawFailure| ContactError::Law { pair: self.name.clone(), message: failure.reason };
             self.law.advance(&situation, &mut end, &mut statev).map_err(refused)?;
             Ok(end.shear)
         };
@@ -177,12 +178,10 @@ impl Pair {
     /// Returns whether the law would carry tension or shear at a small gap and slip.
     fn is_bonded(&mut self, index: usize, kinematics: &Kinematics, length: f64) -> Result<bool, ContactError> {
         let start = PointState::new(self.committed.points[index].foot, 1.0);
-        let context =
-            IncrementContext { step: 1, increment: 1, iteration: 1, time_increment: 1.0, ..Default::default() };
         let virgin = vec![0.0; self.state_count];
-        let situation = situation(&self.points[index], kinematics, index, [length, length], &start, &virgin, &context);
-        let refused =
-            |failure: LawFailure| ContactError::Parameters { pair: self.name.clone(), message: failure.reason };
+        let (start, start_statev, context, point) = (&start, &virgin, &FIRST, &self.points[index]);
+        let situation = Situation { gap: length, slip: length, point, index, kinematics, start, start_statev, context };
+        let refused = |failure: LawFailure| ContactError::Law { pair: self.name.clone(), message: failure.reason };
         self.law.is_bonded(&situation, &mut virgin.clone()).map_err(refused)
     }
 }

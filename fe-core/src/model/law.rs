@@ -1,6 +1,7 @@
 //! A law behind the plugin interface, with the parameters it runs with.
 
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
+use std::fmt::Display;
 use std::ops::Deref;
 use umat_abi::host::{InitialStates, InitialStresses, Plugin};
 use umat_abi::metadata::{EQUIVALENT_PLASTIC_STRAIN, OVERSTRESS_WORK, flags};
@@ -18,16 +19,6 @@ pub struct PluginLaw {
     pub stress0: Option<[f64; MAX_COMPONENTS]>,
 }
 
-/// A law that cannot be called.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{name}: {message}")]
-pub struct LawError {
-    /// The law's name.
-    pub name: String,
-    /// Why.
-    pub message: String,
-}
-
 impl Deref for PluginLaw {
     type Target = Plugin;
 
@@ -43,9 +34,9 @@ impl From<Plugin> for PluginLaw {
 }
 
 impl PluginLaw {
-    /// An error with the law's name.
-    pub(crate) fn error(&self, message: impl ToString) -> LawError {
-        LawError { name: self.name.clone(), message: message.to_string() }
+    /// A message with the law's name.
+    pub(crate) fn error(&self, message: impl Display) -> String {
+        format!("{}: {message}", self.name)
     }
 
     /// Returns the source of the initial stresses of its points in a plane model.

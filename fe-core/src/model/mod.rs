@@ -17,7 +17,7 @@ mod law;
 pub use contact::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
 pub use controls::{Controls, IncrementContext, Skipping, Spalling, Step, StepControl};
 pub use fields::{FieldValues, Fields};
-pub use law::{LawError, PluginLaw};
+pub use law::PluginLaw;
 
 use crate::mesh::{ElementEdge, Mesh};
 use umat_abi::host::Library;

@@ -198,8 +198,9 @@ impl Points {
 
     /// Finds DDSDDE at zero strain.
     fn find_elastic(&mut self, law: &PluginLaw, part: &str) -> Result<(), SolidsError> {
-        let error =
-            |reason: String| SolidsError::VirginTangent { part: part.to_owned(), law: law.name.clone(), reason };
+        let error = |reason: String| {
+            SolidsError(format!("part '{part}': {} gives no usable stiffness at zero strain: {reason}", law.name))
+        };
         self.set_virgin();
         self.run(Request::StressAndTangent).map_err(|trouble| error(trouble.reason))?;
         self.elastic = self.returned_moduli();

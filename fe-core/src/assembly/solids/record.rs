@@ -242,14 +242,14 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Soli
     let mut notes = Vec::new();
     let Model { mesh, laws, average_dilatation, nlgeom, .. } = model;
     let parts = mesh.parts();
-    if laws.len() != parts.len() {
-        return Err(SolidsError::LawCount { parts: parts.len(), laws: laws.len() });
-    }
-    if average_dilatation.len() != parts.len() {
-        return Err(SolidsError::AverageDilatationCount { parts: parts.len(), choices: average_dilatation.len() });
-    }
-    if nlgeom.len() != parts.len() {
-        return Err(SolidsError::LargeDisplacementCount { parts: parts.len(), choices: nlgeom.len() });
+    for (count, what) in [
+        (laws.len(), "laws"),
+        (average_dilatation.len(), "choices of average dilatation"),
+        (nlgeom.len(), "choices of large displacements"),
+    ] {
+        if count != parts.len() {
+            return Err(SolidsError(format!("the mesh has {} parts, but {count} {what} were given", parts.len())));
+        }
     }
     let groups = groups(mesh, if share_threads { ELEMENTS_PER_BLOCK } else { usize::MAX });
     let shared = laws
@@ -451,22 +451,23 @@ fn largest_element(mesh: &Mesh, part: usize) -> Option<usize> {
 fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), SolidsError> {
     let Some(law) = &plugin.law else { return Ok(()) };
     let definition = &mesh.parts()[part];
-    let needed = match definition.model {
-        PlaneModel::PlaneStress => stress_states::PLANE_STRESS,
-        PlaneModel::PlaneStrain => stress_states::PLANE_STRAIN,
-        PlaneModel::Axisymmetric => stress_states::AXISYMMETRIC,
+    let (needed, form) = match definition.model {
+        PlaneModel::PlaneStress => (stress_states::PLANE_STRESS, "plane-stress"),
+        PlaneModel::PlaneStrain => (stress_states::PLANE_STRAIN, "plane-strain"),
+        PlaneModel::Axisymmetric => (stress_states::AXISYMMETRIC, "axisymmetric"),
     };
-    let (part_name, law_name) = (definition.name.clone(), plugin.name.clone());
+    let (part_name, law_name) = (&definition.name, &plugin.name);
     let through_six = plugin.manner.has_six(law, definition.model.stress_state());
     if law.stress_states & needed == 0 && !through_six {
-        return Err(SolidsError::PlaneModel { part: part_name, law: law_name, model: definition.model });
+        return Err(SolidsError(format!("part '{part_name}': {law_name} has no {form} form")));
     }
     let Some(element) = largest_element(mesh, part) else { return Ok(()) };
     let length = mesh.characteristic_length(element);
     match law.validate(&plugin.props, Some(length)) {
         Validation::Valid => Ok(()),
         Validation::Invalid(message) | Validation::NeedsCharacteristicLength(message) => {
-            Err(SolidsError::Parameters { part: part_name, law: law_name, element, length, message })
+            let place = format!("part '{part_name}', element {} (characteristic length {length} mm)", element + 1);
+            Err(SolidsError(format!("{place}: {law_name}: {message}")))
         }
     }
 }
