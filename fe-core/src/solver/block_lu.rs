@@ -7,16 +7,17 @@
 use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::factor::{PartialPivLuParams, lu_in_place, lu_in_place_scratch};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
+use faer::prelude::Reborrow;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 
-use super::SolverError;
 use super::analysis::Analysis;
 use super::graph::NONE;
+use super::{SolverError, column};
 
 /// The least pivot, relative to the greatest entry of its column before elimination.
 const SMALLEST_PIVOT: f64 = 1e-8;
@@ -134,7 +135,7 @@ impl BlockLu {
             product: vec![0.0; product],
             inverse: vec![0; widest],
             work: vec![0.0; panels.iter().map(Panel::height).max().unwrap_or(0)],
-            memory: MemBuffer::try_new(lu_in_place_scratch::<usize, f64>(widest, widest, Par::Seq, parameters()))?,
+            memory: MemBuffer::try_new(lu_in_place_scratch::<usize, f64>(widest, widest, Par::Seq, Spec::default()))?,
             panels,
             analysis,
         })
@@ -298,7 +299,7 @@ impl BlockLu {
             &mut self.inverse[..panel.columns],
             Par::Seq,
             MemStack::new(&mut self.memory),
-            parameters(),
+            Spec::default(),
         );
         for (column, scale) in self.scales[panel.start..panel.end()].iter().enumerate() {
             let pivot = block[(column, column)];
@@ -329,8 +330,8 @@ impl BlockLu {
             let permutation = &self.permutation[panel.start..panel.end()];
             own.iter_mut().zip(permutation).for_each(|(own, &row)| *own = x[panel.start + row]);
             let outside = &mut outside[..panel.below];
-            solve_unit_lower_triangular_in_place(block, column_mut(own), Par::Seq);
-            matmul(column_mut(outside), Accum::Replace, below, column(own), 1.0, Par::Seq);
+            solve_unit_lower_triangular_in_place(block, column(own), Par::Seq);
+            matmul(column(outside), Accum::Replace, below, column(own).rb(), 1.0, Par::Seq);
             x[panel.start..panel.end()].copy_from_slice(own);
             supernodes.supernode(index).pattern().iter().zip(outside).for_each(|(&row, value)| x[row] -= *value);
         }
@@ -339,28 +340,15 @@ impl BlockLu {
             outside.iter_mut().zip(supernodes.supernode(index).pattern()).for_each(|(value, &row)| *value = x[row]);
             let own = &mut x[panel.start..panel.end()];
             let upper = panel.upper(&self.upper).transpose();
-            matmul(column_mut(own), Accum::Add, upper, column(outside), -1.0, Par::Seq);
+            matmul(column(own), Accum::Add, upper, column(outside).rb(), -1.0, Par::Seq);
             let block = panel.lower(&self.lower).split_at_row(panel.columns).0;
-            solve_upper_triangular_in_place(block, column_mut(own), Par::Seq);
+            solve_upper_triangular_in_place(block, column(own), Par::Seq);
         }
     }
-}
-
-fn column(values: &[f64]) -> MatRef<'_, f64> {
-    MatRef::from_column_major_slice(values, values.len(), 1)
-}
-
-fn column_mut(values: &mut [f64]) -> MatMut<'_, f64> {
-    let length = values.len();
-    MatMut::from_column_major_slice_mut(values, length, 1)
 }
 
 /// product = left rightᵀ.
 fn multiply(product: &mut [f64], left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
     let product = MatMut::from_column_major_slice_mut(product, left.nrows(), right.nrows());
     matmul(product, Accum::Replace, left, right.transpose(), 1.0, Par::Seq);
-}
-
-fn parameters() -> Spec<PartialPivLuParams, f64> {
-    Spec::default()
 }

@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltError, LltParams, LltRegularization};
+use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
 use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::cholesky::supernodal::{
     SupernodalLltRef, factorize_supernodal_numeric_llt, factorize_supernodal_numeric_llt_scratch,
 };
-use faer::{Conj, Mat, MatMut, Par, Spec};
+use faer::{Conj, Mat, Par, Spec};
 
 use super::analysis::Analysis;
-use super::{SINGULAR_PIVOT, SolverError};
+use super::{SINGULAR_PIVOT, SolverError, column};
 
 /// A matrix that has no LLᵀ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl Cholesky {
     /// Memory for a factor.
     pub(super) fn new(analysis: Arc<Analysis>) -> Result<Self, SolverError> {
         let supernodes = &analysis.supernodes;
-        let scratch = factorize_supernodal_numeric_llt_scratch::<usize, f64>(supernodes, Par::Seq, parameters())
+        let scratch = factorize_supernodal_numeric_llt_scratch::<usize, f64>(supernodes, Par::Seq, Spec::default())
             .or(supernodes.solve_in_place_scratch::<f64>(1, Par::Seq));
         Ok(Self {
             memory: MemBuffer::try_new(scratch)?,
@@ -59,7 +59,7 @@ impl Cholesky {
             &analysis.supernodes,
             Par::Seq,
             MemStack::new(&mut self.memory),
-            parameters(),
+            Spec::default(),
         )
         .map_err(|LltError::NonPositivePivot { index }| Refusal::NotDefinite { place: index })?;
         self.check_pivots()
@@ -94,17 +94,13 @@ impl Cholesky {
     /// x ← L⁻¹ x, x in the order of elimination.
     pub(super) fn forward(&mut self, x: &mut [f64]) {
         let factor = SupernodalLltRef::new(&self.analysis.supernodes, &self.factor);
-        let size = x.len();
-        let x = MatMut::from_column_major_slice_mut(x, size, 1);
-        factor.l_solve_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut self.memory));
+        factor.l_solve_with_conj(Conj::No, column(x), Par::Seq, MemStack::new(&mut self.memory));
     }
 
     /// x ← L⁻ᵀ x, x in the order of elimination.
     pub(super) fn backward(&mut self, x: &mut [f64]) {
         let factor = SupernodalLltRef::new(&self.analysis.supernodes, &self.factor);
-        let size = x.len();
-        let x = MatMut::from_column_major_slice_mut(x, size, 1);
-        factor.l_transpose_solve_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut self.memory));
+        factor.l_transpose_solve_with_conj(Conj::No, column(x), Par::Seq, MemStack::new(&mut self.memory));
     }
 
     /// Copies as many of the last rows and columns of L as `triangle` has; zero above the diagonal.
@@ -130,8 +126,4 @@ impl Cholesky {
             }
         }
     }
-}
-
-fn parameters() -> Spec<LltParams, f64> {
-    Spec::default()
 }

@@ -1,13 +1,12 @@
 //! Sparse LU with partial pivoting: for what everything else refuses.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::factor::PartialPivLuParams;
 use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu};
 use faer::sparse::linalg::{LuError, SupernodalThreshold};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
-use faer::{Conj, MatMut, Par, Spec};
+use faer::{Conj, Par, Spec};
 
-use super::{Pattern, SolverError};
+use super::{Pattern, SolverError, column};
 
 /// faer's LU of a pattern, with memory to compute and to use it.
 pub(super) struct GeneralLu {
@@ -28,7 +27,7 @@ impl GeneralLu {
         };
         let symbolic = factorize_symbolic_lu(pattern.as_ref(), parameters)?;
         let scratch = symbolic
-            .factorize_numeric_lu_scratch::<f64>(Par::Seq, numeric_parameters())
+            .factorize_numeric_lu_scratch::<f64>(Par::Seq, Spec::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
         Ok(Self { memory: MemBuffer::try_new(scratch)?, pattern, symbolic, numeric: NumericLu::new() })
     }
@@ -37,7 +36,7 @@ impl GeneralLu {
     pub(super) fn factorise(&mut self, values: &[f64]) -> Result<(), SolverError> {
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), values);
         let stack = MemStack::new(&mut self.memory);
-        match self.symbolic.factorize_numeric_lu(&mut self.numeric, matrix, Par::Seq, stack, numeric_parameters()) {
+        match self.symbolic.factorize_numeric_lu(&mut self.numeric, matrix, Par::Seq, stack, Spec::default()) {
             Ok(_) => Ok(()),
             Err(LuError::SymbolicSingular { .. }) => Err(SolverError::Singular { equation: None }),
             Err(LuError::Generic(error)) => Err(error.into()),
@@ -46,13 +45,7 @@ impl GeneralLu {
 
     /// Solves in place.
     pub(super) fn solve(&mut self, x: &mut [f64]) {
-        let size = x.len();
-        let x = MatMut::from_column_major_slice_mut(x, size, 1);
         let factor = LuRef::new_unchecked(&self.symbolic, &self.numeric);
-        factor.solve_in_place_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut self.memory));
+        factor.solve_in_place_with_conj(Conj::No, column(x), Par::Seq, MemStack::new(&mut self.memory));
     }
-}
-
-fn numeric_parameters() -> Spec<PartialPivLuParams, f64> {
-    Spec::default()
 }

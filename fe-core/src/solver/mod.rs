@@ -16,6 +16,8 @@ mod pattern;
 mod whole;
 mod zone;
 
+use faer::MatMut;
+
 pub use blocks::Blocks;
 pub use condensation::Superelement;
 pub use error::SolverError;
@@ -72,6 +74,12 @@ pub enum Method {
     BlockLu,
     /// LU, full partial pivoting.
     GeneralLu,
+}
+
+/// A vector as a matrix of one column.
+fn column(values: &mut [f64]) -> MatMut<'_, f64> {
+    let length = values.len();
+    MatMut::from_column_major_slice_mut(values, length, 1)
 }
 
 /// Options of a solver.

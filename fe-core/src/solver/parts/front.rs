@@ -1,7 +1,7 @@
 //! Two parts joined at their cut: a front, dense on the cut and the border.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltParams, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
@@ -11,7 +11,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
 use super::{Elimination, Part};
 use crate::solver::graph::NONE;
 use crate::solver::zone::dense_cholesky_flops;
-use crate::solver::{Pattern, SINGULAR_PIVOT, SolverError};
+use crate::solver::{Pattern, SINGULAR_PIVOT, SolverError, column};
 use crate::threads::Threads;
 
 pub(super) struct Front {
@@ -79,7 +79,7 @@ impl Front {
             .map(|part| Places::new(part.border().iter().map(|&equation| place_of[equation]).collect(), cut.len()));
         let own = own_entries(pattern, &parts, cut, &place_of, equations.len());
         let size = equations.len();
-        let memory = cholesky_in_place_scratch::<f64>(cut.len(), Par::Seq, parameters());
+        let memory = cholesky_in_place_scratch::<f64>(cut.len(), Par::Seq, Spec::default());
         Ok(Self {
             parts,
             cut: cut.len(),
@@ -103,7 +103,7 @@ impl Front {
             LltRegularization::default(),
             Par::Seq,
             MemStack::new(&mut self.memory),
-            parameters(),
+            Spec::default(),
         );
         let is_sound = |(place, scale): (usize, &f64)| of_cut[(place, place)].powi(2) > SINGULAR_PIVOT * scale;
         if factorised.is_err() || !scales.iter().enumerate().all(is_sound) {
@@ -295,13 +295,4 @@ fn own_entries(
         }
     }
     own
-}
-
-fn column(values: &mut [f64]) -> MatMut<'_, f64> {
-    let size = values.len();
-    MatMut::from_column_major_slice_mut(values, size, 1)
-}
-
-fn parameters() -> Spec<LltParams, f64> {
-    Spec::default()
 }
