@@ -318,7 +318,7 @@ impl StepRun {
         let part = match self.lead {
             Lead::Drives => self.attempted / left,
             Lead::Other(_) | Lead::Drag(_) => {
-                (self.last_progress.abs().max(self.size.minimum()) / left).min(LARGEST_PART_OF_TIME)
+                (self.last_progress.abs().max(self.size.minimum) / left).min(LARGEST_PART_OF_TIME)
             }
         };
         part * (self.duration - step_time)
@@ -439,7 +439,7 @@ impl StepRun {
                 let possible = self.size.cut(self.attempted, fraction);
                 let is_small = self.attempted * fraction < CREEPING * self.usual_progress;
                 // stabilised solids may creep for a while
-                let crawls = self.follows_slip && self.attempted * fraction < CRAWLING * self.size.maximum();
+                let crawls = self.follows_slip && self.attempted * fraction < CRAWLING * self.size.maximum;
                 (possible, is_small && has_failed && !self.stabilised, crawls && has_failed)
             }
             Lead::Other(led) => {
@@ -480,7 +480,7 @@ impl StepRun {
         let resistance = RESISTANCE * self.usual_stiffness / nudge;
         let may_lead = self.follows_slip && self.usual_progress > 0.0 && resistance > 0.0 && resistance.is_finite();
         may_lead.then(|| {
-            self.attempted = (nudge * self.usual_progress).max(self.size.minimum()).min(0.5 * (1.0 - self.progress));
+            self.attempted = (nudge * self.usual_progress).max(self.size.minimum).min(0.5 * (1.0 - self.progress));
             Lead::Drag(Dragged { resistance, greatest: GREATEST_RESISTANCE * resistance, increments: 0, turns: 0 })
         })
     }

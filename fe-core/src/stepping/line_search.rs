@@ -14,9 +14,6 @@ pub fn descends(before: f64, after: f64, part: f64) -> bool {
 
 /// Tries `tries` parts of a correction, the first one and each half of that before it, until one is accepted; `accepts`
 /// evaluates a part. Returns it; `None`: none was accepted.
-///
-/// # Errors
-/// Those of evaluations.
 pub fn halved<E>(first: f64, tries: u32, mut accepts: impl FnMut(f64) -> Result<bool, E>) -> Result<Option<f64>, E> {
     let mut part = first;
     for _ in 0..tries {

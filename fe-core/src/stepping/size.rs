@@ -23,10 +23,10 @@ const REMAINDER: f64 = 1e-9;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct IncrementSize {
     size: f64,
-    maximum: f64,
-    minimum: f64,
-    /// Size to which equal increments return after a cut.
-    fixed: bool,
+    pub(super) maximum: f64,
+    pub(super) minimum: f64,
+    /// Whether increments are equal: they stay as they are asked for, but for cuts, after which they return to their size.
+    pub(super) fixed: bool,
     streak: usize,
 }
 
@@ -84,21 +84,6 @@ impl IncrementSize {
     /// Bounds the next increment by this size.
     pub(super) fn limit(&mut self, size: f64) {
         self.size = self.size.min(size.max(self.minimum));
-    }
-
-    /// Returns whether sizes are chosen automatically: equal ones stay as they are asked for.
-    pub(super) fn is_automatic(&self) -> bool {
-        !self.fixed
-    }
-
-    /// Returns the least increment.
-    pub(super) fn minimum(&self) -> f64 {
-        self.minimum
-    }
-
-    /// Returns the greatest increment.
-    pub(super) fn maximum(&self) -> f64 {
-        self.maximum
     }
 
     /// Starts again from a given size.

@@ -165,8 +165,8 @@ impl StepRun {
     fn judge_through_drag(&mut self, load: LoadHistory, findings: &Findings) -> Result<(), Judgement> {
         let limit = (THROUGH_DRAG * load.last).max(LEAST_THROUGH_DRAG * load.greatest);
         // what the drives pull through the drag adds to the load
-        if findings.load - load.last > limit && self.attempted > self.size.minimum() {
-            self.attempted = (THICKENING * self.attempted).max(self.size.minimum());
+        if findings.load - load.last > limit && self.attempted > self.size.minimum {
+            self.attempted = (THICKENING * self.attempted).max(self.size.minimum);
             return Err(repeat("the drives go too far through drag", 1.0));
         }
         let falls = load.last - findings.load > limit;
@@ -179,7 +179,7 @@ impl StepRun {
 
     /// The size of an increment that is refused because its energies do not balance.
     pub(in crate::stepping) fn refuses_energies(&self, findings: &Findings) -> Option<f64> {
-        let refuses = self.size.is_automatic()
+        let refuses = !self.size.fixed
             && self.misses_energies(findings)
             && self.energy_refused < MAX_ENERGY_REFUSALS
             && !self.is_least();
@@ -194,7 +194,7 @@ impl StepRun {
     /// Returns how much an increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it may.
     /// A snap-back costs its overstress in increments of any size; so it cuts them to some size only.
     fn energy_excess(&self, findings: &Findings) -> f64 {
-        let cuts = matches!(self.lead, Lead::Drives) && self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
+        let cuts = matches!(self.lead, Lead::Drives) && self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum;
         let overstress = if cuts { findings.overstress_excess() } else { 0.0 };
         findings.imbalance_excess().max(overstress)
     }
@@ -203,7 +203,7 @@ impl StepRun {
     pub(super) fn foresee_energies(&mut self, findings: &Findings) {
         let excess = self.energy_excess(findings);
         // an increment that stands for all its energies miss is no measure
-        if self.size.is_automatic() && excess > 0.0 && excess <= 1.0 {
+        if !self.size.fixed && excess > 0.0 && excess <= 1.0 {
             self.size.limit(self.attempted * ENERGY_AIM / excess.sqrt());
         }
     }
@@ -211,7 +211,7 @@ impl StepRun {
     /// A part of the attempted increment that is not below the least: what converged is no reason to fail.
     fn allowed(&self, fraction: f64) -> f64 {
         match self.lead {
-            Lead::Drives => fraction.max(self.size.minimum() / self.attempted),
+            Lead::Drives => fraction.max(self.size.minimum / self.attempted),
             Lead::Other(_) | Lead::Drag(_) => fraction,
         }
     }
@@ -220,7 +220,7 @@ impl StepRun {
     /// equal increments and so refuses none for their energies. Empty: there is nothing to tell, or it was looked at too
     /// often.
     pub(in crate::stepping) fn smaller_looks(&mut self, findings: &Findings) -> Vec<Self> {
-        if self.size.is_automatic() || self.energy_looks == MAX_ENERGY_LOOKS || !self.misses_energies(findings) {
+        if !self.size.fixed || self.energy_looks == MAX_ENERGY_LOOKS || !self.misses_energies(findings) {
             return Vec::new();
         }
         self.energy_looks += 1;
@@ -235,7 +235,7 @@ impl StepRun {
     /// Returns whether a smaller increment is not allowed.
     pub(super) fn is_least(&self) -> bool {
         match self.lead {
-            Lead::Drives => self.attempted * 0.5 < self.size.minimum(),
+            Lead::Drives => self.attempted * 0.5 < self.size.minimum,
             Lead::Other(led) => led.increment * 0.5 < led.least(),
             Lead::Drag(Dragged { resistance, greatest, .. }) => resistance * 2.0 > greatest,
         }
