@@ -7,9 +7,9 @@
 use fe_core::assembly::Solids;
 use fe_core::element::{ElementKind, Integration};
 use fe_core::kinematics::PlaneModel;
-use fe_core::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
+use fe_core::mesh::structured::{Block, Grading};
+use fe_core::mesh::{Mesh, MeshDefinition, Part};
 use fe_core::model::{Controls, IncrementContext, Measured, Model, PluginLaw, Skipping};
-use std::collections::HashMap;
 use std::hint::black_box;
 use std::time::Instant;
 use umat_abi::host::Plugin;
@@ -51,31 +51,12 @@ const fn case(
 
 /// A square of SIDE × SIDE cells, one element or two triangles each; x from 1.
 fn square(case: &Case) -> Mesh {
-    let at = |column: usize, row: usize| column + row * (SIDE + 1);
-    let mut nodes: Vec<[f64; 2]> = (0..(SIDE + 1) * (SIDE + 1))
-        .map(|node| [1.0 + (node % (SIDE + 1)) as f64 / SIDE as f64, (node / (SIDE + 1)) as f64 / SIDE as f64])
-        .collect();
-    let mut middles = HashMap::new();
-    let mut elements = Vec::new();
-    for cell in 0..SIDE * SIDE {
-        let (column, row) = (cell % SIDE, cell / SIDE);
-        let [a, b, c, d] = [at(column, row), at(column + 1, row), at(column + 1, row + 1), at(column, row + 1)];
-        let corners =
-            if case.kind.corner_count() == 3 { vec![vec![a, b, c], vec![a, c, d]] } else { vec![vec![a, b, c, d]] };
-        for mut element in corners {
-            let count = element.len();
-            for start in 0..case.kind.node_count() - count {
-                let ends = [element[start], element[(start + 1) % count]];
-                element.push(*middles.entry([ends[0].min(ends[1]), ends[0].max(ends[1])]).or_insert_with(|| {
-                    nodes.push([0, 1].map(|k| 0.5 * (nodes[ends[0]][k] + nodes[ends[1]][k])));
-                    nodes.len() - 1
-                }));
-            }
-            elements.push(ElementDefinition { kind: case.kind, part: 0, nodes: element });
-        }
-    }
-    let parts = vec![Part { integration: case.integration, ..Part::new("square", case.model, 1.0) }];
-    Mesh::new(MeshDefinition { nodes, parts, elements, ..MeshDefinition::default() }).expect("a square")
+    let line = Grading::Uniform { count: SIDE }.positions(1.0).expect("a line");
+    let shift = |[x, y]: [f64; 2]| [1.0 + x, y];
+    let mut mesh = MeshDefinition::default();
+    let part = mesh.add_part(Part { integration: case.integration, ..Part::new("square", case.model, 1.0) });
+    mesh.block(&Block::new(part, case.kind, &line, &line).mapped(&shift)).expect("a square");
+    Mesh::new(mesh).expect("a square")
 }
 
 fn linear_elastic() -> PluginLaw {
