@@ -43,6 +43,7 @@ pub mod kinematics;
 pub mod mesh;
 pub mod model;
 pub mod output;
+mod plane;
 pub mod solver;
 pub mod stepping;
 pub mod threads;

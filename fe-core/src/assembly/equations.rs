@@ -9,6 +9,7 @@
 //! rotated axes are couplings of the two components of a node.
 
 use crate::model::{Coupling, Freedom, Model, Support};
+use crate::plane::dot;
 
 #[cfg(test)]
 mod test;
@@ -302,10 +303,6 @@ fn support_dependences(node: usize, held: &[Held]) -> Result<Vec<(usize, Depende
             vec![(2 * node, dependence(Vec::new(), x, first)), (2 * node + 1, dependence(Vec::new(), y, first))]
         }
     })
-}
-
-fn dot([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
-    a * c + b * d
 }
 
 fn contradiction(node: usize, first: &str, second: &str) -> ConstraintError {

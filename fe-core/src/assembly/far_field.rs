@@ -19,8 +19,9 @@ pub(super) struct FarField {
     superelement: Superelement,
     /// Freedoms of border and interior, ascending: the superelement's equations.
     own: Vec<usize>,
-    border: Vec<usize>,
-    interior: Vec<usize>,
+    /// Freedoms that it shares with the zone, and those that it has for itself, ascending.
+    pub(super) border: Vec<usize>,
+    pub(super) interior: Vec<usize>,
 }
 
 impl FarField {
@@ -54,16 +55,6 @@ impl FarField {
         let to_freedoms = |indices: Vec<usize>| indices.into_iter().map(|index| own[index]).collect();
         let (border, interior) = (to_freedoms(border), to_freedoms(interior));
         Ok(Some(Self { superelement, own, border, interior }))
-    }
-
-    /// Freedoms that it shares with the zone, ascending.
-    pub(super) fn border(&self) -> &[usize] {
-        &self.border
-    }
-
-    /// Freedoms that it has for itself, ascending.
-    pub(super) fn interior(&self) -> &[usize] {
-        &self.interior
     }
 
     /// The condensed stiffness, row by row over the border.

@@ -14,6 +14,7 @@ pub use far_field::touching;
 pub(crate) use loads::loaded_freedoms;
 pub use solids::{GreatestInPart, Solids, SolidsError};
 pub use system::{Condensation, System, SystemState};
+pub(crate) use trouble::Setback;
 pub use trouble::{Place, Trouble};
 
 /// Largest count of calls, evaluations or factorisations that is accepted: beyond it counters could overflow.

@@ -79,10 +79,6 @@ pub struct Condensation<'a> {
 
 impl System {
     /// Finds the pattern and condenses the far field.
-    ///
-    /// # Errors
-    ///
-    /// Those of the symbolic analysis and of the condensation.
     pub fn new(
         mesh: &Mesh,
         equations: Equations,
@@ -111,7 +107,7 @@ impl System {
             .filter(|(element, _)| is_active(*element))
             .map(|(_, freedoms)| by_rows(freedoms))
             .collect();
-        groups.extend(far_field.iter().map(|far| by_rows(far.border())));
+        groups.extend(far_field.iter().map(|far| by_rows(&far.border)));
         let pattern = Pattern::from_groups(equation_of_row.len(), groups.iter().map(Vec::as_slice));
         let scatter: Vec<Scatter> = element_freedoms
             .iter()
@@ -123,7 +119,7 @@ impl System {
             .collect();
         let far_places = far_field.as_ref().map_or_else(Vec::new, |far| {
             let rows: Vec<usize> = far
-                .border()
+                .border
                 .iter()
                 .map(|&freedom| row_of_equation[equations.equations_of(freedom)[0].0] as usize)
                 .collect();
@@ -181,7 +177,7 @@ impl System {
     /// Returns how many freedoms are condensed.
     #[cfg(test)]
     pub(crate) fn condensed_count(&self) -> usize {
-        self.far_field.as_ref().map_or(0, |far| far.interior().len())
+        self.far_field.as_ref().map_or(0, |far| far.interior.len())
     }
 
     /// Adds all elements into the matrix. Each thread has its own range of the values, and every value the same sum.
@@ -241,10 +237,6 @@ impl System {
     }
 
     /// Factorises the matrix.
-    ///
-    /// # Errors
-    ///
-    /// It is singular or not finite.
     pub fn factorise(&mut self, symmetry: Symmetry) -> Result<FactorisationReport, SolverError> {
         self.solver.factorise(&self.matrix, symmetry)
     }
@@ -277,10 +269,6 @@ impl System {
     }
 
     /// Solves in place with the last factor.
-    ///
-    /// # Errors
-    ///
-    /// The residual stays too large.
     pub fn solve(&mut self, right_side: &mut [f64]) -> Result<(), SolverError> {
         self.solver.solve(&self.matrix, right_side).map(|_| ())
     }
@@ -330,7 +318,7 @@ impl System {
 /// Row of each equation and equation of each row.
 fn rows(equations: &Equations, far_field: Option<&FarField>) -> (Vec<u32>, Vec<usize>) {
     let mut row_of_equation = vec![0; equations.count()];
-    for &freedom in far_field.map_or(&[][..], FarField::interior) {
+    for &freedom in far_field.map_or(&[][..], |far| &far.interior) {
         for &(equation, _) in equations.equations_of(freedom) {
             row_of_equation[equation] = NOWHERE;
         }

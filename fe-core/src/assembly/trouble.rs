@@ -74,6 +74,22 @@ impl fmt::Display for Place {
     }
 }
 
+/// What keeps an attempt of an increment from going on, at a place that is known to others.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Setback {
+    /// What, in words.
+    pub(crate) reason: String,
+    /// As [`Trouble::fraction`].
+    pub(crate) fraction: Option<f64>,
+}
+
+impl Setback {
+    /// Tells where it is.
+    pub(crate) fn at(self, place: Place) -> Trouble {
+        Trouble { place, reason: self.reason, fraction: self.fraction }
+    }
+}
+
 /// An attempt of an increment that must be given up.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{place}: {reason}")]

@@ -24,8 +24,10 @@ pub(super) struct Chain {
     reference: Vec<[[f64; 2]; 3]>,
     /// Arc length at the start of each edge.
     starts: Vec<f64>,
-    length: f64,
-    closed: bool,
+    /// Reference arc length of all edges, mm.
+    pub length: f64,
+    /// Whether the last edge ends where the first one starts.
+    pub closed: bool,
     /// Whether normals are smoothed where each edge meets the next.
     smooth: Vec<bool>,
     rule: Vec<LinePoint>,
@@ -88,11 +90,7 @@ impl Chain {
         let mut chain = Self::empty(closed);
         for edge in order {
             let edge = mesh.edge_nodes(edge);
-            let mut reference = [[0.0; 2]; 3];
-            for (position, &node) in reference.iter_mut().zip(edge.nodes()) {
-                *position = mesh.nodes()[node];
-            }
-            chain.add(&edge, reference);
+            chain.add(&edge, mesh.edge_positions(&edge, None));
         }
         let straight = if bends { 0.0 } else { STRAIGHT };
         chain.smooth = (0..chain.len() as i64).map(|edge| chain.turns_after(edge, straight..CORNER)).collect();
@@ -138,16 +136,6 @@ impl Chain {
     /// Returns how many edges there are.
     pub fn len(&self) -> usize {
         self.kinds.len()
-    }
-
-    /// Reference arc length of all edges, mm.
-    pub fn length(&self) -> f64 {
-        self.length
-    }
-
-    /// Returns whether the last edge ends where the first one starts.
-    pub fn is_closed(&self) -> bool {
-        self.closed
     }
 
     /// The edge at a place, from 0.
@@ -256,7 +244,10 @@ impl Chain {
 
 /// The edges in a row, and whether it closes.
 fn order(mesh: &Mesh, edges: &[ElementEdge], pair: &str) -> Result<(Vec<ElementEdge>, bool), ContactError> {
-    let broken = |reason: String| ContactError::Chain { pair: pair.to_owned(), reason };
+    let broken = |reason: String| {
+        let reason = format!("the master is no single chain of edges: {reason}");
+        ContactError::Unusable { pair: pair.to_owned(), reason }
+    };
     let ends = |edge: &ElementEdge| {
         let nodes = mesh.edge_nodes(*edge);
         (nodes.nodes()[0], nodes.nodes()[1])

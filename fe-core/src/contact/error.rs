@@ -4,18 +4,6 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the message of each variant says what its fields are")]
 pub enum ContactError {
-    /// The master is no single row of edges.
-    #[error("contact '{pair}': the master is no single chain of edges: {reason}")]
-    Chain { pair: String, reason: String },
-    /// Nothing to put points on.
-    #[error("contact '{pair}': the slave surface has no edges")]
-    NoSlave { pair: String },
-    /// Too few or too many points.
-    #[error("contact '{pair}': {points} points per edge, from 1 to 10 are possible")]
-    Points { pair: String, points: usize },
-    /// A number out of range.
-    #[error("contact '{pair}': {what} is {value}, it must be {rule}")]
-    Value { pair: String, what: &'static str, value: f64, rule: &'static str },
     /// A point that has no foot on the master.
     #[error("contact '{pair}', point {} at ({:.6}, {:.6}): {reason}", point + 1, position[0], position[1])]
     NoFoot { pair: String, point: usize, position: [f64; 2], reason: &'static str },
@@ -25,7 +13,8 @@ pub enum ContactError {
     /// An enforcement that the law cannot have.
     #[error("contact '{pair}': {reason}")]
     Enforcement { pair: String, reason: &'static str },
-    /// A law that refuses its parameters, or cannot be called.
-    #[error("contact '{pair}': {message}")]
-    Law { pair: String, message: String },
+    /// Any other: a master that is no single row of edges, nothing to put points on, a number out of range, a law that
+    /// refuses its parameters or cannot be called.
+    #[error("contact '{pair}': {reason}")]
+    Unusable { pair: String, reason: String },
 }

@@ -1,6 +1,7 @@
 //! Gap and slip of a contact point with their first and second derivatives by the nodes' positions.
 
 use super::chain::{Chain, Foot, MAX_SHAPE_NODES, Shape};
+use crate::plane::dot;
 use serde::{Deserialize, Serialize};
 
 /// Nodes of a contact point: at most three of a slave edge, three of a master edge and two of each of its neighbours.
@@ -28,15 +29,6 @@ impl SlavePoint {
         }
         sum
     }
-}
-
-/// Reason why a foot gives no gap.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NoGap {
-    /// The master edge has no length there.
-    Collapsed,
-    /// The point lies at the master's centre of curvature or beyond it.
-    BeyondCentre,
 }
 
 /// Gap g and arc length s of one point, their gradients, and what their second derivatives are made of; the module's
@@ -110,10 +102,6 @@ impl Directions {
     }
 }
 
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
 /// The normal to the right of a tangent: out of the body that lies on its left.
 fn right_of([x, y]: [f64; 2]) -> [f64; 2] {
     [y, -x]
@@ -136,20 +124,20 @@ impl Kinematics {
     /// Evaluates the kinematics of a slave point over its foot.
     ///
     /// # Errors
-    /// The foot gives no gap.
+    /// The foot gives no gap; why, in words.
     pub fn new(
         chain: &Chain,
         slave: &SlavePoint,
         foot: Foot,
         position: &impl Fn(usize) -> [f64; 2],
-    ) -> Result<Self, NoGap> {
+    ) -> Result<Self, &'static str> {
         let shape = chain.shape(foot.edge, foot.coordinate);
         let mut point = Self::over(slave, &shape, position);
         let directions = Directions::new(&shape, position);
         let Directions { tangent, bend, direction, turning } = directions;
         let stretch = direction[0].hypot(direction[1]);
         if stretch.is_nan() || stretch <= 0.0 {
-            return Err(NoGap::Collapsed);
+            return Err("the master edge under it has no length");
         }
         point.tangent = direction.map(|t| t / stretch);
         point.normal = right_of(point.tangent);
@@ -163,7 +151,7 @@ impl Kinematics {
         point.gap = dot(arm, point.normal);
         let denominator = dot(tangent, direction) - dot(arm, turning);
         if denominator <= 0.0 {
-            return Err(NoGap::BeyondCentre);
+            return Err("it lies beyond the centre of the master's curvature");
         }
         point.fill(slave.count, &shape, &directions, arm, denominator);
         for freedom in 0..2 * point.count {

@@ -5,6 +5,7 @@ use super::history::{PointState, PointStatus};
 use super::kinematics::Kinematics;
 use super::normal::{HostNormal, NormalState};
 use super::quadrature::ContactPoint;
+use crate::assembly::Setback;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, PluginLaw};
 use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
 use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, Plugin, SurfaceFields, UinterCall, Validation, judge};
@@ -13,13 +14,6 @@ use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, Plugin, SurfaceFiel
 const FRACTION_AFTER_NAN: f64 = 0.25;
 /// STRESS(1) is on the line ε_N · RDISP(1) within this relative error.
 const ON_THE_LINE: f64 = 1e-9;
-
-/// Reason why a law gave no traction.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct LawFailure {
-    pub reason: String,
-    pub fraction: Option<f64>,
-}
 
 /// A point as a law sees it.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +73,8 @@ impl PointLaw {
             Enforcement::PerturbedLagrangian { ratio } => 1.0 + ratio,
             Enforcement::Penalty | Enforcement::Uzawa { .. } => 1.0,
         };
-        let failed = |law: &PluginLaw, error| ContactError::Law { pair: pair.name.clone(), message: law.error(error) };
+        let failed =
+            |law: &PluginLaw, error| ContactError::Unusable { pair: pair.name.clone(), reason: law.error(error) };
         match &pair.law {
             ContactLaw::Uinter(law) => {
                 let (filled, normal) = filled(pair, law, Some(ratio * penalty), penalty)?;
@@ -120,14 +115,14 @@ impl PointLaw {
         situation: &Situation<'_>,
         end: &mut PointState,
         statev: &mut [f64],
-    ) -> Result<Tangent, LawFailure> {
+    ) -> Result<Tangent, Setback> {
         let result = match self {
             Self::Uinter { call, augmented } => uinter(call, *augmented, situation, end, statev),
             Self::Fric { call, normal, sticking } => fric(call, normal, *sticking, situation, end, statev),
         };
-        result.map_err(|LawFailure { reason, fraction }| {
+        result.map_err(|Setback { reason, fraction }| {
             let reason = format!("plugin '{}': {reason}", self.plugin());
-            LawFailure { reason, fraction }
+            Setback { reason, fraction }
         })
     }
 
@@ -170,10 +165,7 @@ impl PointLaw {
     }
 
     /// Returns whether a point carries tension or shear while it is open by a little.
-    ///
-    /// # Errors
-    /// As [`Self::advance`].
-    pub fn is_bonded(&mut self, situation: &Situation<'_>, statev: &mut [f64]) -> Result<bool, LawFailure> {
+    pub fn is_bonded(&mut self, situation: &Situation<'_>, statev: &mut [f64]) -> Result<bool, Setback> {
         if let Self::Fric { normal, .. } = self
             && normal.carries_tension()
         {
@@ -206,7 +198,7 @@ fn filled(
     });
     filled.props = description.with_penalties(&law.props, normal_penalty, tangential_penalty);
     match refusal(description, &filled.props) {
-        Some(message) => Err(ContactError::Law { pair: pair.name.clone(), message }),
+        Some(reason) => Err(ContactError::Unusable { pair: pair.name.clone(), reason }),
         None => Ok((filled, normal)),
     }
 }
@@ -219,10 +211,8 @@ fn refusal(law: &Law, props: &[f64]) -> Option<String> {
     }
 }
 
-impl From<CallFailure> for LawFailure {
-    fn from(failure: CallFailure) -> Self {
-        Self { reason: failure.to_string(), fraction: failure.fraction(FRACTION_AFTER_NAN) }
-    }
+fn failed(failure: CallFailure) -> Setback {
+    Setback { reason: failure.to_string(), fraction: failure.fraction(FRACTION_AFTER_NAN) }
 }
 
 /// Step and total time at the end of the increment.
@@ -245,7 +235,7 @@ fn uinter(
     situation: &Situation<'_>,
     end: &mut PointState,
     statev: &mut [f64],
-) -> Result<Tangent, LawFailure> {
+) -> Result<Tangent, Setback> {
     let Situation { start, context, .. } = *situation;
     let shift = |state: &NormalState| augmented.map_or(0.0, |penalty| state.multiplier / penalty);
     let penetration = shift(&end.normal) - situation.gap;
@@ -265,7 +255,7 @@ fn uinter(
     call.counters = [context.step, context.increment, context.iteration].map(counter);
     call.node = number_of(situation.index);
     let outcome = call.call();
-    judge(outcome, call.not_finite().or_else(|| call.moduli_not_finite()))?;
+    judge(outcome, call.not_finite().or_else(|| call.moduli_not_finite())).map_err(failed)?;
     [end.pressure, end.shear] = [call.traction()[0], call.traction()[1]];
     statev.copy_from_slice(call.statev());
     (end.plugin_energies, end.flags) = (call.energies, call.flags);
@@ -296,7 +286,7 @@ fn fric(
     situation: &Situation<'_>,
     end: &mut PointState,
     statev: &mut [f64],
-) -> Result<Tangent, LawFailure> {
+) -> Result<Tangent, Setback> {
     let Situation { start, context, .. } = *situation;
     let normal = law.advance(-situation.gap, &NormalState { opening: start.normal.opening, ..end.normal });
     end.pressure = normal.pressure;
@@ -327,11 +317,11 @@ fn fric(
     call.counters = [context.step, context.increment].map(counter);
     call.node = number_of(situation.index);
     let outcome = call.call();
-    judge(outcome, call.not_finite().or_else(|| call.moduli_not_finite()))?;
+    judge(outcome, call.not_finite().or_else(|| call.moduli_not_finite())).map_err(failed)?;
     statev.copy_from_slice(call.statev());
     end.plugin_energies[..2].copy_from_slice(&call.energies);
     (end.stick, end.inelastic_slip) = (call.next_lm(), start.inelastic_slip);
-    let answer = call.answer().map_err(|reason| LawFailure { reason, fraction: None })?;
+    let answer = call.answer().map_err(|reason| Setback { reason, fraction: None })?;
     let (by_slip, by_pressure) = match answer {
         FricAnswer::Tractions => {
             end.shear = call.traction()[0];

@@ -3,12 +3,12 @@
 use super::chain::{Chain, Foot};
 use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
-use super::kinematics::{Kinematics, NoGap};
-use super::law::{LawFailure, PointLaw, Situation, Tangent};
+use super::kinematics::Kinematics;
+use super::law::{PointLaw, Situation, Tangent};
 use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::ContactPoint;
-use crate::assembly::{Place, Trouble};
+use crate::assembly::{Place, Setback, Trouble};
 use crate::model::{Enforcement, IncrementContext};
 use crate::solver::Blocks;
 use std::ops::Range;
@@ -83,7 +83,7 @@ pub(super) struct Pair {
 impl Pair {
     /// w and dw/ds at an arc length.
     pub fn weight(&self, index: usize, arc_length: f64) -> (f64, f64) {
-        if !self.release || self.chain.is_closed() {
+        if !self.release || self.chain.closed {
             return (1.0, 0.0);
         }
         let (length, behind) = (self.points[index].length, self.data[index].behind);
@@ -92,7 +92,7 @@ impl Pair {
             share if share <= 0.0 => (0.0, 0.0),
             share => (share, slope),
         };
-        let (end, end_slope) = clip((self.chain.length() - arc_length + behind) / length, -1.0 / length);
+        let (end, end_slope) = clip((self.chain.length - arc_length + behind) / length, -1.0 / length);
         let (start, start_slope) = clip((arc_length + length - behind) / length, 1.0 / length);
         (start * end, start_slope * end + start * end_slope)
     }
@@ -131,11 +131,8 @@ impl Pair {
                 let Some(kinematics) = self.kinematics[index] else { continue };
                 evaluation.points += 1;
                 let was_open = self.trial.points[index].status == PointStatus::Open;
-                self.advance(index, &kinematics, [gap, asked_at], context).map_err(|failure| Trouble {
-                    place: self.place(index, kinematics.position),
-                    reason: failure.reason,
-                    fraction: failure.fraction,
-                })?;
+                self.advance(index, &kinematics, [gap, asked_at], context)
+                    .map_err(|failure| failure.at(self.place(index, kinematics.position)))?;
                 evaluation.changes += usize::from(was_open != (self.trial.points[index].status == PointStatus::Open));
             }
             self.add(patch, gap, output);
@@ -154,11 +151,8 @@ impl Pair {
             return Ok(false);
         }
         let at = self.points[index].slave.position(position);
-        let (kinematics, foot, searched) = self.project(index, at, position).map_err(|(reason, fraction)| Trouble {
-            place: self.place(index, at),
-            reason,
-            fraction,
-        })?;
+        let (kinematics, foot, searched) =
+            self.project(index, at, position).map_err(|lost| lost.at(self.place(index, at)))?;
         let (weight, slope) = self.weight(index, kinematics.arc_length);
         self.kinematics[index] = Some(kinematics);
         self.weight_slopes[index] = slope;
@@ -175,8 +169,8 @@ impl Pair {
         index: usize,
         at: [f64; 2],
         position: &impl Fn(usize) -> [f64; 2],
-    ) -> Result<(Kinematics, Foot, bool), (String, Option<f64>)> {
-        let lost = |reason: &str| (reason.to_owned(), Some(FRACTION_AFTER_LOSS));
+    ) -> Result<(Kinematics, Foot, bool), Setback> {
+        let lost = |reason: &str| Setback { reason: reason.to_owned(), fraction: Some(FRACTION_AFTER_LOSS) };
         let projection = Projection { chain: &self.chain, position };
         let of = |foot: Foot| Kinematics::new(&self.chain, &self.points[index].slave, foot, position);
         if self.walks
@@ -187,13 +181,13 @@ impl Pair {
         }
         let mut foot = projection.anywhere(at).ok_or_else(|| lost("the point has no foot on the master"))?;
         foot.edge = self.same_round(foot.edge, self.committed.points[index].foot.edge);
-        of(foot).map(|kinematics| (kinematics, foot, true)).map_err(|no_gap| lost(no_gap.reason()))
+        of(foot).map(|kinematics| (kinematics, foot, true)).map_err(lost)
     }
 
     /// The edge of a closed chain in the round that is nearest to where the point was.
     fn same_round(&self, edge: i64, last: i64) -> i64 {
         let count = self.chain.len() as i64;
-        if self.chain.is_closed() { edge + count * (last - edge + count / 2).div_euclid(count) } else { edge }
+        if self.chain.closed { edge + count * (last - edge + count / 2).div_euclid(count) } else { edge }
     }
 
     /// The law of a point whose foot was found, into its trial state and tangent: asked at one gap, and from there along
@@ -204,7 +198,7 @@ impl Pair {
         kinematics: &Kinematics,
         [gap, asked_at]: [f64; 2],
         context: &IncrementContext,
-    ) -> Result<(), LawFailure> {
+    ) -> Result<(), Setback> {
         let Self { points, law, committed, trial, tangents, state_count, .. } = self;
         let (start, end) = (&committed.points[index], &mut trial.points[index]);
         end.gap = gap;
@@ -225,15 +219,5 @@ impl Pair {
         end.pressure += by_gap * (asked_at - gap);
         end.shear += shear_by_gap * (asked_at - gap);
         Ok(())
-    }
-}
-
-impl NoGap {
-    /// Returns the reason in words.
-    pub fn reason(self) -> &'static str {
-        match self {
-            Self::Collapsed => "the master edge under it has no length",
-            Self::BeyondCentre => "it lies beyond the centre of the master's curvature",
-        }
     }
 }

@@ -1,6 +1,7 @@
 //! The foot of a point on a chain: where d(ξ) = x_s − x(ξ) is normal to the direction m(ξ) and nearest (6.14–6.18).
 
 use super::chain::{Chain, Foot};
+use crate::plane::dot;
 
 /// Edges that a walk passes before the neighbourhood counts as lost.
 const LONGEST_WALK: usize = 16;
@@ -150,7 +151,6 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
                 turning[i] += shape.turning[k] * position[i];
             }
         }
-        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let stretch_squared = dot(tangent, direction);
         Slope { value: dot(arm, direction), derivative: dot(arm, turning) - stretch_squared, stretch_squared }
     }

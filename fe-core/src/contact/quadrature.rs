@@ -8,6 +8,7 @@ use crate::element::{EdgeKind, LinePoint, gauss_legendre};
 use crate::kinematics::PlaneModel;
 use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
 use crate::model::{ContactPair, Quadrature, Width};
+use crate::plane::distance;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -60,10 +61,7 @@ impl SlaveEdge {
         let of_element = &mesh.elements()[element];
         let (model, thickness) = (mesh.parts()[of_element.part()].model, of_element.thickness());
         let edge = mesh.edge_nodes(edge);
-        let mut reference = [[0.0; 2]; 3];
-        for (position, &node) in reference.iter_mut().zip(edge.nodes()) {
-            *position = mesh.nodes()[node];
-        }
+        let reference = mesh.edge_positions(&edge, None);
         Self { edge, reference, model, width, thickness, start, index, element }
     }
 
@@ -132,13 +130,14 @@ pub(super) fn contact_points(
     pair: &ContactPair,
     master: &Chain,
 ) -> Result<Vec<ContactPoint>, ContactError> {
+    let unusable = |reason: String| Err(ContactError::Unusable { pair: pair.name.clone(), reason });
     if pair.slave.is_empty() {
-        return Err(ContactError::NoSlave { pair: pair.name.clone() });
+        return unusable("the slave surface has no edges".to_owned());
     }
     if let Quadrature::Gauss { points } | Quadrature::Segments { points } = pair.quadrature
         && !(1..=MOST_POINTS).contains(&points)
     {
-        return Err(ContactError::Points { pair: pair.name.clone(), points });
+        return unusable(format!("{points} points per edge, from 1 to {MOST_POINTS} are possible"));
     }
     let mut edges = Vec::with_capacity(pair.slave.len());
     let mut start = 0.0;
@@ -194,7 +193,7 @@ fn segment_bounds(mesh: &Mesh, edge: &SlaveEdge, master: &Chain) -> Vec<f64> {
             }
             let Some(foot) = projection.anywhere(point) else { continue };
             let on = edge.kind().point(&edge.reference, foot.coordinate).position;
-            if (point[0] - on[0]).hypot(point[1] - on[1]) <= reach {
+            if distance(point, on) <= reach {
                 bounds.push(foot.coordinate);
             }
         }

@@ -5,13 +5,15 @@ use super::error::ContactError;
 use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
-use super::law::{LawFailure, PointLaw, Situation};
+use super::law::{PointLaw, Situation};
 use super::pair::{Datum, Pair};
 use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
+use crate::assembly::Setback;
 use crate::mesh::Mesh;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, NormalLaw, Width};
+use crate::plane::{distance, dot};
 
 /// Gaps at the start up to this × the contact width (a given one, otherwise the slave edge's length) come from faceted
 /// curves: stored and subtracted.
@@ -29,9 +31,6 @@ const FIRST: IncrementContext =
 
 impl Pair {
     /// A pair of a mesh without displacements.
-    ///
-    /// # Errors
-    /// Everything in [`ContactError`].
     pub fn new(
         mesh: &Mesh,
         pair: &ContactPair,
@@ -99,7 +98,7 @@ impl Pair {
             let (point, kinematics) = (&point, &kinematics);
             let situation = Situation { gap: 0.0, slip, point, index, kinematics, start, start_statev, context };
             let (mut end, mut statev) = (*start, virgin.clone());
-            let refused = |failure: LawFailure| ContactError::Law { pair: self.name.clone(), message: failure.reason };
+            let refused = |failure: Setback| ContactError::Unusable { pair: self.name.clone(), reason: failure.reason };
             self.law.advance(&situation, &mut end, &mut statev).map_err(refused)?;
             Ok(end.shear)
         };
@@ -146,8 +145,7 @@ impl Pair {
         let no_foot = |reason| ContactError::NoFoot { pair: self.name.clone(), point: index, position: at, reason };
         let projection = Projection { chain: &self.chain, position };
         let foot = projection.anywhere(at).ok_or_else(|| no_foot("no foot on the master"))?;
-        let kinematics =
-            Kinematics::new(&self.chain, &point.slave, foot, &position).map_err(|no_gap| no_foot(no_gap.reason()))?;
+        let kinematics = Kinematics::new(&self.chain, &point.slave, foot, &position).map_err(no_foot)?;
         let width = match pair.width {
             Width::Given(width) => width,
             Width::OfPart => point.edge_length,
@@ -159,7 +157,7 @@ impl Pair {
         if !is_fault && gap < 0.0 {
             return Err(too_large());
         }
-        let along = kinematics.tangent[0] * point.direction[0] + kinematics.tangent[1] * point.direction[1] >= 0.0;
+        let along = dot(kinematics.tangent, point.direction) >= 0.0;
         let behind = if along { point.behind } else { point.length - point.behind };
         self.data.push(Datum { gap: if is_fault { gap } else { 0.0 }, arc_length: kinematics.arc_length, behind });
         let (weight, _) = self.weight(index, kinematics.arc_length);
@@ -181,16 +179,16 @@ impl Pair {
         let virgin = vec![0.0; self.state_count];
         let (start, start_statev, context, point) = (&start, &virgin, &FIRST, &self.points[index]);
         let situation = Situation { gap: length, slip: length, point, index, kinematics, start, start_statev, context };
-        let refused = |failure: LawFailure| ContactError::Law { pair: self.name.clone(), message: failure.reason };
+        let refused = |failure: Setback| ContactError::Unusable { pair: self.name.clone(), reason: failure.reason };
         self.law.is_bonded(&situation, &mut virgin.clone()).map_err(refused)
     }
 }
 
 /// Numbers of a pair that must be in range.
 fn check_numbers(pair: &ContactPair) -> Result<(), ContactError> {
-    let check = |what, value: f64, fine: bool, rule| {
-        let error = ContactError::Value { pair: pair.name.clone(), what, value, rule };
-        if fine { Ok(()) } else { Err(error) }
+    let check = |what: &str, value: f64, fine: bool, rule: &str| {
+        let reason = format!("{what} is {value}, it must be {rule}");
+        if fine { Ok(()) } else { Err(ContactError::Unusable { pair: pair.name.clone(), reason }) }
     };
     let positive = |value: f64| value > 0.0 && value.is_finite();
     let not_negative = |value: f64| value >= 0.0 && value.is_finite();
@@ -230,7 +228,7 @@ fn penalty(mesh: &Mesh, pair: &ContactPair, moduli: &[f64], points: &[ContactPoi
         let model = mesh.parts()[element.part()].model;
         let ends = mesh.edge_nodes(edge);
         let [start, end] = [0, 1].map(|k| mesh.nodes()[ends.nodes()[k]]);
-        let length = (end[0] - start[0]).hypot(end[1] - start[1]);
+        let length = distance(end, start);
         // A triangle is twice as high as its mean height.
         let shape = if element.kind().corner_count() == 3 { 2.0 } else { 1.0 };
         let height = shape * mesh.element_area(edge.element) / length;

@@ -42,7 +42,7 @@ mod topology;
 pub mod triangulation;
 mod validation;
 
-pub use error::{MeshError, SetKind};
+pub use error::MeshError;
 pub use overlap::Overlap;
 pub use validation::SMALLEST_RELATIVE_DETERMINANT;
 
@@ -84,6 +84,14 @@ pub struct ElementDefinition {
     pub part: usize,
     /// Indices of its nodes, in the order of [`crate::element`].
     pub nodes: Vec<usize>,
+}
+
+impl ElementDefinition {
+    /// The nodes of one of its edges: start, end and, on quadratic edges, the middle.
+    pub(crate) fn edge_nodes(&self, edge: usize) -> Vec<usize> {
+        let (local, count) = self.kind.edge_nodes(edge);
+        local[..count].iter().map(|&node| self.nodes[node]).collect()
+    }
 }
 
 /// One edge of one element.

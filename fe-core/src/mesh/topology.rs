@@ -27,8 +27,10 @@ impl Topology {
                     Entry::Occupied(occupied) => {
                         let other = *occupied.get();
                         if let Some(second) = neighbours[other.element][other.edge] {
-                            let elements = [other.element, second.element, index];
-                            return Err(MeshError::CrowdedEdge { elements, nodes: [start, end] });
+                            let [a, b, c] = [other.element, second.element, index].map(|element| element + 1);
+                            let edge = format!("the edge of nodes {}–{}", start + 1, end + 1);
+                            let fault = format!("elements {a}, {b} and {c} share {edge}; an edge has two sides");
+                            return Err(MeshError::Unsound(fault));
                         }
                         check_match(elements, other, this)?;
                         neighbours[other.element][other.edge] = Some(this);
@@ -44,14 +46,16 @@ impl Topology {
 /// Two edges of the same corners: opposite directions, same middle.
 fn check_match(elements: &[Element], first: ElementEdge, second: ElementEdge) -> Result<(), MeshError> {
     let edges = [first, second].map(|edge| elements[edge.element].edge_nodes(edge.edge));
-    let pair = [first.element, second.element];
-    let nodes = [edges[0].nodes[0], edges[0].nodes[1]];
+    let pair = || format!("elements {} and {}", first.element + 1, second.element + 1);
+    let ends = || format!("edge of nodes {}–{}", edges[0].nodes[0] + 1, edges[0].nodes[1] + 1);
     if edges[0].nodes[0] == edges[1].nodes[0] {
-        return Err(MeshError::Overlap { elements: pair, nodes });
+        return Err(MeshError::Unsound(format!("{} lie on the same side of their {}: they overlap", pair(), ends())));
     }
-    let middles = edges.map(|edge| edge.nodes().get(2).copied());
-    if middles[0] != middles[1] {
-        return Err(MeshError::MiddleNode { elements: pair, nodes, middles });
+    let [one, other] = edges.each_ref().map(|edge| edge.nodes().get(2).copied());
+    if one != other {
+        let name = |middle: Option<usize>| middle.map_or("none".to_owned(), |node| format!("node {}", node + 1));
+        let shared = format!("{} share the {} but not its middle node", pair(), ends());
+        return Err(MeshError::Unsound(format!("{shared} ({} against {})", name(one), name(other))));
     }
     Ok(())
 }
@@ -72,6 +76,18 @@ impl Mesh {
     /// The nodes of an element's edge.
     pub fn edge_nodes(&self, edge: ElementEdge) -> EdgeNodes {
         self.elements[edge.element].edge_nodes(edge.edge)
+    }
+
+    /// Positions of an edge's nodes, as [`EdgeNodes::nodes`] has them: in the reference, or displaced (two per node).
+    pub(crate) fn edge_positions(&self, edge: &EdgeNodes, displacements: Option<&[f64]>) -> [[f64; 2]; 3] {
+        let mut positions = [[0.0; 2]; 3];
+        for (position, &node) in positions.iter_mut().zip(edge.nodes()) {
+            *position = self.nodes[node];
+            if let Some(displacements) = displacements {
+                (0..2).for_each(|k| position[k] += displacements[2 * node + k]);
+            }
+        }
+        positions
     }
 
     /// The same edge as the element on its other side has it; `None` on the boundary.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-use super::{Element, ElementDefinition, MeshDefinition, MeshError, SetKind};
+use super::{Element, ElementDefinition, MeshDefinition, MeshError, Part};
 use crate::element::{IntegrationPoint, MAX_NODES, MappedPoint};
 use crate::kinematics::PlaneModel;
 
@@ -10,21 +10,30 @@ use crate::kinematics::PlaneModel;
 /// as that square, so rounding leaves about 1e-16 of it: 1e-10 keeps six digits and still allows slivers of 1 : 1e9.
 pub const SMALLEST_RELATIVE_DETERMINANT: f64 = 1e-10;
 
+/// What a message calls an index, which may be any.
+fn number(index: usize) -> usize {
+    index.saturating_add(1)
+}
+
+fn unsound<T>(fault: String) -> Result<T, MeshError> {
+    Err(MeshError::Unsound(fault))
+}
+
 pub(super) fn check_nodes(definition: &MeshDefinition) -> Result<(), MeshError> {
-    match definition.nodes.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
-        Some(node) => Err(MeshError::Position { node, position: definition.nodes[node] }),
+    match definition.nodes.iter().zip(1..).find(|(position, _)| !position.iter().all(|x| x.is_finite())) {
+        Some(([x, y], node)) => unsound(format!("node {node}: its position ({x}, {y}) is not finite")),
         None => Ok(()),
     }
 }
 
 pub(super) fn check_parts(definition: &MeshDefinition) -> Result<(), MeshError> {
     let mut first_with = BTreeMap::new();
-    for (second, part) in definition.parts.iter().enumerate() {
-        if let Some(first) = first_with.insert(part.name.as_str(), second) {
-            return Err(MeshError::PartName { name: part.name.clone(), first, second });
+    for (Part { name, thickness, .. }, second) in definition.parts.iter().zip(1..) {
+        if let Some(first) = first_with.insert(name.as_str(), second) {
+            return unsound(format!("parts {first} and {second} are both called '{name}'"));
         }
-        if !(part.thickness > 0.0 && part.thickness.is_finite()) {
-            return Err(MeshError::Thickness { part: part.name.clone(), thickness: part.thickness });
+        if !(*thickness > 0.0 && thickness.is_finite()) {
+            return unsound(format!("part '{name}': its thickness is {thickness}, it must be positive"));
         }
     }
     Ok(())
@@ -32,7 +41,7 @@ pub(super) fn check_parts(definition: &MeshDefinition) -> Result<(), MeshError> 
 
 pub(super) fn checked_elements(definition: &MeshDefinition) -> Result<Vec<Element>, MeshError> {
     if definition.elements.is_empty() {
-        return Err(MeshError::NoElements);
+        return unsound("the mesh has no elements".to_owned());
     }
     let count = definition.elements.len();
     let is_sound = |own: &(&usize, &f64)| *own.0 < count && *own.1 > 0.0 && own.1.is_finite();
@@ -45,21 +54,20 @@ pub(super) fn checked_elements(definition: &MeshDefinition) -> Result<Vec<Elemen
 fn checked_element(definition: &MeshDefinition, element: usize) -> Result<Element, MeshError> {
     check_node_indices(definition, element)?;
     let ElementDefinition { kind, part: part_index, ref nodes } = definition.elements[element];
-    let count = definition.parts.len();
-    let part =
-        definition.parts.get(part_index).ok_or(MeshError::PartIndex { element, kind, part: part_index, count })?;
+    let refuse = |fault: String| MeshError::of_element(element, kind, &fault);
+    let no_part =
+        || refuse(format!("its part {} does not exist, the mesh has {}", number(part_index), definition.parts.len()));
+    let part = definition.parts.get(part_index).ok_or_else(no_part)?;
     let integration = part.integration.unwrap_or(kind.default_integration());
-    let points = kind.integration_points(integration).ok_or_else(|| MeshError::Integration {
-        element,
-        kind,
-        part: part.name.clone(),
-        integration,
-    })?;
+    let no_rule =
+        || refuse(format!("part '{}' asks for {integration} integration, which {kind} does not have", part.name));
+    let points = kind.integration_points(integration).ok_or_else(no_rule)?;
     if part.model == PlaneModel::Axisymmetric
         && let Some(&node) = nodes.iter().find(|&&node| definition.nodes[node][0] < 0.0)
     {
-        let radius = definition.nodes[node][0];
-        return Err(MeshError::Radius { element, kind, part: part.name.clone(), node, radius });
+        let (node, radius) = (node + 1, definition.nodes[node][0]);
+        let what = format!("node {node} has the radius {radius}, negative in the axisymmetric part '{}'", part.name);
+        return Err(refuse(what));
     }
     let positions: Vec<[f64; 2]> = nodes.iter().map(|&node| definition.nodes[node]).collect();
     checked_area(definition, element, &positions, points)?;
@@ -73,16 +81,17 @@ fn checked_element(definition: &MeshDefinition, element: usize) -> Result<Elemen
 
 fn check_node_indices(definition: &MeshDefinition, element: usize) -> Result<(), MeshError> {
     let ElementDefinition { kind, ref nodes, .. } = definition.elements[element];
+    let refuse = |fault: String| Err(MeshError::of_element(element, kind, &fault));
     if nodes.len() != kind.node_count() {
-        return Err(MeshError::NodeCount { element, kind, found: nodes.len() });
+        return refuse(format!("it has {} nodes, {kind} needs {}", nodes.len(), kind.node_count()));
     }
     let count = definition.nodes.len();
     for (position, &node) in nodes.iter().enumerate() {
         if node >= count {
-            return Err(MeshError::NodeIndex { element, kind, node, count });
+            return refuse(format!("its node {} does not exist, the mesh has {count}", number(node)));
         }
         if nodes[..position].contains(&node) {
-            return Err(MeshError::RepeatedNode { element, kind, node });
+            return refuse(format!("it has node {} twice", node + 1));
         }
     }
     Ok(())
@@ -135,29 +144,33 @@ pub(super) fn check_sets(definition: &MeshDefinition) -> Result<(), MeshError> {
     for (name, nodes) in &definition.node_sets {
         let mut seen = HashSet::new();
         if nodes.is_empty() {
-            return Err(MeshError::EmptySet { kind: SetKind::Node, name: name.clone() });
+            return unsound(format!("node set '{name}' is empty"));
         }
         for &node in nodes {
             if node >= count {
-                return Err(MeshError::SetNode { name: name.clone(), node, count });
+                return unsound(format!(
+                    "node set '{name}': node {} does not exist, the mesh has {count}",
+                    number(node)
+                ));
             }
             if !seen.insert(node) {
-                return Err(MeshError::SetNodeRepeated { name: name.clone(), node });
+                return unsound(format!("node set '{name}' has node {} twice", node + 1));
             }
         }
     }
     for (name, edges) in &definition.edge_sets {
         let mut seen = HashSet::new();
         if edges.is_empty() {
-            return Err(MeshError::EmptySet { kind: SetKind::Edge, name: name.clone() });
+            return unsound(format!("edge set '{name}' is empty"));
         }
         for &edge in edges {
             let exists = definition.elements.get(edge.element).is_some_and(|e| edge.edge < e.kind.corner_count());
+            let what = || format!("edge {} of element {}", number(edge.edge), number(edge.element));
             if !exists {
-                return Err(MeshError::SetEdge { name: name.clone(), element: edge.element, edge: edge.edge });
+                return unsound(format!("edge set '{name}': {} does not exist", what()));
             }
             if !seen.insert(edge) {
-                return Err(MeshError::SetEdgeRepeated { name: name.clone(), element: edge.element, edge: edge.edge });
+                return unsound(format!("edge set '{name}' has {} twice", what()));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::fields::{Fields, FieldsError};
 use crate::element::MappedPoint;
+use crate::plane::{distance, dot, minus};
 
 /// Mean axial stress of a part's cross-sections along its axis: pairs of arc length, mm, and stress, MPa.
 ///
@@ -10,10 +11,6 @@ use crate::element::MappedPoint;
 /// t·σt with t the axis's direction, turned with the body by the deformation gradient; the arc length is the mean of the
 /// piece's points. A stress that is linear along a straight axis is reproduced; times the cross-section it is the axial
 /// force. Pieces without points are left out, and there are none along an axis of one place.
-///
-/// # Errors
-///
-/// The fields do not belong to their mesh.
 pub fn axial_stress(
     fields: &Fields<'_>,
     part: usize,
@@ -21,7 +18,7 @@ pub fn axial_stress(
     sections: usize,
 ) -> Result<Vec<(f64, f64)>, FieldsError> {
     fields.check()?;
-    let length: f64 = axis.windows(2).map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1])).sum();
+    let length: f64 = axis.windows(2).map(|ends| distance(ends[1], ends[0])).sum();
     // volume, its first moment along the axis, and the stress's integral
     let mut sums = vec![[0.0; 3]; sections];
     let mut stresses = fields.stresses.iter();
@@ -51,12 +48,12 @@ fn projected(axis: &[[f64; 2]], position: [f64; 2]) -> Option<(f64, [f64; 2])> {
     let mut nearest: Option<(f64, f64, [f64; 2])> = None;
     let mut start_arc = 0.0;
     for ends in axis.windows(2) {
-        let along = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
+        let along = minus(ends[1], ends[0]);
         let length = along[0].hypot(along[1]);
         if length > 0.0 {
             let direction = along.map(|component| component / length);
-            let offset = [position[0] - ends[0][0], position[1] - ends[0][1]];
-            let within = (offset[0] * direction[0] + offset[1] * direction[1]).clamp(0.0, length);
+            let offset = minus(position, ends[0]);
+            let within = dot(offset, direction).clamp(0.0, length);
             let distance = (offset[0] - within * direction[0]).hypot(offset[1] - within * direction[1]);
             if nearest.is_none_or(|(least, ..)| distance < least) {
                 nearest = Some((distance, start_arc + within, direction));

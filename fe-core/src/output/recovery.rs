@@ -104,10 +104,6 @@ impl Recovery {
     }
 
     /// Values at the places of [`Self::nodes`] from values at all points, element by element.
-    ///
-    /// # Errors
-    ///
-    /// Not one value per point.
     pub fn recover<const N: usize>(&self, values: &[[f64; N]]) -> Result<Vec<[f64; N]>, FieldsError> {
         expect_length("values at integration points", values.len(), self.point_count)?;
         let mut nodal = vec![[0.0; N]; self.counts.len()];
@@ -127,11 +123,7 @@ impl Recovery {
         Ok(nodal)
     }
 
-    /// Recovers as [`Self::recover`] does, limited in each part to the range of that part's points (see the modul
-    ///
-    /// # Errors
-    ///
-    /// Not one value per point.
+    /// Recovers as [`Self::recover`] does, limited in each part to the range of that part's points (see the module's page).
     pub fn recover_limited(&self, mesh: &Mesh, values: &[f64]) -> Result<Vec<f64>, FieldsError> {
         let columns: Vec<[f64; 1]> = values.iter().map(|&value| [value]).collect();
         let nodal = self.recover(&columns)?;

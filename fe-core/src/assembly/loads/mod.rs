@@ -83,15 +83,7 @@ impl LoadedEdge {
         let element = mesh.elements()[edge.element];
         let model = mesh.parts()[element.part()].model;
         let edge = mesh.edge_nodes(edge);
-        let mut positions = [[0.0; 2]; 3];
-        for (position, &node) in positions.iter_mut().zip(edge.nodes()) {
-            *position = mesh.nodes()[node];
-            if let Some(displacements) = displacements {
-                for component in 0..2 {
-                    position[component] += displacements[Freedom { node, component }.index()];
-                }
-            }
-        }
+        let positions = mesh.edge_positions(&edge, displacements);
         Self { edge, positions, model, thickness: element.thickness() }
     }
 

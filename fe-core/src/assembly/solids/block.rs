@@ -141,11 +141,8 @@ impl Block {
             advance_small(&shape, points, &end, task, forces, changed).map(|()| None)
         };
         let element = record.element;
-        let motions = motions.map_err(|(point, trouble)| Trouble {
-            place: Place::Element { element, point, position: shape.positions[point] },
-            reason: trouble.reason,
-            fraction: trouble.fraction,
-        })?;
+        let place = |point: usize| Place::Element { element, point, position: shape.positions[point] };
+        let motions = motions.map_err(|(point, trouble)| trouble.at(place(point)))?;
         evaluated.copy_from_slice(&end);
         (record.is_evaluated, record.has_tangent) = (true, wants_tangent);
         self.counters.evaluations += 1;

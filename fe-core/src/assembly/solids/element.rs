@@ -1,9 +1,10 @@
 //! One element: from end displacements to internal forces and stiffness.
 
 use super::kernel::{Nodal, PointShape, add_product, mirror};
-use super::points::{PointIncrement, PointTrouble, Points, USUAL_FRACTION, is_symmetric};
+use super::points::{PointIncrement, Points, USUAL_FRACTION, is_symmetric};
 use super::record::number_of;
 use super::{LEAST_VOLUME_RATIO, TangentChoice};
+use crate::assembly::Setback;
 use crate::element::MAX_NODES;
 use crate::kinematics::finite::{
     AverageRates, Components, FiniteIncrement, GRADIENT_COMPONENTS, Gradient, IDENTITY, Moduli, NominalTangent, mean,
@@ -15,7 +16,7 @@ use umat_abi::law::Request;
 pub(super) const MAX_POINTS: usize = 9;
 
 /// Trouble at a point of the element.
-pub(super) type ElementTrouble = (usize, PointTrouble);
+pub(super) type ElementTrouble = (usize, Setback);
 
 /// The reference configuration of one element.
 pub(super) struct Shape<'a, const N: usize> {
@@ -195,8 +196,8 @@ pub(super) fn advance_finite<const N: usize>(
     Ok(motions)
 }
 
-fn motion([start, end]: &[Gradient; 2]) -> Result<FiniteIncrement, PointTrouble> {
-    let trouble = |reason: String| PointTrouble { reason, fraction: Some(USUAL_FRACTION) };
+fn motion([start, end]: &[Gradient; 2]) -> Result<FiniteIncrement, Setback> {
+    let trouble = |reason: String| Setback { reason, fraction: Some(USUAL_FRACTION) };
     let motion = FiniteIncrement::new(start, end).map_err(|error| trouble(error.to_string()))?;
     if motion.volume_ratio < LEAST_VOLUME_RATIO {
         let ratio = motion.volume_ratio;

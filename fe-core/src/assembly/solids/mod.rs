@@ -236,11 +236,7 @@ impl Solids {
         Ok(())
     }
 
-    /// Evaluates as [`Self::evaluate`] does, without the stabilisation: of elements that are condensed as el
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::evaluate`].
+    /// Evaluates as [`Self::evaluate`] does, without the stabilisation: of elements that are condensed as elastic ones.
     pub(crate) fn evaluate_unstabilised(
         &mut self,
         displacements: &[f64],

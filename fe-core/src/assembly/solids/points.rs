@@ -2,19 +2,13 @@
 
 use super::TangentChoice;
 use super::error::SolidsError;
+use crate::assembly::Setback;
 use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::PluginLaw;
 use serde::{Deserialize, Serialize};
 use umat_abi::host::{TangentSource, UmatCall, judge};
 use umat_abi::law::{Request, StressState};
-
-/// Reason why a point gives no stress, in words, and the fraction of the increment to repeat with.
-#[derive(Clone, Debug)]
-pub(super) struct PointTrouble {
-    pub(super) reason: String,
-    pub(super) fraction: Option<f64>,
-}
 
 /// The fraction of the increment to repeat with by default.
 pub(super) const USUAL_FRACTION: f64 = 0.5;
@@ -244,7 +238,7 @@ impl Points {
         increment: &PointIncrement<'_>,
         request: Request,
         choice: TangentChoice,
-    ) -> Result<bool, PointTrouble> {
+    ) -> Result<bool, Setback> {
         let (mut stress, mut strain) = (self.committed.stress[point], self.committed.strain[point]);
         if let Some((motion, start, end)) = increment.motion {
             let rotation = motion.rotation();
@@ -405,7 +399,7 @@ impl Points {
     }
 
     /// The tangent of the trial state where nothing grows: of an increment of zero from it.
-    fn frozen(&mut self, point: usize) -> Result<Moduli, PointTrouble> {
+    fn frozen(&mut self, point: usize) -> Result<Moduli, Setback> {
         self.call.drot = columns(IDENTITY);
         self.call.dfgrd0 = self.call.dfgrd1;
         let (strain, stress) = (&self.trial.strain[point], &self.trial.stress[point]);
@@ -432,11 +426,11 @@ impl Points {
     }
 
     /// Calls the UMAT and judges what came back.
-    fn run(&mut self, request: Request) -> Result<(), PointTrouble> {
+    fn run(&mut self, request: Request) -> Result<(), Setback> {
         self.calls += 1;
         let outcome = self.call.call(request);
         let moduli = || self.call.moduli_not_finite().filter(|_| request == Request::StressAndTangent);
-        judge(outcome, self.call.not_finite().or_else(moduli)).map_err(|failure| PointTrouble {
+        judge(outcome, self.call.not_finite().or_else(moduli)).map_err(|failure| Setback {
             reason: format!("plugin '{}': {failure}", self.call.plugin()),
             fraction: failure.fraction(USUAL_FRACTION),
         })

@@ -160,7 +160,7 @@ impl Solids {
     }
 
     fn energies_of(&self, states: fn(&Points) -> &States, spalled: fn(&Spalled) -> f64) -> Vec<SolidEnergies> {
-        let mut parts = vec![SolidEnergies::default(); self.part_count()];
+        let mut parts = vec![SolidEnergies::default(); self.trust.len()];
         for Block { body: Body { part, index, points, volumes, .. }, records, .. } in &self.blocks {
             let sum = &mut parts[*index];
             sum.spalled += records.iter().filter_map(|record| record.spalled.as_ref()).map(spalled).sum::<f64>();
@@ -191,10 +191,6 @@ impl Solids {
         self.blocks.iter().map(|block| &block.body)
     }
 
-    pub(super) fn part_count(&self) -> usize {
-        self.bodies().map(|body| body.index + 1).max().unwrap_or(0)
-    }
-
     /// Energies of all parts.
     pub fn energies(&self) -> SolidEnergies {
         sum(self.part_energies())
@@ -202,7 +198,7 @@ impl Solids {
 
     /// Returns what all points have dissipated at the last evaluation of each: SPD + SCD, N·mm.
     pub(crate) fn trial_dissipation(&self) -> f64 {
-        let mut parts = vec![0.0; self.part_count()];
+        let mut parts = vec![0.0; self.trust.len()];
         for body in self.bodies() {
             for ([_, plastic, creep], volume) in body.points.trial.reference_energies.iter().zip(&body.volumes) {
                 parts[body.index] += (plastic + creep) * volume;
@@ -322,7 +318,7 @@ impl Solids {
 
     /// E of each part, MPa: the modulus along x of the virgin state with the other direct stresses 0.
     pub(crate) fn elastic_moduli(&self) -> Vec<f64> {
-        let mut moduli = vec![0.0; self.part_count()];
+        let mut moduli = vec![0.0; self.trust.len()];
         self.bodies().for_each(|body| moduli[body.index] = body.points.uniaxial_modulus());
         moduli
     }

@@ -175,7 +175,7 @@ impl Solids {
     }
 
     fn accounts_of(&self, states: fn(&Body) -> &super::points::States) -> Vec<PartAccount> {
-        let mut accounts = vec![PartAccount::default(); self.part_count()];
+        let mut accounts = vec![PartAccount::default(); self.trust.len()];
         for body in self.bodies() {
             let (states, account) = (states(body), &mut accounts[body.index]);
             account.damages = body.part.damages;

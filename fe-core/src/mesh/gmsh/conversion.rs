@@ -233,9 +233,8 @@ impl<'a> Conversion<'a> {
         };
         found
             .filter(|&ElementEdge { element, edge }| {
-                let ElementDefinition { kind, ref nodes, .. } = self.definition.elements[element];
-                let (local, count) = kind.edge_nodes(edge);
-                (count == 3).then(|| Some(nodes[local[2]])) == middle
+                let nodes = self.definition.elements[element].edge_nodes(edge);
+                nodes.get(2).map(|&node| Some(node)) == middle
             })
             .ok_or_else(|| {
                 let what = format!("line element {} of the physical curve '{group}'", line.tag);

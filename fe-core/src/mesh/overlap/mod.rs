@@ -16,6 +16,7 @@
 
 use super::{ElementEdge, Mesh, preflight};
 use crate::element::EdgeKind;
+use crate::plane::distance;
 
 #[cfg(test)]
 mod test;
@@ -70,11 +71,7 @@ impl Mesh {
 
     fn deformed_edge(&self, edge: ElementEdge, displacements: &[f64]) -> Edge {
         let ends = self.edge_nodes(edge);
-        let mut nodes = [[0.0; 2]; 3];
-        for (position, &node) in nodes.iter_mut().zip(ends.nodes()) {
-            let [x, y] = self.nodes[node];
-            *position = [x + displacements[2 * node], y + displacements[2 * node + 1]];
-        }
+        let nodes = self.edge_positions(&ends, Some(displacements));
         let kind = ends.kind();
         let part = self.elements[edge.element].part;
         Edge { kind, nodes, ends: [ends.nodes()[0], ends.nodes()[1]], part, turn: turn(kind, &nodes) }
@@ -120,8 +117,7 @@ struct Edge {
 
 impl Edge {
     fn length(&self) -> f64 {
-        let [start, end] = [self.nodes[0], self.nodes[1]];
-        (end[0] - start[0]).hypot(end[1] - start[1])
+        distance(self.nodes[1], self.nodes[0])
     }
 
     fn at(&self, s: f64) -> [f64; 2] {

@@ -3,6 +3,7 @@
 use super::{Body, Finding};
 use crate::element::{EdgeKind, EdgePoint};
 use crate::mesh::{ElementEdge, Mesh};
+use crate::plane::{distance, dot, minus};
 
 /// A node is on an edge if it is closer than this fraction of the edge's length: more than what files with seven digits
 /// round away, less than any gap that somebody meant.
@@ -94,10 +95,7 @@ struct EdgeLine {
 impl EdgeLine {
     fn new(mesh: &Mesh, edge: ElementEdge) -> Self {
         let edge_nodes = mesh.edge_nodes(edge);
-        let mut nodes = [[0.0; 2]; 3];
-        for (position, &node) in nodes.iter_mut().zip(edge_nodes.nodes()) {
-            *position = mesh.nodes()[node];
-        }
+        let nodes = mesh.edge_positions(&edge_nodes, None);
         let length = distance(nodes[0], nodes[1]);
         Self { kind: edge_nodes.kind(), nodes, tolerance: RELATIVE_DISTANCE * length }
     }
@@ -142,16 +140,4 @@ impl EdgeLine {
         }
         closest
     }
-}
-
-fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }

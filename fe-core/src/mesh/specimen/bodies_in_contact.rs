@@ -24,10 +24,6 @@ pub struct TwoBlocks {
 ///
 /// Parts `lower`, `upper`; node sets `bottom`, `top`, `lower_left`, `lower_right`, `upper_left`, `upper_right`; edge
 /// sets `lower_contact`, `upper_contact`, `top`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenError> {
     let TwoBlocks { width, heights, edges, rows, bodies } = *parameters;
     let mut required = Requirements::default();
@@ -85,10 +81,6 @@ pub struct CylinderOnPlane {
 ///
 /// Parts `cylinder`, `base`; node sets `symmetry` (x = 0 of both), `top`, `bottom`, `base_side`; edge sets
 /// `cylinder_contact` (the arc), `base_contact`, `top`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition, SpecimenError> {
     let CylinderOnPlane { radius, half_width, height, depth, contact_zone, contact_edges, growth, bodies } =
         *parameters;
@@ -193,10 +185,6 @@ impl DragOutStrip {
 ///
 /// Parts `strip`, `block`; node sets `sliding_end`, `tail`, `symmetry` (the strip's lower side), `block_left`,
 /// `block_right`, `block_top`; edge sets `strip_contact`, `block_contact`, `pressure` (the block's top).
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn drag_out_strip(parameters: &DragOutStrip) -> Result<MeshDefinition, SpecimenError> {
     let DragOutStrip { strip_length, strip_height, block_start, block_length, block_height, growth, .. } = *parameters;
     let mut required = Requirements::default();

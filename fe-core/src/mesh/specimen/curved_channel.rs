@@ -33,10 +33,6 @@ pub struct CurvedChannel {
 ///
 /// Parts `fibre`, `channel`; node sets `grip`, `tail` (the fibre's ends); edge sets `fibre_contact`, `channel_contact`,
 /// `tail`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn curved_channel(parameters: &CurvedChannel) -> Result<MeshDefinition, SpecimenError> {
     let CurvedChannel { radius, angle, fibre_height, free_length, depth, edges, free_edges, rows, bodies } =
         *parameters;

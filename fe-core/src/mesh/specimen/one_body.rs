@@ -29,10 +29,6 @@ pub struct PlateWithHole {
 /// The quarter 0 ≤ x ≤ width, 0 ≤ y ≤ height of a plate whose hole is about the origin.
 ///
 /// Node and edge sets `symmetry_x` (x = 0), `symmetry_y` (y = 0), `right`, `top`, `hole`; part `plate`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, SpecimenError> {
     let PlateWithHole { width, height, radius, cells, grading, body } = *parameters;
     let mut required = Requirements::default();
@@ -122,10 +118,6 @@ pub struct ThickCylinder {
 }
 
 /// A thick cylinder, for Lamé's solution; node and edge sets of [`CylinderSection`], part `cylinder`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn thick_cylinder(parameters: &ThickCylinder) -> Result<MeshDefinition, SpecimenError> {
     let ThickCylinder { inner_radius, outer_radius, radial_cells, grading, section, kind } = *parameters;
     let mut required = Requirements::default();
@@ -169,10 +161,6 @@ pub fn thick_cylinder(parameters: &ThickCylinder) -> Result<MeshDefinition, Spec
 
 /// Cook's membrane: (0, 0), (48, 44), (48, 60), (0, 44) in `cells` × `cells` cells; node and edge sets `left` (held),
 /// `right` (loaded), `bottom`, `top`; part `membrane`.
-///
-/// # Errors
-///
-/// No cells.
 pub fn cook_membrane(cells: usize, body: BodyChoice) -> Result<MeshDefinition, SpecimenError> {
     let mut required = Requirements::default();
     required.count([("cells", cells)]);
@@ -200,10 +188,6 @@ pub struct TimoshenkoBeam {
 
 /// A rectangle for Timoshenko's beam and for patch tests; node and edge sets `left`, `right`, `bottom`, `top`; part
 /// `beam`.
-///
-/// # Errors
-///
-/// Parameters that cannot be.
 pub fn timoshenko_beam(parameters: &TimoshenkoBeam) -> Result<MeshDefinition, SpecimenError> {
     let TimoshenkoBeam { length, height, cells, body } = *parameters;
     let mut required = Requirements::default();

@@ -39,6 +39,7 @@ pub(crate) use grading::{capped_through, too_many};
 use std::collections::HashMap;
 
 use super::{ElementDefinition, ElementEdge, MeshDefinition, Part};
+use crate::plane::distance;
 
 /// Reason why a line cannot be divided, or a block not be built, in words.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -68,10 +69,6 @@ impl MeshDefinition {
     }
 
     /// Adds a block that takes those nodes of `others` that coincide with its own.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::block`].
     pub fn glued_block(&mut self, block: &Block<'_>, others: &[usize]) -> Result<Grid, StructuredError> {
         check_divisions('ξ', block.xi)?;
         check_divisions('η', block.eta)?;
@@ -158,8 +155,7 @@ fn shortest_edge(block: &Block<'_>) -> f64 {
     for (i, j) in (0..=block.columns()).flat_map(|i| (0..=block.rows()).map(move |j| (2 * i, 2 * j))) {
         let here = block.position([i, j]);
         let mut compare = |place| {
-            let there = block.position(place);
-            let length = (there[0] - here[0]).hypot(there[1] - here[1]);
+            let length = distance(block.position(place), here);
             // Edges may collapse where cells are not kept.
             if length > 0.0 {
                 shortest = shortest.min(length);
@@ -200,10 +196,7 @@ impl Glue {
             return None;
         }
         let [column, row] = self.square(position);
-        let near = |node: &&usize| {
-            let there = positions[**node];
-            (there[0] - position[0]).hypot(there[1] - position[1]) <= self.tolerance
-        };
+        let near = |node: &&usize| distance(positions[**node], position) <= self.tolerance;
         (-1..=1)
             .flat_map(|i| (-1..=1).map(move |j| [column.saturating_add(i), row.saturating_add(j)]))
             .filter_map(|square| self.nodes.get(&square))

@@ -8,6 +8,7 @@ use crate::element::ElementKind;
 use crate::mesh::specimen::SpecimenError;
 use crate::mesh::triangulation::triangulate;
 use crate::mesh::{ElementDefinition, ElementEdge, MeshDefinition};
+use crate::plane::distance;
 use std::f64::consts::FRAC_PI_2;
 
 /// An edge of a rounded exit turns by at most this.
@@ -140,7 +141,7 @@ impl Outline {
         to: [f64; 2],
         surface: Surface,
     ) -> Result<(), SpecimenError> {
-        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let length = distance(to, from);
         let at = |distance: f64| {
             let share = distance / length;
             [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
@@ -231,11 +232,9 @@ impl Outline {
             .filter(|(piece, _)| piece.fibre == fibre);
         let mut mouth = None;
         for (piece, edge) in walls.rev() {
-            let element = &block.elements[edge.element];
-            let (local, count) = element.kind.edge_nodes(edge.edge);
-            let [start, end] = [0, 1].map(|k| element.nodes[local[k]]);
-            let middle = (count == 3).then(|| element.nodes[local[2]]);
-            let nodes = [Some(end), middle];
+            let of_edge = block.elements[edge.element].edge_nodes(edge.edge);
+            let (start, end) = (of_edge[0], of_edge[1]);
+            let nodes = [Some(end), of_edge.get(2).copied()];
             channel.pieces.push(Piece { start: block.nodes[end], nodes, ..*piece });
             mouth = Some(start);
         }

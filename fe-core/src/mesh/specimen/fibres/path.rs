@@ -1,6 +1,10 @@
 //! The axis of a fibre, by its arc length from the exit.
 
+use crate::plane::distance;
 use std::f64::consts::TAU;
+
+#[cfg(test)]
+mod test;
 
 /// A piece of a fibre's axis. Each goes on in the direction in which the one before it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,10 +99,9 @@ impl Path {
                 Segment::Straight { length } => (Shape::Line, length, lean),
                 Segment::Arc { radius, to } => (Shape::Arc(radius.copysign(to - lean)), radius * (to - lean).abs(), to),
                 Segment::Wave { amplitude, length, count } => {
-                    let shape = wave(amplitude, length, count);
-                    let Shape::Wave { table, .. } = &shape else { unreachable!("a wave is one") };
+                    let (table, step) = wave_table(amplitude, length, count);
                     let whole = table[table.len() - 1];
-                    (shape, whole, lean)
+                    (Shape::Wave { amplitude, length, table, step }, whole, lean)
                 }
             };
             if length > 0.0 {
@@ -172,10 +175,6 @@ impl Path {
 
     /// Arc length and distance of the nearest point of the axis between two arc lengths.
     pub(super) fn nearest(&self, [x, y]: [f64; 2], [from, to]: [f64; 2]) -> (f64, f64) {
-        let distance = |s: f64| {
-            let [p_x, p_y] = self.point(s, 0.0);
-            (x - p_x).hypot(y - p_y)
-        };
         let mut nearest = (from, f64::INFINITY);
         for piece in self.pieces.iter().filter(|piece| piece.from < to && piece.to > from) {
             let (from, to) = (piece.from.max(from), piece.to.min(to));
@@ -188,7 +187,7 @@ impl Path {
                 _ => (0..=PIECES).map(|k| from + (to - from) * k as f64 / PIECES as f64).collect(),
             };
             for s in candidates {
-                let distance = distance(s);
+                let distance = distance([x, y], self.point(s, 0.0));
                 if distance < nearest.1 {
                     nearest = (s, distance);
                 }
@@ -295,14 +294,15 @@ fn wave_length(from: f64, to: f64, amplitude: f64, length: f64) -> f64 {
     half * (5.0 * (stretch(-outer) + stretch(outer)) + 8.0 * stretch(0.0)) / 9.0
 }
 
-fn wave(amplitude: f64, length: f64, count: f64) -> Shape {
+/// Arc lengths at the ends of equal pieces of u, and the length of a piece.
+fn wave_table(amplitude: f64, length: f64, count: f64) -> (Vec<f64>, f64) {
     let pieces = (2.0 * count).round().max(1.0) as usize * PIECES;
     let step = count * length / pieces as f64;
     let mut table = vec![0.0];
     for k in 0..pieces {
         table.push(table[k] + wave_length(step * k as f64, step * (k + 1) as f64, amplitude, length));
     }
-    Shape::Wave { amplitude, length, table, step }
+    (table, step)
 }
 
 /// u at an arc length of the wave.
@@ -316,86 +316,4 @@ fn along_wave(s: f64, amplitude: f64, length: f64, table: &[f64], step: f64) -> 
         u -= too_far / wave_at(u, amplitude, length).1.hypot(1.0);
     }
     u
-}
-
-#[cfg(test)]
-mod test {
-    use super::*;
-
-    fn bent(angle: f64, radius: f64) -> Path {
-        let bend = Segment::Arc { radius, to: 0.0 };
-        Path::new(angle, &[Segment::Straight { length: 12.2 }, bend, Segment::Straight { length: 3.0 }], 12.2, 0.0)
-    }
-
-    fn paths() -> Vec<Path> {
-        let hook = [
-            Segment::Straight { length: 2.0 },
-            Segment::Arc { radius: 0.75, to: -0.6 },
-            Segment::Straight { length: 1.5 },
-            Segment::Arc { radius: 0.75, to: 0.3 },
-            Segment::Straight { length: 10.0 },
-        ];
-        let wave = [Segment::Wave { amplitude: 0.4, length: 8.0, count: 2.5 }, Segment::Straight { length: 1.0 }];
-        vec![bent(1.0, 0.6), Path::new(0.3, &hook, 12.0, 1.0), Path::new(-0.2, &wave, 15.0, -3.0)]
-    }
-
-    #[test]
-    fn a_path_is_continuous_with_its_tangent_and_measured_by_its_arc_length() {
-        let step = 1e-5;
-        for path in paths() {
-            let [x, y] = path.point(0.0, 0.0);
-            assert!(y.abs() < 1e-12, "{x} {y}");
-            for k in 0..400 {
-                let s = -15.0 + f64::from(k) * 0.049;
-                let ([a_x, a_y], [b_x, b_y]) = (path.point(s - step, 0.0), path.point(s + step, 0.0));
-                let (tangent, lean) = ([(b_x - a_x) / (2.0 * step), (b_y - a_y) / (2.0 * step)], path.lean(s));
-                let off = (tangent[0] - lean.sin()).abs().max((tangent[1] - lean.cos()).abs());
-                // across a change of curvature the difference is that of the step
-                assert!(off < 2e-5, "{s}: {tangent:?} {lean}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_wave_turns_by_the_curvature_of_its_crests() {
-        let wave = Segment::Wave { amplitude: 0.4, length: 8.0, count: 3.0 };
-        let path = Path::new(0.0, &[wave], 5.0, 0.0);
-        let step = 1e-4;
-        let curvature = |s: f64| (path.lean(s + step) - path.lean(s - step)) / (2.0 * step);
-        // half a wave from its beginning the crest lies 2a beside the axis
-        let length = path.end() + 5.0;
-        let crest = -5.0 + length / 6.0;
-        let ([start, _], [x, _]) = (path.point(-5.0, 0.0), path.point(crest, 0.0));
-        assert!((start - x - 0.8).abs() < 1e-9);
-        assert!((curvature(crest).abs() * wave.least_radius() - 1.0).abs() < 1e-3);
-    }
-
-    #[test]
-    fn the_exit_edge_touches_wall_and_face() {
-        for degrees in [0.0_f64, 5.0, 14.0, 37.0, 60.0, 75.0] {
-            for path in [
-                Path::new(degrees.to_radians(), &[Segment::Straight { length: 12.2 }], 12.2, 0.0),
-                bent(degrees.to_radians(), 0.609),
-            ] {
-                for offset in [0.203, -0.203] {
-                    let s = path.exit_start(offset, 0.1015, 5.0).unwrap();
-                    let ([_, y], [_, n_y]) = (path.point(s, offset), path.left(s));
-                    // the centre is `radius` from the wall, into the block, and from the face
-                    let centre = y + 0.1015 * n_y * offset.signum();
-                    assert!((centre + 0.1015).abs() < 1e-12, "{degrees} {offset}: {centre}");
-                    assert!((path.exit_radius(offset, s) - 0.1015).abs() < 1e-12, "{degrees} {offset}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_nearest_point_is_found_on_lines_and_arcs() {
-        let path = bent(0.7, 0.6);
-        for s in [-8.0, -1.0, 0.2, 1.5] {
-            let (found, distance) = path.nearest(path.point(s, 0.3), [-12.2, 3.0]);
-            assert!((found - s).abs() < 0.01 && (distance - 0.3).abs() < 1e-3, "{s}: {found} {distance}");
-        }
-        assert_eq!(path.nearest([0.0, 1.0], [-12.2, 0.0]).0, 0.0);
-    }
 }

@@ -2,11 +2,10 @@
 
 use super::outline::{Surface, SurfaceEdges};
 use super::{Fibre, Fibres, Laid};
-use crate::element::EdgeKind;
+use crate::mesh::MeshDefinition;
 use crate::mesh::specimen::perpendicular_fibre::{AWAY_LENGTH, NEAR_CLEARANCE};
 use crate::mesh::specimen::{ContactSurfaces, NodeCoupling, SurfaceRole, contact_width};
 use crate::mesh::structured::{Grid, Side};
-use crate::mesh::{ElementEdge, MeshDefinition};
 
 /// Returns where supports (b) and (c) begin on the left and on the right of the holes, x in mm: those that the block has room for.
 pub(super) fn support_limits(parameters: &Fibres, laid: &[Laid<'_>]) -> [[f64; 2]; 2] {
@@ -88,7 +87,8 @@ pub(super) fn name_supports(
         ("face_near", Surface::Face, Some([near_left, near_right])),
         ("face_away", Surface::Face, Some([away_left, away_right])),
     ] {
-        let nodes = edges[&(0, surface)].iter().flat_map(|&edge| nodes_of(definition, edge));
+        let nodes =
+            edges[&(0, surface)].iter().flat_map(|edge| definition.elements[edge.element].edge_nodes(edge.edge));
         let beyond =
             |x: f64| between.is_none_or(|[left, right]| x <= left + rounding(left) || x >= right - rounding(right));
         let mut nodes: Vec<usize> = nodes.filter(|&node| beyond(definition.nodes[node][0])).collect();
@@ -108,23 +108,13 @@ fn rounding(x: f64) -> f64 {
     1e-9 * x.abs()
 }
 
-fn nodes_of(definition: &MeshDefinition, edge: ElementEdge) -> Vec<usize> {
-    let element = &definition.elements[edge.element];
-    let corners = element.kind.corner_count();
-    let mut nodes = vec![element.nodes[edge.edge], element.nodes[(edge.edge + 1) % corners]];
-    if element.kind.edge_kind() == EdgeKind::Quadratic {
-        nodes.push(element.nodes[corners + edge.edge]);
-    }
-    nodes
-}
-
 /// Adds a node that moves by the mean displacement of a fibre's outer end, and makes it the grip.
 pub(super) fn hang_on_a_node(definition: &mut MeshDefinition, fibre: &Fibre, grid: &Grid) -> NodeCoupling {
     // the consistent share of each node in a uniform traction on the end
     let mut shares: Vec<(usize, f64)> = Vec::new();
     let end = grid.side_edges(Side::Right);
-    for &edge in &end {
-        let nodes = nodes_of(definition, edge);
+    for edge in &end {
+        let nodes = definition.elements[edge.element].edge_nodes(edge.edge);
         let weights: &[f64] = if nodes.len() == 3 { &[1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0] } else { &[0.5, 0.5] };
         for (&node, weight) in nodes.iter().zip(weights) {
             let share = weight / end.len() as f64;

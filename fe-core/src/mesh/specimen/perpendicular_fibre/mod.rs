@@ -171,12 +171,9 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     )?;
 
     let thickness = parameters.thickness();
-    let cover_part = parameters.cover.then(|| {
-        let [_, matrix] = parameters.parts();
-        mesh.add_part(thickness.cover(matrix))
-    });
     let mut cover = Vec::new();
-    if let Some(part) = cover_part {
+    if parameters.cover {
+        let part = mesh.add_part(thickness.cover(mesh.parts[matrix_part].clone()));
         let first = mesh.elements.len();
         parameters.fill_hole(&mut mesh, part, &lines, &matrix)?;
         cover.push((first..mesh.elements.len(), parameters.fibre_diameter));
