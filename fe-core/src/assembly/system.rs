@@ -18,9 +18,7 @@ use std::sync::Arc;
 /// Places in the matrix of the entries of an element's stiffness.
 #[derive(Clone, Debug)]
 enum Scatter {
-    /// Nowhere: the element is condensed.
-    Condensed,
-    /// Freedoms are equations or held: the place of each entry of the element, or [`NOWHERE`].
+    /// Freedoms are equations or held: the place of each entry of the element, or [`NOWHERE`]; none of a condensed element.
     Direct(Vec<u32>),
     /// Couplings: (entry of the element, place, coefficient).
     Coupled(Vec<(u32, u32, f64)>),
@@ -114,7 +112,7 @@ impl System {
             .enumerate()
             .map(|(element, freedoms)| match is_active(element) {
                 true => Scatter::new(&equations, &row_of_equation, &pattern, freedoms),
-                false => Scatter::Condensed,
+                false => Scatter::Direct(Vec::new()),
             })
             .collect();
         let far_places = far_field.as_ref().map_or_else(Vec::new, |far| {
@@ -375,7 +373,6 @@ impl Scatter {
     /// Adds an element's stiffness to the values from `first` on.
     fn add(&self, stiffness: &[f64], first: usize, values: &mut [f64]) {
         match self {
-            Self::Condensed => {}
             Self::Direct(places) => {
                 for (&place, entry) in places.iter().zip(stiffness) {
                     if place != NOWHERE
@@ -403,7 +400,6 @@ impl Scatter {
             first..behind
         };
         match self {
-            Self::Condensed => 0..0,
             Self::Direct(places) => span(&mut places.iter().filter(|place| **place != NOWHERE).map(|&p| p as usize)),
             Self::Coupled(entries) => span(&mut entries.iter().map(|&(_, place, _)| place as usize)),
         }

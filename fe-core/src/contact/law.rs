@@ -78,18 +78,18 @@ impl PointLaw {
         match &pair.law {
             ContactLaw::Uinter(law) => {
                 let (filled, normal) = filled(pair, law, Some(ratio * penalty), penalty)?;
+                let needs = |reason| Err(ContactError::Enforcement { pair: pair.name.clone(), reason });
                 let augmented = match (pair.enforcement, normal) {
-                    (Enforcement::Penalty, _) => None,
+                    (Enforcement::Penalty, _) | (Enforcement::PerturbedLagrangian { .. }, Some((_, true))) => None,
                     (Enforcement::Uzawa { .. }, Some((value, _))) if value > 0.0 => Some(value),
-                    (Enforcement::PerturbedLagrangian { .. }, Some((_, true))) => None,
                     (Enforcement::Uzawa { .. }, _) => {
-                        let reason = "Uzawa updates of a UINTER need a parameter whose role is normal_penalty";
-                        return Err(ContactError::Enforcement { pair: pair.name.clone(), reason });
+                        return needs("Uzawa updates of a UINTER need a parameter whose role is normal_penalty");
                     }
                     (Enforcement::PerturbedLagrangian { .. }, _) => {
-                        let reason = "a perturbed Lagrangian of a UINTER needs a parameter whose role is \
-                                      normal_penalty, left at 0 for the host to fill";
-                        return Err(ContactError::Enforcement { pair: pair.name.clone(), reason });
+                        return needs(
+                            "a perturbed Lagrangian of a UINTER needs a parameter whose role is normal_penalty, left at 0 \
+                             for the host to fill",
+                        );
                     }
                 };
                 let mut call = filled.uinter(2).map_err(|error| failed(law, error))?;

@@ -101,15 +101,6 @@ impl ElementKind {
         }
     }
 
-    /// The area of the reference element: ½ or 4.
-    #[cfg(test)]
-    pub(crate) fn reference_area(self) -> f64 {
-        match self {
-            Self::T3 | Self::T6 => 0.5,
-            Self::Q4 | Self::Q8 => 4.0,
-        }
-    }
-
     /// Shape functions at (ξ, η) and their derivatives by ξ and η.
     pub fn shape_functions(self, reference: [f64; 2]) -> ShapeFunctions {
         match self {

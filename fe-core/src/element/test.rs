@@ -1,6 +1,16 @@
 use super::*;
 use approx::assert_abs_diff_eq;
 
+impl ElementKind {
+    /// The area of the reference element: ½ or 4.
+    pub(crate) fn reference_area(self) -> f64 {
+        match self {
+            Self::T3 | Self::T6 => 0.5,
+            Self::Q4 | Self::Q8 => 4.0,
+        }
+    }
+}
+
 /// Points inside, on the edges and at corners of the reference element.
 fn sample_points(kind: ElementKind) -> Vec<[f64; 2]> {
     let unit = [0.0, 0.13, 0.31, 0.5, 0.77, 1.0];

@@ -123,7 +123,7 @@ impl Block {
             return Ok(());
         }
         record.forget();
-        if record.spalled.is_some() {
+        if record.built.spalled.is_some() {
             self.evaluate_spalled::<N>(local, &end, evaluation);
             return Ok(());
         }
@@ -131,9 +131,9 @@ impl Block {
         let (shape, points) = self.body.split::<N>(record);
         points.call.celent = record.characteristic_length;
         points.call.noel = number_of(record.element);
-        let task = Task { request, choice: record.choice };
+        let task = Task { request, choice: record.built.choice };
         let forces = &mut self.forces[record.nodal.clone()].as_chunks_mut::<N>().0[0];
-        let changed = &mut record.moduli_changed;
+        let changed = &mut record.built.moduli_changed;
         let motions = if nlgeom {
             let start = &self.committed[record.nodal.clone()].as_chunks::<N>().0[0];
             advance_finite(&shape, points, [start, &end], task, forces, changed).map(Some)
@@ -146,7 +146,7 @@ impl Block {
         evaluated.copy_from_slice(&end);
         (record.is_evaluated, record.has_tangent) = (true, wants_tangent);
         self.counters.evaluations += 1;
-        if wants_tangent && (record.moduli_changed || nlgeom || !skip_unchanged) {
+        if wants_tangent && (record.built.moduli_changed || nlgeom || !skip_unchanged) {
             self.build_stiffness::<N>(local, motions.as_ref(), evaluation);
         }
         Ok(())
@@ -154,12 +154,12 @@ impl Block {
 
     /// Evaluates the forces left of a released element at the end displacements of its nodes.
     fn evaluate_spalled<const N: usize>(&mut self, local: usize, end: &Nodal<N>, evaluation: &Evaluation<'_>) {
-        if self.records[local].moduli_changed {
+        if self.records[local].built.moduli_changed {
             self.build_stiffness::<N>(local, None, evaluation);
         }
         let record = &mut self.records[local];
         let nodal = record.nodal.clone();
-        if let Some(spalled) = &mut record.spalled {
+        if let Some(spalled) = &mut record.built.spalled {
             let stiffness = &self.stiffnesses[record.stiffness.clone()];
             spalled.act([&self.committed[nodal.clone()], end], stiffness, &mut self.forces[nodal.clone()]);
         }
@@ -171,13 +171,13 @@ impl Block {
     pub(super) fn set_share(&mut self, local: usize, share: f64) {
         let Self { body, records, .. } = self;
         let record = &mut records[local];
-        let Some(spalled) = &mut record.spalled else { return };
+        let Some(spalled) = &mut record.built.spalled else { return };
         let part = spalled.set_share(share);
         let points = &mut body.points;
         for point in record.points.clone() {
             points.moduli[point] = points.elastic.map(|row| row.map(|modulus| part * modulus));
         }
-        record.moduli_changed = true;
+        record.built.moduli_changed = true;
         record.forget();
     }
 
@@ -199,10 +199,10 @@ impl Block {
             }
             None => stiffness_small(&shape, &points.moduli[record.points.clone()], rows),
         };
-        self.unsymmetric = self.unsymmetric + usize::from(!is_symmetric) - usize::from(record.is_unsymmetric);
-        record.is_unsymmetric = !is_symmetric;
-        record.moduli_changed = false;
-        record.version = evaluation.version;
+        self.unsymmetric = self.unsymmetric + usize::from(!is_symmetric) - usize::from(record.built.is_unsymmetric);
+        record.built.is_unsymmetric = !is_symmetric;
+        record.built.moduli_changed = false;
+        record.built.version = evaluation.version;
         self.counters.stiffness_builds += 1;
     }
 
@@ -220,7 +220,7 @@ impl Block {
             }
         }
         let nodal = record.nodal.clone();
-        record.spalled = Some(Spalled::new(&forces[nodal.clone()], &committed[nodal], stored));
+        record.built.spalled = Some(Spalled::new(&forces[nodal.clone()], &committed[nodal], stored));
         self.set_share(local, 1.0);
     }
 
@@ -232,7 +232,7 @@ impl Block {
             if record.is_evaluated && pairs.all(|(&node, own)| same_bits(&displacements[node], own)) {
                 self.body.points.commit(record.points.clone());
                 self.committed[record.nodal.clone()].copy_from_slice(evaluated);
-                if let Some(spalled) = &mut record.spalled {
+                if let Some(spalled) = &mut record.built.spalled {
                     spalled.commit();
                 }
             }

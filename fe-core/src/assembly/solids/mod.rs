@@ -140,12 +140,6 @@ impl Solids {
         }
     }
 
-    /// Returns how many threads evaluate blocks.
-    #[cfg(test)]
-    pub(crate) fn thread_count(&self) -> usize {
-        self.threads.count()
-    }
-
     /// Sets the elements that are evaluated: the others are left as they are, and give no forces.
     ///
     /// # Panics
@@ -185,8 +179,8 @@ impl Solids {
     pub(crate) fn set_tangent_choice(&mut self, element: usize, choice: TangentChoice) {
         let BlockPlace { block, local } = self.places[element];
         let record = &mut self.blocks[block].records[local];
-        if record.choice != choice {
-            record.choice = choice;
+        if record.built.choice != choice {
+            record.built.choice = choice;
             record.has_tangent = false;
         }
     }
@@ -289,12 +283,6 @@ impl Solids {
     /// evaluation that asked for tangents; 0 before.
     pub fn stiffness(&self, element: usize) -> &[f64] {
         &self.block(element).stiffnesses[self.record(element).stiffness.clone()]
-    }
-
-    /// The [`Self::latest_version`] after the evaluation that built an element's stiffness; 0 before.
-    #[cfg(test)]
-    pub(crate) fn stiffness_version(&self, element: usize) -> u64 {
-        self.record(element).version
     }
 
     /// A number that grows whenever an evaluation builds stiffnesses.

@@ -35,11 +35,17 @@ pub(super) struct Record {
     pub(super) nodal: Range<usize>,
     /// Stiffness among those of the block.
     pub(super) stiffness: Range<usize>,
-    pub(super) choice: TangentChoice,
+    pub(super) built: Built,
     /// The trial state is that of the evaluated displacements, from the committed state.
     pub(super) is_evaluated: bool,
     /// Whether the stiffness is there too.
     pub(super) has_tangent: bool,
+}
+
+/// How the stiffness of an element was built, as it is kept between runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Built {
+    pub(super) choice: TangentChoice,
     /// A DDSDDE is another one than that of the stiffness.
     pub(super) moduli_changed: bool,
     pub(super) is_unsymmetric: bool,
@@ -130,7 +136,7 @@ impl Record {
     /// Discards the last evaluation.
     pub(super) fn forget(&mut self) {
         (self.is_evaluated, self.has_tangent) = (false, false);
-        if let Some(spalled) = &mut self.spalled {
+        if let Some(spalled) = &mut self.built.spalled {
             spalled.work = 0.0;
         }
     }
@@ -494,14 +500,16 @@ fn records(mesh: &Mesh, body: &mut Body, elements: &[usize]) -> Vec<Record> {
             gradients: first_gradient..body.gradients.len(),
             nodal: nodal..nodal + count,
             stiffness: stiffness..stiffness + 4 * count * count,
-            choice: TangentChoice::default(),
+            built: Built {
+                choice: TangentChoice::default(),
+                // The virgin stiffness is not built yet.
+                moduli_changed: true,
+                is_unsymmetric: false,
+                version: 0,
+                spalled: None,
+            },
             is_evaluated: false,
             has_tangent: false,
-            // The virgin stiffness is not built yet.
-            moduli_changed: true,
-            is_unsymmetric: false,
-            version: 0,
-            spalled: None,
         });
     }
     records

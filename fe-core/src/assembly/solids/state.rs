@@ -2,9 +2,9 @@
 
 use super::block::Block;
 use super::points::States;
-use super::record::{Record, Spalled};
+use super::record::{Built, Record};
 use super::trust::Trust;
-use super::{Counters, Solids, TangentChoice};
+use super::{Counters, Solids};
 use crate::assembly::GREATEST_COUNT;
 use crate::kinematics::finite::Moduli;
 use serde::{Deserialize, Serialize};
@@ -29,22 +29,7 @@ struct BlockState {
     built: Vec<Built>,
 }
 
-/// Choices by which the stiffness of an element was built.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Built {
-    choice: TangentChoice,
-    moduli_changed: bool,
-    is_unsymmetric: bool,
-    version: u64,
-    spalled: Option<Spalled>,
-}
-
 impl Built {
-    fn of(record: &Record) -> Self {
-        let Record { choice, moduli_changed, is_unsymmetric, version, ref spalled, .. } = *record;
-        Self { choice, moduli_changed, is_unsymmetric, version, spalled: spalled.clone() }
-    }
-
     fn fits(&self, record: &Record, version: u64) -> bool {
         self.version <= version && self.spalled.as_ref().is_none_or(|spalled| spalled.fits(record.nodes().len()))
     }
@@ -59,7 +44,7 @@ impl BlockState {
             moduli: points.moduli.clone(),
             displacements: block.committed.clone(),
             stiffnesses: block.stiffnesses.clone(),
-            built: block.records.iter().map(Built::of).collect(),
+            built: block.records.iter().map(|record| record.built.clone()).collect(),
         }
     }
 
@@ -84,10 +69,7 @@ impl BlockState {
         block.committed.copy_from_slice(&self.displacements);
         block.stiffnesses.copy_from_slice(&self.stiffnesses);
         for (record, built) in block.records.iter_mut().zip(&self.built) {
-            let Built { choice, moduli_changed, is_unsymmetric, version, ref spalled } = *built;
-            record.spalled.clone_from(spalled);
-            (record.choice, record.moduli_changed) = (choice, moduli_changed);
-            (record.is_unsymmetric, record.version) = (is_unsymmetric, version);
+            record.built.clone_from(built);
         }
         block.unsymmetric = self.built.iter().filter(|built| built.is_unsymmetric).count();
         (block.counters, block.body.points.calls) = (Counters::default(), 0);

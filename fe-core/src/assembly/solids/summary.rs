@@ -163,7 +163,7 @@ impl Solids {
         let mut parts = vec![SolidEnergies::default(); self.trust.len()];
         for Block { body: Body { part, index, points, volumes, .. }, records, .. } in &self.blocks {
             let sum = &mut parts[*index];
-            sum.spalled += records.iter().filter_map(|record| record.spalled.as_ref()).map(spalled).sum::<f64>();
+            sum.spalled += records.iter().filter_map(|record| record.built.spalled.as_ref()).map(spalled).sum::<f64>();
             let states = states(points);
             for (work, volume) in states.viscous.iter().zip(volumes) {
                 sum.viscous += work * volume;
@@ -236,7 +236,7 @@ impl Solids {
 
     /// Returns whether an element is torn matter that was released.
     pub(crate) fn is_spalled(&self, element: usize) -> bool {
-        self.record(element).spalled.is_some()
+        self.record(element).built.spalled.is_some()
     }
 
     /// The elements that were released, ascending.

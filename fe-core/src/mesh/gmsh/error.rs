@@ -1,39 +1,9 @@
-//! Faults of a Gmsh file and their places.
+//! Faults of a Gmsh file, and their words.
 
-use std::path::PathBuf;
-
-/// A fault of a Gmsh file. Tags of nodes and elements in the message are those of Gmsh.
+/// A fault of a Gmsh file with its place and its remedy, in words. Tags of nodes and elements are those of Gmsh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{}{place}: {fault}", path.display())]
-pub struct GmshError {
-    /// The file.
-    pub path: PathBuf,
-    /// The place in the file.
-    pub place: Place,
-    /// The fault in words, with its remedy.
-    pub fault: String,
-}
-
-/// A place in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// The file as a whole.
-    File,
-    /// A line of a text file, from 1.
-    Line(usize),
-    /// A byte of a binary file, from 0.
-    Byte(usize),
-}
-
-impl std::fmt::Display for Place {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::File => Ok(()),
-            Self::Line(line) => write!(formatter, ":{line}"),
-            Self::Byte(byte) => write!(formatter, ", byte {byte}"),
-        }
-    }
-}
+#[error("{0}")]
+pub struct GmshError(pub(super) String);
 
 /// Other text than the format requires here.
 pub(super) fn unexpected(expected: &str, found: &str) -> String {

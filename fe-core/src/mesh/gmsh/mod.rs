@@ -9,7 +9,7 @@ mod source;
 #[cfg(test)]
 mod test;
 
-pub use error::{GmshError, Place};
+pub use error::GmshError;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -44,6 +44,6 @@ pub fn read(
     let file = file::File::read(&mut source).map_err(|trouble| source.error(path, trouble))?;
     conversion::mesh_definition(&file, parts).map_err(|(place, fault)| match place {
         Some(position) => source.error(path, (position, fault)),
-        None => GmshError { path: path.to_owned(), place: Place::File, fault },
+        None => GmshError(format!("{}: {fault}", path.display())),
     })
 }

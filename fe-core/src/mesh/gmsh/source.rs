@@ -1,6 +1,6 @@
 //! A reading position in the bytes of a file, in text or in binary.
 
-use super::error::{GmshError, Place, shown, truncated, unexpected};
+use super::error::{GmshError, shown, truncated, unexpected};
 use std::path::Path;
 
 /// A fault at a byte of the file.
@@ -157,15 +157,15 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The trouble with its file and place.
+    /// The trouble with its file and place: a line of text, from 1, or a byte of binary data, from 0.
     pub(super) fn error(&self, path: &Path, (position, fault): Trouble) -> GmshError {
         let place = match self.encoding {
             Encoding::Text => {
                 let before = &self.bytes[..position.min(self.bytes.len())];
-                Place::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
+                format!(":{}", 1 + before.iter().filter(|&&byte| byte == b'\n').count())
             }
-            Encoding::Binary => Place::Byte(position),
+            Encoding::Binary => format!(", byte {position}"),
         };
-        GmshError { path: path.to_owned(), place, fault }
+        GmshError(format!("{}{place}: {fault}", path.display()))
     }
 }

@@ -99,8 +99,10 @@ impl<'a> Block<'a> {
 #[derive(Clone, Debug)]
 pub struct Grid {
     pub(super) kind: ElementKind,
-    pub(super) columns: usize,
-    pub(super) rows: usize,
+    /// Number of cells side by side.
+    pub columns: usize,
+    /// Number of cells upon each other.
+    pub rows: usize,
     /// Nodes by place, row by row.
     pub(super) nodes: Vec<Option<usize>>,
     /// The first element of each cell, row by row, and how it was cut.
@@ -108,16 +110,6 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Returns how many cells lie side by side.
-    pub fn columns(&self) -> usize {
-        self.columns
-    }
-
-    /// Returns how many cells lie upon each other.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
     pub(super) fn place(&self, [i, j]: [usize; 2]) -> usize {
         j * (2 * self.columns + 1) + i
     }

@@ -12,6 +12,18 @@ use crate::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
 use crate::model::{Controls, Measured, PluginLaw, Skipping};
 use std::collections::HashMap;
 
+impl Solids {
+    /// Returns how many threads evaluate blocks.
+    pub(crate) fn thread_count(&self) -> usize {
+        self.threads.count()
+    }
+
+    /// The [`Self::latest_version`] after the evaluation that built an element's stiffness; 0 before.
+    pub(crate) fn stiffness_version(&self, element: usize) -> u64 {
+        self.record(element).built.version
+    }
+}
+
 /// The patch of MacNeal and Harder (1985): five quadrilaterals in a rectangle of 0.24 by 0.12.
 const PATCH_NODES: [[f64; 2]; 8] =
     [[0.0, 0.0], [0.24, 0.0], [0.24, 0.12], [0.0, 0.12], [0.04, 0.02], [0.18, 0.03], [0.16, 0.08], [0.08, 0.08]];

@@ -265,7 +265,7 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
         let block = Block::new(part, parameters.fibre.kind, &divisions.along, &divisions.across);
         let grid = definition.block(&block.mapped(&map))?;
         // the middle between the fibre's sides: `check` has ruled out kinds without a node there
-        let on_axis = |station: usize| grid.node(2 * station, grid.rows()).expect("the fibre has nodes on its axis");
+        let on_axis = |station: usize| grid.node(2 * station, grid.rows).expect("the fibre has nodes on its axis");
         let (exit_node, tail_node) = (on_axis(divisions.exit_station), on_axis(0));
         definition.node_set(&fibre.set("exit", ""), [exit_node]);
         definition.node_set(&fibre.set("tail", ""), [tail_node]);

@@ -180,7 +180,7 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     }
 
     // `check` has ruled out kinds without a node on the axis.
-    let axis_place = if parameters.is_axisymmetric() { 0 } else { fibre.columns() };
+    let axis_place = if parameters.is_axisymmetric() { 0 } else { fibre.columns };
     let on_axis = |row: usize| fibre.node(axis_place, 2 * row).expect("the fibre has nodes on its axis");
     let (exit_node, tail_node) = (on_axis(parameters.mesh.embedded_elements), on_axis(0));
     mesh.node_set("exit", [exit_node]);

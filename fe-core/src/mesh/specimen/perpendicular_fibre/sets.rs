@@ -34,13 +34,13 @@ pub(super) fn name_surfaces(
     matrix: &Grid,
     lines: &Lines,
 ) -> Vec<ContactSurfaces> {
-    let (first, end, top) = (lines.middle_columns.start, lines.middle_columns.end, matrix.rows() - 1);
-    let face = [matrix.row_edges(end..matrix.columns(), top, Side::Top), matrix.row_edges(0..first, top, Side::Top)];
+    let (first, end, top) = (lines.middle_columns.start, lines.middle_columns.end, matrix.rows - 1);
+    let face = [matrix.row_edges(end..matrix.columns, top, Side::Top), matrix.row_edges(0..first, top, Side::Top)];
     mesh.edge_set("exit_face", face.concat());
     mesh.edge_set("bottom_face", matrix.side_edges(Side::Bottom));
     mesh.edge_set("fibre_tail", fibre.side_edges(Side::Bottom));
     mesh.edge_set("hole_end", matrix.row_edges(first..end, lines.ligament_rows - 1, Side::Top));
-    let along = lines.rows_below_fibre..matrix.rows();
+    let along = lines.rows_below_fibre..matrix.rows;
     let mut pair = |name: &str, hole: (&str, Vec<ElementEdge>), surface: (&str, Side)| {
         mesh.edge_set(hole.0, hole.1);
         mesh.edge_set(surface.0, fibre.side_edges(surface.1));
