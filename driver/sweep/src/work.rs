@@ -100,6 +100,8 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
         }
     }
     drop(known);
+    // a run that was lost comes last: if its worker was killed by somebody else, the next kill hits another one
+    office.due.sort_by_key(|due| due.attempt);
     let kept = runs.len() - office.due.len();
     let jobs = work.jobs.clamp(1, office.due.len().max(1));
     let errors = Mutex::new(Vec::new());
