@@ -217,11 +217,6 @@ impl Contact {
         Ok(all)
     }
 
-    /// Returns whether all blocks of the last evaluation with tangents are symmetric to the last bit.
-    pub fn symmetric(&self) -> bool {
-        self.pairs.iter().all(|pair| pair.symmetric)
-    }
-
     /// The increment that was evaluated last is accepted.
     pub fn commit(&mut self) {
         for pair in &mut self.pairs {

@@ -68,8 +68,6 @@ pub(super) struct Pair {
     pub scratch: Scratch,
     /// ∂t_T/∂s of the points, N/mm, of their last evaluation with tangents.
     pub shear_stiffness: Vec<f64>,
-    /// Whether all blocks of the last evaluation that made any were symmetric.
-    pub symmetric: bool,
     pub release: bool,
     /// Whether feet are looked for from the last ones.
     pub walks: bool,
@@ -114,7 +112,6 @@ impl Pair {
         output: &mut Output<'_>,
     ) -> Result<Evaluation, Trouble> {
         let mut evaluation = Evaluation::default();
-        self.symmetric |= output.request.wants_tangent();
         self.foretold.elsewhere = false;
         for number in 0..self.patches.len() {
             let patch = self.patches[number].clone();

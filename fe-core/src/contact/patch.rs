@@ -119,10 +119,7 @@ impl Pair {
             let mut scratch = std::mem::take(&mut self.scratch);
             scratch.gather(self.members(&patch).map(|(_, kinematics)| kinematics));
             self.fill(&mut scratch, &patch, &shared);
-            let count = scratch.freedoms.len();
-            let block = &scratch.block;
-            self.symmetric &= (0..count).all(|i| (0..i).all(|j| block[i * count + j] == block[j * count + i]));
-            output.blocks.push(&scratch.freedoms, block);
+            output.blocks.push(&scratch.freedoms, &scratch.block);
             self.scratch = scratch;
         }
     }

@@ -63,7 +63,6 @@ impl Pair {
             patches: patches(&points),
             scratch: Scratch::default(),
             shear_stiffness: vec![0.0; points.len()],
-            symmetric: true,
             release: pair.release,
             walks,
             data: Vec::with_capacity(points.len()),

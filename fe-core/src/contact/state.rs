@@ -23,7 +23,6 @@ struct PairState {
     tangents: Vec<Tangent>,
     weight_slopes: Vec<f64>,
     shear_stiffness: Vec<f64>,
-    symmetric: bool,
 }
 
 impl PairState {
@@ -35,12 +34,11 @@ impl PairState {
             tangents: pair.tangents.clone(),
             weight_slopes: pair.weight_slopes.clone(),
             shear_stiffness: pair.shear_stiffness.clone(),
-            symmetric: pair.symmetric,
         }
     }
 
     fn fits(&self, pair: &Pair, nodes: usize) -> bool {
-        let Self { committed, trial, kinematics, tangents, weight_slopes, shear_stiffness, symmetric: _ } = self;
+        let Self { committed, trial, kinematics, tangents, weight_slopes, shear_stiffness } = self;
         let mut numbers = tangents.as_flattened().as_flattened().iter().chain(weight_slopes).chain(shear_stiffness);
         pair.committed.fits(committed)
             && pair.trial.fits(trial)
@@ -59,7 +57,6 @@ impl PairState {
         pair.tangents.clone_from(&self.tangents);
         pair.weight_slopes.clone_from(&self.weight_slopes);
         pair.shear_stiffness.clone_from(&self.shear_stiffness);
-        pair.symmetric = self.symmetric;
     }
 }
 

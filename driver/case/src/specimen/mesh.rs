@@ -140,7 +140,8 @@ pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
     let (round, plane): (Vec<&Part>, Vec<&Part>) =
         definition.parts.iter().partition(|part| part.model == PlaneModel::Axisymmetric);
     if let (Some(round), Some(plane)) = (round.first(), plane.first()) {
-        let message = format!("part '{}' is axisymmetric and this one is not: a mesh has an axis, or it has none", round.name);
+        let message =
+            format!("part '{}' is axisymmetric and this one is not: a mesh has an axis, or it has none", round.name);
         reader.problem(&Place::root().key("parts").key(&plane.name).key("model"), message);
     }
     for (index, part) in definition.parts.iter().enumerate() {

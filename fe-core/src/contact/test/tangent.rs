@@ -43,6 +43,12 @@ fn check(scene: &Scene, pair: ContactPair, path: &[[f64; 2]]) -> Contact {
     contact
 }
 
+/// Returns whether the stiffness is symmetric to the last bit.
+fn is_symmetric(contact: &mut Contact, displacements: &[f64]) -> bool {
+    let stiffness = stiffness(contact, displacements);
+    (0..displacements.len()).all(|i| (0..i).all(|j| stiffness[i][j] == stiffness[j][i]))
+}
+
 /// Flat, hollow and round masters. Facets of curved ones cut into the slave's: a gap at the start, which is subtracted.
 fn scenes() -> Vec<Scene> {
     let mut scenes = Vec::new();
@@ -77,8 +83,9 @@ fn blocks_are_symmetric_without_friction_on_smooth_masters() {
         (Q8, |x| 0.3 * x.cos(), false),
     ] {
         let scene = Scene::rows(kind, curve, PlaneModel::PlaneStrain);
-        let contact = check(&scene, scene.pair(uinter(&[])), &[[0.012, -0.02]]);
-        assert_eq!(contact.symmetric(), symmetric, "{kind}");
+        let end = [0.012, -0.02];
+        let mut contact = check(&scene, scene.pair(uinter(&[])), &[end]);
+        assert_eq!(is_symmetric(&mut contact, &scene.shaken(end, 0.002)), symmetric, "{kind}");
     }
 }
 
@@ -86,12 +93,13 @@ fn blocks_are_symmetric_without_friction_on_smooth_masters() {
 fn friction_under_pressure_is_unsymmetric() {
     for scene in scenes() {
         for law in [uinter(&[("law", 2.0), ("mu", 0.3)]), hard(0.0, 0.0, &[("law", 2.0), ("mu", 0.3)])] {
-            let slides = check(&scene, scene.pair(law.clone()), &[[0.4, -0.05]]);
-            assert!(!slides.symmetric());
+            let end = [0.4, -0.05];
+            let mut slides = check(&scene, scene.pair(law.clone()), &[end]);
+            assert!(!is_symmetric(&mut slides, &scene.shaken(end, 0.002)));
             let counts = slides.counts();
             assert!(counts.slipping > 0 && counts.slipping + counts.open == 6, "{counts:?}");
-            let snubbing = check(&scene, scene.pair(uinter(&[("mu", 0.5)])), &[[0.4, -0.05]]);
-            assert!(!snubbing.symmetric());
+            let mut snubbing = check(&scene, scene.pair(uinter(&[("mu", 0.5)])), &[end]);
+            assert!(!is_symmetric(&mut snubbing, &scene.shaken(end, 0.002)));
         }
     }
 }
