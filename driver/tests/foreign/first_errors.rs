@@ -1,6 +1,6 @@
-//! Errors that a UMAT has at first, and what the program says of them: a write behind an input.
+//! Errors that a UMAT has at first, and what the program says of them.
 
-use super::point;
+use super::{built, check, point};
 use crate::program::{Desk, Run};
 use end_to_end_tests::workspace;
 use serde_json::json;
@@ -36,4 +36,21 @@ fn a_write_behind_an_input_names_both() {
         let run = super::run(&desk, "spoilt", &point(material, "3d", steps));
         assert!(warnings(&run).contains(words), "{call}: {}", warnings(&run));
     }
+}
+
+/// What depends on F at the end alone does not depend on the number of increments.
+#[test]
+fn hyperelasticity_does_not_depend_on_the_size_of_increments() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "neo_hooke.f90", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [80.0, 500.0], "nstatv": 0 });
+    let mut case = point(material, "3d", json!([{ "increments": 20, "target": { "e11": 0.8 } }]));
+    case["nlgeom"] = json!(true);
+    let case = desk.case("case.json", &case);
+    let arguments = ["plugin", "check", library.as_str().expect("a path"), "--states", "40", "--case"];
+    let outcome = desk.pullout(arguments.iter().map(AsRef::as_ref).chain([case.as_os_str()])).expect(0);
+    let row = check::row(&outcome, "increment size");
+    let figure: f64 =
+        row.get(50..).and_then(|rest| rest.split_whitespace().next()).and_then(|x| x.parse().ok()).expect(row);
+    assert!(figure < 1e-9, "{row}");
 }
