@@ -1,13 +1,73 @@
 //! Errors that a UMAT has at first, and what the program says of them.
 
-use super::{built, check, point};
+use super::{built, check, close, point};
 use crate::program::{Desk, Run};
 use end_to_end_tests::workspace;
-use serde_json::json;
+use serde_json::{Value, json};
+
+/// `j2_habits.f90` with another text behind its tangent, and a material of it.
+fn changed(desk: &Desk, name: &str, statements: &str) -> Option<Value> {
+    let source = std::fs::read_to_string(workspace("tests/umats/j2_habits.f90")).expect("a source");
+    let place = "   statev(1) = statev(1) + multiplier\n";
+    assert!(source.contains(place));
+    let file = desk.write(&format!("{name}.f90"), &source.replace(place, &format!("{statements}{place}")));
+    let library = built(desk, file.to_str().expect("UTF-8"), &[])?;
+    Some(json!({ "plugin": library, "props": [200e3, 0.3, 250, 1000, 0, 0, 0], "nstatv": 7 }))
+}
 
 fn warnings(run: &Run) -> String {
     let texts = run.summary["warnings"].as_array().expect("a list").iter();
     texts.map(|text| text.as_str().expect("text")).collect::<Vec<_>>().join("\n")
+}
+
+const NAN: &str = "   if (multiplier > 0) ddsdde(1) = sqrt(-abs(ddsdde(1)))\n";
+
+#[test]
+fn a_tangent_that_is_nan_is_told() {
+    let desk = Desk::new();
+    let Some(mut material) = changed(&desk, "nan", NAN) else { return };
+    material["tangent"] = json!("compare");
+    let confined = json!([{ "increments": 4,
+        "target": { "e11": 0.01, "e22": 0, "e33": 0, "g12": 0, "g13": 0, "g23": 0 } }]);
+    let run = super::run(&desk, "compared", &point(material, "3d", confined));
+    assert!(warnings(&run).contains("DDSDDE has entries that are NaN or infinite"), "{}", warnings(&run));
+}
+
+/// Stress control with a tangent that is wrong beyond yielding.
+#[test]
+fn a_wrong_tangent_is_blamed_for_what_it_does() {
+    let desk = Desk::new();
+    let beyond = |value: &str| format!("   if (multiplier > 0) ddsdde(1:n*n) = {value}\n");
+    let variants = [
+        ("nan", NAN.to_owned(), "it returned DDSDDE(1,1) = NaN"),
+        ("zero", beyond("0"), "the tangent that it reports is off: "),
+        ("large", beyond("1e6*ddsdde(1:n*n)"), "the tangent that it reports is off: "),
+    ];
+    for (name, statements, words) in variants {
+        let Some(mut material) = changed(&desk, name, &statements) else { return };
+        let pulled = json!([{ "increments": 13, "target": { "s11": 400 } }]);
+        let reported = desk.case("case.json", &point(material.clone(), "3d", pulled.clone()));
+        let run = desk.run(&reported, &[], name, 1);
+        let message = &run.outcome.stderr;
+        assert!(message.contains(words), "{name}: {message}");
+        assert!(message.contains("\"tangent\": \"numerical\" finds an equilibrium"), "{name}: {message}");
+        assert!(!message.contains("peak"), "{name}: {message}");
+        material["tangent"] = json!("numerical");
+        let run = super::run(&desk, "numerical", &point(material, "3d", pulled));
+        close(run.history.last("s11"), 400.0);
+    }
+}
+
+/// A peak is still called one.
+#[test]
+fn a_peak_is_not_blamed_on_the_tangent() {
+    let desk = Desk::new();
+    let Some(mut material) = changed(&desk, "softening", "") else { return };
+    material["props"] = json!([200e3, 0.3, 250, -1000, 0, 0, 0]);
+    let pulled = json!([{ "increments": 13, "target": { "s11": 300 } }]);
+    let run = desk.run(&desk.case("case.json", &point(material, "3d", pulled)), &[], "peak", 1);
+    let message = &run.outcome.stderr;
+    assert!(message.contains("stress control cannot pass a peak") && !message.contains("tangent"), "{message}");
 }
 
 /// Where inputs lie next to each other, a write behind one is a write into the next.
@@ -36,6 +96,36 @@ fn a_write_behind_an_input_names_both() {
         let run = super::run(&desk, "spoilt", &point(material, "3d", steps));
         assert!(warnings(&run).contains(words), "{call}: {}", warnings(&run));
     }
+}
+
+/// The thickness of plane stress is found where six components serve, asked for or not: no warning, F33 = exp e33, and nominal
+/// stresses are those of space with a free thickness.
+#[test]
+fn the_thickness_of_plane_stress_is_known_where_it_is_found() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "neo_hooke.f90", &[]) else { return };
+    let case = |mode: &str, keys: &[(&str, Value)], measure: &str| {
+        let mut material = json!({ "plugin": library, "props": [80.0, 500.0], "nstatv": 0 });
+        for (key, value) in keys {
+            material[*key] = value.clone();
+        }
+        let mut case = point(material, mode, json!([{ "increments": 5, "target": { "e11": 0.4 } }]));
+        (case["nlgeom"], case["measure"]) = (json!(true), json!(measure));
+        case
+    };
+    let six = [("as", json!("3d"))];
+    for (measure, keys) in [("logarithmic", &six[..]), ("logarithmic", &[]), ("nominal", &six[..])] {
+        let plane = super::run(&desk, "plane", &case("plane_stress", keys, measure));
+        let solid = super::run(&desk, "solid", &case("3d", &[], measure));
+        assert!(!warnings(&plane).contains("NaN"), "{}", warnings(&plane));
+        for column in ["s11", "e22", "e33", "F33"] {
+            let (found, expected) = (plane.history.last(column), solid.history.last(column));
+            assert!((found - expected).abs() < 1e-7 * expected.abs().max(1.0), "{column}: {found}, not {expected}");
+        }
+    }
+    let refused = desk.case("nominal.json", &case("plane_stress", &[], "nominal"));
+    let refused = desk.pullout(["check".as_ref(), refused.as_os_str()]).expect(2);
+    assert!(refused.stderr.contains("$.measure") && refused.stderr.contains("\"as\": \"3d\""), "{}", refused.stderr);
 }
 
 /// What depends on F at the end alone does not depend on the number of increments.
