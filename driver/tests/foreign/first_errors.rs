@@ -1,4 +1,5 @@
-//! Errors that a UMAT has at first, and what the program says of them.
+//! Errors that a UMAT has at first, and what the program says of them: a tangent that is wrong, a constant too few, a write
+//! behind an input, six components only in a check, the thickness of plane stress at finite strain.
 
 use super::{built, check, close, point};
 use crate::program::{Desk, Run};
@@ -70,6 +71,25 @@ fn a_peak_is_not_blamed_on_the_tangent() {
     assert!(message.contains("stress control cannot pass a peak") && !message.contains("tangent"), "{message}");
 }
 
+/// PROPS has one constant less than the UMAT reads, whose value makes NaN of the stress.
+#[test]
+fn a_constant_too_few_is_named() {
+    let desk = Desk::new();
+    let Some(mut material) = changed(&desk, "few", "   stress(1) = stress(1) + 1e-300*props(nprops + 1)\n") else {
+        return;
+    };
+    let case = point(material.take(), "3d", json!([{ "increments": 2, "target": { "e11": 1e-3 } }]));
+    let file = desk.case("case.json", &case);
+    let message = desk.run(&file, &[], "few", 1).outcome.stderr;
+    assert!(message.contains("STRESS(1) = NaN; it reads PROPS(8), which has 7 elements"), "{message}");
+    let library = case["material"]["plugin"].as_str().expect("a path");
+    let case = file.to_str().expect("UTF-8");
+    let outcome = desk.pullout(["plugin", "check", library, "--case", case, "--states", "20"]).expect(1);
+    assert!(check::row(&outcome, "answers").starts_with("FAIL"), "{}", outcome.stdout);
+    let row = check::row(&outcome, "outside arrays");
+    assert!(row.starts_with("FAIL") && row.contains("reads PROPS(8), which has 7 elements"), "{row}");
+}
+
 /// Where inputs lie next to each other, a write behind one is a write into the next.
 #[test]
 fn a_write_behind_an_input_names_both() {
@@ -95,6 +115,34 @@ fn a_write_behind_an_input_names_both() {
         let steps = json!([{ "increments": 2, "target": { "e11": 1e-3 } }]);
         let run = super::run(&desk, "spoilt", &point(material, "3d", steps));
         assert!(warnings(&run).contains(words), "{call}: {}", warnings(&run));
+    }
+}
+
+/// A UMAT of six components is checked as it is run: with six, by itself and because the case says so.
+#[test]
+fn a_umat_of_six_components_is_checked_with_six() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "j2_habits.f90", &[]) else { return };
+    for (mode, keys, words) in [
+        ("plane_strain", json!({}), "called with NTENS = 6, as a run calls it: with NTENS = 4 it "),
+        ("plane_stress", json!({}), "called with NTENS = 6, as a run calls it: with NTENS = 3 it "),
+        ("plane_strain", json!({ "as": "3d" }), ""),
+    ] {
+        let mut material = json!({ "plugin": library, "props": [200e3, 0.3, 250, 1000, 0, 0, 1], "nstatv": 7 });
+        for (key, value) in keys.as_object().expect("keys") {
+            material[key] = value.clone();
+        }
+        let steps = json!([{ "increments": 10, "target": { "e11": 0.01, "g12": 0.005 } }]);
+        let case = desk.case("case.json", &point(material, mode, steps));
+        let arguments = ["plugin", "check", library.as_str().expect("a path"), "--states", "40", "--case"];
+        let outcome = desk.pullout(arguments.iter().map(AsRef::as_ref).chain([case.as_os_str()])).expect(0);
+        println!("{mode}:\n{}", outcome.stdout);
+        let row = check::row(&outcome, "case's path");
+        assert!(row.contains(words) && row.starts_with(if words.is_empty() { "info" } else { "warn" }), "{row}");
+        for name in ["consistent tangent", "outside arrays", "array bounds"] {
+            let row = check::row(&outcome, name);
+            assert!(row.starts_with("pass") && row.contains("3D, NTENS 6"), "{row}");
+        }
     }
 }
 
