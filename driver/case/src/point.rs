@@ -13,7 +13,7 @@ use pullout_run::columns;
 use pullout_run::deformation::{self, Polar, exponential, matrix, rotated, turns};
 use pullout_run::program::{
     Control, Kind, Measure, Mode, Pace, PointDrive, PointGoal, PointProgram, PointState, PointStep, STRAIN_NAMES,
-    STRESS_NAMES, TURNED,
+    STRESS_NAMES, TURNED, WITH_THICKNESS, untold_thickness,
 };
 use umat_abi::host::Plugin;
 
@@ -106,25 +106,21 @@ fn measure(reader: &mut Reader<'_>, given: Option<&Piece<Measure>>, nlgeom: bool
     given.unwrap_or_default()
 }
 
-/// Says what is not known of the thickness in plane stress at finite strain.
+/// Says what is not known of the thickness in plane stress at finite strain. With six components it is found; where trial
+/// calls decide on these, the run says it.
 fn check_thickness(reader: &mut Reader<'_>, plugin: &Plugin, measure: Measure) {
-    if plugin.strain_33().is_some() {
+    let goes_through_six = plugin.goes_through_six(Mode::PlaneStress.stress_state());
+    if plugin.strain_33().is_some() || goes_through_six == Some(true) {
         return;
     }
-    const INSTEAD: &str = "mode 3d has the same stresses, with s33, s13 and s23 free";
     if measure == Measure::Nominal {
         let message = format!(
-            "nominal stresses need the thickness strain, which '{}' does not tell in plane stress: {INSTEAD}",
+            "nominal stresses need the thickness strain, which '{}' does not tell in plane stress: {WITH_THICKNESS}",
             plugin.name
         );
         reader.problem(&Place::root().key("measure"), message);
-    } else {
-        reader.warnings.push(format!(
-            "F33 and the column e33 are NaN, as '{}' does not tell its thickness strain: in DFGRD0 and DFGRD1 it is that of a constant \
-             volume, as ABAQUS has it in plane stress, and only right for an incompressible material. Where the law \
-             reads it, {INSTEAD}",
-            plugin.name
-        ));
+    } else if goes_through_six.is_some() {
+        reader.warnings.push(untold_thickness(&plugin.name));
     }
 }
 

@@ -16,7 +16,7 @@ use pullout_run::path::{FailedAt, Statistics};
 use pullout_run::pullout;
 use std::io;
 use std::path::Path;
-use umat_abi::host::{Law, Library};
+use umat_abi::host::{Law, Library, WrittenInput};
 
 /// End of a run.
 #[derive(Debug)]
@@ -216,8 +216,12 @@ fn warnings(case: &Case) -> Vec<String> {
     }
     for (name, library) in libraries {
         let written = library.written_inputs();
-        let Some([step, increment, ..]) = written.values().min() else { continue };
-        let names: Vec<&str> = written.keys().copied().collect();
+        let Some([step, increment, ..]) = written.values().map(|written| written.place).min() else { continue };
+        let name_of = |(name, written): (&&str, &WrittenInput)| match written.behind {
+            Some(other) => format!("{name} (or {other} behind its end, where {name} lies)"),
+            None => (*name).to_owned(),
+        };
+        let names: Vec<String> = written.iter().map(name_of).collect();
         warnings.push(format!(
             "{}: '{name}' writes {}, which are inputs (first in step {step}, increment {increment}): each call gets copies, \
              what it changed there was lost with the call",

@@ -236,6 +236,19 @@ pub const TURNED: &str = "the material has turned (R of F = R U is not 1), so th
                       stresses along the axes cannot be controlled together: control strains alone or stresses alone, \
                       or take \"measure\": \"nominal\", whose stresses turn with the material";
 
+/// Alternatives where a law does not tell its thickness strain in plane stress.
+pub const WITH_THICKNESS: &str = "\"as\": \"3d\" calls it with six components and finds the thickness strain, and mode 3d has the same stresses, \
+                                  with s33, s13 and s23 free";
+
+/// Warns of plane stress at finite strain where the law does not tell its thickness strain.
+pub fn untold_thickness(law: &str) -> String {
+    format!(
+        "F33 and the column e33 are NaN, as '{law}' does not tell its thickness strain: in DFGRD0 and DFGRD1 it is that of a \
+         constant volume, as ABAQUS has it in plane stress, and only right for an incompressible material. Where the law \
+         reads it, {WITH_THICKNESS}"
+    )
+}
+
 impl PointGoal {
     /// Returns whether it controls strains of some of these components, and stresses of others.
     pub fn mixes_strain_and_stress(&self, components: &[usize]) -> bool {

@@ -63,8 +63,11 @@ fn a_job_in_tension_gives_the_stress_of_hookes_law() {
     assert_eq!(
         left_out,
         format!(
-            "not taken over: {}which library has STEEL: \"plugin\" is ./libumat.so; --plugin names it\n",
-            line_of(&job, "*MATERIAL")
+            "not taken over: {}which library has STEEL: \"plugin\" is ./libumat.so; --plugin names it\n\
+             not taken over: {}that this is one step: where an amplitude bends another begins, 2 in all, so that KSTEP, KINC \
+             and TIME(1) are not those of the job in it and behind it\n",
+            line_of(&job, "*MATERIAL"),
+            line_of(&job, "*STEP, NAME=first")
         )
     );
     assert_eq!(case["title"], "Tension and back");
@@ -84,6 +87,26 @@ fn a_job_in_tension_gives_the_stress_of_hookes_law() {
     close(history.last("time"), 3.0);
     let again = desk.pullout(arguments.iter().copied().chain(["case.json"])).expect(2);
     assert!(again.stderr.contains("is not overwritten"), "{}", again.stderr);
+}
+
+#[test]
+fn a_face_that_is_driven_in_part_is_named() {
+    let desk = Desk::new();
+    const WORDS: &str = "that only some nodes of a face are given this displacement";
+    let job = |nodes: &str, supports: &str| {
+        format!("{CUBE}{STEEL}{supports}*STEP\n*STATIC\n1., 1.\n*BOUNDARY\n{nodes}, 1, 1, 0.002\n*END STEP\n")
+    };
+    for (nodes, supports, is_whole) in [
+        ("RIGHT", ROLLERS, true),
+        ("2", ROLLERS, false),
+        ("RIGHT", "*BOUNDARY\n1, 1\n4, 1\n5, 1\nFRONT, 2\nBOTTOM, 3\n", false),
+        // nodes that are held against turning alone
+        ("RIGHT", "*BOUNDARY\nLEFT, 1\n1, 2\n1, 3\n2, 3\n", true),
+    ] {
+        let (case, left_out) = imported(&desk, &job(nodes, supports));
+        assert_eq!(case["steps"][0]["target"]["e11"], json!(1e-3));
+        assert_eq!(!left_out.contains(WORDS), is_whole, "{nodes}, {supports}: {left_out}");
+    }
 }
 
 #[test]

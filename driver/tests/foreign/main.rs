@@ -7,6 +7,7 @@ mod check;
 mod check_around;
 mod environment;
 mod finite_strain;
+mod first_errors;
 mod habits;
 mod import;
 mod kept;

@@ -269,7 +269,7 @@ impl UmatCall {
     /// Returns an entry of DDSDDE of the last call that is not finite.
     #[inline]
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
-        NotFinite::among([("DDSDDE", self.ddsdde())])
+        NotFinite::among([("DDSDDE", self.ddsdde())]).map(|found| found.of_matrix(self.ntens()))
     }
 
     /// DDSDDE, to be set behind a call.

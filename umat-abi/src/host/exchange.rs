@@ -265,14 +265,24 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
         Some(unsafe { &(*memory.as_slice().as_ptr().cast::<Lent<I, O>>()).inputs })
     }
 
-    /// Names of the inputs that the last call changed.
-    pub(super) fn written(&self) -> Vec<&'static str> {
+    /// Names of the inputs that the last call changed, each with the input in front of it in memory if the change may be one
+    /// behind the end of that: if it begins with the first element, and the input in front is as it was.
+    pub(super) fn written(&self) -> Vec<(&'static str, Option<&'static str>)> {
         let Some(lent) = self.lent() else { return Vec::new() };
         let (before, after) = (bytes(&self.inputs), bytes(lent));
         let ends = I::PLACES.iter().skip(1).map(|(_, start)| *start).chain([before.len()]);
-        let changed =
-            I::PLACES.iter().zip(ends).filter(|((_, start), end)| before[*start..*end] != after[*start..*end]);
-        changed.map(|((name, _), _)| *name).collect()
+        let mut written = Vec::new();
+        let mut in_front = None;
+        for ((name, start), end) in I::PLACES.iter().zip(ends) {
+            let differs = |end: usize| before[*start..end] != after[*start..end];
+            if differs(end) {
+                written.push((*name, in_front.filter(|_| differs(end.min(start + size_of::<f64>())))));
+                in_front = None;
+            } else {
+                in_front = Some(*name);
+            }
+        }
+        written
     }
 }
 

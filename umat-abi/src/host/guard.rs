@@ -14,8 +14,17 @@ pub(super) struct Guard {
     /// Whether invalid operations, divisions by zero and overflow end the process with SIGFPE in a call.
     traps: bool,
     changed_modes: Arc<AtomicBool>,
-    /// Inputs that calls wrote, each with step, increment, element and point of the first.
-    written: Arc<Mutex<BTreeMap<&'static str, [i32; 4]>>>,
+    /// Inputs that calls wrote.
+    written: Arc<Mutex<BTreeMap<&'static str, WrittenInput>>>,
+}
+
+/// First call that wrote an input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WrittenInput {
+    /// Step, increment, element and point.
+    pub place: [i32; 4],
+    /// The input in front of it in memory, if it may be that one behind whose end the call wrote.
+    pub behind: Option<&'static str>,
 }
 
 /// The turn of each library file: handles of one file share its COMMON blocks.
@@ -50,15 +59,19 @@ impl Guard {
 
     /// A call wrote inputs.
     #[cold]
-    pub(super) fn note_written(&self, arguments: impl IntoIterator<Item = &'static str>, place: [i32; 4]) {
+    pub(super) fn note_written(
+        &self,
+        arguments: impl IntoIterator<Item = (&'static str, Option<&'static str>)>,
+        place: [i32; 4],
+    ) {
         let mut written = locked(&self.written);
-        for argument in arguments {
-            written.entry(argument).or_insert(place);
+        for (argument, behind) in arguments {
+            written.entry(argument).or_insert(WrittenInput { place, behind });
         }
     }
 
-    /// The inputs that calls wrote, with the place of the first.
-    pub(super) fn written(&self) -> BTreeMap<&'static str, [i32; 4]> {
+    /// The inputs that calls wrote.
+    pub(super) fn written(&self) -> BTreeMap<&'static str, WrittenInput> {
         locked(&self.written).clone()
     }
 

@@ -4,6 +4,8 @@ use super::call::CallOutcome;
 use super::exchange::{Inputs, Integer, Numbers, Outputs, arguments, inputs, outputs, zeros};
 use super::guard::run;
 use super::library::{Library, LoadError};
+#[cfg(not(unix))]
+use super::memory::Trespass;
 use super::memory::{NotFinite, Overrun, fortran_name};
 use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
 use super::recorder::{Arguments, FricRecord, UinterRecord};
@@ -366,7 +368,8 @@ impl UinterCall {
 
     /// Returns an entry of DDSDDR of the last call that is not finite.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
-        NotFinite::among([("DDSDDR", self.contact.common.tangent.as_slice())])
+        let found = NotFinite::among([("DDSDDR", self.contact.common.tangent.as_slice())]);
+        found.map(|found| found.of_matrix(self.traction().len()))
     }
 
     pub(super) fn arguments(&mut self) -> UinterArguments {
@@ -513,7 +516,9 @@ impl FricCall {
     /// Returns an entry of DDTDDG or DDTDDP of the last call that is not finite.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
         let by_pressure = &self.pressure_tangent[..self.traction().len()];
-        NotFinite::among(self.given([("DDTDDG", self.contact.common.tangent.as_slice()), ("DDTDDP", by_pressure)]))
+        let matrix = NotFinite::among(self.given([("DDTDDG", self.contact.common.tangent.as_slice())]));
+        let matrix = matrix.map(|found| found.of_matrix(self.traction().len()));
+        matrix.or_else(|| NotFinite::among(self.given([("DDTDDP", by_pressure)])))
     }
 
     /// Returns these results if the answer says that they are given.
@@ -644,4 +649,17 @@ macro_rules! contact {
 contact! {
     UinterCall: UinterInputs, UinterOutputs, UinterFunction, UinterRecord, UINTER;
     FricCall: FricInputs, FricOutputs, FricFunction, FricRecord, FRIC;
+}
+#[cfg(not(unix))]
+impl UinterCall {
+    pub fn trespass(&mut self) -> Option<Trespass> {
+        None
+    }
+}
+
+#[cfg(not(unix))]
+impl FricCall {
+    pub fn trespass(&mut self) -> Option<Trespass> {
+        None
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::description::Law;
 use super::discovery::library_name;
-use super::guard::Guard;
+use super::guard::{Guard, WrittenInput};
 use super::{prints, recorder, utilities};
 use crate::floating_point;
 use crate::fric::FricFunction;
@@ -185,9 +185,8 @@ impl Library {
         self.changes_floating_point
     }
 
-    /// Returns the inputs that calls so far wrote into, each with step, increment, element and point of the first call
-    /// that did. The changes were lost with the calls. Not looked for where somebody vouches for the library.
-    pub fn written_inputs(&self) -> BTreeMap<&'static str, [i32; 4]> {
+    /// Returns the inputs that calls so far wrote into, each with the first call that did. The changes were lost with the calls. Not looked for where somebody vouches for the library.
+    pub fn written_inputs(&self) -> BTreeMap<&'static str, WrittenInput> {
         self.guard.as_ref().map(Guard::written).unwrap_or_default()
     }
 

@@ -44,6 +44,8 @@ pub struct NotFinite {
     pub argument: &'static str,
     /// The element, from 1.
     pub element: usize,
+    /// Rows of a matrix, column by column.
+    pub rows: Option<usize>,
     /// Its value: NaN or infinity.
     pub value: f64,
 }
@@ -57,15 +59,23 @@ impl NotFinite {
                 return None;
             }
             let element = values.iter().position(|value| !value.is_finite())?;
-            Some(Self { argument, element: element + 1, value: values[element] })
+            Some(Self { argument, element: element + 1, rows: None, value: values[element] })
         })
+    }
+
+    /// The same, of a matrix.
+    pub(super) fn of_matrix(self, rows: usize) -> Self {
+        Self { rows: Some(rows), ..self }
     }
 }
 
 impl fmt::Display for NotFinite {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { argument, element, value } = self;
-        write!(f, "{argument}({element}) = {value}")
+        let Self { argument, element, rows, value } = self;
+        match rows {
+            None => write!(f, "{argument}({element}) = {value}"),
+            Some(rows) => write!(f, "{argument}({},{}) = {value}", (element - 1) % rows + 1, (element - 1) / rows + 1),
+        }
     }
 }
 

@@ -34,6 +34,7 @@ pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation}
 pub use discovery::{
     Found, library_file_name, library_name, library_path, names_a_file, search_also, search_beside, search_paths,
 };
+pub use guard::WrittenInput;
 pub use initial::{InitialPoint, InitialStates, InitialStresses};
 pub use interface_call::{Contact, FricAnswer, FricCall, FricInputs, SurfaceFields, UinterCall, UinterInputs};
 pub use library::{Library, LoadError, Routine, binds_deeply};

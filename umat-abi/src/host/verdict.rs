@@ -31,7 +31,7 @@ impl CallFailure {
 impl fmt::Display for CallFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::CutBack(fraction) if !(*fraction > 0.0) => {
+            Self::CutBack(fraction) if fraction.is_nan() || *fraction <= 0.0 => {
                 write!(f, "it returned PNEWDT = {fraction:?}, which is no part of the increment")
             }
             Self::CutBack(fraction) => write!(f, "it asks for smaller increments (PNEWDT = {fraction:?})"),

@@ -1,6 +1,7 @@
 //! Steps of a case from what the steps of a job prescribe.
 
 use super::element::Brick;
+use super::keywords::Place;
 use super::model::{Amplitude, Change, Model, Quantity, Step};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -74,6 +75,14 @@ impl Evolution {
             begin(&mut courses, step, initial);
             let amplitudes = amplitudes(model, &courses)?;
             let times = breakpoints(&amplitudes, step.time, start);
+            if times.len() > 1 {
+                evolution.left_out.push(format!(
+                    "{}: that this is one step: where an amplitude bends another begins, {} in all, so that KSTEP, KINC and \
+                     TIME(1) are not those of the job in it and behind it",
+                    step.place,
+                    times.len()
+                ));
+            }
             let mut before = 0.0;
             for time in times {
                 let values: Values<'_> = courses
@@ -132,6 +141,14 @@ impl Evolution {
         let mut gradient = [[None; 3]; 3];
         for axis in 0..dimensions {
             gradient[axis] = displacement_gradient(values, brick, model, axis)?;
+            if let Some(place) = partly_driven(values, brick, model, axis, &gradient[axis]) {
+                let message = "that only some nodes of a face are given this displacement: the case is of uniform strain, \
+                               as if all were";
+                let told = format!("{place}: {message}");
+                if !self.left_out.contains(&told) {
+                    self.left_out.push(told);
+                }
+            }
         }
         let stresses = stresses(values, brick, model)?;
         let shears = SHEARS.iter().filter(|(_, i, j)| *i < dimensions && *j < dimensions);
@@ -289,6 +306,34 @@ fn displacement_gradient(
     gradient.map_err(|()| match place {
         Some(place) => format!("{place}: the displacements along {} are those of no uniform strain", axis + 1),
         None => "the displacements are those of no uniform strain".into(),
+    })
+}
+
+/// Finds a face of which some nodes, but not all, have a displacement along an axis prescribed that makes a strain; returns
+/// where one of these is prescribed.
+fn partly_driven<'v>(
+    values: &'v Values<'_>,
+    brick: &Brick,
+    model: &Model,
+    axis: usize,
+    gradient: &[Option<f64>; 3],
+) -> Option<&'v Place> {
+    let mut prescribed = BTreeMap::new();
+    for (quantity, (_, change)) in values {
+        if let Quantity::Displacement(node, along) = *quantity
+            && along == axis
+            && let Some(node) = model.node_in_element(node)
+        {
+            prescribed.insert(node, &change.place);
+        }
+    }
+    let makes_strain = |normal: &usize| gradient[*normal].is_some_and(|strain| *normal == axis || strain != 0.0);
+    let faces = (0..brick.shape.dimensions).filter(makes_strain).flat_map(|normal| [(normal, 0.0), (normal, 1.0)]);
+    faces.into_iter().find_map(|(normal, share)| {
+        let nodes = (0..brick.nodes.len()).filter(|&node| brick.nodes[node][normal] == share);
+        let (with, without): (Vec<usize>, Vec<usize>) = nodes.partition(|node| prescribed.contains_key(node));
+        let first = with.first().filter(|_| !without.is_empty())?;
+        prescribed.get(first).copied()
     })
 }
 

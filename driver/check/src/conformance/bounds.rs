@@ -24,8 +24,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
                 Err(error) => return ledger.skip(&format!("no process could be started: {error}")),
                 Ok(Probed::Clean) => {}
                 Ok(Probed::Trespass(trespass)) => {
-                    let argument = trespass.argument.to_uppercase();
-                    findings.insert(trespass.to_string().replace(&*trespass.argument, &argument));
+                    findings.insert(trespass.to_string());
                 }
                 Ok(Probed::Ended(how)) => {
                     findings.insert(format!("{state}: {how}"));

@@ -2,7 +2,7 @@
 //! scale, and the states that the law has in use.
 
 use super::Options;
-use super::report::{Ledger, Verdict};
+use super::report::{Ledger, Report, Verdict};
 use super::subject::{Committed, Entry, Setting};
 use pullout_run::isolation::worker;
 use pullout_run::path::{self, Accepted, ContactPoint, MaterialPoint, Observer, Row, Statistics, Stop};
@@ -10,6 +10,7 @@ use pullout_run::program::{InterfaceEntry, Kind, Program};
 use std::io;
 use std::time::Duration;
 use umat_abi::host::{ExternalDatabases, FricCall, UinterCall, UmatCall};
+use umat_abi::law::StressState;
 
 /// Increments kept; of a longer path every second, fourth, ...
 const KEPT: usize = 4096;
@@ -35,17 +36,31 @@ pub(super) struct CasePath {
 }
 
 impl CasePath {
-    /// Runs a case.
+    /// Runs a case, whose UMAT is called as a run calls it: with six components in a plane too, if the case says so or the
+    /// UMAT needs it. The rows are then of those six.
     pub(super) fn of(
         program: &Program,
         options: &Options,
         databases: &mut ExternalDatabases,
-        ledger: &mut Ledger<'_>,
+        report: &mut Report,
+        is_muted: bool,
     ) -> Self {
-        ledger.begin("case's path");
+        const CHECK: &str = "case's path";
+        let mut entry = entry(program);
+        // the calls that find out are part of it
+        Ledger::new(report, entry.label()).begin(CHECK);
+        let mut reason = None;
+        if let (Kind::Point(point), Entry::Umat(StressState::PlaneStrainOrAxisymmetric | StressState::PlaneStress)) =
+            (&program.kind, entry)
+            && let Ok((stress_state, why)) = path::components_of_calls(program, point, databases)
+        {
+            (entry, reason) = (Entry::Umat(stress_state), why);
+        }
+        let mut ledger = Ledger::new(report, entry.label());
+        ledger.is_muted = is_muted;
+        ledger.begin(CHECK);
         let mut program = program.clone();
         program.about.every = 1;
-        let entry = entry(&program);
         let longest = options.longest_path.unwrap_or(u64::MAX);
         let time_limit = TIME_LIMIT.min(options.share_of_time());
         let end = super::processor_time() + time_limit;
@@ -64,8 +79,10 @@ impl CasePath {
             )),
         };
         let taken = statistics.increments;
-        let verdict = if failure.is_some() { Verdict::Warn } else { Verdict::Info };
-        ledger.add(verdict, format!("{taken} increments"), failure.unwrap_or_default());
+        let reason = reason.map(|reason| format!("called with NTENS = 6, as a run calls it: {reason}"));
+        let words: Vec<String> = reason.into_iter().chain(failure).collect();
+        let verdict = if words.is_empty() { Verdict::Info } else { Verdict::Warn };
+        ledger.add(verdict, format!("{taken} increments"), words.join("; "));
         Self { entry, increments: keeper.increments, taken }
     }
 
@@ -79,8 +96,8 @@ impl CasePath {
     }
 }
 
-/// The entry point of a case.
-pub(super) fn entry(program: &Program) -> Entry {
+/// The entry point of a case, with the components of its mode.
+fn entry(program: &Program) -> Entry {
     match &program.kind {
         Kind::Point(point) => Entry::Umat(point.mode.stress_state()),
         Kind::Interface(contact) => match contact.entry {
@@ -141,6 +158,12 @@ fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
     let Entry::Umat(stress_state) = entry else {
         return Increment { from: Committed::zero(entry, 0), step: Vec::new() };
     };
+    let called = call.solid().unwrap_or(call);
+    let mut gradient = before.deformation_gradient;
+    if call.is_through_solid() {
+        // in plane stress the thickness is found by the call
+        gradient[(2, 2)] = called.dfgrd0[2][2];
+    }
     let of_components = |six: &[f64; 6]| stress_state.components().iter().map(|&i| six[i]).collect::<Vec<f64>>();
     let [stored, plastic, creep] = before.energies;
     let from = Committed {
@@ -150,7 +173,7 @@ fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
         energies: [stored, plastic, creep, 0.0, 0.0],
         time: call.time,
         counters: [call.jstep[0], call.kinc],
-        gradient: before.deformation_gradient,
+        gradient,
         setting: Setting {
             time_increment: call.dtime,
             temperature: [call.temp, call.dtemp],
@@ -158,7 +181,7 @@ fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
         },
         ..Committed::zero(entry, before.statev.len())
     };
-    Increment { from, step: call.dstran[..call.ntens()].to_vec() }
+    Increment { from, step: called.dstran[..called.ntens()].to_vec() }
 }
 
 fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {

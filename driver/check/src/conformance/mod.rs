@@ -166,11 +166,10 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
     }
     // SDVINI and the path of the case within one analysis that lasts as long as the check
     let mut databases = ExternalDatabases::begin([&plugin.library]);
-    let path = options.program.as_deref().map(|program| {
-        let mut ledger = Ledger::new(&mut report, case_path::entry(program).label());
-        ledger.is_muted = !describes;
-        Arc::new(CasePath::of(program, options, &mut databases, &mut ledger))
-    });
+    let path = options
+        .program
+        .as_deref()
+        .map(|program| Arc::new(CasePath::of(program, options, &mut databases, &mut report, !describes)));
     let mut subjects = Vec::new();
     for entry in entries(plugin.law.as_ref(), path.as_deref(), options) {
         let label = entry.label();
@@ -234,6 +233,11 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
     scale::find(subject, options, ledger);
     let sample = sample::draw(subject, options, ledger);
     if sample.is_empty() {
+        ledger.is_muted = !options.wants(Group::Memory);
+        if !ledger.is_muted {
+            // a law that answers nowhere may do so for what it reads outside its arrays
+            bounds::check(subject, &sample::unanswered(subject, options), ledger);
+        }
         return;
     }
     if !ledger.is_muted {

@@ -466,21 +466,30 @@ impl<'p> Subject<'p> {
         }
     }
 
-    /// The strains of an input as a tensor; 0 for contact.
-    pub(super) fn tensor(&self, input: &[f64]) -> Matrix3<f64> {
+    /// The strains of an input in six components; 0 for contact.
+    pub(super) fn six(&self, input: &[f64]) -> [f64; 6] {
         let mut six = [0.0; 6];
         if let Entry::Umat(stress_state) = self.entry {
             stress_state.components().iter().zip(input).for_each(|(&i, d)| six[i] = *d);
         }
-        symmetric(&six, 2.0)
+        six
+    }
+
+    /// The same as a tensor.
+    pub(super) fn tensor(&self, input: &[f64]) -> Matrix3<f64> {
+        symmetric(&self.six(input), 2.0)
     }
 
     /// The response to F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.
     /// `None`: there is no such motion, or no answer.
     pub(super) fn deform(&mut self, from: &Committed, end: &Matrix3<f64>) -> Option<Answer> {
-        let (Entry::Umat(stress_state), Some(motion)) = (self.entry, incremental_motion(&from.gradient, end)) else {
-            return None;
-        };
+        self.deformed(from, end).map(|(answer, _)| answer)
+    }
+
+    /// [`Self::deform`], with the point after it.
+    pub(super) fn deformed(&mut self, from: &Committed, end: &Matrix3<f64>) -> Option<(Answer, Committed)> {
+        let Entry::Umat(stress_state) = self.entry else { return None };
+        let motion = incremental_motion(&from.gradient, end)?;
         let components = stress_state.components();
         let turned = |values: &[f64], shear: f64| -> Vec<f64> {
             let mut six = [0.0; 6];
@@ -492,10 +501,13 @@ impl<'p> Subject<'p> {
         let step: Vec<f64> = components.iter().map(|&i| motion.strain_increment[i]).collect();
         self.rotation = columns(&motion.rotation);
         self.end = Some(*end);
-        let answer = self.evaluate(&before, &step);
+        let result = self.evaluate(&before, &step).ok().map(|answer| {
+            let after = self.advanced(&before, &step, &answer);
+            (answer, after)
+        });
         self.rotation = IDENTITY;
         self.end = None;
-        answer.ok()
+        result
     }
 
     /// Finds out whether the law reads the deformation gradients: then the answer changes without them.

@@ -21,8 +21,6 @@ pub(super) struct Finite {
     incremental_tangent: bool,
     /// Whether it is plane stress: F₃₃ is 1 then, the thickness is the law's.
     plane_stress: bool,
-    /// STATEV that is the law's ln F₃₃ of plane stress.
-    strain_33: Option<usize>,
     /// R.
     rotation: Matrix3<f64>,
     /// The case's strain, as far as F tells it.
@@ -55,13 +53,13 @@ pub(super) struct Entry {
 }
 
 impl Finite {
-    pub(super) fn new(point: &PointProgram, plugin: &Plugin, start: &Committed) -> Self {
+    /// Begins at a state; `thickness` is ln F₃₃ of plane stress there, NaN where it is not known.
+    pub(super) fn new(point: &PointProgram, plugin: &Plugin, start: &Committed, thickness: f64) -> Self {
         let Committed { deformation_gradient: gradient, strain, stress, .. } = start;
         let mut finite = Self {
             measure: point.measure,
             incremental_tangent: plugin.law.is_some(),
             plane_stress: point.mode == Mode::PlaneStress,
-            strain_33: plugin.strain_33(),
             rotation: Polar::new(gradient).rotation,
             strain: [0.0; 6],
             stress: [0.0; 6],
@@ -74,7 +72,7 @@ impl Finite {
             },
         };
         finite.strain = finite.strain_of_case(gradient);
-        finite.stress = finite.stress_of_case(gradient, stress, &start.statev);
+        finite.stress = finite.stress_of_case(gradient, stress, thickness);
         finite
     }
 
@@ -93,11 +91,11 @@ impl Finite {
         turns(&self.rotation)
     }
 
-    /// F; F₃₃ of plane stress is the law's.
-    pub(super) fn gradient(&self, state: &Committed) -> Matrix3<f64> {
+    /// F; F₃₃ of plane stress has the logarithm `thickness`.
+    pub(super) fn gradient(&self, state: &Committed, thickness: f64) -> Matrix3<f64> {
         let mut gradient = state.deformation_gradient;
         if self.plane_stress {
-            gradient[(2, 2)] = self.thickness(&state.statev)[0];
+            gradient[(2, 2)] = thickness.exp();
         }
         gradient
     }
@@ -111,14 +109,12 @@ impl Finite {
         }
     }
 
-    /// F₃₃ and the case's strain 33 of plane stress; NaN where the law does not tell them.
-    pub(super) fn thickness(&self, statev: &[f64]) -> [f64; 2] {
-        let strain = self.strain_33.map_or(f64::NAN, |k| statev[k]);
-        let in_case = match self.measure {
-            Measure::Logarithmic => strain,
-            Measure::Nominal => strain.exp_m1(),
-        };
-        [strain.exp(), in_case]
+    /// The case's strain 33 of plane stress.
+    pub(super) fn strain_33(&self, thickness: f64) -> f64 {
+        match self.measure {
+            Measure::Logarithmic => thickness,
+            Measure::Nominal => thickness.exp_m1(),
+        }
     }
 
     /// Prepares a call that ends at a strain of the case; `None` if no stretch has it.
@@ -173,11 +169,11 @@ impl Finite {
     }
 
     /// Makes the end of the last call the state, whose STRESS and STATEV are what it returned; `strain` is the case's.
-    pub(super) fn commit(&mut self, strain: [f64; 6], state: &mut Committed) {
+    pub(super) fn commit(&mut self, strain: [f64; 6], state: &mut Committed, thickness: f64) {
         (state.deformation_gradient, state.strain) = (self.last.end, self.last.strain);
         self.rotation = Polar::new(&self.last.end).rotation;
         self.strain = strain;
-        self.stress = self.stress_of_case(&self.last.end, &state.stress, &state.statev);
+        self.stress = self.stress_of_case(&self.last.end, &state.stress, thickness);
     }
 
     /// Returns the result of the last call in terms of the case's strain and stress, where `strain` is the one at its
@@ -190,10 +186,10 @@ impl Finite {
         returned: &Evaluation,
         strain: &[f64; 6],
         components_seen: &[usize],
-        statev: &[f64],
+        thickness: f64,
     ) -> Evaluation {
         let mut in_case = Evaluation {
-            stress: self.stress_of_case(&self.last.end, &returned.stress, statev),
+            stress: self.stress_of_case(&self.last.end, &returned.stress, thickness),
             tangent: [[0.0; 6]; 6],
         };
         let stretch_by_strain = match self.measure {
@@ -213,7 +209,7 @@ impl Finite {
             };
             let rate = match self.measure {
                 Measure::Logarithmic => components(&stress_rate, 1.0),
-                Measure::Nominal => self.biot_rate(&rates, &in_case.stress, &stretch_rate, &stress_rate, statev),
+                Measure::Nominal => self.biot_rate(&rates, &in_case.stress, &stretch_rate, &stress_rate, thickness),
             };
             for &i in components_seen {
                 in_case.tangent[i][j] = rate[i];
@@ -223,18 +219,18 @@ impl Finite {
     }
 
     /// σ, or T = J/2 (σ̂ U⁻¹ + U⁻¹ σ̂) with σ̂ = Rᵀ σ R.
-    fn stress_of_case(&self, gradient: &Matrix3<f64>, stress: &[f64; 6], statev: &[f64]) -> [f64; 6] {
+    fn stress_of_case(&self, gradient: &Matrix3<f64>, stress: &[f64; 6], thickness: f64) -> [f64; 6] {
         if self.measure == Measure::Logarithmic {
             return *stress;
         }
         let polar = Polar::new(gradient);
         let turned = polar.rotation.transpose() * symmetric(stress, 1.0) * polar.rotation;
-        components(&(turned * polar.inverse_stretch() * self.volume_ratio(gradient, statev)), 1.0)
+        components(&(turned * polar.inverse_stretch() * self.volume_ratio(gradient, thickness)), 1.0)
     }
 
     /// J.
-    fn volume_ratio(&self, gradient: &Matrix3<f64>, statev: &[f64]) -> f64 {
-        gradient.determinant() * if self.plane_stress { self.thickness(statev)[0] } else { 1.0 }
+    fn volume_ratio(&self, gradient: &Matrix3<f64>, thickness: f64) -> f64 {
+        gradient.determinant() * if self.plane_stress { thickness.exp() } else { 1.0 }
     }
 
     /// dT = tr(U⁻¹ dU) T + J sym(dσ̂ U⁻¹ − σ̂ U⁻¹ dU U⁻¹).
@@ -244,13 +240,13 @@ impl Finite {
         biot: &[f64; 6],
         stretch_rate: &Matrix3<f64>,
         stress_rate: &Matrix3<f64>,
-        statev: &[f64],
+        thickness: f64,
     ) -> [f64; 6] {
         let turned = |tensor: &Matrix3<f64>| self.rotation.transpose() * tensor * self.rotation;
         let inverse = rates.inverse * self.rotation;
         let relative_rate = inverse * stretch_rate;
         let sum = turned(stress_rate) * inverse - turned(&rates.stress) * inverse * stretch_rate * inverse;
-        let sum = components(&(sum * self.volume_ratio(&self.last.end, statev)), 1.0);
+        let sum = components(&(sum * self.volume_ratio(&self.last.end, thickness)), 1.0);
         std::array::from_fn(|i| relative_rate.trace() * biot[i] + sum[i])
     }
 }

@@ -38,6 +38,27 @@ enum Call {
     Fric(Box<FricCall>),
 }
 
+impl Call {
+    /// Sets tractions, states and energies to those at the start of an increment.
+    fn set_point(&mut self, start: &Committed, directions: usize) {
+        match self {
+            Self::Uinter(call) => {
+                let tractions = [start.pressure, start.shear[0], start.shear[1]];
+                call.traction_mut().copy_from_slice(&tractions[..=directions]);
+                call.statev_mut().copy_from_slice(&start.statev);
+                call.energies = start.energies;
+                call.flags = start.flags;
+            }
+            Self::Fric(call) => {
+                call.lm = start.flags[0];
+                call.traction_mut().copy_from_slice(&start.shear[..directions]);
+                call.statev_mut().copy_from_slice(&start.statev);
+                call.energies = [start.energies[0], start.energies[1]];
+            }
+        }
+    }
+}
+
 /// Goal of the current increment: \[slip, slip2, normal\] at its ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Goal {
@@ -58,6 +79,8 @@ struct Runner<'p> {
     directions: usize,
     arguments: &'p ContactArguments,
     derived: &'p [Derived],
+    /// Whether no metadata vouch for the plugin.
+    is_plain: bool,
     max_iterations: u32,
     committed: Committed,
     trial: Committed,
@@ -128,6 +151,7 @@ impl<'p> Runner<'p> {
             clock: Clock::default(),
             directions,
             arguments,
+            is_plain: plugin.law.is_none(),
             derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
             max_iterations: program.controls.max_iterations,
             trial: committed.clone(),
@@ -199,17 +223,13 @@ impl<'p> Runner<'p> {
         let committed = &self.committed;
         let trial = &mut self.trial;
         trial.slip = [place[0], place[1]];
+        self.call.set_point(committed, self.directions);
         let (outcome, not_finite) = match &mut self.call {
             Call::Uinter(call) => {
                 let displacement = [place[NORMAL], place[0], place[1]];
                 let before = [-committed.gap, committed.slip[0], committed.slip[1]];
                 call.rdisp = displacement;
                 call.drdisp = given.drdisp.unwrap_or_else(|| std::array::from_fn(|i| displacement[i] - before[i]));
-                let tractions = [committed.pressure, committed.shear[0], committed.shear[1]];
-                call.traction_mut().copy_from_slice(&tractions[..=self.directions]);
-                call.statev_mut().copy_from_slice(&committed.statev);
-                call.energies = committed.energies;
-                call.flags = committed.flags;
                 call.dtime = given.dtime.unwrap_or(time_increment);
                 call.time = given.time.unwrap_or([self.arguments.start() + trial.step_time, trial.total_time]);
                 let outcome = call.call();
@@ -223,13 +243,9 @@ impl<'p> Runner<'p> {
                 (outcome, call.not_finite())
             }
             Call::Fric(call) => {
-                call.lm = committed.flags[0];
                 call.dgam = [place[0] - committed.slip[0], place[1] - committed.slip[1]];
                 call.slip = committed.inelastic_slip;
                 call.pressure = [place[NORMAL], given.dpress.unwrap_or(place[NORMAL] - committed.pressure)];
-                call.traction_mut().copy_from_slice(&committed.shear[..self.directions]);
-                call.statev_mut().copy_from_slice(&committed.statev);
-                call.energies = [committed.energies[0], committed.energies[1]];
                 call.dtime = given.dtime.unwrap_or(time_increment);
                 call.time = given.time.unwrap_or([self.arguments.start() + trial.step_time, trial.total_time]);
                 let outcome = call.call();
@@ -256,6 +272,24 @@ impl<'p> Runner<'p> {
             }
         };
         Ok(judge(outcome, not_finite)?)
+    }
+
+    /// Makes the last call of a plugin that nobody vouches for again if its result is not finite, to see whether it leaves its
+    /// arrays.
+    fn trespass(&mut self) -> Option<String> {
+        if !self.is_plain {
+            return None;
+        }
+        let result = match &self.call {
+            Call::Uinter(call) => call.not_finite(),
+            Call::Fric(call) => call.not_finite(),
+        }?;
+        self.call.set_point(&self.committed, self.directions);
+        let trespass = match &mut self.call {
+            Call::Uinter(call) => call.trespass(),
+            Call::Fric(call) => call.trespass(),
+        }?;
+        Some(format!("it returned {result}; it {trespass}"))
     }
 
     /// UINTER under a prescribed pressure: Newton on DDSDDR(1,1) for the penetration, with bisection once two places
@@ -377,6 +411,10 @@ impl Divisible for Runner<'_> {
         };
         statistics.iterations += u64::from(iterations);
         Ok(iterations)
+    }
+
+    fn look_again(&mut self, _from: f64, _statistics: &mut Statistics) -> Option<String> {
+        self.trespass()
     }
 
     fn commit(&mut self, observer: &mut dyn Observer) {

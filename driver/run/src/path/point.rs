@@ -12,13 +12,13 @@ use crate::program::lerp;
 use crate::program::{
     Constraint, Control, FieldValues, Measure, Mode, PointDrive, PointGoal, PointProgram, PointStep, Program,
 };
-use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
+use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, untold_thickness};
 use nalgebra::Matrix3;
 use umat_abi::host::{
-    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, Plugin, TangentSource, UmatCall,
-    judge,
+    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, NotFinite, Plugin, TangentSource,
+    Trespass, UmatCall, judge,
 };
-use umat_abi::law::Request;
+use umat_abi::law::{Request, StressState};
 
 const INVERTED: &str = "the deformation gradient inverts the volume (det F <= 0)";
 
@@ -35,9 +35,10 @@ pub(super) fn run(
     if let Some(reason) = runner.find_components(&program.plugin).map_err(Stop::unusable)? {
         recorder.observer.warn(format!("{} is called with NTENS = 6: {reason}", program.plugin.name));
     }
-    // at finite strain the case says so, with what follows for DFGRD
-    let is_untold = runner.plane_stress && runner.finite.is_none() && program.plugin.law.is_none();
-    if is_untold && !runner.call.is_through_solid() {
+    let is_untold = runner.plane_stress && program.plugin.law.is_none() && !runner.call.is_through_solid();
+    if is_untold && runner.finite.is_some() {
+        recorder.observer.warn(untold_thickness(&program.plugin.name));
+    } else if is_untold {
         recorder.observer.warn(format!(
             "the column e33 is NaN: in plane stress UMAT is not given the strain 33, and the library of '{}' does not say \
              which state variable holds it (\"as\": \"3d\" finds it)",
@@ -46,10 +47,28 @@ pub(super) fn run(
     }
     recorder.initial(|values| runner.fill(values))?;
     let result = take_steps(&mut runner, &point.steps, program, &mut recorder, statistics);
+    if let Some(result) = runner.moduli_not_finite {
+        recorder.observer.warn(format!(
+            "{}: it returned {result}; where the tangent was needed, differences of the stress took its place",
+            program.plugin.name
+        ));
+    }
     if let Some(deviation) = runner.call.take_largest_deviation() {
         recorder.observer.warn(format!("{}: {deviation}", program.plugin.name));
     }
     result
+}
+
+/// Finds the components of the calls, as [`super::components_of_calls`] says.
+pub(super) fn components_of_calls(
+    program: &Program,
+    point: &PointProgram,
+    databases: &mut ExternalDatabases,
+) -> Result<(StressState, Option<String>), String> {
+    let mut runner = Runner::new(program, point, databases)?;
+    let reason = runner.find_components(&program.plugin)?;
+    let called = runner.call.solid().unwrap_or(&runner.call);
+    Ok((called.stress_state(), reason))
 }
 
 /// The state of the point between increments.
@@ -111,6 +130,8 @@ struct Runner<'p> {
     strain_33: Option<usize>,
     max_iterations: u32,
     derived: &'p [Derived],
+    /// Whether no metadata vouch for the plugin.
+    is_plain: bool,
     databases: &'p mut ExternalDatabases,
     call: UmatCall,
     committed: Committed,
@@ -121,6 +142,8 @@ struct Runner<'p> {
     trial: Trial,
     /// Whether nothing has been attempted yet.
     is_first_attempt: bool,
+    /// First entry of DDSDDE that was not finite where an equilibrium was found all the same.
+    moduli_not_finite: Option<NotFinite>,
 }
 
 /// The end of the last attempt.
@@ -128,6 +151,8 @@ struct Runner<'p> {
 struct Trial {
     strain: [f64; 6],
     tangent: Option<[[f64; 6]; 6]>,
+    /// First entry of DDSDDE in its iterations that was not finite.
+    moduli_not_finite: Option<NotFinite>,
     step_time: f64,
     total_time: f64,
     fields: FieldValues,
@@ -166,7 +191,8 @@ impl<'p> Runner<'p> {
             deformation_gradient: matrix(&initial.deformation_gradient),
             fields: initial.fields.clone(),
         };
-        let finite = point.nlgeom.then(|| Finite::new(point, plugin, &committed));
+        let thickness = thickness_at(&call, committed.strain[2], strain_33, &committed.statev);
+        let finite = point.nlgeom.then(|| Finite::new(point, plugin, &committed, thickness));
         let goal = Goal {
             start: [0.0; 6],
             controls: [Control::FREE; 6],
@@ -185,12 +211,14 @@ impl<'p> Runner<'p> {
             plane_stress,
             strain_33,
             max_iterations: program.controls.max_iterations,
+            is_plain: plugin.law.is_none(),
             derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
             databases,
             call,
             trial: Trial {
                 strain: committed.strain,
                 tangent: None,
+                moduli_not_finite: None,
                 step_time: 0.0,
                 total_time: initial.time,
                 fields: initial.fields.clone(),
@@ -200,14 +228,13 @@ impl<'p> Runner<'p> {
             plan: Plan::default(),
             goal,
             is_first_attempt: true,
+            moduli_not_finite: None,
         })
     }
 
-    /// ε33 of plane stress where the program finds it: ln F₃₃, or F₃₃ − 1.
-    fn known_thickness_strain(&self) -> f64 {
-        let strain = self.committed.strain[2];
-        let is_nominal = self.finite.as_ref().is_some_and(|finite| finite.measure == Measure::Nominal);
-        if is_nominal { strain.exp_m1() } else { strain }
+    /// ε33 of plane stress, ln F₃₃ at finite strain, at the committed state.
+    fn thickness(&self) -> f64 {
+        thickness_at(&self.call, self.committed.strain[2], self.strain_33, &self.committed.statev)
     }
 
     /// Lets the call go through six components if the UMAT needs it; then says why.
@@ -298,6 +325,7 @@ impl<'p> Runner<'p> {
             call: &mut self.call,
             committed: &self.committed,
             finite: self.finite.as_mut(),
+            strain_33: self.strain_33,
             components: self.components,
             statistics,
         }
@@ -354,6 +382,11 @@ impl<'p> Runner<'p> {
     }
 }
 
+/// ε33 of plane stress: `found` where calls go through six components, else the law's in STATEV; NaN where that does not tell.
+fn thickness_at(call: &UmatCall, found: f64, state: Option<usize>, statev: &[f64]) -> f64 {
+    if call.is_through_solid() { found } else { state.map_or(f64::NAN, |k| statev[k]) }
+}
+
 /// The point of a call as SDVINI and SIGINI are told of it.
 fn initial_point(call: &UmatCall) -> InitialPoint {
     InitialPoint { coordinates: call.coords, element: call.noel, point: call.npt }
@@ -386,6 +419,7 @@ struct Point<'r> {
     call: &'r mut UmatCall,
     committed: &'r Committed,
     finite: Option<&'r mut Finite>,
+    strain_33: Option<usize>,
     components: &'static [usize],
     statistics: &'r mut Statistics,
 }
@@ -411,7 +445,8 @@ impl Point<'_> {
         self.call(&entry.strain, &entry.stress, &entry.increment, request)?;
         let returned = evaluation(self.call, self.components);
         let Some(finite) = &self.finite else { return Ok(returned) };
-        Ok(finite.evaluation(&returned, &end, self.components, self.call.statev()))
+        let thickness = thickness_at(self.call, self.call.strain_33, self.strain_33, self.call.statev());
+        Ok(finite.evaluation(&returned, &end, self.components, thickness))
     }
 
     /// One call.
@@ -547,7 +582,7 @@ impl Divisible for Runner<'_> {
         let ddsdde = self.arguments.ddsdde == Some(true) || self.call.tangent_source() == TangentSource::Compared;
         let max_iterations = self.max_iterations;
         let mut point = self.point(statistics);
-        let mut last_tangent = None;
+        let (mut last_tangent, mut moduli_not_finite) = (None, None);
         let solved = if strain_only {
             let request = if ddsdde { Request::StressAndTangent } else { Request::Stress };
             point.evaluate(&increment, || targets.end(&increment), request).map_err(Divergence::Evaluation).map(|_| 1)
@@ -555,10 +590,12 @@ impl Divisible for Runner<'_> {
             targets.solve_increment(&mut increment, max_iterations, |increment| {
                 let evaluation = point.evaluate(increment, || targets.end(increment), Request::StressAndTangent)?;
                 last_tangent = Some(evaluation.tangent);
+                moduli_not_finite = moduli_not_finite.or_else(|| point.call.moduli_not_finite());
                 Ok(evaluation)
             })
         };
         self.trial.tangent = last_tangent;
+        self.trial.moduli_not_finite = moduli_not_finite;
         let iterations = match solved {
             Ok(iterations) => iterations,
             Err(Divergence::Evaluation(trouble)) => return Err(trouble),
@@ -571,6 +608,14 @@ impl Divisible for Runner<'_> {
         Ok(iterations)
     }
 
+    fn look_again(&mut self, from: f64, statistics: &mut Statistics) -> Option<String> {
+        match self.call.not_finite() {
+            Some(result) => self.trespass().map(|trespass| format!("it returned {result}; it {trespass}")),
+            None if self.goal.deformation_gradient.is_some() => None,
+            None => self.blame_tangent(from, statistics),
+        }
+    }
+
     fn commit(&mut self, observer: &mut dyn Observer) {
         observer.accepted(Accepted::Umat(&self.committed, &self.call));
         let state = &mut self.committed;
@@ -580,11 +625,15 @@ impl Divisible for Runner<'_> {
         state.statev.copy_from_slice(self.call.statev());
         match &mut self.finite {
             None => state.strain = self.trial.strain,
-            Some(finite) => finite.commit(self.trial.strain, state),
+            Some(finite) => {
+                let thickness = thickness_at(&self.call, self.call.strain_33, self.strain_33, &state.statev);
+                finite.commit(self.trial.strain, state, thickness);
+            }
         }
         if self.plane_stress && self.call.is_through_solid() {
             state.strain[2] = self.call.strain_33;
         }
+        self.moduli_not_finite = self.moduli_not_finite.or(self.trial.moduli_not_finite);
         state.energies = self.call.energies;
         state.step_time = self.trial.step_time;
         state.total_time = self.trial.total_time;
@@ -599,13 +648,10 @@ impl Divisible for Runner<'_> {
         let state = &self.committed;
         let mut strain = *self.strain();
         if self.plane_stress {
-            strain[2] = match &self.finite {
-                _ if self.call.is_through_solid() => self.known_thickness_strain(),
-                Some(finite) => finite.thickness(&state.statev)[1],
-                None => self.strain_33.map_or(f64::NAN, |k| state.statev[k]),
-            };
+            let thickness = self.thickness();
+            strain[2] = self.finite.as_ref().map_or(thickness, |finite| finite.strain_33(thickness));
         }
-        let gradient = self.finite.as_ref().map(|finite| finite.gradient(state)).unwrap_or_default();
+        let gradient = self.finite.as_ref().map(|finite| finite.gradient(state, self.thickness())).unwrap_or_default();
         let row = PointRow {
             time: state.total_time,
             strain,
@@ -639,6 +685,60 @@ impl Divisible for Runner<'_> {
 }
 
 impl Runner<'_> {
+    /// Makes the last call of a plugin that nobody vouches for again, to see whether it leaves its arrays.
+    fn trespass(&mut self) -> Option<Trespass> {
+        if !self.is_plain {
+            return None;
+        }
+        let Committed { stress, statev, energies, .. } = &self.committed;
+        let (strain, increment) = (self.call.stran, self.call.dstran);
+        let stress: Vec<f64> = self.components.iter().map(|&i| stress[i]).collect();
+        let ntens = stress.len();
+        self.call.set_point([&strain[..ntens], &increment[..ntens], &stress], statev, *energies);
+        self.call.trespass_again()
+    }
+
+    /// Tries the rest of an increment, or a part of it, with differences in place of the plugin's tangent; if these lead to an
+    /// equilibrium, returns what is wrong with the plugin's. The parts are larger than those that were tried in vain.
+    fn blame_tangent(&mut self, from: f64, statistics: &mut Statistics) -> Option<String> {
+        const RIGHT: f64 = 1e-3;
+        const HALVINGS: i32 = 5;
+        const ADVICE: &str = "\"tangent\": \"numerical\" finds an equilibrium";
+        let source = self.call.tangent_source();
+        if source == TangentSource::Numerical || !self.goal.controls_stress(self.components) {
+            return None;
+        }
+        let not_finite = self.trial.moduli_not_finite;
+        self.call.set_tangent_source(TangentSource::Numerical);
+        // what the first guess is made of is the plugin's as well
+        let last = self.tangent;
+        self.unloading_tangent(statistics);
+        let is_found =
+            (0..HALVINGS).any(|k| self.attempt(from, from + (1.0 - from) * 0.5_f64.powi(k), statistics).is_ok());
+        self.tangent = last;
+        self.call.set_tangent_source(TangentSource::Compared);
+        let mut compare = || {
+            let end = self.trial.strain;
+            let strain = *self.strain();
+            let increment = std::array::from_fn(|i| end[i] - strain[i]);
+            self.point(statistics).evaluate(&increment, || end, Request::StressAndTangent).ok()?;
+            self.call.largest_deviation()
+        };
+        let deviation = if is_found && not_finite.is_none() { compare() } else { None };
+        self.call.set_tangent_source(source);
+        let found = match (not_finite, deviation) {
+            (Some(result), _) if is_found => format!("it returned {result}"),
+            (Some(result), _) => return Some(format!("no equilibrium found: it returned {result}")),
+            (None, Some(deviation)) if deviation.deviation > RIGHT => format!(
+                "the tangent that it reports is off: it differs from differences of the stress by {:.1e} of its largest entry",
+                deviation.deviation
+            ),
+            _ if is_found => "the tangent that it reports does not lead on".to_owned(),
+            _ => return None,
+        };
+        Some(format!("no equilibrium found: {found}; {ADVICE}"))
+    }
+
     /// Words for a residual that does not vanish.
     fn not_converged(&self, residual: &[f64; 6]) -> String {
         let worst = |i: &usize| residual[*i].abs();

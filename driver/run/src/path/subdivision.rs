@@ -47,6 +47,9 @@ pub(super) trait Divisible {
     /// Returns the number of iterations.
     fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble>;
 
+    /// Looks again at an increment that is given up behind a fraction of it; returns what is behind that, where it shows.
+    fn look_again(&mut self, from: f64, statistics: &mut Statistics) -> Option<String>;
+
     /// Makes the state of the last attempt the committed one, after the observer was told of both.
     fn commit(&mut self, observer: &mut dyn Observer);
 
@@ -168,7 +171,9 @@ fn advance(
                 cutbacks += 1;
                 piece = (to - done) * fraction.clamp(SMALLEST_CUT, LARGEST_CUT);
                 if cutbacks > controls.max_cutbacks || piece < smallest {
-                    return Err(given_up(format!("{reason} (given up after {cutbacks} cut-backs in a row)")));
+                    let given_up =
+                        |reason| given_up(format!("{reason} (given up after {cutbacks} cut-backs in a row)"));
+                    return Err(given_up(point.look_again(done, statistics).unwrap_or(reason)));
                 }
             }
         }

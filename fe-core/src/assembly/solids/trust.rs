@@ -105,8 +105,8 @@ impl Trust {
             && (!*judges_tangent || virgin.judges_tangent)
             && missed.iter().flatten().all(|number| number.is_finite())
             && pause.iter().all(|&pause| pause <= LONGEST_PAUSE)
-            && tangent_deviation.is_none_or(f64::is_finite)
-            && compared.is_none_or(|compared| compared.deviation.is_finite())
+            && tangent_deviation.is_none_or(|deviation| !deviation.is_nan())
+            && compared.is_none_or(|compared| !compared.deviation.is_nan())
     }
 
     /// Returns whether reported energies count.
@@ -327,9 +327,13 @@ impl Solids {
             }
             if let Some(deviation) = trust.tangent_deviation {
                 say(format!(
-                    "DDSDDE of its UMAT is not the derivative of the stress (off by {:.0} % of its largest entry) and \
-                     iterations converged slowly: differences took its place, as by \"tangent\": \"numerical\"",
-                    1e2 * deviation
+                    "DDSDDE of its UMAT is not the derivative of the stress ({}) and iterations converged slowly: \
+                     differences took its place, as by \"tangent\": \"numerical\"",
+                    if deviation.is_finite() {
+                        format!("off by {:.0} % of its largest entry", 1e2 * deviation)
+                    } else {
+                        "it has entries that are NaN or infinite".to_owned()
+                    }
                 ));
             }
         }

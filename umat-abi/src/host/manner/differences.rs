@@ -119,7 +119,7 @@ impl UmatCall {
     }
 
     /// F₁ → (1 + h sym eⱼ) F₁, columns of F₁ one behind the other.
-    fn stretch(&mut self, column: usize, step: f64) {
+    pub(super) fn stretch(&mut self, column: usize, step: f64) {
         const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
         let (a, b) = PLACES[self.stress_state().components()[column]];
         for vector in &mut self.dfgrd1 {
@@ -133,9 +133,12 @@ impl UmatCall {
         }
     }
 
-    /// Returns how far DDSDDE is from the differences. At a kink it may be that of either side. With large displacements it may be
+    /// Returns how far DDSDDE is from the differences; infinity if it is not finite. At a kink it may be that of either side. With large displacements it may be
     /// ∂σ/∂ε or, as ABAQUS defines it, (1/J) ∂(Jσ)/∂ε = ∂σ/∂ε + σ ⊗ 1.
     fn deviation(&self, found: &[Option<Column>]) -> f64 {
+        if self.moduli_not_finite().is_some() {
+            return f64::INFINITY;
+        }
         let ntens = self.ntens();
         let direct = self.ndi() as usize;
         let means = found.iter().flatten().filter_map(Column::mean);

@@ -36,7 +36,7 @@ pub struct Manner {
 /// A tangent that differs from the differences of the stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TangentDeviation {
-    /// Largest difference of an entry, relative to the largest entry.
+    /// Largest difference of an entry, relative to the largest entry; infinite where an entry of DDSDDE is not finite.
     pub deviation: f64,
     /// Step, from 1.
     pub step: i32,
@@ -51,11 +51,12 @@ pub struct TangentDeviation {
 impl fmt::Display for TangentDeviation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { deviation, step, increment, element, point } = self;
-        write!(
-            f,
-            "DDSDDE differs from differences of the stress by {deviation:.1e} of its largest entry (step {step}, increment \
-             {increment}, element {element}, point {point})"
-        )
+        if deviation.is_finite() {
+            write!(f, "DDSDDE differs from differences of the stress by {deviation:.1e} of its largest entry")?;
+        } else {
+            f.write_str("DDSDDE has entries that are NaN or infinite")?;
+        }
+        write!(f, " (step {step}, increment {increment}, element {element}, point {point})")
     }
 }
 
@@ -102,7 +103,7 @@ impl Detour {
 }
 
 impl UmatCall {
-    /// Sets the source of DDSDDE.
+    /// Sets the source of DDSDDE. What comparisons have found so far is kept as long as DDSDDE is not the plugin's alone.
     pub fn set_tangent_source(&mut self, tangent: TangentSource) {
         if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid.as_mut()) {
             solid.set_tangent_source(tangent);
@@ -113,7 +114,8 @@ impl UmatCall {
         } else if tangent == TangentSource::Reported {
             self.detour = None;
         } else {
-            self.detour = Some(Box::new(Detour { tangent, columns: self.ntens(), ..Detour::default() }));
+            let largest = self.take_largest_deviation();
+            self.detour = Some(Box::new(Detour { tangent, largest, columns: self.ntens(), ..Detour::default() }));
         }
     }
 
@@ -137,7 +139,12 @@ impl UmatCall {
 
     /// Returns whether calls go through one with six components.
     pub fn is_through_solid(&self) -> bool {
-        self.detour.as_ref().is_some_and(|detour| detour.solid.is_some())
+        self.solid().is_some()
+    }
+
+    /// The call with six components that this one goes through, with the arguments of its last call.
+    pub fn solid(&self) -> Option<&Self> {
+        self.detour.as_ref()?.solid.as_deref()
     }
 
     /// The largest deviation of the plugin's tangent from differences so far, where these are compared.

@@ -3,7 +3,7 @@
 use super::super::call::{CallOutcome, UmatCall};
 #[cfg(unix)]
 use super::super::probe::{Alignment, Probed};
-use super::super::{Law, LoadError, Plugin};
+use super::super::{Law, LoadError, Plugin, Trespass};
 use super::Manner;
 use crate::law::{Request, StressState};
 use crate::metadata::stress_states;
@@ -22,25 +22,31 @@ impl Plugin {
     /// The library has no such entry point.
     pub fn umat(&self, stress_state: StressState) -> Result<UmatCall, LoadError> {
         let mut call = self.plain_umat(stress_state)?;
-        let has_six = |law| self.manner.has_six(law, stress_state);
-        if stress_state != StressState::ThreeD
-            && self.law.as_ref().map_or(self.manner.as_three_d == Some(true), has_six)
-        {
+        if self.goes_through_six(stress_state) == Some(true) {
             call.go_through(self.plain_umat(StressState::ThreeD)?);
         }
         call.set_tangent_source(self.manner.tangent.unwrap_or_default());
         Ok(call)
     }
 
+    /// Returns whether calls with these components go through one with six; `None`: trial calls decide ([`Self::probe`]).
+    pub fn goes_through_six(&self, stress_state: StressState) -> Option<bool> {
+        match &self.law {
+            _ if stress_state == StressState::ThreeD => Some(false),
+            Some(law) => Some(self.manner.has_six(law, stress_state)),
+            None => self.manner.as_three_d,
+        }
+    }
+
     /// Makes a call go through six components if the UMAT, of which nothing is known, does not serve those of the plane;
-    /// then says why. The call has the arguments of a virgin point, and keeps them. What may crash or write wild is tried in
+    /// then says why. The call has the arguments of a virgin point that is not deformed, and keeps them. What may crash or write wild is tried in
     /// a child process first. From then on its arrays are fenced ([`UmatCall::fence`]).
     ///
     /// # Errors
     /// The library has no such entry point.
     pub fn probe(&self, call: &mut UmatCall) -> Result<Option<String>, LoadError> {
         let mut reason = None;
-        if self.manner.as_three_d.is_none() && self.law.is_none() && call.stress_state() != StressState::ThreeD {
+        if self.goes_through_six(call.stress_state()).is_none() {
             let tangent = call.tangent_source();
             let mut solid = self.plain_umat(StressState::ThreeD)?;
             reason = call.why_not_plane(&mut solid);
@@ -67,6 +73,10 @@ impl UmatCall {
     fn why_not_plane(&mut self, _solid: &mut Self) -> Option<String> {
         None
     }
+
+    pub fn trespass_again(&mut self) -> Option<Trespass> {
+        None
+    }
 }
 
 #[cfg(unix)]
@@ -76,10 +86,11 @@ impl UmatCall {
     fn why_not_plane(&mut self, solid: &mut Self) -> Option<String> {
         let mut start = super::Point::default();
         self.keep(&mut start);
-        let strains = (self.stran, self.dstran);
+        let strains = (self.stran, self.dstran, self.dfgrd1);
         for (k, &component) in self.stress_state().components().iter().enumerate() {
             self.dstran[k] = PLANE_STRAIN[component];
         }
+        self.deform();
         let fault = self.fault();
         let plane = fault.is_none().then(|| self.stresses()).flatten();
         let reason = if plane.is_some() { None } else { Some(fault.unwrap_or_else(|| "gives no stress".to_owned())) };
@@ -94,9 +105,25 @@ impl UmatCall {
             reason
         };
         self.put_back(&start);
-        (self.stran, self.dstran) = strains;
+        (self.stran, self.dstran, self.dfgrd1) = strains;
         self.restore_outcome();
         reason.map(|reason| format!("with NTENS = {} it {reason}", self.ntens()))
+    }
+
+    /// Lets DFGRD1 follow DSTRAN where displacements are large; in plane stress it keeps the volume, as a run has it.
+    fn deform(&mut self) {
+        const THROUGH: usize = 2;
+        if self.jstep[2] == 0 {
+            return;
+        }
+        self.dfgrd1 = self.dfgrd0;
+        for k in 0..self.ntens() {
+            self.stretch(k, self.dstran[k]);
+        }
+        if self.stress_state() == StressState::PlaneStress {
+            let [a, b, _] = self.dfgrd1;
+            self.dfgrd1[THROUGH][THROUGH] = 1.0 / (a[0] * b[1] - a[1] * b[0]);
+        }
     }
 
     /// Returns what goes wrong in a child process.
@@ -117,18 +144,34 @@ impl UmatCall {
         done.then(|| self.stress().to_vec())
     }
 
+    /// Makes the last call again in child processes, from the stress, states and energies that are set; returns where it leaves
+    /// an array, if it does. Goes through six components if calls do.
+    pub fn trespass_again(&mut self) -> Option<Trespass> {
+        let Some(mut detour) = self.detour.take() else { return self.trespass() };
+        let found = match detour.solid_mut() {
+            Some(solid) => {
+                self.set_start(solid);
+                solid.trespass()
+            }
+            None => self.trespass(),
+        };
+        self.detour = Some(detour);
+        found
+    }
+
     /// Returns whether each strain of six alone changes its stress.
     fn resists(&mut self) -> bool {
         let mut start = super::Point::default();
         self.keep(&mut start);
-        let strains = std::mem::take(&mut self.dstran);
+        let strains = (std::mem::take(&mut self.dstran), self.dfgrd1);
         let all = (0..6).all(|component| {
             self.put_back(&start);
             self.dstran = [0.0; 6];
             self.dstran[component] = STRAIN;
+            self.deform();
             self.stresses().is_some_and(|stress| stress[component] > start.stress[component])
         });
-        self.dstran = strains;
+        (self.dstran, self.dfgrd1) = strains;
         self.put_back(&start);
         all
     }

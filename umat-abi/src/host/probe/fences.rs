@@ -3,7 +3,7 @@
 use super::super::call::UmatCall;
 use super::super::fence::Fenced;
 use super::super::interface_call::{FricCall, UinterCall};
-use super::{Alignment, Probed, child};
+use super::{Alignment, Probed, Trespass, child};
 use std::io;
 
 /// Implements `probe` for a call: which arguments are arrays, and how many values each has.
@@ -27,7 +27,21 @@ macro_rules! probed {
                 )+
                 let function = $this.function();
                 // SAFETY: every pointer is valid for the sizes that the counts tell.
-                child::run(&fenced, || unsafe { to.call(function) })
+                let probed = child::run(&fenced, || unsafe { to.call(function) })?;
+                Ok(match probed {
+                    Probed::Trespass(trespass) => {
+                        Probed::Trespass(Trespass { argument: trespass.argument.to_uppercase().into(), ..trespass })
+                    }
+                    other => other,
+                })
+            }
+
+            /// Makes the call, as it is prepared, in child processes; returns where it leaves an array, if it does.
+            pub fn trespass(&mut self) -> Option<Trespass> {
+                [Alignment::End, Alignment::Start].into_iter().find_map(|alignment| match self.probe(alignment) {
+                    Ok(Probed::Trespass(trespass)) => Some(trespass),
+                    _ => None,
+                })
             }
         }
     };

@@ -1,7 +1,7 @@
 //! One call in a child process, with every array beside a page that cannot be touched: reading or writing outside an
 //! array is seen when it happens, with the argument and the element.
 //!
-//! For `pullout plugin check` alone: a run must not pay for it. The child is a copy of this process (fork), makes the one
+//! For `pullout plugin check`, and for a run that fails: one that succeeds must not pay for it. The child is a copy of this process (fork), makes the one
 //! call, and ends; what it prints goes nowhere.
 
 mod child;
