@@ -53,7 +53,7 @@ pub struct Study {
     pub curve: Columns,
     /// Units of the curve's columns.
     pub units: [String; 2],
-    /// End of the integral for the work; `None`: the smallest end of all runs that are done.
+    /// End of the integral for the work; `None`: what suits all runs that are done.
     pub work_to: Option<f64>,
     /// More pictures of all runs.
     pub overlays: Vec<Columns>,

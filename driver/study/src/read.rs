@@ -99,7 +99,10 @@ impl Resolver<'_, '_> {
         let series_of_file = self.list(document.series.as_ref(), &root.key("series"));
         let members = self.members(&members_of_file, x.as_ref());
         let series = self.series(&series_of_file);
-        let work_to = self.reader.optional(document.work_to.as_ref(), &root.key("work_to")).map(|end| end.0);
+        let work_to = self.reader.optional(document.work_to.as_ref(), &root.key("work_to")).copied();
+        if work_to == Some(0.0) {
+            self.problem(&root.key("work_to"), "must not be 0");
+        }
         let given = self.reader.optional(document.curve.as_ref(), &root.key("curve")).cloned();
         let overlays = self.list(document.overlays.as_ref(), &root.key("overlays"));
         let claims = self.list(document.claims.as_ref(), &root.key("claims"));

@@ -171,9 +171,13 @@ fn keep(reader: &mut Reader<'_>, of_file: &SweepFile, base: &Value) -> Keep {
     if grid.as_ref().is_some_and(|grid| !grid.is_sorted_by(|a, b| a < b)) {
         reader.problem(&root.key("grid"), "must be ascending");
     }
+    let work_to = reader.optional(of_file.work_to.as_ref(), &root.key("work_to")).copied();
+    if work_to == Some(0.0) {
+        reader.problem(&root.key("work_to"), "must not be 0");
+    }
     Keep {
         curve: curve.unwrap_or_else(|| default_curve(base)),
-        work_to: reader.optional(of_file.work_to.as_ref(), &root.key("work_to")).map(|end| end.0),
+        work_to,
         quantities: reader
             .optional(of_file.quantities.as_ref(), &root.key("quantities"))
             .cloned()

@@ -456,6 +456,7 @@ fn columns_and_points_that_are_not_there_are_refused_by_the_plan() {
         (json!({ "curve": { "x": "slip", "y": "load" } }), "$.curve.y: the histories have no column 'load'"),
         (json!({ "curves": ["s1"] }), "$.curves[0]: the histories have no column 's1'"),
         (json!({ "points": [] }), "$.points: "),
+        (json!({ "work_to": 0 }), "$.work_to: must not be 0"),
     ] {
         refused(&desk, more, message);
     }
@@ -482,4 +483,35 @@ fn columns_and_points_that_are_not_there_are_refused_by_the_plan() {
     let message = "$.claims[0].quantity.column: the histories have no column 's1'; nearest valid name: 's11'";
     assert_eq!(told.matches(message).count(), 1, "{told}");
     assert!(!desk.path("out").exists());
+}
+
+/// τ = k δ on a bond that is elastic, and a point that yields: work is that of the whole path.
+#[test]
+fn the_work_of_a_cycle_is_what_it_dissipates() {
+    let desk = Desk::new();
+    let base = json!({
+        "kind": "interface",
+        "material": { "plugin": "bond_slip", "props": { "law": "A", "k_e": 950.0, "a_1": 10.0, "b_1": 0.4 } },
+        "steps": [
+            { "increments": 100, "target": { "slip": 0.02 } }, { "increments": 200, "target": { "slip": -0.02 } },
+            { "increments": 200, "target": { "slip": 0.02 } },
+        ],
+    });
+    let sweep = json!({
+        "kind": "sweep", "base": base, "points": [{ "material.props.k_e": 950.0 }],
+        "curves": ["slip", "tau"], "quantities": { "work": "work", "back": { "column": "tau", "at": -0.01 } },
+    });
+    desk.case("sweep.json", &sweep);
+    sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
+    sweep_with(&desk, "work", &["--quiet", "store"], 0);
+    let table = collected(&desk, &desk.path("store"));
+    let curve = |name: &str| match table.column(name) {
+        Some(Column::List(curves)) => curves[0].clone(),
+        _ => panic!("no curve"),
+    };
+    let (slip, tau) = (curve("curve.slip"), curve("curve.tau"));
+    let path: f64 = (1..slip.len()).map(|k| 0.5 * (slip[k] - slip[k - 1]) * (tau[k] + tau[k - 1])).sum();
+    let number = |name: &str| table.column(name).and_then(|column| column.number(0)).expect("a number");
+    assert!((number("q.work") - path).abs() < 1e-12 * path && path > 0.0, "{} {path}", number("q.work"));
+    assert!(number("q.back") < 0.0, "{}", number("q.back"));
 }
