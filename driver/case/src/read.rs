@@ -71,6 +71,11 @@ impl Case {
         }
     }
 
+    /// The columns that hold numbers of the run, behind step and increment.
+    pub fn columns_of_numbers(&self) -> Vec<String> {
+        if let Self::Bridging(program) = self { program.columns() } else { self.columns().split_off(2) }
+    }
+
     /// The libraries that it calls.
     pub fn libraries(&self) -> Vec<PathBuf> {
         match self {

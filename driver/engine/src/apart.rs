@@ -1,6 +1,7 @@
 //! Runs in a child: `pullout run` into a folder of which nothing stays.
 
 use super::{Error, Outcome, Settings, Source};
+use pullout_case::{CaseProblem, JsonPlace};
 use pullout_report::history::History;
 use pullout_report::summary::{self, Summary};
 use pullout_run::input::{self, Input};
@@ -18,6 +19,10 @@ const POLL: Duration = Duration::from_millis(20);
 /// A child that was told to end has so long to finish its increment and its results, then again to end at once.
 const PATIENCE: Duration = Duration::from_millis(500);
 
+/// Exit codes of `pullout check`: the case is wrong; its plugin cannot be loaded.
+const BAD_INPUT: i32 = 2;
+const NO_PLUGIN: i32 = 3;
+
 /// A document's child reads it from here, relative to its working directory.
 const STREAM: &str = "/dev/stdin";
 
@@ -25,19 +30,14 @@ pub(super) fn run(source: &Source, settings: &Settings) -> Result<Outcome, Error
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("out");
     let mut printed = tempfile::tempfile()?;
-    let mut command = command(source, settings, &out)?;
+    let mut command = Command::new(isolation::program()?);
+    command.args(["run", "--quiet", "--set=output.plots=false"]);
+    command.arg("--parent").arg(std::process::id().to_string());
+    command.args(settings.threads.map(|count| format!("--threads={count}")));
+    command.args(settings.records.then_some("--record-increments"));
+    command.arg("--out").arg(&out);
+    name_case(&mut command, source)?;
     command.stdout(printed.try_clone()?).stderr(printed.try_clone()?);
-    match source.text().filter(|_| source.document.is_some()) {
-        Some(document) => {
-            let mut text = tempfile::tempfile()?;
-            text.write_all(document.to_string().as_bytes())?;
-            text.seek(SeekFrom::Start(0))?;
-            command.stdin(text);
-        }
-        None => {
-            command.stdin(Stdio::null());
-        }
-    }
     let mut child = isolation::spawn(command)?;
     wait(&mut child, &settings.stop)?;
     read(source, &out).map_err(|_| {
@@ -51,28 +51,56 @@ pub(super) fn run(source: &Source, settings: &Settings) -> Result<Outcome, Error
     })
 }
 
-fn command(source: &Source, settings: &Settings, out: &Path) -> io::Result<Command> {
-    let mut command = Command::new(isolation::program()?);
-    command.args(["run", "--quiet", "--set=output.plots=false"]);
-    command.arg("--parent").arg(std::process::id().to_string());
-    command.args(settings.threads.map(|count| format!("--threads={count}")));
-    command.args(settings.records.then_some("--record-increments"));
-    command.arg("--out").arg(out);
+/// Checks a case in a child; what is wrong with it, or the columns of its rows.
+pub(super) fn columns(source: &Source) -> Result<Option<Vec<String>>, Vec<CaseProblem>> {
+    let ask = || -> io::Result<(Option<i32>, Vec<u8>, String)> {
+        let mut told = tempfile::NamedTempFile::new()?;
+        let mut command = Command::new(isolation::program()?);
+        command.args(["check", "--before-run", "--columns"]).arg(told.path());
+        name_case(&mut command, source)?;
+        let mut printed = tempfile::tempfile()?;
+        command.stdout(Stdio::null()).stderr(printed.try_clone()?);
+        let ended = isolation::spawn(command)?.wait()?;
+        let (mut columns, mut words) = (Vec::new(), String::new());
+        told.read_to_end(&mut columns)?;
+        printed.seek(SeekFrom::Start(0))?;
+        printed.read_to_string(&mut words)?;
+        Ok((ended.code(), columns, words))
+    };
+    let (code, columns, words) = ask().map_err(|error| vec![CaseProblem::unreadable(error.to_string())])?;
+    let own = format!("{STREAM}: ");
+    let lines = words.lines().map(|line| line.strip_prefix(&own).unwrap_or(line).to_owned());
+    match code {
+        Some(BAD_INPUT) => Err(lines.map(CaseProblem::unreadable).collect()),
+        Some(NO_PLUGIN) => Err(lines.map(|line| CaseProblem::plugin(JsonPlace::root(), line)).collect()),
+        _ => Ok(serde_json::from_slice(&columns).ok()),
+    }
+}
+
+/// Names a case in a command line; a document is read from a file that the child has as its standard input.
+fn name_case(command: &mut Command, source: &Source) -> io::Result<()> {
     command.args(all_are_let_in().then_some("--in-process"));
     for folder in &source.plugin_paths {
         command.arg("--plugin-path").arg(std::path::absolute(folder)?);
     }
-    if source.document.is_some() {
-        let folder = input::folder_of(&source.file);
-        if !folder.as_os_str().is_empty() {
-            command.current_dir(folder);
+    match source.text().filter(|_| source.document.is_some()) {
+        Some(document) => {
+            let folder = input::folder_of(&source.file);
+            if !folder.as_os_str().is_empty() {
+                command.current_dir(folder);
+            }
+            let mut text = tempfile::tempfile()?;
+            text.write_all(document.to_string().as_bytes())?;
+            text.seek(SeekFrom::Start(0))?;
+            command.arg(STREAM).stdin(text);
         }
-        command.arg(STREAM);
-    } else {
-        command.args(source.overrides.iter().map(|text| format!("--set={text}")));
-        command.arg("--").arg(&source.file);
+        None => {
+            command.stdin(Stdio::null());
+            command.args(source.overrides.iter().map(|text| format!("--set={text}")));
+            command.arg("--").arg(&source.file);
+        }
     }
-    Ok(command)
+    Ok(())
 }
 
 /// Waits for a child, and tells it to end if the flag is set: kindly, again, and by force.

@@ -161,6 +161,20 @@ impl Source {
     }
 }
 
+impl Source {
+    /// Checks the case, in the process that its run takes place in, and returns the columns of its rows behind step and
+    /// increment; `None`: the plugin ended the process, as it would the run.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it.
+    pub fn columns(&self) -> Result<Option<Vec<String>>, CaseErrors> {
+        match self.clone().read()?.place {
+            Place::Here(case) => Ok(Some(case.columns_of_numbers())),
+            Place::Apart => apart::columns(self).map_err(|problems| CaseErrors { file: self.file.clone(), problems }),
+        }
+    }
+}
+
 impl Prepared {
     /// The case, if it runs in this process.
     pub fn case(&self) -> Option<&Case> {

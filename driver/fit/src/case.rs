@@ -12,6 +12,7 @@ use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 use pullout_case::CsvFile;
 use pullout_engine::{Outcome, Settings, Source, Trail};
+use pullout_report::compare::Turns;
 use pullout_report::directory::ResultDirectory;
 use pullout_run::PLUGIN_STACK;
 use pullout_run::input::folder_of;
@@ -436,7 +437,8 @@ fn curve(
     Ok((computed, trail.or_else(|| outcome.increments.map(Increments::Recorded))))
 }
 
-/// The second column where the first passes the data's values for the first time, on its way to the farthest of them.
+/// The second column where the first passes the data's values for the first time, on its way to the farthest of them; of data
+/// that turn back, branch by branch.
 fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<Vec<f64>, String> {
     let column = |name: &String| {
         let columns = || outcome.history.columns().join(", ");
@@ -445,8 +447,67 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
             .column(name)
             .ok_or_else(|| format!("--curve: the history has no column '{name}', but {}", columns()))
     };
-    let (x, y) = (column(&names[0])?, column(&names[1])?);
-    let Some(&start) = x.first() else { return Err("the run has no rows".into()) };
+    curve_at(column(&names[0])?, column(&names[1])?, &names[0], data)
+}
+
+fn curve_at(x: &[f64], y: &[f64], name: &str, data: &[[f64; 2]]) -> Result<Vec<f64>, String> {
+    let (of_data, threshold) = Turns::of(data.iter().map(|row| row[0]));
+    if of_data.is_empty() {
+        return branch_at([x, y], data).map_err(|off| off.words(name, false, false));
+    }
+    let mut of_run = Turns::new(threshold);
+    x.iter().enumerate().for_each(|(index, x)| of_run.push(index, *x));
+    let of_run = of_run.found();
+    let mut computed = Vec::with_capacity(data.len());
+    let (mut first, mut start) = (0, 0);
+    for number in 0..=of_data.len() {
+        if number > of_run.len() {
+            return Err(format!(
+                "the data turn back at {name} {} (point {first}), the run does not: leave out the points from {} on, or give the \
+                 case a step that turns back as well",
+                data[first - 1][0],
+                first + 1
+            ));
+        }
+        // a turn is the end of one branch and the beginning of the next
+        let end = of_data.get(number).map_or(data.len(), |turn| turn + 1);
+        let stop = of_run.get(number).map_or(x.len(), |turn| turn + 1);
+        let branch = branch_at([&x[start..stop], &y[start..stop]], &data[first..end]);
+        computed.extend(branch.map_err(|off| off.words(name, number > 0, stop < x.len()))?);
+        (first, start) = (end, stop - 1);
+    }
+    Ok(computed)
+}
+
+/// Data off a branch of a run.
+enum Off {
+    /// It has no rows.
+    Empty,
+    /// Its beginning, and data before it.
+    Before(f64, f64),
+    /// Its end, and data behind it.
+    Behind(f64, f64),
+}
+
+impl Off {
+    fn words(&self, name: &str, begins_at_turn: bool, ends_at_turn: bool) -> String {
+        match self {
+            Self::Empty => "the run has no rows".into(),
+            Self::Before(start, x) if begins_at_turn => {
+                format!("the run turns back at {name} {start}, behind their turn the data also have {x}")
+            }
+            Self::Before(start, x) => format!("the run begins at {name} {start}, the data also have {x}"),
+            Self::Behind(end, x) if ends_at_turn => {
+                format!("the run turns back at {name} {end}, the data go on to {x}")
+            }
+            Self::Behind(end, x) => format!("the run ends at {name} {end}, the data go on to {x}"),
+        }
+    }
+}
+
+/// y of a branch where x first passes the data's values.
+fn branch_at([x, y]: [&[f64]; 2], data: &[[f64; 2]]) -> Result<Vec<f64>, Off> {
+    let Some(&start) = x.first() else { return Err(Off::Empty) };
     let way =
         data.iter().map(|row| row[0] - start).fold(0.0_f64, |far, way| if way.abs() > far.abs() { way } else { far });
     let direction = if way < 0.0 { -1.0 } else { 1.0 };
@@ -466,8 +527,8 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
             (Some(a), Some(b)) => Ok(a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])),
             (None, Some(first)) if first[0] - x <= rounding => Ok(first[1]),
             (Some(last), None) if x - last[0] <= rounding => Ok(last[1]),
-            (None, _) => Err(format!("the run begins at {} {start}, the data also have {}", names[0], row[0])),
-            (Some(_), None) => Err(format!("the run ends at {} {last}, the data go on to {}", names[0], row[0])),
+            (None, _) => Err(Off::Before(start, row[0])),
+            (Some(_), None) => Err(Off::Behind(last, row[0])),
         }
     };
     data.iter().map(at).collect()

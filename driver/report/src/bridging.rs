@@ -74,7 +74,7 @@ pub fn conclude(
         Ok(_) => case.about().compare.iter().map(|curve| compare(&history, curve)).collect(),
         Err(_) => Ok(Vec::new()),
     };
-    summary.compare = compared.as_ref().map(Vec::clone).unwrap_or_default();
+    summary.take_comparisons(compared.as_ref().map(Vec::clone).unwrap_or_default());
     let text = summary.text()?;
     let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
         let pictures = match &done {

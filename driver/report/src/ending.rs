@@ -93,7 +93,7 @@ pub fn conclude(
 ) -> io::Result<(Summary, io::Result<()>)> {
     let mut summary = summarise(case, &end, specimen.as_mut())?;
     let compared = compare_all(case, || HistoryFile::open(&directory.path().join("history.csv")));
-    summary.compare = compared.as_ref().map(Vec::clone).unwrap_or_default();
+    summary.take_comparisons(compared.as_ref().map(Vec::clone).unwrap_or_default());
     let text = summary.text()?;
     let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
         let drawn = draw(case, directory, specimen.as_ref(), &end.states);

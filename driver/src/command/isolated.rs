@@ -1,7 +1,7 @@
 //! `pullout run` and `pullout check` of cases in processes of their own, and what such a process does.
 
 use super::run::{self, Arguments};
-use super::{DONE, FAILED, NO_PLUGIN, Reading, complain};
+use super::{DONE, FAILED, NO_PLUGIN, Reading, complain, option};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::summary::{self, PluginFile, Status, Summary};
 use pullout_run::isolation::{self, Aftermath, End, Failure, Job, Need, Task};
@@ -21,8 +21,12 @@ pub(super) fn check(file: &Path, reading: &Reading, need: &Need, quiet: bool) ->
 }
 
 /// Validates a case that is to be run: what ends the process now will end the run, and be reported then.
-pub(super) fn check_before_run(file: &Path, reading: &Reading, need: &Need) -> u8 {
-    let command = check_line(file, reading, Some("--before-run"));
+/// `columns`: where those of the rows are written.
+pub(super) fn check_before_run(file: &Path, reading: &Reading, need: &Need, columns: Option<&Path>) -> u8 {
+    let mut command = check_line(file, reading, Some("--before-run"));
+    if let Some(path) = columns {
+        command.insert(1, option("--columns", path));
+    }
     match isolation::supervise(&Job { command: &command, ..Job::default() }, need) {
         Ok(End::Done(code)) => code,
         Ok(End::Failed(failure)) if failure.report.at_loading => fail(file, &failure, &failure.report.message),

@@ -68,6 +68,9 @@ enum Command {
         /// Say nothing but errors, and leave to the run what belongs to it.
         #[arg(long, hide = true)]
         before_run: bool,
+        /// Write the columns of the rows, behind step and increment, into this file, as JSON.
+        #[arg(long, hide = true, requires = "before_run")]
+        columns: Option<PathBuf>,
     },
     /// List, describe or test plugins.
     Plugin {
@@ -243,8 +246,8 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         }
         Command::Study(arguments) => study::run_all(&arguments),
         Command::Sweep { action } => sweep::act(&action),
-        Command::Check { cases, reading, quiet, before_run } => {
-            run::check(&cases, &reading, quiet || before_run, before_run)
+        Command::Check { cases, reading, quiet, before_run, columns } => {
+            run::check(&cases, &reading, quiet || before_run, before_run, columns.as_deref())
         }
         Command::Plugin { action } => plugin::act(&action, line).unwrap_or_else(Refusal::told),
         Command::Schema => schema(),

@@ -92,19 +92,31 @@ impl Arguments {
     }
 }
 
-/// Validates cases. `quiet`: says nothing but errors; `before_run`: leaves to the run what belongs to it.
-pub(super) fn check(cases: &[PathBuf], reading: &Reading, quiet: bool, before_run: bool) -> u8 {
+/// Validates cases. `quiet`: says nothing but errors; `before_run`: leaves to the run what belongs to it; `columns`: where
+/// those of the rows are written.
+pub(super) fn check(cases: &[PathBuf], reading: &Reading, quiet: bool, before_run: bool, columns: Option<&Path>) -> u8 {
     let check = |file: &PathBuf| match reading.need(file) {
         _ if pullout_case::is_study(file) => study::check(file, reading, quiet),
+        Some(need) if columns.is_some() => isolated::check_before_run(file, reading, &need, columns),
         Some(need) => isolated::check(file, reading, &need, quiet),
-        None => check_here(file, reading, quiet, before_run).unwrap_or_else(Refusal::told),
+        None => check_here(file, reading, quiet, before_run, columns).unwrap_or_else(Refusal::told),
     };
     cases.iter().map(check).max().unwrap_or(DONE)
 }
 
 /// Validates a case in this process.
-fn check_here(file: &Path, reading: &Reading, quiet: bool, before_run: bool) -> Result<u8, Refusal> {
+fn check_here(
+    file: &Path,
+    reading: &Reading,
+    quiet: bool,
+    before_run: bool,
+    columns: Option<&Path>,
+) -> Result<u8, Refusal> {
     let case = reading.case(file)?;
+    if let Some(path) = columns {
+        let text = serde_json::json!(case.columns_of_numbers()).to_string();
+        std::fs::write(path, text).map_err(|error| Refusal::failed(format!("{}: {error}", path.display())))?;
+    }
     if !before_run {
         let _prints = Prints::discard();
         case.check_laws()?;
@@ -181,7 +193,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
             Some(need) => {
                 // nothing is run before all cases were read; a single one is read by the worker that runs it
                 if cases.len() > 1 {
-                    code = code.max(isolated::check_before_run(file, reading, &need));
+                    code = code.max(isolated::check_before_run(file, reading, &need, None));
                 }
                 if let Err(message) = interruption.suits(need.specimen) {
                     complain(format!("{}: {message}", file.display()));

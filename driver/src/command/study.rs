@@ -2,15 +2,17 @@
 
 use super::{BAD_INPUT, DONE, FAILED, Reading, Refusal, complain, isolated, run, say};
 use indicatif::{ProgressBar, ProgressStyle};
+use pullout_case::{CaseErrors, CaseProblem};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::number::significant;
 use pullout_run::signals;
 use pullout_study::claims::{self, Finding, Verdict};
-use pullout_study::{Execution, Results, Run, RunResult, Study};
+use pullout_study::{Demand, Execution, Results, Run, RunResult, Study};
 use std::collections::BTreeSet;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// Settings for running studies.
 #[derive(Debug, clap::Args)]
@@ -125,16 +127,28 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     );
     drop(prints);
     let own = read.as_ref().map_or_else(|errors| Refusal::from(errors.clone()).told(), |_| DONE);
+    let mut told: Option<Vec<CaseProblem>> = None;
     let theirs = apart.iter().map(|(base, own, need)| {
-        let code = isolated::check_before_run(base, own, need);
+        let columns = tempfile::NamedTempFile::new().ok();
+        let code = isolated::check_before_run(base, own, need, columns.as_ref().map(NamedTempFile::path));
+        let Ok(study) = &read else { return code };
         // what is wrong has been said, of the case alone
-        if let (BAD_INPUT, Ok(study)) = (code, &read) {
+        if code == BAD_INPUT {
             let of_case = |run: &&Run| run.base == *base && run.overrides == own.overrides;
             for run in study.runs.iter().filter(of_case) {
                 complain(format!("{}: that is the case of {}", file.display(), run.folder.display()));
             }
         }
-        code
+        let known = columns.and_then(|file| serde_json::from_slice(&std::fs::read(file.path()).ok()?).ok());
+        let unmet = known.map_or_else(Vec::new, |known: Vec<String>| Demand::unmet(&study.demands, &known));
+        if code != DONE || unmet.is_empty() {
+            return code;
+        }
+        // of all cases alike
+        if told.replace(unmet.clone()).is_none_or(|before| before != unmet) {
+            Refusal::from(CaseErrors { file: file.into(), problems: unmet }).told();
+        }
+        BAD_INPUT
     });
     let code = theirs.fold(own, u8::max);
     match (read, code) {

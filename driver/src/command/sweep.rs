@@ -3,10 +3,9 @@
 use super::{BAD_INPUT, DONE, FAILED, Place, Refusal, complain, say};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
-use pullout_sweep::{Standing, Store, Work, Worked, batch};
+use pullout_sweep::{Collection, Standing, Store, Work, Worked, batch};
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -44,6 +43,9 @@ pub(super) enum Action {
         /// The table, by its name .csv or .parquet; default: CSV to the standard output.
         #[arg(long, value_name = "TABLE")]
         out: Option<PathBuf>,
+        /// Replace a file of that name also if it is no table that was collected of this sweep, or was changed since.
+        #[arg(long, requires = "out")]
+        overwrite: bool,
     },
     /// Print a script that works a sweep off as an array of jobs.
     Submit {
@@ -128,7 +130,7 @@ pub(super) fn act(action: &Action) -> u8 {
         }
         Action::Work(toil) => work(toil),
         Action::Status { folder } => status(&Store::new(folder)),
-        Action::Collect { folder, out } => collect(&Store::new(folder), out.as_deref()),
+        Action::Collect { folder, out, overwrite } => collect(&Store::new(folder), out.as_deref(), *overwrite),
         Action::Submit { folder, slurm: _, array, jobs } => submit(folder, *array, *jobs),
         Action::Batch { batch, rows } => batch::carry_out(batch, rows).map(|()| DONE),
     };
@@ -183,12 +185,11 @@ fn status(store: &Store) -> io::Result<u8> {
     Ok(DONE)
 }
 
-fn collect(store: &Store, out: Option<&Path>) -> io::Result<u8> {
+fn collect(store: &Store, out: Option<&Path>, overwrite: bool) -> io::Result<u8> {
+    let place = out.map(|path| Collection::at(store, path, overwrite)).transpose()?;
     let table = pullout_sweep::collect(store)?;
-    let is_parquet = |path: &&Path| path.extension().is_some_and(|extension| extension == "parquet");
-    match out {
-        Some(path) if is_parquet(&path) => table.write(path)?,
-        Some(path) => table.write_csv(BufWriter::new(File::create(path)?))?,
+    match place {
+        Some(place) => place.write(&table)?,
         None => {
             let mut text = Vec::new();
             table.write_csv(&mut text)?;

@@ -327,8 +327,8 @@ impl Tested<'_> {
             Quantity::Named(NamedQuantity::Peak) => with("peak", y_unit),
             Quantity::Named(NamedQuantity::SlipAtPeak) => with(&format!("{} at the peak", self.study.curve.x), x_unit),
             Quantity::Named(NamedQuantity::Work) => {
-                let end = self.results.work_to.map_or("the common end".into(), |end| significant(end, 4));
-                with(&format!("work up to {end}"), &work_unit(self.study))
+                let end = self.results.work_to.map_or(String::new(), |end| format!(" up to {}", significant(end, 4)));
+                with(&format!("work{end}"), &work_unit(self.study))
             }
             Quantity::Named(NamedQuantity::End) => with(&format!("last {}", self.study.curve.y), y_unit),
             Quantity::Named(NamedQuantity::Increments) => "increments".into(),

@@ -116,6 +116,7 @@ fn study(simulations: &Simulations, execution: &Execution<'_>) -> Result<Study, 
         work_to: None,
         overlays: Vec::new(),
         claims: Vec::new(),
+        demands: Vec::new(),
     })
 }
 

@@ -8,6 +8,7 @@
 
 pub mod claims;
 
+mod demand;
 mod execution;
 mod fibres;
 mod fingerprint;
@@ -18,10 +19,11 @@ pub mod results;
 mod table;
 
 pub use claims::{Expectation, Finding, Verdict};
+pub use demand::Demand;
 pub use execution::{Execution, State, execute};
 pub use fibres::curves_of_fibres;
 pub use pullout_case::study::{ColumnValue, Columns, Direction, NamedPlace, NamedQuantity, Where};
-pub use read::{columns_of, default_curve, read};
+pub use read::{default_curve, read};
 pub use report::write as write_report;
 pub use results::{Results, RunResult};
 pub use table::{write_csv, write_json};
@@ -51,12 +53,14 @@ pub struct Study {
     pub curve: Columns,
     /// Units of the curve's columns.
     pub units: [String; 2],
-    /// End of the integral for the work; `None`: the smallest end of all runs that are done.
+    /// End of the integral for the work; `None`: what suits all runs that are done.
     pub work_to: Option<f64>,
     /// More pictures of all runs.
     pub overlays: Vec<Columns>,
     /// Claims that are tested.
     pub claims: Vec<Claim>,
+    /// The history columns that the file names; those of cases that were not read are not checked yet.
+    pub demands: Vec<Demand>,
 }
 
 impl Study {

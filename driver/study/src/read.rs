@@ -3,14 +3,13 @@
 
 use super::claims::Expectation;
 use super::fingerprint::Fingerprints;
-use super::{Abscissa, Claim, Columns, Member, Quantity, Run, Series, Study};
+use super::{Abscissa, Claim, Columns, Demand, Member, Quantity, Run, Series, Study};
 use pullout_case::study::{
-    ClaimOfFile, ExpectationOfFile, MemberName, MemberOfFile, NamedPlace, NamedQuantity, OneOrMany, QuantityOfFile,
-    SeriesOfFile, StudyFile, Where,
+    ClaimOfFile, ExpectationOfFile, MemberName, MemberOfFile, NamedQuantity, OneOrMany, QuantityOfFile, SeriesOfFile,
+    StudyFile,
 };
 use pullout_case::{Case, CaseErrors, CaseProblem, JsonPlace, ProblemKind, Reader, hint, read_study};
 use pullout_report::plots::quantity::Quantity as Shown;
-use pullout_run::columns;
 use pullout_run::input::{folder_of, is_stream};
 use pullout_run::number;
 use serde_json::{Map, Value};
@@ -55,7 +54,7 @@ pub fn read(
         false => (Reader::new(folder, plugin_paths), pullout_case::read),
     };
     let study = read_study(&mut reader, file, |reader, document: StudyFile| {
-        Resolver { reader, read_case, file, overrides, plugin_paths }.study(&document, isolated)
+        Resolver { reader, read_case, file, overrides, plugin_paths, demands: Vec::new() }.study(&document, isolated)
     });
     let problems = reader.into_problems();
     match study {
@@ -73,6 +72,8 @@ struct Resolver<'r, 'p> {
     file: &'r Path,
     overrides: &'r [String],
     plugin_paths: &'r [PathBuf],
+    /// The history columns that are named.
+    demands: Vec<Demand>,
 }
 
 /// A list's entry with its place in the file.
@@ -98,7 +99,10 @@ impl Resolver<'_, '_> {
         let series_of_file = self.list(document.series.as_ref(), &root.key("series"));
         let members = self.members(&members_of_file, x.as_ref());
         let series = self.series(&series_of_file);
-        let work_to = self.reader.optional(document.work_to.as_ref(), &root.key("work_to")).map(|end| end.0);
+        let work_to = self.reader.optional(document.work_to.as_ref(), &root.key("work_to")).copied();
+        if work_to == Some(0.0) {
+            self.problem(&root.key("work_to"), "must not be 0");
+        }
         let given = self.reader.optional(document.curve.as_ref(), &root.key("curve")).cloned();
         let overlays = self.list(document.overlays.as_ref(), &root.key("overlays"));
         let claims = self.list(document.claims.as_ref(), &root.key("claims"));
@@ -113,18 +117,20 @@ impl Resolver<'_, '_> {
         let curve = given
             .clone()
             .unwrap_or_else(|| default_curve(&pullout_case::document(&base_file, &[]).unwrap_or_default()));
-        let place = root.key("curve");
         if given.is_some() {
-            self.columns(&curve, columns.as_deref(), &place);
+            self.demands.extend(Demand::of_curve(&curve, &root.key("curve")));
         }
         let overlays = overlays.into_iter().map(|(place, pair)| {
-            self.columns(pair, columns.as_deref(), &place);
+            self.demands.extend(Demand::of_curve(pair, &place));
             pair.clone()
         });
         let overlays = overlays.collect();
-        let cast = Cast { members: &members, series: &series, columns: columns.as_deref(), curve: &curve };
+        let cast = Cast { members: &members, series: &series, curve: &curve };
         let claims: Vec<Claim> =
             claims.into_iter().filter_map(|(place, claim)| self.claim(claim, &cast, &place)).collect();
+        if let Some(columns) = &columns {
+            Demand::unmet(&self.demands, columns).into_iter().for_each(|problem| self.reader.push(problem));
+        }
         let unit = |column: &str| Shown::of(column, &Default::default()).unit;
         Some(Study {
             file: self.file.into(),
@@ -139,6 +145,7 @@ impl Resolver<'_, '_> {
             work_to,
             overlays,
             claims,
+            demands: self.demands,
         })
     }
 
@@ -267,7 +274,7 @@ impl Resolver<'_, '_> {
                         Ok(case) => {
                             run.fingerprint = fingerprints.of(&run, &case);
                             run.warnings = case.about().warnings.to_vec();
-                            let own = columns_of(&case);
+                            let own = case.columns_of_numbers();
                             let common = columns.take();
                             columns = Some(common.map_or(own.clone(), |common| {
                                 common.into_iter().filter(|column| own.contains(column)).collect()
@@ -328,30 +335,6 @@ impl Resolver<'_, '_> {
         }
     }
 
-    fn columns(&mut self, pair: &Columns, known: Option<&[String]>, place: &JsonPlace) {
-        self.column(&pair.x, known, &place.key("x"));
-        self.column(&pair.y, known, &place.key("y"));
-        self.one_file(&pair.y, &pair.x, known, &place.key("y"));
-    }
-
-    /// Rows of two files do not belong together.
-    fn one_file(&mut self, column: &str, other: &str, known: Option<&[String]>, place: &JsonPlace) {
-        if known.is_some_and(|known| columns::are_of_two_files(known, column, other)) {
-            self.problem(
-                place,
-                format!("'{column}' and '{other}' are columns of two files: bridging.csv and beam.csv"),
-            );
-        }
-    }
-
-    fn column(&mut self, column: &str, known: Option<&[String]>, place: &JsonPlace) {
-        if let Some(known) = known
-            && !known.iter().any(|name| name == column)
-        {
-            self.problem(place, format!("the histories have no column '{column}'{}", hint(column, known)));
-        }
-    }
-
     fn claim(&mut self, claim: &ClaimOfFile, cast: &Cast<'_>, place: &JsonPlace) -> Option<Claim> {
         let series = match &claim.series {
             None => (0..cast.series.len()).map(Some).collect(),
@@ -384,14 +367,7 @@ impl Resolver<'_, '_> {
     fn quantity(&mut self, given: Option<&QuantityOfFile>, cast: &Cast<'_>, place: &JsonPlace) -> Quantity {
         let Some(given) = given else { return Quantity::Named(NamedQuantity::Peak) };
         let quantity = Quantity::from(given);
-        if let Quantity::Column { column, at, over } = &quantity {
-            self.column(column, cast.columns, &place.key("column"));
-            over.iter().for_each(|column| self.column(column, cast.columns, &place.key("over")));
-            if matches!(at, Where::X(_) | Where::Named(NamedPlace::Peak)) {
-                self.one_file(column, &cast.curve.y, cast.columns, &place.key("at"));
-            }
-            over.iter().for_each(|o| self.one_file(column, o, cast.columns, &place.key("over")));
-        }
+        self.demands.extend(Demand::of_quantity(&quantity, cast.curve, place));
         quantity
     }
 
@@ -497,11 +473,10 @@ struct Runs<'d> {
     series: &'d [Placed<'d, SeriesOfFile>],
 }
 
-/// Members, series and columns that claims refer to; the columns are not known if no case could be read.
+/// Members, series and curve that claims refer to.
 struct Cast<'a> {
     members: &'a [Member],
     series: &'a [Series],
-    columns: Option<&'a [String]>,
     curve: &'a Columns,
 }
 
@@ -515,11 +490,6 @@ struct Complaint {
 /// Returns the texts as `--set` has them.
 fn texts(set: &Map<String, Value>) -> impl Iterator<Item = String> + '_ {
     set.iter().map(|(path, value)| format!("{path}={value}"))
-}
-
-/// Columns that hold numbers of the run, behind step and increment.
-pub fn columns_of(case: &Case) -> Vec<String> {
-    if let Case::Bridging(program) = case { program.columns() } else { case.columns().split_off(2) }
 }
 
 /// Load against slip, τ against slip, σ11 against ε11, σ against w, as the kind of a case has it.

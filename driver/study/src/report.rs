@@ -105,9 +105,12 @@ fn table(study: &Study, results: &Results) -> Markup {
                 }
             }
         } }
-        @if let Some(end) = results.work_to {
-            p { "Peak: the greatest " (study.curve.y) " in magnitude. Work: up to " (study.curve.x) " = "
-                (significant(end, 6)) @if !x_unit.is_empty() { " " (x_unit) } "." }
+        p { "Peak: the greatest " (study.curve.y) " in magnitude. Work: "
+            @match results.work_to {
+                Some(end) => { "up to " (study.curve.x) " = " (significant(end, 6))
+                    @if !x_unit.is_empty() { " " (x_unit) } "." }
+                None => { "along the whole path." }
+            }
         }
     }
 }

@@ -2,11 +2,14 @@
 //!
 //! # Equations
 //!
-//! Work up to x_c, with y linear between the lines of the history, and x_c where the curve's |x| first reaches it:
+//! Work along the path of the curve, with y linear between the lines of the history, to its end or to where x first passes
+//! x_c:
 //!
 //! ```text
-//! W(x_c) = ∫ y dx, trapezoidal
+//! W = ∫ y dx, trapezoidal
 //! ```
+//!
+//! What is given back where x turns counts with its sign: W of a closed cycle is what it dissipates.
 
 use super::execution::{State, is_refused};
 use super::{Columns, Quantity, Run, Study};
@@ -18,12 +21,15 @@ use std::path::Path;
 /// A common end is reached within this part of it: the last increment of a step ends where rounding leaves it.
 const END_TOLERANCE: f64 = 1e-9;
 
+/// A path that turns back by no more than this part of its reach goes one way: a step that ends, a specimen that snaps back.
+const LARGEST_RETURN: f64 = 0.05;
+
 /// Results of all runs.
 #[derive(Clone, Debug)]
 pub struct Results {
     /// Results of the runs, in the study's order.
     pub runs: Vec<RunResult>,
-    /// End of the integral for the work; `None` if no run is done.
+    /// End of the integral for the work; `None`: the end of each run.
     pub work_to: Option<f64>,
 }
 
@@ -46,9 +52,9 @@ pub struct RunResult {
     pub slip_at_peak: Option<f64>,
     /// The last ordinate.
     pub end: Option<f64>,
-    /// The greatest abscissa in magnitude.
+    /// The greatest abscissa in magnitude, with its sign.
     pub reach: Option<f64>,
-    /// The area below the curve up to the common end; `None` if the run does not reach it.
+    /// The integral along the curve up to the common end; `None` if the run does not reach it.
     pub work: Option<f64>,
 }
 
@@ -57,8 +63,8 @@ impl Results {
     pub fn read(study: &Study, out: &Path, states: &[State]) -> Self {
         let mut runs: Vec<RunResult> =
             study.runs.iter().zip(states).map(|(run, state)| RunResult::read(run, study, out, *state)).collect();
-        let ends = runs.iter().filter(|run| run.is_done()).filter_map(|run| run.reach);
-        let work_to = study.work_to.or_else(|| ends.reduce(f64::min));
+        let curves: Vec<_> = runs.iter().filter(|run| run.is_done()).map(|run| run.curve(&study.curve)).collect();
+        let work_to = study.work_to.or_else(|| common_end(&curves));
         for run in &mut runs {
             run.find_work(&study.curve, work_to);
         }
@@ -114,13 +120,13 @@ impl RunResult {
             result.slip_at_peak = Some(peak.slip).filter(|_| columns.x == "slip").or(result.slip_at_peak);
         }
         result.end = finite().next_back().map(|(_, y)| y);
-        result.reach = finite().map(|(x, _)| x.abs()).reduce(f64::max);
+        result.reach = farthest(finite().map(|(x, _)| x));
         result
     }
 
-    /// Finds the area below the curve up to an end.
+    /// Finds the integral along the curve up to an end, or along all of it.
     pub fn find_work(&mut self, columns: &Columns, to: Option<f64>) {
-        self.work = to.and_then(|end| work(&self.curve(columns), end));
+        self.work = work(&self.curve(columns), to);
     }
 
     /// Returns whether it came to its end.
@@ -176,27 +182,59 @@ impl RunResult {
                 extreme(&magnitudes, 1.0)
             }
             Where::X(end) => {
-                let reached = |x: &f64| x.abs() >= end.abs() * (1.0 - END_TOLERANCE);
-                column_of(&curve.x)?.iter().position(reached)
+                let along = column_of(&curve.x)?;
+                let way = end - along.first()?;
+                let short = END_TOLERANCE * end.abs();
+                along.iter().position(|x| if way < 0.0 { *x <= end + short } else { *x >= end - short })
             }
         }
     }
 }
 
-/// ∫ y dx up to where |x| first reaches `end`; `None` if it does not.
-fn work(curve: &[(f64, f64)], end: f64) -> Option<f64> {
+/// The greatest number in magnitude, with its sign.
+fn farthest(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    numbers.reduce(|far, x| if x.abs() > far.abs() { x } else { far })
+}
+
+/// The x to which the work of several runs is compared: where the shortest of them ends, if none turns back and all go to one
+/// side. Otherwise, and where all end at the same x, `None`: the end of each.
+fn common_end(curves: &[Vec<(f64, f64)>]) -> Option<f64> {
+    let mut ends = Vec::new();
+    for curve in curves {
+        let finite = || curve.iter().map(|(x, _)| *x).filter(|x| x.is_finite());
+        let (Some(end), Some(far)) = (finite().next_back(), farthest(finite())) else { continue };
+        let mut furthest = f64::NEG_INFINITY;
+        for way in finite().map(|x| x * far.signum()) {
+            furthest = way.max(furthest);
+            if way < furthest - LARGEST_RETURN * far.abs() {
+                return None;
+            }
+        }
+        ends.push(end);
+    }
+    let shortest = ends.iter().copied().reduce(|short, end| if end.abs() < short.abs() { end } else { short })?;
+    let is_apart = |end: &f64| !is_near(*end, shortest, shortest);
+    (ends.iter().all(|end| end * shortest > 0.0) && ends.iter().any(is_apart)).then_some(shortest)
+}
+
+fn is_near(one: f64, other: f64, scale: f64) -> bool {
+    (one - other).abs() <= END_TOLERANCE * scale.abs()
+}
+
+/// ∫ y dx along a curve, up to where x first passes `to`; `None` if it does not.
+fn work(curve: &[(f64, f64)], to: Option<f64>) -> Option<f64> {
+    let (first, _) = *curve.first()?;
     let mut sum = 0.0;
     for ends in curve.windows(2) {
         let [(a_x, a_y), (b_x, b_y)] = [ends[0], ends[1]];
-        if b_x.abs() >= end {
-            let to = end.copysign(b_x);
-            let share = if b_x == a_x { 1.0 } else { (to - a_x) / (b_x - a_x) };
-            return Some(sum + 0.5 * (to - a_x) * (a_y + a_y + share * (b_y - a_y)));
+        if let Some(end) = to.filter(|end| if *end < first { b_x <= *end } else { b_x >= *end }) {
+            let share = if b_x == a_x { 1.0 } else { (end - a_x) / (b_x - a_x) };
+            return Some(sum + 0.5 * (end - a_x) * (a_y + a_y + share * (b_y - a_y)));
         }
         sum += 0.5 * (b_x - a_x) * (a_y + b_y);
     }
     let (x, _) = *curve.last()?;
-    (x.abs() >= end * (1.0 - END_TOLERANCE)).then_some(sum)
+    to.is_none_or(|end| is_near(x, end, end)).then_some(sum)
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 pub mod batch;
 mod claim;
 mod collect;
+mod collection;
 mod plan;
 mod run;
 pub mod store;
@@ -14,6 +15,7 @@ pub mod table;
 mod work;
 
 pub use collect::{Standing, collect};
+pub use collection::Collection;
 pub use plan::plan;
 pub use store::Store;
 pub use work::{Work, Worked, work};

@@ -6,7 +6,7 @@ use pullout_case::sweep::{Base, SweepFile};
 use pullout_case::{CaseErrors, CaseProblem, JsonPlace, Reader};
 use pullout_engine::Source;
 use pullout_run::input::{self, Input};
-use pullout_study::{columns_of, default_curve};
+use pullout_study::{Demand, Quantity, default_curve};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -51,6 +51,9 @@ pub(crate) fn plan_document(
     plugin_paths: &[PathBuf],
     store: &Store,
 ) -> Result<Sweep, CaseErrors> {
+    if let Err(error) = store.may_plan() {
+        return Err(CaseErrors { file: file.into(), problems: vec![CaseProblem::unreadable(error.to_string())] });
+    }
     let folder = input::folder_of(file);
     let mut reader = Reader::new(folder, plugin_paths);
     let sweep = pullout_case::read_sweep(&mut reader, document, |reader, of_file: SweepFile| {
@@ -102,15 +105,11 @@ fn resolve(
     // the first run tells what is wrong with all
     let first =
         Source { plugin_paths: plugin_paths.to_vec(), ..Source::document(with(&base, &parameters, &runs[0]), &folder) };
-    match first.read() {
-        Ok(prepared) => {
-            if let Some(case) = prepared.case() {
-                let known = columns_of(case);
-                for (index, column) in keep.curves.iter().enumerate().filter(|(_, column)| !known.contains(column)) {
-                    let hint = pullout_case::hint(column, &known);
-                    reader.problem(&root.key("curves").index(index), format!("there is no column '{column}'{hint}"));
-                }
-            }
+    match first.columns() {
+        Ok(columns) => {
+            let demands = demands(of_file, &keep);
+            let unmet = columns.map_or_else(Vec::new, |columns| Demand::unmet(&demands, &columns));
+            unmet.into_iter().for_each(|problem| reader.push(problem));
         }
         Err(errors) => {
             for problem in errors.problems {
@@ -172,9 +171,13 @@ fn keep(reader: &mut Reader<'_>, of_file: &SweepFile, base: &Value) -> Keep {
     if grid.as_ref().is_some_and(|grid| !grid.is_sorted_by(|a, b| a < b)) {
         reader.problem(&root.key("grid"), "must be ascending");
     }
+    let work_to = reader.optional(of_file.work_to.as_ref(), &root.key("work_to")).copied();
+    if work_to == Some(0.0) {
+        reader.problem(&root.key("work_to"), "must not be 0");
+    }
     Keep {
         curve: curve.unwrap_or_else(|| default_curve(base)),
-        work_to: reader.optional(of_file.work_to.as_ref(), &root.key("work_to")).map(|end| end.0),
+        work_to,
         quantities: reader
             .optional(of_file.quantities.as_ref(), &root.key("quantities"))
             .cloned()
@@ -182,6 +185,27 @@ fn keep(reader: &mut Reader<'_>, of_file: &SweepFile, base: &Value) -> Keep {
         curves: reader.optional(of_file.curves.as_ref(), &root.key("curves")).cloned().unwrap_or_default(),
         grid,
     }
+}
+
+/// The history columns that the file names.
+fn demands(of_file: &SweepFile, keep: &Keep) -> Vec<Demand> {
+    let root = JsonPlace::root();
+    let mut demands = Vec::new();
+    if of_file.curve.is_some() {
+        demands.extend(Demand::of_curve(&keep.curve, &root.key("curve")));
+    }
+    for (name, quantity) in &keep.quantities {
+        let place = root.key("quantities").key(name);
+        demands.extend(Demand::of_quantity(&Quantity::from(quantity), &keep.curve, &place));
+    }
+    for (index, column) in keep.curves.iter().enumerate() {
+        let place = root.key("curves").index(index);
+        demands.push(match keep.grid {
+            Some(_) => Demand::beside(column, &keep.curve.x, place),
+            None => Demand::of_column(column, place),
+        });
+    }
+    demands
 }
 
 /// Returns what is varied, in one of three ways.
@@ -200,7 +224,11 @@ fn design(reader: &mut Reader<'_>, of_file: &SweepFile) -> Option<Design> {
     if let Some(piece) = &of_file.points {
         let place = root.key("points");
         let points = reader.piece(piece, &place)?;
-        let paths: Vec<String> = points[0].keys().cloned().collect();
+        let Some(first) = points.first() else {
+            reader.problem(&place, "has no runs");
+            return None;
+        };
+        let paths: Vec<String> = first.keys().cloned().collect();
         let mut runs = Vec::new();
         for (index, point) in points.iter().enumerate() {
             let run: Option<Vec<Value>> = paths.iter().map(|path| point.get(path).cloned()).collect();

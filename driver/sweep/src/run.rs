@@ -75,7 +75,7 @@ fn of(outcome: Outcome, keep: &Keep, wall: f64) -> Measured {
     let counts = [summary.increments, summary.iterations, summary.cutbacks];
     let times = [wall, summary.cpu_time_s.unwrap_or_default()];
     let mut result = RunResult::of(history, Some(summary), &keep.curve);
-    result.find_work(&keep.curve, keep.work_to.or(result.reach));
+    result.find_work(&keep.curve, keep.work_to);
     let value = |of_file| result.value(&Quantity::from(of_file), &keep.curve);
     Measured {
         failed_at,

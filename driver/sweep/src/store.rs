@@ -7,6 +7,7 @@
 //! parts/*.parquet        a row for each run that is over
 //! replay/<key>.json      the case that repeats what failed
 //! running/…              what workers are at
+//! collected/<sha256>     the contents of tables that were collected, which may be replaced
 //! ```
 
 use crate::table::{Table, readable_by_all};
@@ -109,6 +110,27 @@ impl Store {
         if is_sound { Ok(sweep) } else { Err(wrong("it is of another version: plan the sweep again".into())) }
     }
 
+    /// Refuses a folder whose `sweep.json` is not a plan: it is the user's, a sweep file perhaps.
+    ///
+    /// # Errors
+    /// That is so, or it cannot be read.
+    pub(crate) fn may_plan(&self) -> io::Result<()> {
+        let path = self.folder.join("sweep.json");
+        if fs::symlink_metadata(&path).is_err_and(|error| error.kind() == io::ErrorKind::NotFound) {
+            return Ok(());
+        }
+        let written: Option<Value> = fs::read(&path).ok().and_then(|text| serde_json::from_slice(&text).ok());
+        // plans of all versions
+        let is_plan = written.as_ref().is_some_and(|written| {
+            written["version"].is_u64() && written["runs"].is_array() && written["kind"].is_null()
+        });
+        if is_plan {
+            return Ok(());
+        }
+        let message = "is no plan that this program wrote, and would be replaced by one: choose another --out";
+        Err(io::Error::new(io::ErrorKind::InvalidData, format!("{} {message}", path.display())))
+    }
+
     /// Begins a sweep, or gives it other runs: what is done stays done.
     ///
     /// # Errors
@@ -169,6 +191,28 @@ impl Store {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
             Err(error) => Err(error),
         }
+    }
+
+    /// Returns whether a file would lie in a folder of the store.
+    pub(crate) fn has_inside(&self, path: &Path) -> bool {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let (Ok(folder), Ok(own)) = (fs::canonicalize(folder), fs::canonicalize(&self.folder)) else { return false };
+        ["files", "parts", "replay", "running", "collected"].iter().any(|name| folder.starts_with(own.join(name)))
+    }
+
+    /// Returns whether a table with this content was collected.
+    pub(crate) fn has_collected(&self, content: &[u8; 32]) -> bool {
+        self.collected(content).is_file()
+    }
+
+    /// Notes the content of a table that is collected.
+    pub(crate) fn note_collected(&self, content: &[u8; 32]) -> io::Result<()> {
+        if self.has_collected(content) { Ok(()) } else { put(&self.collected(content), b"") }
+    }
+
+    fn collected(&self, content: &[u8; 32]) -> PathBuf {
+        let name: String = content.iter().map(|byte| format!("{byte:02x}")).collect();
+        self.folder.join("collected").join(name)
     }
 
     /// Keeps the case that repeats a failure.

@@ -186,13 +186,12 @@ impl Table {
     /// # Errors
     /// It cannot be written.
     pub fn write(&self, path: &Path) -> io::Result<()> {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let file = tempfile::Builder::new().prefix(".part").tempfile_in(folder)?;
-        self.write_to(file.as_file()).map_err(io::Error::other)?;
-        file.as_file().sync_all()?;
-        readable_by_all(file.as_file())?;
-        file.persist(path)?;
-        Ok(())
+        replace(path, |file| self.write_parquet(file), |_| Ok(()))
+    }
+
+    /// Writes a Parquet file.
+    pub(crate) fn write_parquet(&self, file: &File) -> io::Result<()> {
+        self.write_to(file).map_err(io::Error::other)
     }
 
     fn write_to(&self, file: &File) -> Result<()> {
@@ -254,6 +253,22 @@ impl Table {
         }
         writer.flush()
     }
+}
+
+/// Writes a file beside its place and moves it there; `before` hears of the whole file while it is not in its place yet.
+pub(crate) fn replace(
+    path: &Path,
+    write: impl FnOnce(&File) -> io::Result<()>,
+    before: impl FnOnce(&Path) -> io::Result<()>,
+) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let file = tempfile::Builder::new().prefix(".part").tempfile_in(folder)?;
+    write(file.as_file())?;
+    file.as_file().sync_all()?;
+    readable_by_all(file.as_file())?;
+    before(file.path())?;
+    file.persist(path)?;
+    Ok(())
 }
 
 /// Temporary files are their owner's alone; what lies in a store others may read.

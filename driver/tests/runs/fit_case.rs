@@ -91,6 +91,17 @@ fn a_curve_that_goes_backwards() {
     assert_eq!(found["parameters"][0]["identifiable"], true);
 }
 
+/// Unloading and reloading are branches of their own, not more points of the first one.
+#[test]
+fn a_curve_with_cycles() {
+    let mut bond = bond(700.0, 7.0);
+    let step = |slip: f64| json!({ "increments": 40, "target": { "slip": slip } });
+    bond["steps"] = json!([step(0.02), step(0.005), step(0.03), step(-0.01)]);
+    let sought = [("material.props.k_e", 950.0, [300.0, 3000.0]), ("material.props.a_1", 10.0, [1.0, 30.0])];
+    let result = found(&bond, &sought, "slip,tau", 1e-6);
+    assert!(result["rms"].as_f64().unwrap() < 1e-6, "{}", result["rms"]);
+}
+
 /// A case that repeats a long record is longer than the arguments of a process may be.
 #[test]
 fn a_library_of_another_in_many_increments() {
@@ -154,6 +165,7 @@ fn what_is_wrong_is_one_message_with_its_place() {
     table("far.csv", "slip,tau\n0.001,1\n0.002,2\n0.9,3\n");
     table("empty.csv", "");
     table("before.csv", "slip,tau\n-0.001,1\n0.002,2\n0.003,3\n");
+    table("back.csv", "slip,tau\n0.001,1\n0.003,3\n0.002,2\n0.001,1\n");
     table("others.csv", "s,F\n0.001,1\n0.002,2\n0.003,3\n");
     table("force.csv", "time,slip,force\n0.001,1,1\n0.002,2,2\n0.003,3,3\n");
     let k_e = "--free=material.props.k_e=300:3000";
@@ -175,7 +187,8 @@ fn what_is_wrong_is_one_message_with_its_place() {
         (&[k_e, "--data=cell.csv"], "cell.csv, line 3, column 'tau': 'x' is no finite number"),
         (&[k_e, "--data=short.csv"], "short.csv: 1 points do not tell 1 numbers"),
     ];
-    let more: [(&[&str], &str); 7] = [
+    let more: [(&[&str], &str); 8] = [
+        (&[k_e, "--data=back.csv"], "the data turn back at slip 0.003 (point 2), the run does not"),
         (&[k_e, "--data=before.csv"], "the run begins at slip 0, the data also have -0.001"),
         (&[k_e, "--data=force.csv"], "force.csv, line 1: there is one of the columns of --curve, but not 'tau'"),
         (&[k_e, "--data=zero.csv"], "all values are 0"),

@@ -46,11 +46,18 @@ fn texts(table: &Table, name: &str) -> Vec<String> {
     column.texts().iter().map(|text| text.clone().unwrap_or_default()).collect()
 }
 
-/// The collected table.
+/// The collected table; stores are also made anew.
 fn collected(desk: &Desk, store: &Path) -> Table {
     let out = desk.path("all.parquet");
-    desk.pullout(["sweep".as_ref(), "collect".as_ref(), store.as_os_str(), "--out".as_ref(), out.as_os_str()])
-        .expect(0);
+    desk.pullout([
+        "sweep".as_ref(),
+        "collect".as_ref(),
+        "--overwrite".as_ref(),
+        store.as_os_str(),
+        "--out".as_ref(),
+        out.as_os_str(),
+    ])
+    .expect(0);
     Table::read(&out, |_| true).expect("a table")
 }
 
@@ -368,4 +375,143 @@ fn parts_of_a_sweep_by_number() {
         desk.pullout(arguments.into_iter().chain([store.as_os_str()])).expect(0);
         assert_eq!(collected(&desk, &store).rows(), over);
     }
+}
+
+/// Arguments of a command of `sweep` with a folder.
+fn sweep_with(desk: &Desk, action: &str, more: &[&str], code: i32) -> String {
+    let arguments = ["sweep", action].into_iter().chain(more.iter().copied());
+    desk.pullout(arguments).expect(code).stderr
+}
+
+#[test]
+fn a_table_replaces_no_file_of_the_users() {
+    let desk = Desk::new();
+    planned(&desk, 2, 5);
+    sweep_with(&desk, "work", &["--quiet", "store"], 0);
+    let design = "material.props.k_e\n200\n";
+    desk.write("design.csv", design);
+    let told = sweep_with(&desk, "collect", &["store", "--out", "design.csv"], 2);
+    assert!(told.contains("--out design.csv: is no table that was collected of this sweep"), "{told}");
+    assert_eq!(fs::read_to_string(desk.path("design.csv")).expect("a file"), design);
+    for name in ["all.json", "all.txt", "all"] {
+        let told = sweep_with(&desk, "collect", &["store", "--out", name], 2);
+        assert!(told.contains(".csv or a .parquet") && !desk.path(name).exists(), "{told}");
+    }
+    let told = sweep_with(&desk, "collect", &["store", "--out", "store/parts/all.parquet"], 2);
+    assert!(told.contains("among the files of the sweep itself"), "{told}");
+    // an earlier collection is the program's until it is changed
+    for name in ["all.csv", "all.parquet"] {
+        sweep_with(&desk, "collect", &["store", "--out", name], 0);
+        sweep_with(&desk, "collect", &["store", "--out", name], 0);
+    }
+    desk.write("all.csv", "mine\n");
+    sweep_with(&desk, "collect", &["store", "--out", "all.csv"], 2);
+    sweep_with(&desk, "collect", &["store", "--out", "all.csv", "--overwrite"], 0);
+    assert!(fs::read_to_string(desk.path("all.csv")).expect("a table").starts_with("run,key,status,"));
+}
+
+#[test]
+fn a_plan_replaces_no_file_of_the_users() {
+    let desk = Desk::new();
+    let sweep = json!({ "kind": "sweep", "base": bond(5), "parameters": { "material.props.k_e": [900.0] } });
+    let file = desk.case("sweep.json", &sweep);
+    let text = fs::read_to_string(&file).expect("a sweep");
+    // the file that is read; a case; no JSON
+    for content in [text.as_str(), &bond(5).to_string(), "{ \"version\": 1 }", "x"] {
+        desk.write("store/sweep.json", content);
+        let told = sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 2);
+        assert!(told.contains("store/sweep.json is no plan that this program wrote"), "{told}");
+        assert_eq!(fs::read_to_string(desk.path("store/sweep.json")).expect("a file"), content);
+    }
+    let told = sweep_with(&desk, "plan", &["sweep.json", "--out", "."], 2);
+    assert!(told.contains("is no plan"), "{told}");
+    assert_eq!(fs::read_to_string(&file).expect("a sweep"), text);
+    assert!(!desk.path("files").exists());
+    // a plan gives way to another
+    fs::remove_file(desk.path("store/sweep.json")).expect("removed");
+    sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
+    sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
+}
+
+#[test]
+fn columns_and_points_that_are_not_there_are_refused_by_the_plan() {
+    let desk = Desk::new();
+    let refused = |desk: &Desk, more: Value, message: &str| {
+        let mut sweep = json!({ "kind": "sweep", "base": bond(5), "points": [{ "material.props.k_e": 900.0 }] });
+        sweep.as_object_mut().expect("a sweep").extend(more.as_object().expect("members").clone());
+        desk.case("sweep.json", &sweep);
+        let told = sweep_with(desk, "plan", &["sweep.json", "--out", "store"], 2);
+        assert!(told.contains(message), "{message}\n{told}");
+        assert!(!desk.path("store/sweep.json").exists());
+    };
+    for (more, message) in [
+        (
+            json!({ "quantities": { "t": { "column": "tauu" } } }),
+            "$.quantities.t.column: the histories have no column 'tauu'; nearest valid name: 'tau'",
+        ),
+        (
+            json!({ "quantities": { "t": { "column": "tau", "over": ["slp"] } } }),
+            "$.quantities.t.over: the histories have no column 'slp'",
+        ),
+        (json!({ "curve": { "x": "slip", "y": "load" } }), "$.curve.y: the histories have no column 'load'"),
+        (json!({ "curves": ["s1"] }), "$.curves[0]: the histories have no column 's1'"),
+        (json!({ "points": [] }), "$.points: "),
+        (json!({ "work_to": 0 }), "$.work_to: must not be 0"),
+    ] {
+        refused(&desk, more, message);
+    }
+    // of a library that only a child loads, too
+    let Some(mut compiler) = find(Tool::C) else { return };
+    let library = desk.path("libmisbehaving.so");
+    let source = workspace("driver/tests/isolation/misbehaving.c");
+    let include = workspace("umat-abi/include");
+    compile(compiler.args(["-shared", "-fPIC", "-O1", "-I"]).arg(include).arg("-o").arg(&library).arg(source));
+    let base = json!({
+        "kind": "point", "mode": "3d",
+        "material": { "plugin": "./libmisbehaving.so", "nstatv": 2, "props": [1000.0, 0, 1, 3] },
+        "steps": [{ "increments": 5, "target": { "s11": 5.0 } }],
+    });
+    let own = |quantity: Value| json!({ "base": base, "points": [{ "material.props.0": 900.0 }], "quantities": { "q": quantity } });
+    refused(&desk, own(json!({ "column": "s1" })), "$.quantities.q.column: the histories have no column 's1'");
+    let study = json!({
+        "kind": "study", "base": "base.json", "members": [{ "label": "a" }, { "label": "b" }],
+        "claims": [{ "claim": "c", "quantity": { "column": "s1" }, "expect": { "greater_than": 1 } }],
+    });
+    desk.case("base.json", &base);
+    desk.case("study.json", &study);
+    let told = desk.pullout(["study", "study.json", "--out", "out"]).expect(2).stderr;
+    let message = "$.claims[0].quantity.column: the histories have no column 's1'; nearest valid name: 's11'";
+    assert_eq!(told.matches(message).count(), 1, "{told}");
+    assert!(!desk.path("out").exists());
+}
+
+/// τ = k δ on a bond that is elastic, and a point that yields: work is that of the whole path.
+#[test]
+fn the_work_of_a_cycle_is_what_it_dissipates() {
+    let desk = Desk::new();
+    let base = json!({
+        "kind": "interface",
+        "material": { "plugin": "bond_slip", "props": { "law": "A", "k_e": 950.0, "a_1": 10.0, "b_1": 0.4 } },
+        "steps": [
+            { "increments": 100, "target": { "slip": 0.02 } }, { "increments": 200, "target": { "slip": -0.02 } },
+            { "increments": 200, "target": { "slip": 0.02 } },
+        ],
+    });
+    let sweep = json!({
+        "kind": "sweep", "base": base, "points": [{ "material.props.k_e": 950.0 }],
+        "curves": ["slip", "tau"], "quantities": { "work": "work", "back": { "column": "tau", "at": -0.01 } },
+    });
+    desk.case("sweep.json", &sweep);
+    sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
+    sweep_with(&desk, "work", &["--quiet", "store"], 0);
+    let table = collected(&desk, &desk.path("store"));
+    let curve = |name: &str| match table.column(name) {
+        Some(Column::List(curves)) => curves[0].clone(),
+        _ => panic!("no curve"),
+    };
+    let (slip, tau) = (curve("curve.slip"), curve("curve.tau"));
+    let path: f64 = (1..slip.len()).map(|k| 0.5 * (slip[k] - slip[k - 1]) * (tau[k] + tau[k - 1])).sum();
+    let number = |name: &str| table.column(name).and_then(|column| column.number(0)).expect("a number");
+    assert!((number("q.work") - path).abs() < 1e-12 * path && path > 0.0, "{} {path}", number("q.work"));
+    assert!(number("q.back") < 0.0, "{}", number("q.back"));
 }

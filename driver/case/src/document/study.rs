@@ -30,9 +30,10 @@ pub struct StudyFile {
     pub series: Option<Piece<Vec<Piece<SeriesOfFile>>>>,
     /// History columns of the curve whose peak and work count; default: load against slip, τ against slip, σ11 against ε11.
     pub curve: Option<Piece<Columns>>,
-    /// End of the integral for the work, in the unit of the curve's x; default: the smallest end of all runs that are
-    /// done.
-    pub work_to: Option<Piece<Positive>>,
+    /// The work is the integral of y along the curve up to where x first passes this value, which has the sign of x; default:
+    /// the end of the shortest run that is done, if none turns back (by more than 5 % of its reach) and all go to one side,
+    /// else the whole path of each.
+    pub work_to: Option<Piece<f64>>,
     /// More pictures of all runs, by history columns.
     pub overlays: Option<Piece<Vec<Piece<Columns>>>>,
     /// Claims that are tested.
@@ -148,7 +149,7 @@ pub enum NamedQuantity {
     Peak,
     /// The curve's abscissa at its peak.
     SlipAtPeak,
-    /// The area below the curve up to the common end.
+    /// The integral of y along the curve (see `work_to`).
     Work,
     /// The curve's last ordinate.
     End,
@@ -182,7 +183,7 @@ pub struct ColumnValue {
 pub enum Where {
     /// By name.
     Named(NamedPlace),
-    /// The line in which the curve's x first reaches this value.
+    /// The line in which the curve's x first reaches this value, which has the sign of x.
     X(f64),
 }
 

@@ -1,7 +1,7 @@
 //! The sweep file as serde reads it and as `pullout schema` prints it.
 
 use super::study::{Columns, QuantityOfFile};
-use super::{Head, Piece, Positive};
+use super::{Head, Piece};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -33,8 +33,9 @@ pub struct SweepFile {
     pub quantities: Option<Piece<BTreeMap<String, QuantityOfFile>>>,
     /// The curve whose peak and work count; default: load against slip, τ against slip, σ11 against ε11.
     pub curve: Option<Piece<Columns>>,
-    /// End of the integral for the work, in the unit of the curve's x; default: the end of the run.
-    pub work_to: Option<Piece<Positive>>,
+    /// The work is the integral of y along the curve up to where x first passes this value, which has the sign of x; default:
+    /// along the whole path of the run.
+    pub work_to: Option<Piece<f64>>,
     /// History columns that are kept as they are, or on the grid.
     pub curves: Option<Piece<Vec<String>>>,
     /// Ascending values of the curve's x at which the columns are kept, interpolated along the first branch; NaN beyond

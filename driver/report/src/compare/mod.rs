@@ -3,6 +3,9 @@
 //! RMS of history y − file y at the file's (scaled) x, the history interpolated linearly on the **first monotone
 //! branch** of its x: from the initial state until x turns back. Points of the file outside that branch are not
 //! compared; they are counted.
+//!
+//! A file whose x turns back, as in cycles, is compared **branch by branch**: its second branch with the history's second one,
+//! and so on. Where the history has no further branch, the points behind are left out, and a warning says so.
 
 use super::history::Rows;
 use pullout_run::program::Compare;
@@ -16,6 +19,9 @@ mod test;
 /// Reversals smaller than this part of x's range are iteration noise, not a branch's end; a point of the file as
 /// little outside the branch still belongs to it (scaling rounds).
 const NOISE: f64 = 1e-9;
+
+/// x that falls back by no more than this part of the range of a file is scatter; by more, it turns back.
+pub const SCATTER: f64 = 0.05;
 
 /// Comparison with one file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,41 +38,146 @@ pub struct Comparison {
     pub x: String,
     /// The history's column that is compared.
     pub y: String,
+    /// Reason why points are left out that may lie on another branch.
+    #[serde(skip)]
+    pub warning: Option<String>,
 }
 
-/// Compares rows with a curve. They are gone through three times, and only those around the curve's points are kept.
+/// The points at which a sequence of x turns back by more than a threshold.
+#[derive(Clone, Debug)]
+pub struct Turns {
+    threshold: f64,
+    /// 0 before it is known.
+    direction: f64,
+    /// Index and value of the last extremes since the last turn.
+    extremes: Option<[(usize, f64); 2]>,
+    found: Vec<usize>,
+}
+
+impl Turns {
+    /// Begins a sequence.
+    pub fn new(threshold: f64) -> Self {
+        Self { threshold, direction: 0.0, extremes: None, found: Vec::new() }
+    }
+
+    /// Goes on with the next x. What is not finite is left out.
+    pub fn push(&mut self, index: usize, x: f64) {
+        if !x.is_finite() {
+            return;
+        }
+        let Some([least, greatest]) = &mut self.extremes else {
+            self.extremes = Some([(index, x); 2]);
+            return;
+        };
+        if x <= least.1 {
+            *least = (index, x);
+        }
+        if x >= greatest.1 {
+            *greatest = (index, x);
+        }
+        let (least, greatest) = (*least, *greatest);
+        let new = if x < greatest.1 - self.threshold && self.direction >= 0.0 {
+            -1.0
+        } else if x > least.1 + self.threshold && self.direction <= 0.0 {
+            1.0
+        } else {
+            return;
+        };
+        if self.direction != 0.0 {
+            self.found.push(if new < 0.0 { greatest.0 } else { least.0 });
+        }
+        self.direction = new;
+        self.extremes = Some([(index, x); 2]);
+    }
+
+    /// Returns the turns: indices of the last point of each branch but the last one.
+    pub fn found(self) -> Vec<usize> {
+        self.found
+    }
+
+    /// Finds those of a list, with [`SCATTER`]; the second result is the threshold.
+    pub fn of(list: impl Iterator<Item = f64> + Clone) -> (Vec<usize>, f64) {
+        let finite = || list.clone().filter(|x| x.is_finite());
+        let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
+        let threshold = SCATTER * range.max(0.0);
+        let mut turns = Self::new(threshold);
+        list.enumerate().for_each(|(index, x)| turns.push(index, x));
+        (turns.found(), threshold)
+    }
+}
+
+/// Compares rows with a curve. They are gone through a few times for each branch, and only those around the curve's points
+/// are kept.
 ///
 /// # Errors
 /// The rows cannot be read.
 pub fn compare(rows: &impl Rows, curve: &Compare) -> io::Result<Comparison> {
-    let scaled = || curve.points.iter().map(|(x, y)| (x * curve.scale_x, y * curve.scale_y));
-    let pairs = |each: &mut dyn FnMut(f64, f64) -> ControlFlow<()>| rows.pairs(curve.x, curve.y, each);
-    let branch = Branch::around(&pairs, scaled().map(|(x, _)| x).collect())?;
-    let mut points = 0;
-    let mut squares = 0.0;
-    for (file_x, file_y) in scaled() {
-        if let Some(value) = branch.at(file_x)
-            && (value - file_y).is_finite()
-        {
-            points += 1;
-            squares += (value - file_y).powi(2);
-        }
-    }
+    let scaled: Vec<(f64, f64)> = curve.points.iter().map(|(x, y)| (x * curve.scale_x, y * curve.scale_y)).collect();
     let name = |index: usize| rows.columns().get(index).cloned().unwrap_or_default();
+    let (turns, threshold) = Turns::of(scaled.iter().map(|(x, _)| *x));
+    // the row with which each branch of the history begins
+    let mut starts = vec![0];
+    if !turns.is_empty() {
+        let (mut of_history, mut index) = (Turns::new(threshold), 0);
+        rows.pairs(curve.x, curve.y, &mut |x, _| {
+            of_history.push(index, x);
+            index += 1;
+            ControlFlow::Continue(())
+        })?;
+        starts.extend(of_history.found());
+    }
+    let (mut points, mut squares, mut warning) = (0, 0.0, None);
+    let mut first = 0;
+    // a turning point is the last of its branch
+    for (number, end) in turns.iter().map(|turn| turn + 1).chain([scaled.len()]).enumerate() {
+        let Some(start) = starts.get(number) else {
+            let (turn, (x, _)) = (first, curve.points[first - 1]);
+            warning = Some(format!(
+                "{}: {} turns back at {x} (point {turn}), but {} of the run does not there: the points from {} on are left out",
+                curve.file,
+                curve.file_x,
+                name(curve.x),
+                turn + 1,
+            ));
+            break;
+        };
+        let branch_points = &scaled[first..end];
+        let pairs = |each: &mut dyn FnMut(f64, f64) -> ControlFlow<()>| {
+            let mut before = *start;
+            rows.pairs(curve.x, curve.y, &mut |x, y| match before {
+                0 => each(x, y),
+                _ => {
+                    before -= 1;
+                    ControlFlow::Continue(())
+                }
+            })
+        };
+        let branch = Branch::around(&pairs, branch_points.iter().map(|(x, _)| *x).collect())?;
+        for (file_x, file_y) in branch_points {
+            if let Some(value) = branch.at(*file_x)
+                && (value - file_y).is_finite()
+            {
+                points += 1;
+                squares += (value - file_y).powi(2);
+            }
+        }
+        first = end;
+    }
     Ok(Comparison {
         file: curve.file.clone(),
         rms: (points > 0).then(|| (squares / points as f64).sqrt()),
         points,
-        outside: curve.points.len() - points,
+        outside: scaled.len() - points,
         x: name(curve.x),
         y: name(curve.y),
+        warning,
     })
 }
 
 /// Goes through rows of x and y.
 type Pairs<'a> = dyn Fn(&mut dyn FnMut(f64, f64) -> ControlFlow<()>) -> io::Result<()> + 'a;
 
-/// The first stretch over which x does not turn back; x times `direction` does not decrease.
+/// A stretch over which x does not turn back; x times `direction` does not decrease.
 #[derive(Default)]
 pub struct Branch {
     direction: f64,

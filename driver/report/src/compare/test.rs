@@ -44,6 +44,34 @@ fn only_the_branch_before_the_first_reversal_counts() {
     assert_eq!((comparison.points, comparison.outside), (2, 2));
 }
 
+/// Loading, unloading along another line, and reloading: each point of the file belongs to the branch that it stands on.
+#[test]
+fn a_cycle_is_compared_branch_by_branch() {
+    let x = [0.0, 1.0, 2.0, 1.5, 1.0, 2.0, 3.0];
+    let y = [0.0, 10.0, 20.0, 12.5, 5.0, 20.0, 25.0];
+    let looped = history(&x, &y);
+    let own: Vec<(f64, f64)> = x.iter().copied().zip(y).collect();
+    let comparison = compare(&looped, &curve(&own, 1.0)).unwrap();
+    assert_eq!((comparison.rms, comparison.points, comparison.outside), (Some(0.0), 7, 0));
+    assert_eq!(comparison.warning, None);
+    // scatter of the measured x is no turn
+    let scattered = [(0.0, 0.0), (1.0, 10.0), (0.99, 9.9), (2.0, 20.0), (1.25, 8.75)];
+    let comparison = compare(&looped, &curve(&scattered, 1.0)).unwrap();
+    assert!(comparison.rms.unwrap() < 1e-12 && comparison.points == 5, "{comparison:?}");
+}
+
+#[test]
+fn points_behind_a_turn_that_the_run_does_not_take_are_left_out_with_a_warning() {
+    let straight = history(&[0.0, 1.0, 2.0], &[0.0, 10.0, 20.0]);
+    let comparison = compare(&straight, &curve(&[(0.0, 0.0), (2.0, 20.0), (1.0, 5.0), (0.5, 0.0)], 1.0)).unwrap();
+    assert_eq!((comparison.rms, comparison.points, comparison.outside), (Some(0.0), 2, 2));
+    let warning = comparison.warning.unwrap();
+    assert!(
+        warning.contains("strain turns back at 2 (point 2)") && warning.contains("from 3 on are left out"),
+        "{warning}"
+    );
+}
+
 #[test]
 fn iteration_noise_and_standing_still_end_no_branch() {
     let noisy = history(&[0.0, -1e-15, 0.0, 1.0, 1.0 - 1e-13, 2.0], &[0.0, 0.0, 0.0, 10.0, 9.0, 19.0]);

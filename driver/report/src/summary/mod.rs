@@ -76,6 +76,12 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// Takes the comparisons with measured curves, and what they warn of.
+    pub fn take_comparisons(&mut self, compared: Vec<Comparison>) {
+        self.warnings.extend(compared.iter().filter_map(|comparison| comparison.warning.clone()));
+        self.compare = compared;
+    }
+
     /// The content of [`FILE`].
     ///
     /// # Errors

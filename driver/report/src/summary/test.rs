@@ -32,6 +32,7 @@ pub(crate) fn summary() -> Summary {
             outside: 1,
             x: "e11".into(),
             y: "s11".into(),
+            warning: None,
         }],
         specimen: None,
         bridging: None,

@@ -45,6 +45,7 @@ fn study(peaks: &[&[Option<f64>]]) -> (Study, Results) {
         work_to: None,
         overlays: Vec::new(),
         claims: Vec::new(),
+        demands: Vec::new(),
         members,
     };
     (study, results)

@@ -1,0 +1,75 @@
+//! The file into which rows are collected: what is the user's is not replaced.
+//!
+//! The store notes the hash of each table that was written. A file with such a content is the program's, wherever it lies;
+//! any other one is refused, or replaced where that is asked for.
+
+use crate::store::Store;
+use crate::table::Table;
+use pullout_run::input::{self, Input};
+use std::fs::{self, File};
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+/// A file that a table may be written into.
+#[derive(Debug)]
+pub struct Collection<'s> {
+    store: &'s Store,
+    path: PathBuf,
+    form: Form,
+}
+
+/// Form of a table.
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Csv,
+    Parquet,
+}
+
+impl<'s> Collection<'s> {
+    /// Makes the file of a table of a store; `overwrite`: whatever is there is replaced.
+    ///
+    /// # Errors
+    /// Its name does not tell the form; the file is not the program's, or part of the store.
+    pub fn at(store: &'s Store, path: &Path, overwrite: bool) -> io::Result<Self> {
+        let refused = |message: &str| {
+            Err(io::Error::new(io::ErrorKind::InvalidData, format!("--out {}: {message}", path.display())))
+        };
+        let form = match path.extension().and_then(|extension| extension.to_str()) {
+            Some("csv") => Form::Csv,
+            Some("parquet") => Form::Parquet,
+            _ => return refused("a table is a .csv or a .parquet"),
+        };
+        if store.has_inside(path) {
+            return refused("lies among the files of the sweep itself: choose another --out");
+        }
+        match fs::symlink_metadata(path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Ok(entry) if entry.is_dir() => return refused("is a folder"),
+            _ if overwrite => {}
+            Ok(entry) if entry.is_file() && store.has_collected(&input::hash(path, Input::Mesh)?) => {}
+            Ok(_) => {
+                return refused(
+                    "is no table that was collected of this sweep, or was changed since: choose another --out, or replace \
+                     it with --overwrite",
+                );
+            }
+            Err(error) => return Err(io::Error::new(error.kind(), format!("--out {}: {error}", path.display()))),
+        }
+        Ok(Self { store, path: path.into(), form })
+    }
+
+    /// Writes a table: it appears under its name when it is complete.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(&self, table: &Table) -> io::Result<()> {
+        let write = |file: &File| match self.form {
+            Form::Csv => table.write_csv(BufWriter::new(file)),
+            Form::Parquet => table.write_parquet(file),
+        };
+        crate::table::replace(&self.path, write, |written| {
+            // one that is too large to be known is replaced only where that is asked for
+            input::hash(written, Input::Mesh).map_or(Ok(()), |content| self.store.note_collected(&content))
+        })
+    }
+}
