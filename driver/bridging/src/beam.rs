@@ -274,8 +274,10 @@ impl<'l> Beam<'l> {
         let strength = |force: f64| self.geometry.flexural_strength(force);
         let [cracking, at] = self.cracking;
         let early = (1..=LIMIT_PARTS).map(|k| LIMIT_CMOD * k as f64 / LIMIT_PARTS as f64);
-        let greatest =
-            early.map(|cmod| self.at(cmod).force).fold(if at <= LIMIT_CMOD { cracking } else { 0.0 }, f64::max);
+        let first = if at <= LIMIT_CMOD { cracking } else { 0.0 };
+        // what is no number stays none
+        let greater = |greatest: f64, force| if force <= greatest || greatest.is_nan() { greatest } else { force };
+        let greatest = early.map(|cmod| self.at(cmod).force).fold(first, greater);
         Residual { limit: strength(greatest), residual: RESIDUAL_CMOD.map(|cmod| strength(self.at(cmod).force)) }
     }
 }

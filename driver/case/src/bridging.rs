@@ -2,11 +2,11 @@
 
 use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, ShearLagFibre, Spacing, TableFibre};
 use crate::history;
-use crate::problem::Place;
+use crate::problem::{Place, Problem};
 use crate::reader::Reader;
 use crate::table::CsvFile;
-use pullout_bridging::{Bond, BondLaw, Closed, Curve, Fibre, Invalid, Orientation, ShearLag};
-use pullout_run::bridging::{Program, Simulation, Simulations, Source};
+use pullout_bridging::{Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, Orientation, ShearLag, Softening};
+use pullout_run::bridging::{OPENINGS, Program, Simulation, Simulations, Source};
 use pullout_run::columns::{self, LEADING};
 use pullout_run::input::is_stream;
 use pullout_run::path::{self, Observer, Row, Statistics, Stop};
@@ -17,21 +17,42 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-/// Openings unless the case says otherwise: the last, mm, and how many.
-const OPENINGS: (f64, u64) = (3.5, 200);
 /// Beyond this angle fibres of tables carry nothing, degrees.
 const USUAL_CUT: f64 = 80.0;
-/// The first slip at which a plugin's law is asked, mm, and how many follow in each decade.
+/// The first slip at which a plugin's law is asked at first, mm, and how many follow in each decade,
 const FIRST_SLIP: f64 = 1e-4;
 const SLIPS_PER_DECADE: f64 = 25.0;
+/// between which it is asked again where it is off the straight line by more than this part of its greatest traction,
+/// or, from slip 0 on, of the traction there,
+const LARGEST_DEVIATION: f64 = 1e-4;
+const LARGEST_DEVIATION_OF_SLOPE: f64 = 1e-2;
+/// unless slips are as close as this part of the fibre's length, or as many as this.
+const LEAST_INTERVAL: f64 = 1e-9;
+const MOST_SLIPS: usize = 5000;
+/// Slips that differ by less than this part are the same.
+const ROUNDING: f64 = 1e-12;
 /// Angles of runs of a specimen unless the case says otherwise, degrees,
 const ANGLES_DEG: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 /// and lengths, as parts of half the fibre's.
 const LENGTHS: [f64; 5] = [0.125, 0.25, 0.5, 0.75, 1.0];
 /// Fibres that reach less deep are not run, in diameters.
 const LEAST_DEPTH: f64 = 2.0;
+/// A load below minus this part of the greatest is no scatter about 0: the signs are wrong.
+const LARGEST_COMPRESSION: f64 = 0.2;
 /// Diameters that differ by this part are the same.
 const SAME_DIAMETER: f64 = 1e-6;
+
+/// Ranges of numbers that are usual; what lies beyond is hardly meant.
+const USUAL_DIAMETER: [f64; 2] = [0.002, 5.0];
+const USUAL_LENGTH: [f64; 2] = [0.5, 200.0];
+const USUAL_FIBRE_MODULUS: [f64; 2] = [1e3, 1e6];
+const USUAL_STRENGTH: [f64; 2] = [50.0, 1e4];
+const USUAL_FRICTION: [f64; 2] = [1e-3, 100.0];
+const USUAL_SNUBBING: [f64; 2] = [0.0, 2.0];
+const USUAL_MATRIX_MODULUS: [f64; 2] = [1e3, 1e5];
+const USUAL_TENSILE_STRENGTH: [f64; 2] = [0.1, 30.0];
+const USUAL_FRACTURE_ENERGY: [f64; 2] = [1e-3, 20.0];
+const USUAL_COMPRESSIVE_STRENGTH: [f64; 2] = [1.0, 400.0];
 
 /// Reads other cases that one of bridging takes curves of, or says what is wrong with them.
 pub struct Others {
@@ -43,8 +64,8 @@ pub struct Others {
 
 /// A specimen, or what is wrong.
 pub type ReadSpecimen = Result<Option<Box<pullout::Program>>, String>;
-/// A law of contact, or what is wrong.
-pub type ReadLaw = Result<Box<program::Program>, String>;
+/// A law of contact, or what is wrong with it, at its place in the case of bridging.
+pub type ReadLaw = Result<Box<program::Program>, Problem>;
 
 /// Resolves a case; what is wrong with it goes to the reader.
 pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others: &Others) -> Option<Program> {
@@ -76,6 +97,9 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
         orientation.as_ref().zip(length).map(|(orientation, length)| orientation.directions(length, &[]).map(drop)),
     ];
     checks.into_iter().flatten().for_each(|checked| tell(reader, checked));
+    if reader.problems.is_empty() {
+        warn_of_units(reader, fibre.as_ref(), matrix.as_ref());
+    }
     let program = program_of(case, fibre, volume_fraction, matrix, orientation);
     let program = program.map(|program| Program { sides, openings: openings(given), beam, scatter, ..program });
     let columns = program.as_ref().map(Program::columns);
@@ -98,6 +122,46 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
         tell(reader, checked.map(drop));
     }
     Some(program)
+}
+
+/// Warns of numbers that are hardly meant.
+fn warn_of_units(reader: &mut Reader<'_>, fibre: Option<&(Fibre, Source)>, matrix: Option<&pullout_bridging::Matrix>) {
+    let mut given = Vec::new();
+    if let Some((fibre, source)) = fibre {
+        given.extend([
+            ("fibre.diameter", fibre.diameter, "mm", USUAL_DIAMETER),
+            ("fibre.length", fibre.length, "mm", USUAL_LENGTH),
+            ("fibre.E", fibre.modulus, "MPa", USUAL_FIBRE_MODULUS),
+        ]);
+        given.extend(fibre.strength.map(|strength| ("fibre.strength", strength, "MPa", USUAL_STRENGTH)));
+        if let Source::Bond(bond, inclination) = source {
+            if let Bond::Closed(closed) = bond {
+                given.push(("fibre.tau", closed.tau, "MPa", USUAL_FRICTION));
+            }
+            match *inclination {
+                Inclination::Exp { f } | Inclination::ExpCos { f, .. } | Inclination::Hinge { f, .. } => {
+                    given.push(("fibre.inclination.f", f, "", USUAL_SNUBBING));
+                }
+                Inclination::Spalling { k, ft, .. } => {
+                    given.push(("fibre.inclination.k", k, "", USUAL_SNUBBING));
+                    given.push(("fibre.inclination.ft", ft, "MPa", USUAL_TENSILE_STRENGTH));
+                }
+            }
+        }
+    }
+    if let Some(matrix) = matrix {
+        given.push(("matrix.E", matrix.modulus, "MPa", USUAL_MATRIX_MODULUS));
+        given.push(("matrix.ft", matrix.ft, "MPa", USUAL_TENSILE_STRENGTH));
+        if matrix.softening != Softening::None {
+            given.push(("matrix.Gf", matrix.fracture_energy, "N/mm", USUAL_FRACTURE_ENERGY));
+        }
+        given.extend(matrix.fc.map(|fc| ("matrix.fc", fc, "MPa", USUAL_COMPRESSIVE_STRENGTH)));
+    }
+    for (what, value, unit, usual) in given {
+        if !(usual[0]..=usual[1]).contains(&value) {
+            reader.warn_unusual(what, value, unit, usual);
+        }
+    }
 }
 
 /// Returns what the fibres and the matrix make; the rest is left open.
@@ -229,19 +293,72 @@ fn points(reader: &mut Reader<'_>, law: &Value) -> Option<BondLaw> {
     serde_json::from_value(law.clone()).map_err(|error| reader.problem(&law_place(), error.to_string())).ok()
 }
 
-fn law_place() -> Place {
+/// The place of a bond law.
+pub fn law_place() -> Place {
     Place::root().key("fibre").key("law")
 }
 
-/// Points of a plugin's law: the traction under a slip that grows, at no gap.
+/// Points of a plugin's law: the traction under a slip that grows, at no gap. Slips are added where the law turns, and all
+/// of them asked again, until straight lines between them are the law.
 fn sampled(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre) -> Option<BondLaw> {
     let half = (0.5 * lag.length).max(2.0 * FIRST_SLIP);
     let count = ((half / FIRST_SLIP).log10() * SLIPS_PER_DECADE).ceil().max(1.0) as i32;
     let ratio = (half / FIRST_SLIP).powf(1.0 / f64::from(count));
-    let slips = (0..=count).map(|k| FIRST_SLIP * ratio.powi(k));
-    let steps: Vec<Value> = slips.map(|slip| json!({ "increments": 1, "target": { "slip": slip } })).collect();
-    let program = (others.law)(reader, &lag.law.0, &steps);
-    let program = reader.without_problem(program, &law_place())?;
+    let mut slips: Vec<f64> = (0..=count).map(|k| FIRST_SLIP * ratio.powi(k)).collect();
+    let mut points = traction_at(reader, others, lag, &slips)?;
+    // ends of the lines that may not be the law
+    let mut open = slips.clone();
+    loop {
+        let middles: Vec<f64> = points
+            .windows(2)
+            .filter(|ends| is_among(&open, ends[1][0]) && ends[1][0] - ends[0][0] > LEAST_INTERVAL * lag.length)
+            .map(|ends| 0.5 * (ends[0][0] + ends[1][0]))
+            .collect();
+        if middles.is_empty() {
+            return Some(BondLaw { points });
+        }
+        if points.len() + middles.len() > MOST_SLIPS {
+            reader.warnings.push(format!(
+                "{}: the law turns more often than {MOST_SLIPS} slips can follow: straight lines between {} stand for it",
+                law_place().in_words(),
+                points.len(),
+            ));
+            return Some(BondLaw { points });
+        }
+        slips.extend(&middles);
+        slips.sort_by(f64::total_cmp);
+        points = traction_at(reader, others, lag, &slips)?;
+        let greatest = points.iter().map(|point| point[1].abs()).fold(0.0, f64::max);
+        open = points
+            .windows(3)
+            .filter(|three| is_among(&middles, three[1][0]))
+            .filter(|three| {
+                let [[from, low], [middle, traction], [to, high]] = [three[0], three[1], three[2]];
+                let deviation = (traction - low - (middle - from) / (to - from) * (high - low)).abs();
+                let of_slope = from == 0.0 && deviation > LARGEST_DEVIATION_OF_SLOPE * high.abs();
+                of_slope || deviation > LARGEST_DEVIATION * greatest
+            })
+            .flat_map(|three| [three[1][0], three[2][0]])
+            .collect();
+    }
+}
+
+/// Returns whether a slip, but for rounding, is one of those that rise.
+fn is_among(slips: &[f64], slip: f64) -> bool {
+    let first = slips.partition_point(|one| *one < slip * (1.0 - ROUNDING));
+    slips.get(first).is_some_and(|one| *one <= slip * (1.0 + ROUNDING))
+}
+
+/// Slips and tractions of a plugin's law along slips that rise.
+fn traction_at(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre, slips: &[f64]) -> Option<Vec<[f64; 2]>> {
+    let steps: Vec<Value> = slips.iter().map(|slip| json!({ "increments": 1, "target": { "slip": slip } })).collect();
+    let program = match (others.law)(reader, &lag.law.0, &steps) {
+        Ok(program) => program,
+        Err(problem) => {
+            reader.push(problem);
+            return None;
+        }
+    };
     let columns = program.columns();
     let column = |name: &str| columns.iter().position(|column| column == name).map(|place| place - LEADING.len());
     let mut curve = Curved { columns: [column("slip")?, column("tau")?], points: Vec::new() };
@@ -250,7 +367,7 @@ fn sampled(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre) -> Opt
         reader.problem(&law_place(), message);
         return None;
     }
-    Some(BondLaw { points: curve.points })
+    Some(curve.points)
 }
 
 /// Notes slip and traction.
@@ -363,6 +480,17 @@ fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
     let place = Place::root().key("fibre").key("file");
     let path = reader.file(&table.file, &place)?;
     let rows = read_columns(reader, &path, &place, ["theta_deg", "embedded", "slip", "load"])?;
+    let highest = rows.iter().map(|row| row[3]).fold(0.0, f64::max);
+    if let Some(row) = rows.iter().find(|row| row[3] < -LARGEST_COMPRESSION * highest) {
+        let [angle_deg, embedded, slip, load] = [0, 1, 2, 3].map(|k| row[k]);
+        let message = format!(
+            "{}: at {angle_deg}°, {embedded} mm and a slip of {slip} mm the load {load} N pushes the fibre in: pull-out has \
+             positive loads",
+            path.display()
+        );
+        reader.problem(&place, message);
+        return None;
+    }
     let mut curves: Vec<Curve> = Vec::new();
     for row in rows {
         let [angle_deg, embedded, slip, load] = [0, 1, 2, 3].map(|k| row[k]);

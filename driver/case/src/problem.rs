@@ -95,6 +95,19 @@ impl Problem {
     }
 }
 
+impl Problem {
+    /// The problem of a contact's material as one of a bond law that a case of kind "bridging" gives.
+    pub(crate) fn of_bond_law(self) -> Self {
+        let law = |text: &str| text.replace("$.material", "$.fibre.law");
+        let (place, beyond) = match &self.place {
+            Some(place) if place.0.starts_with("$.material") => (Place(law(&place.0)), String::new()),
+            // not of the law itself: of the case in which it is asked
+            other => (Place("$.fibre.law".into()), other.as_ref().map_or(String::new(), |place| format!("{place}: "))),
+        };
+        Self { place: Some(place), message: format!("{beyond}{}", law(&self.message)), kind: self.kind }
+    }
+}
+
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.place {

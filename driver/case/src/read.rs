@@ -311,16 +311,16 @@ fn law(reader: &Reader<'_>, material: &Value, steps: &[Value]) -> bridging::Read
     let file = reader.folder.join("law.json");
     if isolation::need(&document, &file, reader.plugin_paths).is_some() {
         let message = "runs in a process of its own, where no other case can ask it: give points [slip, traction]";
-        return Err(message.into());
+        return Err(Problem::new(bridging::law_place(), message));
     }
     let mut own = Reader { is_untrusted: reader.is_untrusted, ..Reader::new(reader.folder, reader.plugin_paths) };
     let case = read_with(&mut own, &file, document);
     match finished(own, &file, case) {
         Ok(Case::Path(program)) => Ok(program),
-        Ok(_) => Err("is no law of contact".into()),
+        Ok(_) => Err(Problem::new(bridging::law_place(), "is no law of contact")),
         Err(errors) => {
-            let first = errors.problems.first().map(ToString::to_string).unwrap_or_default();
-            Err(first.replace("$.material", "$.fibre.law"))
+            let first = errors.problems.into_iter().next();
+            Err(first.map_or_else(|| Problem::new(bridging::law_place(), "cannot be read"), Problem::of_bond_law))
         }
     }
 }

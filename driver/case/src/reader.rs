@@ -57,8 +57,9 @@ impl<'a> Reader<'a> {
     /// Warns of a value that is hardly meant, a slip of units perhaps.
     pub(crate) fn warn_unusual(&mut self, what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2]) {
         let [value, lower, upper] = [value, lower, upper].map(pullout_run::number::rounded);
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         let warning = format!(
-            "{what} = {value} {unit} is outside the usual range, {lower} to {upper} {unit}: is it in units of N, mm, MPa?"
+            "{what} = {value}{unit} is outside the usual range, {lower} to {upper}{unit}: is it in units of N, mm, MPa?"
         );
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);

@@ -47,6 +47,8 @@ impl Bench {
             ("nothing-counted.csv", "from_deg,to_deg,count\n0,90,0\n"),
             ("counted.csv", "from_deg,to_deg,count\n0,20,3\n20,90,4\n"),
             ("short.csv", "theta_deg,embedded,slip,load\n0,5,0.1,10\n0,5,1,5\n"),
+            ("pushed.csv", "theta_deg,embedded,slip,load\n0,15,0.1,10\n0,15,1,-5\n"),
+            ("to-60.csv", "theta_deg,embedded,slip,load\n0,15,0.1,5\n0,15,2,5\n60,15,0.1,5\n60,15,2,5\n"),
             ("no_library.so", "this is text"),
         ];
         for (name, text) in files {

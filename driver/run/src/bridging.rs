@@ -2,11 +2,12 @@
 
 use crate::columns::{self, BEAM, BRIDGING, Group};
 use crate::columns::{BeamRow, BridgingRow, ScatterRow};
+use crate::number::significant;
 use crate::program::About;
 use pullout_bridging::{
-    Average, Beam, Beams, Bond, BridgingFibre, Composite, Curve, Fibre, Inclination, Invalid, Matrix, ModelCode2010,
-    NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides, StrengthClass, Table,
-    averages_with_shares, quantile, scatter, wall_zones,
+    Average, Beam, Beams, Bond, BridgingFibre, Composite, Curve, Fibre, Inclination, Invalid, Load, Matrix,
+    ModelCode2010, NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides, StrengthClass, Table,
+    averages, averages_with_shares, quantile, scatter, wall_zones,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -21,6 +22,15 @@ const CMODS: usize = 81;
 const LIMIT_CMOD: f64 = 0.05;
 /// w_u of the Model Code's linear model, mm.
 const ULTIMATE_OPENING: f64 = 2.5;
+/// Openings at which σ is evaluated unless the case says otherwise: the last, mm, and how many, closer at the
+/// beginning. Strengths of beams take them too, on to the last CMOD: a crack opens by less than the CMOD.
+pub const OPENINGS: (f64, u64) = (3.5, 200);
+/// Load of a curve's end, as a part of its peak, below which nothing is left.
+const NEGLIGIBLE_LOAD: f64 = 0.01;
+/// Openings at which such a part is looked for.
+const FEW_OPENINGS: usize = 10;
+/// Part of σ_f beyond the largest angle of the curves that is worth a warning.
+const NOTICED_SHARE: f64 = 1e-3;
 /// Openings up to which the work is given, mm.
 const WORK_TO: [f64; 3] = [0.5, 2.5, 3.5];
 /// Quantiles that are given.
@@ -125,6 +135,71 @@ impl Program {
     /// The columns that no beams were made for.
     pub fn left_out(&self) -> Option<Group> {
         self.scatter.is_none().then_some(Group::Band)
+    }
+
+    /// The last opening that results depend on, mm: the case's, or with a beam its last CMOD.
+    fn last_opening(&self) -> f64 {
+        let last = self.openings.last().copied().unwrap_or_default();
+        if self.beam.is_some() { last.max(LAST_CMOD) } else { last }
+    }
+
+    /// Openings from which strengths of beams are computed: the case's, and with them those of [`OPENINGS`], in the same
+    /// manner on to the last CMOD.
+    fn openings_of_beam(&self) -> Vec<f64> {
+        let (end, count) = OPENINGS;
+        let graded = (0_u32..).map(|k| end * (f64::from(k) / (count - 1) as f64).powi(2));
+        let mut all: Vec<f64> = graded.take_while(|opening| *opening < LAST_CMOD).chain([LAST_CMOD]).collect();
+        all.extend(&self.openings);
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
+    }
+
+    /// What the curves of fibres do not tell, and is assumed; `simulated` are those of [`Source::Simulated`].
+    ///
+    /// # Errors
+    /// Numbers without sense.
+    pub fn assumptions(&self, simulated: &[Curve]) -> Result<Vec<String>, Invalid> {
+        let (curves, cut_deg, name) = match &self.source {
+            Source::Bond(..) => return Ok(Vec::new()),
+            Source::Curves(curves, cut_deg) => (curves.as_slice(), *cut_deg, "curve"),
+            Source::Simulated(simulations) => (simulated, simulations.cut_deg, "run"),
+        };
+        let last = self.last_opening();
+        let mut warnings: Vec<String> = curves.iter().filter_map(|curve| cut_short(curve, name, last)).collect();
+        let widest = curves.iter().map(|curve| curve.angle_deg).fold(0.0, f64::max);
+        if widest < cut_deg {
+            let share = self.share_beyond(widest, simulated)?;
+            if share > NOTICED_SHARE {
+                warnings.push(format!(
+                    "fibres at more than {}°, the largest angle of the curves, carry up to {} % of the fibres' stress: to \
+                     cut_deg, {}°, their load is taken to be that at {0}°",
+                    number(widest),
+                    significant(100.0 * share, 2),
+                    number(cut_deg),
+                ));
+            }
+        }
+        Ok(warnings)
+    }
+
+    /// The greatest part of σ_f that fibres at more than an angle carry, at any of a few openings.
+    fn share_beyond(&self, angle_deg: f64, simulated: &[Curve]) -> Result<f64, Invalid> {
+        let source = match &self.source {
+            Source::Curves(curves, _) => Source::Curves(curves.clone(), angle_deg),
+            Source::Simulated(simulations) => {
+                Source::Simulated(Simulations { cut_deg: angle_deg, ..simulations.clone() })
+            }
+            Source::Bond(..) => return Ok(0.0),
+        };
+        let within = Self { source, ..self.clone() }.composite(simulated)?;
+        let all = self.composite(simulated)?;
+        let few = self.openings.iter().skip(1).step_by(self.openings.len().div_ceil(FEW_OPENINGS));
+        let share = |&opening: &f64| {
+            let [all, within] = [&all, &within].map(|composite| composite.average(opening).stress);
+            if all > 0.0 { 1.0 - within / all } else { 0.0 }
+        };
+        Ok(few.map(share).fold(0.0, f64::max))
     }
 
     /// The fibres in their matrix; `simulated` are the curves of [`Source::Simulated`].
@@ -301,19 +376,76 @@ fn cmods() -> Vec<f64> {
     all
 }
 
+/// Warns of a curve that ends with a load before the last opening and extraction: what follows is a straight line.
+fn cut_short(curve: &Curve, name: &str, last: f64) -> Option<String> {
+    let (slip, load) = (*curve.slip.last()?, *curve.load.last()?);
+    let peak = curve.load.iter().copied().fold(0.0, f64::max);
+    (slip < last.min(curve.embedded) && load > NEGLIGIBLE_LOAD * peak).then(|| {
+        format!(
+            "fibre at {}°, {} mm: its {name} ends at a slip of {} mm with {} N; beyond it the load is taken to fall \
+             straight to 0 at extraction",
+            number(curve.angle_deg),
+            number(curve.embedded),
+            number(slip),
+            number(load)
+        )
+    })
+}
+
+fn number(value: f64) -> String {
+    significant(value, 4)
+}
+
 /// Runs it.
 ///
 /// # Errors
-/// Numbers without sense, or no threads.
+/// Numbers without sense, results that are no finite numbers, or no threads.
 pub fn run(program: &Program, composite: &Composite) -> Result<Results, String> {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(program.threads.get());
     let pool = threads.build().map_err(|error| error.to_string())?;
-    pool.install(|| run_here(program, composite)).map_err(|error| error.to_string())
+    let results = pool.install(|| run_here(program, composite))?;
+    finite_strengths(&results)?;
+    Ok(results)
 }
 
-fn run_here(program: &Program, composite: &Composite) -> Result<Results, Invalid> {
+/// Refuses averages that are not finite.
+fn finite(fibres: &[Average]) -> Result<(), String> {
+    let unsound = fibres.iter().find_map(|average| {
+        let Average { stress, active, ruptured, spalled_mean, error, .. } = *average;
+        Some((average.opening, first_not_finite([stress, active, ruptured, spalled_mean, error])?))
+    });
+    unsound.map_or(Ok(()), |(opening, value)| {
+        Err(format!(
+            "σ of the fibres at w = {opening} mm is {value}: a number of the case is far too large or too small"
+        ))
+    })
+}
+
+/// Refuses loads and strengths of beams that are not finite.
+fn finite_strengths(results: &Results) -> Result<(), String> {
+    let unsound = results.beam.iter().find_map(|BeamRow { load, strength, quantiles }| {
+        let Load { force, neutral_axis, rotation, .. } = *load;
+        let value = first_not_finite([force, neutral_axis, rotation, *strength].into_iter().chain(*quantiles))?;
+        Some((format!("the beam at a CMOD of {} mm", load.cmod), value))
+    });
+    let of_scatter = |ScatterRow { beam, residual, .. }: &ScatterRow| {
+        let value = first_not_finite(residual.residual.into_iter().chain([residual.limit]))?;
+        Some((format!("beam {beam}"), value))
+    };
+    unsound.or_else(|| results.scatter.iter().find_map(of_scatter)).map_or(Ok(()), |(of, value)| {
+        Err(format!("the load of {of} is {value}: a number of the case is far too large or too small"))
+    })
+}
+
+fn first_not_finite(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    values.into_iter().find(|value| !value.is_finite())
+}
+
+fn run_here(program: &Program, composite: &Composite) -> Result<Results, String> {
+    let told = |error: Invalid| error.to_string();
     let openings = &program.openings;
     let (fibres, shares): (Vec<Average>, Vec<[f64; 9]>) = averages_with_shares(composite, openings).into_iter().unzip();
+    finite(&fibres)?;
     let mut rows: Vec<BridgingRow> = fibres
         .iter()
         .zip(shares)
@@ -330,10 +462,13 @@ fn run_here(program: &Program, composite: &Composite) -> Result<Results, Invalid
         beam: Vec::new(),
         scatter: Vec::new(),
         curves: Vec::new(),
-        findings: findings(program, composite, &fibres)?,
+        findings: findings(program, composite, &fibres).map_err(told)?,
         warnings: Vec::new(),
     };
     if let Some(geometry) = &program.beam {
+        let openings = program.openings_of_beam();
+        let fibres = averages_also_at(composite, fibres, &openings);
+        finite(&fibres)?;
         let law = composite.law(&fibres);
         let section = [SectionLaw::new(&program.matrix, &law, geometry.hinge())];
         if section[0].snaps {
@@ -360,8 +495,9 @@ fn run_here(program: &Program, composite: &Composite) -> Result<Results, Invalid
             },
         });
         if let Some(settings) = &program.scatter {
-            let beams = scatter(composite, geometry, openings, &cmods, settings)?;
-            for (k, row) in rows.iter_mut().enumerate() {
+            let beams = scatter(composite, geometry, &openings, &cmods, settings).map_err(told)?;
+            for row in &mut rows {
+                let k = openings.partition_point(|opening| *opening < row.fibres.opening);
                 let stresses: Vec<f64> = beams.bridging.iter().map(|beam| beam[k]).collect();
                 row.quantiles = QUANTILES.map(|part| quantile(&stresses, part));
             }
@@ -376,6 +512,16 @@ fn run_here(program: &Program, composite: &Composite) -> Result<Results, Invalid
     }
     results.rows = rows;
     Ok(results)
+}
+
+/// Averages at openings, of which there are some already.
+fn averages_also_at(composite: &Composite, known: Vec<Average>, openings: &[f64]) -> Vec<Average> {
+    let is_known = |opening: f64| known.binary_search_by(|average| average.opening.total_cmp(&opening)).is_ok();
+    let missing: Vec<f64> = openings.iter().copied().filter(|&opening| !is_known(opening)).collect();
+    let mut all = averages(composite, &missing);
+    all.extend(known);
+    all.sort_by(|a, b| a.opening.total_cmp(&b.opening));
+    all
 }
 
 fn findings(program: &Program, composite: &Composite, fibres: &[Average]) -> Result<Findings, Invalid> {

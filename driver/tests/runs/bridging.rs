@@ -18,7 +18,10 @@ impl Results {
         let mut line = vec!["run", "--quiet", "--out", out, case.to_str().expect("UTF-8")];
         settings.iter().for_each(|entry| line.extend(["--set", entry]));
         let outcome = desk.pullout(&line).expect(0);
-        assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
+        assert_eq!(outcome.stdout, "");
+        // of curves at 0° alone it is said that they stand for all angles
+        let expected = |line: &str| line.contains("fibres at more than 0°, the largest angle of the curves");
+        assert!(outcome.stderr.lines().all(|line| name == "simulated.json" && expected(line)), "{}", outcome.stderr);
         Self {
             bridging: Table::read(&folder.join("bridging.csv")),
             summary: json(&folder.join("summary.json")),
@@ -114,6 +117,19 @@ fn beams_at_random_are_the_same_for_any_number_of_threads() {
         let [low, middle, high] = ["load_05", "load_50", "load_95"].map(|name| beam.column(name)[row]);
         assert!(low <= middle && middle <= high);
     }
+}
+
+/// And says where; it used to be a stress of 0.
+#[test]
+fn a_stress_that_is_no_number_fails_the_run() {
+    let desk = Desk::new();
+    let case = cases().join("bridging/closed.json");
+    let line = ["run", "--out", "out", "--set", "fibre.inclination.f=1000", case.to_str().expect("UTF-8")];
+    let outcome = desk.pullout(line).expect(1);
+    assert!(outcome.stderr.contains("σ of the fibres at w = 0 mm is"), "{}", outcome.stderr);
+    let summary = json(&desk.path("out/summary.json"));
+    assert_eq!(summary["status"], "failed");
+    assert!(summary["message"].as_str().is_some_and(|message| message.contains("σ of the fibres")), "{summary}");
 }
 
 /// Columns of either file are a study's, but not of both at once.

@@ -33,7 +33,7 @@ pub struct BridgingCase {
     /// w_a, the opening at which fibres begin to carry (default 0).
     #[schemars(range(min = 0.0))]
     pub activation: Option<f64>,
-    /// Openings at which σ is evaluated.
+    /// Openings at which σ is given; strengths of beams do not depend on them.
     pub openings: Option<Piece<Openings>>,
     /// A notched beam in three-point bending (`{}`: that of EN 14651; default: none).
     pub beam: Option<Piece<NotchedBeam>>,
@@ -160,7 +160,7 @@ fibre_of_file! {
 fibre_of_file! {
     /// A fibre with a bond law.
     ShearLagFibre {
-        /// τ(s): points [slip, traction], or a law as contact.law has it, under no pressure.
+        /// τ(s): points [slip, traction], constant after the last, or a law as contact.law has it, under no pressure.
         law: LawOfFile,
         /// Effect of the inclination angle (default exp with f = 0.35).
         inclination: Option<Inclination>,
@@ -174,7 +174,8 @@ fibre_of_file! {
         /// embedded length a curve by rising slip; the load is that along the crack's normal.
         #[schemars(length(min = 1))]
         file: String,
-        /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle of the curves).
+        /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle of the curves); from the
+        /// largest angle of the curves to this one the load is that at the largest angle.
         cut_deg: Option<f64>,
     }
 }
@@ -195,7 +196,8 @@ fibre_of_file! {
         angle_key: Option<String>,
         /// The entry of the base that is the embedded length (default mesh.specimen.embedded_length).
         length_key: Option<String>,
-        /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle).
+        /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle); from the largest angle of
+        /// the runs to this one the load is that at the largest angle.
         cut_deg: Option<f64>,
         /// The folder that keeps the runs, relative to the current one (default out/fibres).
         cache: Option<String>,

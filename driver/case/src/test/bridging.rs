@@ -1,8 +1,9 @@
 use super::malformed::{Sample, Seen::ByMeaning, Seen::BySchema, check};
 use super::{Bench, Case};
-use pullout_bridging::{Bond, Orientation};
-use pullout_run::bridging::Source;
+use pullout_bridging::{Bond, Orientation, Polyline};
+use pullout_run::bridging::{Program, Results, Source, run};
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 
 fn case() -> Value {
     json!({
@@ -76,6 +77,7 @@ const MALFORMED: &[Sample] = &[
     (&[TABLE], "$.fibre.file", "curves.csv cannot be read", ByMeaning),
     (&[TABLE, "fibre.file=path.csv"], "$.fibre.file", "no column is called 'theta_deg'", ByMeaning),
     (&[TABLE, "fibre.file=short.csv"], "$.fibre.curves", "must reach half the length of the fibre", ByMeaning),
+    (&[TABLE, "fibre.file=pushed.csv"], "$.fibre.file", "the load -5 N pushes the fibre in", ByMeaning),
     (&[LAW], "$.fibre.law[1]", "must have a greater slip", ByMeaning),
     (&[RUNS, "fibre.base=case.json"], "$.fibre.base", "is no case of kind \"pullout\"", ByMeaning),
     (&[RUNS, "fibre.base=nowhere.json"], "$.fibre.base", "cannot be read", ByMeaning),
@@ -86,7 +88,7 @@ const MALFORMED: &[Sample] = &[
     (&[RUNS, "fibre.lengths=[0.5]"], "$.fibre.lengths", "from above 0 to 1", ByMeaning),
     (
         &[LAW, r#"fibre.law={"plugin": "bond_slip", "props": {"k_x": 1}}"#],
-        "$.fibre.law",
+        "$.fibre.law.props.k_x",
         "has no parameter 'k_x'",
         ByMeaning,
     ),
@@ -147,4 +149,154 @@ fn a_law_of_contact_is_sampled() {
         let exact = if *slip <= 0.004 { 400.0 * slip } else { 1.6 - (slip.min(1.0) - 0.004) / 0.996 };
         assert!((traction - exact).abs() < 1e-9, "{slip}: {traction} for {exact}");
     }
+}
+
+/// A bond with a corner in the first interval of slips, one that falls at once, and several in a row.
+#[test]
+fn a_law_of_contact_keeps_its_corners() {
+    for corners in [
+        vec![[1e-6, 2.0], [100.0, 2.0]],
+        vec![[0.02, 3.0], [3.0, 3.0], [3.001, 0.5], [100.0, 0.5]],
+        vec![[0.01, 5.0], [0.1, 6.0], [1.0, 2.0], [1.37, 2.0], [1.3701, 0.7], [100.0, 0.7]],
+    ] {
+        let program = of_law(&corners);
+        let Source::Bond(Bond::ShearLag(bond), _) = &program.source else { panic!("a bond law") };
+        let found = Polyline::new(bond.law.points.iter().map(|point| (point[0], point[1])));
+        let exact = Polyline::new([(0.0, 0.0)].into_iter().chain(corners.iter().map(|corner| (corner[0], corner[1]))));
+        let greatest = corners.iter().map(|corner| corner[1]).fold(0.0, f64::max);
+        let everywhere = (0..=20_000).map(|k| 1e-8 * (15e8_f64).powf(f64::from(k) / 20_000.0));
+        let beside = corners.iter().flat_map(|corner| [0.99, 0.9999, 1.0, 1.0001, 1.01].map(|part| part * corner[0]));
+        for slip in everywhere.chain(beside).filter(|slip| *slip < 15.0) {
+            let off = (found.at(slip) - exact.at(slip)).abs();
+            assert!(off < 1e-3 * greatest, "{corners:?} at {slip}: off by {off}");
+        }
+        assert!(bond.law.points.len() < 1000, "{}", bond.law.points.len());
+    }
+}
+
+/// The slope at slip 0 is found however small the traction of the corner is beside the greatest.
+#[test]
+fn a_law_of_contact_begins_with_its_stiffness() {
+    let program = of_law(&[[1e-5, 1e-4], [1.0, 5.0], [100.0, 5.0]]);
+    let Source::Bond(Bond::ShearLag(bond), _) = &program.source else { panic!("a bond law") };
+    let [slip, traction] = bond.law.points[1];
+    assert!((traction / slip / 10.0 - 1.0).abs() < 0.02, "{}", traction / slip);
+}
+
+/// σ = V_f/A_f (2/L_f) g π d τ(w) (L_f/2 − w)²/2 of stiff fibres, g = 1/2 without snubbing, beside a corner of τ.
+#[test]
+fn stiff_fibres_follow_the_corners_of_their_law() {
+    let program = of_law(&[[0.02, 3.0], [3.0, 3.0], [3.001, 0.5], [100.0, 0.5]]);
+    let composite = program.composite(&[]).expect("a composite");
+    for (opening, traction) in [(1.0, 3.0), (2.9, 3.0), (2.999, 3.0), (3.002, 0.5), (3.1, 0.5), (10.0, 0.5)] {
+        let closed =
+            0.01 / (0.25 * PI * 0.25) * (2.0 / 30.0) * 0.5 * PI * 0.5 * traction * (15.0_f64 - opening).powi(2) / 2.0;
+        let found = composite.average(opening).stress;
+        assert!((found / closed - 1.0).abs() < 1e-3, "{opening}: {found} for {closed}");
+    }
+}
+
+/// Stiff fibres in a bond of straight lines without snubbing, pulled out of one side.
+fn of_law(corners: &[[f64; 2]]) -> Program {
+    let law = json!({ "plugin": "bond_slip", "props": { "law": "A", "form": "piecewise", "normal_law": "hard", "p_0": 1000,
+        "delta_N": 0.004, "k_e": corners[0][1] / corners[0][0], "tau_res": 0, "k_u": 0, "mu": 0, "points": corners } });
+    let law = format!("fibre.law={law}");
+    let overrides = [LAW, &law, "fibre.E=1e13", r#"fibre.inclination={"type": "exp", "f": 0}"#, "sides=one"];
+    match Bench::new().read(&case(), &overrides) {
+        Ok(Case::Bridging(program)) => *program,
+        Ok(_) => panic!("a case of bridging"),
+        Err(errors) => panic!("{corners:?}: {errors}"),
+    }
+}
+
+fn results(overrides: &[&str]) -> Result<Results, String> {
+    let Ok(Case::Bridging(program)) = Bench::new().read(&case(), overrides) else { panic!("a case") };
+    run(&program, &program.composite(&[]).expect("a composite"))
+}
+
+/// How far and how closely σ is given is no matter of the strengths.
+#[test]
+fn strengths_do_not_depend_on_the_openings_that_are_given() {
+    let drawn = [r#"matrix={"E": 32000, "ft": 2.9, "softening": "hordijk", "Gf": 0.14}"#, r#"scatter={"beams": 20}"#];
+    let strengths = |openings: &str| {
+        let results = results(&[drawn[0], drawn[1], openings]).expect("results");
+        let beam = results.findings.beam.expect("a beam");
+        let scatter = results.findings.scatter.expect("beams");
+        let code = beam.model_code_2010;
+        let of_code = [code.rigid_plastic, code.serviceability, code.ultimate].into_iter().chain(code.sigma);
+        let drawn = [scatter.limit.mean, scatter.residual[0].mean, scatter.residual[3].characteristic];
+        let all = [beam.limit].into_iter().chain(beam.residual).chain(of_code).chain(drawn).collect::<Vec<f64>>();
+        (all, results.rows.iter().map(|row| row.fibres.opening).collect::<Vec<f64>>())
+    };
+    let (usual, _) = strengths("openings={}");
+    for (openings, count, last) in [
+        (r#"openings={"to": 0.05, "points": 20}"#, 20, 0.05),
+        (r#"openings={"to": 0.5}"#, 200, 0.5),
+        (r#"openings={"to": 15, "points": 5, "spacing": "even"}"#, 5, 15.0),
+        (r#"openings={"to": 4, "points": 1000}"#, 1000, 4.0),
+    ] {
+        let (found, given) = strengths(openings);
+        assert_eq!((given.len(), given[0], *given.last().expect("openings")), (count, 0.0, last));
+        for (found, usual) in found.iter().zip(&usual) {
+            assert!((found / usual - 1.0).abs() < 2e-3, "{openings}: {found} for {usual}");
+        }
+    }
+}
+
+/// e^(1000 θ) is more than a number can hold.
+#[test]
+fn a_stress_that_is_no_number_fails_the_run() {
+    let message = results(&[r#"fibre.inclination={"type": "exp", "f": 1000}"#]).expect_err("no results");
+    assert!(message.contains("σ of the fibres at w = 0"), "{message}");
+}
+
+#[test]
+fn numbers_that_are_hardly_meant_are_warned_of() {
+    let bench = Bench::new();
+    let warnings = |overrides: &[&str]| {
+        let Ok(Case::Bridging(program)) = bench.read(&case(), overrides) else { panic!("a case") };
+        program.about.warnings
+    };
+    assert_eq!(warnings(&[]), Vec::<String>::new());
+    for (entry, what) in [
+        ("fibre.E=200", "fibre.E = 200 MPa is outside the usual range, 1000 to 1·10⁶ MPa"),
+        ("fibre.strength=1.2", "fibre.strength = 1.2 MPa"),
+        ("fibre.diameter=0.001", "fibre.diameter = 0.001 mm"),
+        ("fibre.length=300", "fibre.length = 300 mm"),
+        ("fibre.tau=3e6", "fibre.tau = "),
+        ("matrix.E=30", "matrix.E = 30 MPa"),
+        ("matrix.ft=3e6", "matrix.ft = "),
+        ("matrix.Gf=140", "matrix.Gf = 140 N/mm"),
+        ("matrix.fc=40e6", "matrix.fc = "),
+        (
+            r#"fibre.inclination={"type": "exp", "f": 20}"#,
+            "fibre.inclination.f = 20 is outside the usual range, 0 to 2: is",
+        ),
+    ] {
+        let told = warnings(&[entry]);
+        let [warning] = &told[..] else { panic!("{entry}: {told:?}") };
+        assert!(warning.starts_with(what) && warning.ends_with("is it in units of N, mm, MPa?"), "{warning}");
+    }
+}
+
+/// Random fibres whose curves end at 60° and at a slip of 2 mm: both is said, with what is assumed.
+#[test]
+fn what_curves_do_not_tell_is_said() {
+    let assumed = |entry: &str| {
+        let Ok(Case::Bridging(program)) = Bench::new().read(&case(), &[TABLE, "fibre.file=to-60.csv", entry]) else {
+            panic!("a case")
+        };
+        program.assumptions(&[]).expect("curves")
+    };
+    let told = assumed("openings={\"to\": 1}");
+    let [first, _, beyond] = &told[..] else { panic!("{told:?}") };
+    assert!(first.starts_with("fibre at 0°, 15 mm: its curve ends at a slip of 2 mm with 5 N"), "{first}");
+    // the beam opens the crack by more than 2 mm; without it 1 mm is all
+    let told = assumed("beam=null");
+    assert_eq!(told.len(), 3);
+    // sin² 80° − sin² 60° over sin² 80° of equal loads
+    let share = 1.0 - 0.75 / 80.0_f64.to_radians().sin().powi(2);
+    let of_all = format!("carry up to {:.0} %", 100.0 * share);
+    assert!(beyond.contains("at more than 60°") && beyond.contains(&of_all), "{beyond} {of_all}");
+    assert!(assumed("fibre.cut_deg=60").iter().all(|told| !told.contains("largest angle")));
 }

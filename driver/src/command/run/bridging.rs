@@ -14,9 +14,6 @@ use std::fmt::Write;
 use std::io;
 use std::time::Instant;
 
-/// A load below this part of the peak is none.
-const NEGLIGIBLE_LOAD: f64 = 0.01;
-
 /// Runs a case, and writes its results. The second result is what could not be written.
 pub(super) fn run_case(
     case: &Case,
@@ -32,30 +29,14 @@ pub(super) fn run_case(
         let composite = program.composite(curves.as_deref().unwrap_or_default()).map_err(|error| error.to_string())?;
         let mut results = run(program, &composite)?;
         results.findings.simulations = simulations;
-        let last = program.openings.last().copied().unwrap_or_default();
-        results.warnings.extend(curves.iter().flatten().filter_map(|curve| cut_short(curve, last)));
+        let assumptions = program.assumptions(curves.as_deref().unwrap_or_default());
+        results.warnings.extend(assumptions.map_err(|error| error.to_string())?);
         results.curves = curves.unwrap_or_default();
         Ok((composite, results))
     });
     let times = [start.elapsed().as_secs_f64(), (cpu_time() - cpu_start).as_secs_f64()];
     let done = done.as_ref().map(|(composite, results)| (program, composite, results)).map_err(Clone::clone);
     conclude(case, directory, done, times)
-}
-
-/// Warns of a run that ends with a load before the last opening and extraction: what follows is a straight line.
-fn cut_short(curve: &Curve, last: f64) -> Option<String> {
-    let (slip, load) = (*curve.slip.last()?, *curve.load.last()?);
-    let peak = curve.load.iter().copied().fold(0.0, f64::max);
-    (slip < last.min(curve.embedded) && load > NEGLIGIBLE_LOAD * peak).then(|| {
-        format!(
-            "fibre at {}°, {} mm: its run ends at a slip of {} mm with {} N; beyond it the load is taken to fall straight to 0 \
-             at extraction",
-            number(curve.angle_deg),
-            number(curve.embedded),
-            number(slip),
-            number(load)
-        )
-    })
 }
 
 fn number(value: f64) -> String {
