@@ -228,6 +228,25 @@ fn libraries_of_others_run_in_a_child() {
     }
 }
 
+/// A case that only a child reads is wrong in the same way as any other.
+#[test]
+fn what_a_child_refuses_is_wrong_with_the_case() {
+    let desk = Desk::new();
+    let Some(mut case) = misbehaving(&desk, 0) else { return };
+    case["steps"][0]["increments"] = json!(-1);
+    let source = Source::document(case, &desk.path(""));
+    let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
+    set_program(program, program);
+    let refused = source.columns().expect_err("wrong");
+    assert!(refused.to_string().contains("$.steps[0].increments"), "{refused}");
+    match source.read().expect("a case").run(Settings::default()) {
+        Err(Error::Case(errors)) => {
+            assert!(errors.problems[0].message.starts_with("$.steps[0].increments"), "{errors}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn a_hanging_child_is_ended() {
     let desk = Desk::new();

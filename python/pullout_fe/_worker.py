@@ -37,6 +37,10 @@ class RemotePlugin:
     def props(self, props: str) -> list[float]:
         return list(self._ask("props", props))
 
+    def needs_length(self, props: NDArray[np.float64]) -> str | None:
+        answer: str | None = self._ask("needs_length", props)
+        return answer
+
     def evaluate(
         self,
         mode: str,

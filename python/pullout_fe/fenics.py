@@ -35,7 +35,8 @@ class SmallStrainModel:
     """A law for all integration points of a mesh.
 
     Stresses, strains and tangents are in Mandel notation, points one behind the other in flat arrays. The history has the
-    total strains and the law's states: ``history_dim`` says how many.
+    total strains and the law's states: ``history_dim`` says how many. ``length`` is the characteristic length of the elements, one
+    number or one a point; laws with a crack band (``G_f``) need it.
 
     A point that the law refuses raises :class:`~pullout_fe.UpdateFailed`: the caller takes a smaller increment.
     """
@@ -51,6 +52,7 @@ class SmallStrainModel:
     ) -> None:
         self.law = law if isinstance(law, Law) else Law(law)
         self.props = self.law.props(props)
+        self.law._check_length(self.props, length)
         self.length, self.threads = length, threads
         name = constraint if isinstance(constraint, str) else constraint.name
         if name not in _MODES:

@@ -143,7 +143,8 @@ class Law:
         """Update n points at once: rows of ``strain`` at the start and of its increment ``dstrain``.
 
         ``state`` and ``stress`` are those at the start, zero if not given. ``props`` are as in :meth:`props`; an array is taken
-        as it is. ``length`` is the characteristic length (CELENT), one number or one a point. Deformations are small.
+        as it is. ``length`` is the characteristic length (CELENT), one number or one a point; laws with a crack band (``G_f``) need
+        it. Deformations are small.
 
         ``out``: arrays for stress and state, and for the tangent if there is a third; they may be those of the start.
         Row i, column j of a point's tangent is the derivative of stress i by strain increment j.
@@ -199,6 +200,7 @@ class Law:
                     raise CaseError([(f"out[{place}]", "lies over another array of the call")])
         if threads < 1:
             raise CaseError([("threads", "is 1 or more")])
+        self._check_length(props, length)
         lengths = None if length is None else np.ascontiguousarray(np.broadcast_to(np.asarray(length, dtype=float), (count,)))
         refused = self._plugin.evaluate(
             mode,
@@ -220,6 +222,12 @@ class Law:
             if moduli is not None:
                 moduli[points] = np.nan
         return Update(stresses, states, moduli)
+
+    def _check_length(self, props: NDArray[np.float64], length: ArrayLike | None) -> None:
+        """Refuses that the length is missing: no law would know that the one which it then gets is nobody's."""
+        needed = self._plugin.needs_length(np.ascontiguousarray(props, dtype=float)) if length is None else None
+        if needed is not None:
+            raise CaseError([("length", f"is missing: {self.name}: {needed}")])
 
     @staticmethod
     def _check_out(array: NDArray[np.float64], shape: tuple[int, ...], place: int) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .case import Case, CaseLike, dotted
-from .errors import CaseError, RunFailed
+from .errors import CaseError, PulloutError, RunFailed
 from .run import Run, run
 
 __all__ = ["Fit", "Model"]
@@ -23,6 +23,10 @@ Free = Union[str, "tuple[str, str]"]
 STEP = 1e-6
 #: values of the grid so little outside a run, as a part of their distance from its beginning, are at its end
 ROUNDING = 1e-9
+#: values that fall back by no more than this part of their range are scatter; by more, they turn back
+SCATTER = 0.05
+#: a parameter so near to a bound, as a part of the distance of the bounds, lies on it
+ON_BOUND = 1e-6
 
 
 class Fit(NamedTuple):
@@ -39,6 +43,8 @@ class Fit(NamedTuple):
     cost: float
     #: runs
     evaluations: int
+    #: parameters that ended on a bound, with the bound: the best value may lie beyond
+    on_bound: dict[str, float] = {}
 
     def standard_errors(self) -> dict[str, float]:
         """Of the parameters, by name."""
@@ -50,10 +56,12 @@ class Model:
 
     ``parameters``: names, each with its place in the case (``"material.props.E"``), or a pair of the place and ``"log"``: then
     steps and fits are in the logarithm. ``curve``: two columns of the history. On the ``grid`` of values of the first the second
-    is interpolated, at the first time that a value is passed, NaN before the beginning and behind the end; without a grid it is as the run has it, and
-    the increments must not depend on the parameters.
+    is interpolated, at the first time that a value is passed, NaN before the beginning and behind the end; a grid that turns back,
+    as measured cycles do, is interpolated branch by branch, NaN on branches that the run does not have. Without a grid the curve
+    is as the run has it, and the increments must not depend on the parameters.
 
-    ``on_failure``: "raise", or a number which then stands for the whole curve (``np.nan``).
+    ``on_failure``: "raise", or a number which then stands for the whole curve (``np.nan``) of a run that fails and of parameters
+    that the case does not admit. ``bounds`` are kept by fits and by the steps of derivatives.
     """
 
     def __init__(
@@ -76,17 +84,59 @@ class Model:
         self.on_failure = on_failure
         self.in_process = in_process
         self._along: Run | None = None
+        #: points of a curve without a grid, once a run has told
+        self._length: int | None = None
         given = bounds or {}
+        self._check_bounds(given)
         self.bounds = [given.get(name, (-np.inf, np.inf)) for name in self.names]
         document = self.case.document
         #: the parameters as the case has them; NaN where it leaves them to their defaults
         self.x0: Array = np.array([_number(document, path) for path in self._paths])
 
+    def _check_bounds(self, bounds: Mapping[str, tuple[float, float]]) -> None:
+        names = ", ".join(self.names)
+        problems = [(f"bounds[{name!r}]", f"is no parameter: {names}") for name in bounds if name not in self.names]
+        for name, (low, high) in bounds.items():
+            if not low < high:
+                problems.append((f"bounds[{name!r}]", f"{low} is not below {high}"))
+        if problems:
+            raise CaseError(problems)
+
     def __call__(self, x: ArrayLike) -> Array:
         """The curve of these parameters."""
+        return self._filled(self._attempt(x))
+
+    def _attempt(self, x: ArrayLike) -> Array | None:
+        """The curve; ``None`` if the run failed, and a number is to stand for it."""
         return self._run(x)[0]
 
-    def _run(self, x: ArrayLike, record: bool = False) -> tuple[Array, Run | None]:
+    def _filled(self, curve: Array | None, length: int | None = None) -> Array:
+        """The curve, or the number that stands for it."""
+        if curve is not None:
+            return curve
+        if self.grid is not None:
+            length = len(self.grid)
+        elif length is None:
+            length = self._length
+        if length is None:
+            raise CaseError("the run failed, and how long its curve would be is not known before another one is done: give a grid")
+        return np.full(length, float(self.on_failure))
+
+    def _counts_as_failure(self, error: PulloutError) -> bool:
+        """Whether parameters are the reason, not the case itself, and a number is to stand for the curve."""
+        if isinstance(self.on_failure, str):
+            return False
+        if isinstance(error, RunFailed):
+            return True
+        # a place that the case does not have is wrong with any parameters
+        words = "\n".join(message for _, message in error.problems) if isinstance(error, CaseError) else ""
+        if "unknown key" in words or "has no parameter" in words:
+            return False
+        if np.all(np.isfinite(self.x0)):
+            self.case.check()
+        return True
+
+    def _run(self, x: ArrayLike, record: bool = False) -> tuple[Array | None, Run | None]:
         """The curve, and the run."""
         values = np.atleast_1d(np.asarray(x, dtype=float))
         if values.shape != (len(self.names),):
@@ -94,45 +144,43 @@ class Model:
         case = self.case.with_(dict(zip(self._paths, values.tolist())))
         try:
             made = run(case, in_process=self.in_process, record=record, along=self._along, view=False)
-        except RunFailed:
-            if isinstance(self.on_failure, str):
-                raise
-            return np.full(1 if self.grid is None else self.grid.shape, self.on_failure), None
+        except (CaseError, RunFailed) as error:
+            if self._counts_as_failure(error):
+                return None, None
+            raise
         along, values = (made.history[name] for name in self.curve)
         if self.grid is None:
+            self._length = len(values)
             return np.array(values), made
-        # the first passage on the way to the farthest value: a snap-back goes back along the first column
-        ways = self.grid - along[0]
-        way = float(ways[np.argmax(np.abs(ways))])
-        direction = -1.0 if way < 0.0 else 1.0
-        along = direction * along
-        first = np.concatenate([[True], along[1:] > np.maximum.accumulate(along)[:-1]])
-        passed = along[first]
-        # what was rounded is at the ends
-        wanted, rounding = direction * self.grid, ROUNDING * abs(way)
-        is_inside = (wanted >= passed[0] - rounding) & (wanted <= passed[-1] + rounding)
-        found: Array = np.where(is_inside, np.interp(wanted, passed, values[first]), np.nan)
-        return found, made
+        return _on_grid(along, values, self.grid), made
 
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
         """The curves of rows of parameters: in threads, or by an executor of yours."""
         rows = list(np.atleast_2d(np.asarray(points, dtype=float)))
         if executor is not None:
-            return np.array(list(executor.map(self, rows)))
-        with ThreadPoolExecutor(workers) as threads:
-            return np.array(list(threads.map(self, rows)))
+            curves = list(executor.map(self._attempt, rows))
+        else:
+            with ThreadPoolExecutor(workers) as threads:
+                curves = list(threads.map(self._attempt, rows))
+        lengths = {len(curve) for curve in curves if curve is not None}
+        if len(lengths) > 1:
+            raise CaseError(f"the curves have {min(lengths)} to {max(lengths)} points: give a grid")
+        return np.array([self._filled(curve, next(iter(lengths), None)) for curve in curves])
 
     def jac(self, x: ArrayLike, executor: Executor | None = None) -> Array:
-        """Derivatives of the curve (rows) by the parameters (columns), by forward differences of :data:`STEP`.
+        """Derivatives of the curve (rows) by the parameters (columns), by forward differences of :data:`STEP`, backward
+        where an upper bound is nearer.
 
         The runs go along that at ``x`` (``along`` of :func:`run`): what a specimen chooses by itself would make steps in the curve, and
         near a known state an iteration or two are enough. Those of executors with other processes repeat its increments.
         """
         start = np.atleast_1d(np.asarray(x, dtype=float))
         steps = STEP * np.where(start == 0.0, 1.0, np.abs(start))
+        upper = np.array([high for _, high in self.bounds])
         # the step that the sum has
-        moved = start + np.diag(steps)
-        base, made = self._run(start, record=True)
+        moved = start + np.diag(np.where(start + steps > upper, -steps, steps))
+        curve, made = self._run(start, record=True)
+        base = self._filled(curve)
         frozen = copy.copy(self)
         if executor is None or isinstance(executor, ThreadPoolExecutor):
             frozen._along = made
@@ -148,10 +196,11 @@ class Model:
         difference = (self(x) - np.asarray(data, dtype=float)) / np.asarray(sigma, dtype=float)
         return np.where(np.isnan(np.asarray(data, dtype=float)), 0.0, difference)
 
-    def fit(self, data: ArrayLike, sigma: ArrayLike = 1.0, x0: ArrayLike | None = None, **options: Any) -> Fit:
+    def fit(self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, **options: Any) -> Fit:
         """The parameters that fit data best, by ``scipy.optimize.least_squares`` (``options`` are its own).
 
-        The covariance is that of errors of ``sigma`` each.
+        The covariance is that of errors of ``sigma`` each; without it, of errors as large as the differences that are left, as
+        ``pullout fit`` has it.
         """
         from scipy.optimize import least_squares
 
@@ -161,7 +210,11 @@ class Model:
             raise CaseError(f"the case does not say {', '.join(missing)}: give x0")
         logarithmic = self._is_log
         target = np.asarray(data, dtype=float)
-        weight = np.where(np.isnan(target), 0.0, 1.0) / np.asarray(sigma, dtype=float)
+        deviations = np.asarray(1.0 if sigma is None else sigma, dtype=float)
+        weight = np.where(np.isnan(target), 0.0, 1.0) / deviations
+        freedom = int(np.count_nonzero(~np.isnan(target))) - len(self.names)
+        if sigma is None and freedom < 1:
+            raise CaseError(f"{freedom + len(self.names)} points tell no errors of {len(self.names)} parameters: give sigma")
 
         def outer(z: Array) -> Array:
             return np.where(logarithmic, np.exp(np.where(logarithmic, z, 0.0)), z)
@@ -179,7 +232,7 @@ class Model:
         def residual(z: Array) -> Array:
             nonlocal runs
             runs += 1
-            return self.residual(outer(z), target, sigma)
+            return self.residual(outer(z), target, deviations)
 
         lower, upper = (np.array([bound[side] for bound in self.bounds], dtype=float) for side in (0, 1))
         with np.errstate(divide="ignore"):
@@ -188,10 +241,15 @@ class Model:
         found = least_squares(residual, inner(start), derivatives, bounds=(limits[0], limits[1]), x_scale="jac", **options)
         values = outer(found.x)
         jacobian = np.asarray(found.jac) / np.where(logarithmic, values, 1.0)
-        covariance, unknown = _covariance(jacobian, values)
-        deviations = np.sqrt(np.diag(covariance))
+        scatter = 1.0 if sigma is not None else float(np.sqrt(2.0 * found.cost / freedom))
+        covariance, unknown = _covariance(jacobian, values, scatter)
+        errors = np.sqrt(np.diag(covariance))
         with np.errstate(invalid="ignore", divide="ignore"):
-            correlations = covariance / np.outer(deviations, deviations)
+            correlations = covariance / np.outer(errors, errors)
+        on_bound = {}
+        for name, value, (low, high) in zip(self.names, values.tolist(), self.bounds):
+            near = ON_BOUND * (high - low if np.isfinite(high - low) else abs(value))
+            on_bound.update({name: float(bound) for bound in (low, high) if abs(bound - value) <= near})
         return Fit(
             dict(zip(self.names, values.tolist())),
             covariance,
@@ -199,18 +257,70 @@ class Model:
             [name for name, is_unknown in zip(self.names, unknown) if is_unknown],
             float(found.cost),
             runs + int(found.njev or 0) * (1 + len(self.names)),
+            on_bound,
         )
 
 
-def _covariance(jacobian: Array, values: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """The covariance, and which parameters it does not hold for: those of directions that change nothing."""
+def _on_grid(along: Array, values: Array, grid: Array) -> Array:
+    """The second column of a run on the values of the first, branch by branch where these turn back."""
+    threshold = SCATTER * float(np.ptp(grid[np.isfinite(grid)])) if np.isfinite(grid).any() else 0.0
+    turns = _turns(grid, threshold)
+    if not turns:
+        return _on_branch(along, values, grid)
+    of_run = _turns(along, threshold)
+    found = np.full(len(grid), np.nan)
+    first, start = 0, 0
+    for number in range(min(len(turns), len(of_run)) + 1):
+        # a turn ends one branch and begins the next
+        end = turns[number] + 1 if number < len(turns) else len(grid)
+        stop = of_run[number] + 1 if number < len(of_run) else len(along)
+        found[first:end] = _on_branch(along[start:stop], values[start:stop], grid[first:end])
+        first, start = end, stop - 1
+    return found
+
+
+def _on_branch(along: Array, values: Array, grid: Array) -> Array:
+    """At the first passage on the way to the farthest value: a snap-back goes back along the first column."""
+    ways = grid - along[0]
+    way = float(ways[np.nanargmax(np.abs(ways))])
+    direction = -1.0 if way < 0.0 else 1.0
+    along = direction * along
+    first = np.concatenate([[True], along[1:] > np.maximum.accumulate(along)[:-1]])
+    passed = along[first]
+    # what was rounded is at the ends
+    wanted, rounding = direction * grid, ROUNDING * abs(way)
+    is_inside = (wanted >= passed[0] - rounding) & (wanted <= passed[-1] + rounding)
+    found: Array = np.where(is_inside, np.interp(wanted, passed, values[first]), np.nan)
+    return found
+
+
+def _turns(values: Array, threshold: float) -> list[int]:
+    """Where values turn back by more than a threshold: the last of each branch but the last one."""
+    found: list[int] = []
+    direction, least, greatest = 0, 0, 0
+    for k, value in enumerate(values):
+        if not np.isfinite(value):
+            continue
+        least = k if not value > values[least] else least
+        greatest = k if not value < values[greatest] else greatest
+        if value < values[greatest] - threshold and direction >= 0:
+            found += [greatest] if direction else []
+            direction, least, greatest = -1, k, k
+        elif value > values[least] + threshold and direction <= 0:
+            found += [least] if direction else []
+            direction, least, greatest = 1, k, k
+    return found
+
+
+def _covariance(jacobian: Array, values: Array, scatter: float) -> tuple[Array, NDArray[np.bool_]]:
+    """The covariance of residuals that scatter so, and which parameters it does not hold for: those of directions that change nothing."""
     scale = np.where(values == 0.0, 1.0, np.abs(values))
     _, singular, directions = np.linalg.svd(jacobian * scale, full_matrices=False)
     # a relative change of 1 that moves the curve by less than a thousandth of a standard deviation is not seen
-    is_seen = singular > max(1e-3, 1e-9 * float(singular.max(initial=0.0)))
+    is_seen = singular > max(1e-3 * scatter, 1e-9 * float(singular.max(initial=0.0)))
     unknown: NDArray[np.bool_] = np.any(np.abs(directions[~is_seen]) > 0.1, axis=0)
     inverse = directions[is_seen].T @ np.diag(singular[is_seen] ** -2.0) @ directions[is_seen]
-    covariance = inverse * np.outer(scale, scale)
+    covariance = inverse * np.outer(scale, scale) * scatter**2
     covariance[unknown, :] = np.nan
     covariance[:, unknown] = np.nan
     return covariance, unknown

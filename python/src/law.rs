@@ -100,6 +100,15 @@ impl Plugin {
         }
     }
 
+    /// Returns why the law needs the characteristic length of each point with these PROPS; `None`: it does not.
+    fn needs_length(&self, props: PyReadonlyArray1<'_, f64>) -> PyResult<Option<String>> {
+        let Some(law) = &self.law else { return Ok(None) };
+        Ok(match law.validate(props.as_slice()?, None) {
+            Validation::NeedsCharacteristicLength(message) => Some(message),
+            Validation::Valid | Validation::Invalid(_) => None,
+        })
+    }
+
     /// Updates points: each row of the arrays is one. `stress` and `state` are those of the start, and become those of the
     /// end; what came in stays where a point is refused.
     #[allow(clippy::too_many_arguments, reason = "they are a UMAT's")]

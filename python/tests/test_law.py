@@ -140,6 +140,15 @@ def test_what_is_wrong_is_said_with_its_place() -> None:
         po.Law("bond_slip").evaluate(0.0, np.zeros((1, 6)))
 
 
+def test_a_crack_band_needs_a_length() -> None:
+    law, strain = po.Law("concrete_damage"), [[4e-4, 0, 0, 0, 0, 0]]
+    with pytest.raises(po.CaseError, match="length: is missing: concrete_damage"):
+        law.evaluate(0.0, strain, props={"G_f": 0.1})
+    wide, narrow = (law.evaluate(0.0, strain, props={"G_f": 0.1}, length=length).stress[0, 0] for length in (200.0, 50.0))
+    assert wide != narrow
+    law.evaluate(0.0, strain)
+
+
 def test_points_that_are_refused(umats: dict[str, Path]) -> None:
     law = po.Law(umats["refuses"], nstatv=1)
     strain = np.zeros((4, 6))

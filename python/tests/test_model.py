@@ -37,8 +37,70 @@ def test_a_model_is_its_curve() -> None:
         assert np.allclose(made.batch(points, executor), [oedometer(*point) for point in points])
     with pytest.raises(po.CaseError, match="E, nu"):
         made([1.0])
+    # what the case does not admit fails like a run, where a number is to stand for that
+    assert np.isnan(made([1.0, 0.9])).all() and made([1.0, 0.9]).shape == GRID.shape
     with pytest.raises(po.CaseError, match="nu"):
-        made([1.0, 0.9])
+        po.Model(BAR, PARAMETERS, ("e11", "s11"), GRID)([1.0, 0.9])
+    # but not what is wrong with any parameters
+    with pytest.raises(po.CaseError, match="no parameter 'mu'"):
+        po.Model(BAR, {"mu": "material.props.mu"}, ("e11", "s11"), GRID, on_failure=np.nan)([0.1])
+
+
+def test_failures_have_the_length_of_the_curve() -> None:
+    free = po.Model(BAR, PARAMETERS, ("e11", "s11"), on_failure=np.nan)
+    with pytest.raises(po.CaseError, match="give a grid"):
+        free([1.0, 0.9])
+    with pytest.raises(po.CaseError, match="give a grid"):
+        free.batch([[1.0, 0.9], [1.0, 0.8]])
+    curves = free.batch([[1.0, 0.9], [1.0, 0.2]])
+    assert curves.shape == (2, 11) and np.isnan(curves[0]).all() and np.isfinite(curves[1]).all()
+    assert free([1.0, 0.9]).shape == (11,)
+
+
+def test_bounds_are_of_parameters_and_kept_by_derivatives() -> None:
+    with pytest.raises(po.CaseError, match="EE"):
+        po.Model(BAR, PARAMETERS, ("e11", "s11"), GRID, bounds={"EE": (1.0, 2.0)})
+    with pytest.raises(po.CaseError, match="not below"):
+        po.Model(BAR, PARAMETERS, ("e11", "s11"), GRID, bounds={"E": (2.0, 1.0)})
+
+    class Watched(po.Model):
+        """A model that notes what it is asked for."""
+
+        def _attempt(self, x: np.ndarray) -> np.ndarray | None:
+            assert x[0] <= 120.0, x
+            return super()._attempt(x)
+
+    made = Watched(BAR, {"E": "material.props.E"}, ("e11", "s11"), GRID, bounds={"E": (10.0, 120.0)})
+    assert np.allclose(made.jac([120.0])[:, 0], oedometer(1.0, 0.25), rtol=1e-5)
+
+
+def test_a_fit_says_what_scatters_and_what_ended_on_a_bound() -> None:
+    pytest.importorskip("scipy")
+    scatter = 0.01 * np.array([1, -1, 1, 0, -1, 1, -1])
+    one = po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), GRID)
+    fit = one.fit(oedometer(80.0, 0.25) + scatter)
+    # of a line: s² / Σ(∂y/∂E)² with s² = Σr² / (n - 1)
+    left = one([fit.values["E"]]) - oedometer(80.0, 0.25) - scatter
+    expected = np.sum(left**2) / 6 / np.sum(oedometer(1.0, 0.25) ** 2)
+    assert fit.covariance[0, 0] == pytest.approx(expected, rel=1e-4)
+    assert fit.on_bound == {} and fit.not_identifiable == []
+    low = po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), GRID, bounds={"E": (90.0, 200.0)})
+    assert low.fit(oedometer(80.0, 0.25)).on_bound == {"E": 90.0}
+    with pytest.raises(po.CaseError, match="give sigma"):
+        po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), [0.01]).fit([1.0])
+
+
+def test_cycles_are_interpolated_branch_by_branch() -> None:
+    steps = [po.ramp(40, slip=0.02), po.ramp(40, slip=0.005), po.ramp(40, slip=0.03)]
+    props = {"law": "A", "k_e": 950.0, "a_1": 10.0, "b_1": 0.4}
+    bond = {"kind": "interface", "material": {"plugin": "bond_slip", "props": props}, "steps": steps}
+    history = po.run(bond).history
+    free = {"k_e": "material.props.k_e"}
+    made = po.Model(bond, free, ("slip", "tau"), history["slip"])
+    assert np.allclose(made([950.0]), history["tau"], rtol=0, atol=1e-12)
+    # a branch that the run does not have
+    once = po.Model({**bond, "steps": steps[:1]}, free, ("slip", "tau"), [0.01, 0.02, 0.01])
+    assert np.array_equal(np.isnan(once([950.0])), [False, False, True])
 
 
 def test_derivatives() -> None:
@@ -135,6 +197,9 @@ def test_the_protocol_of_fenics(constraint: str) -> None:
     assert np.allclose(history["strain"].reshape(count, -1), strain)
     assert np.array_equal(history["state"].reshape(count, -1), state)
     before = stress.copy()
+    with pytest.raises(po.CaseError, match="length: is missing"):
+        SmallStrainModel(law, {"G_f": 0.1}, constraint)
+    SmallStrainModel(law, {"G_f": 0.1}, constraint, length=50.0)
     made.evaluate_without_tangent(2.0, 1.0, np.zeros(count * size * size), before, history)
     assert np.allclose(before, stress)
 

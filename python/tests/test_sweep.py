@@ -26,6 +26,13 @@ def test_rows_are_those_of_single_runs(tmp_path: Path) -> None:
         assert peak == alone.history["s11"].max()
 
 
+def test_a_plan_refuses_what_is_wrong_with_it(tmp_path: Path) -> None:
+    with pytest.raises(po.CaseError, match=r"\$\.points"):
+        po.sweep(BASE, [], out=tmp_path / "sweep")
+    with pytest.raises(po.CaseError, match="no column 's1'"):
+        po.sweep(BASE, DESIGN, out=tmp_path / "sweep", quantities={"q": {"column": "s1"}})
+
+
 def test_a_sweep_is_planned_and_worked_off_later(tmp_path: Path) -> None:
     made = po.sweep(BASE, DESIGN, out=tmp_path / "sweep", executor=None)
     assert made.status() == {"runs": 6, "left": 6}

@@ -1,7 +1,7 @@
 //! Runs in a child: `pullout run` into a folder of which nothing stays.
 
 use super::{Error, Outcome, Settings, Source};
-use pullout_case::{CaseProblem, JsonPlace};
+use pullout_case::{CaseErrors, CaseProblem, JsonPlace};
 use pullout_report::history::History;
 use pullout_report::summary::{self, Summary};
 use pullout_run::input::{self, Input};
@@ -19,7 +19,7 @@ const POLL: Duration = Duration::from_millis(20);
 /// A child that was told to end has so long to finish its increment and its results, then again to end at once.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Exit codes of `pullout check`: the case is wrong; its plugin cannot be loaded.
+/// Exit codes of `pullout check` and `run`: the case is wrong; its plugin cannot be loaded.
 const BAD_INPUT: i32 = 2;
 const NO_PLUGIN: i32 = 3;
 
@@ -39,7 +39,7 @@ pub(super) fn run(source: &Source, settings: &Settings) -> Result<Outcome, Error
     name_case(&mut command, source)?;
     command.stdout(printed.try_clone()?).stderr(printed.try_clone()?);
     let mut child = isolation::spawn(command)?;
-    wait(&mut child, &settings.stop)?;
+    let ended = wait(&mut child, &settings.stop)?;
     read(source, &out).map_err(|_| {
         if settings.stop.load(Ordering::Relaxed) {
             return Error::Stopped;
@@ -47,7 +47,11 @@ pub(super) fn run(source: &Source, settings: &Settings) -> Result<Outcome, Error
         // it says what is wrong
         let mut words = String::new();
         let read = printed.seek(SeekFrom::Start(0)).and_then(|_| printed.read_to_string(&mut words));
-        Error::System(read.map_or_else(|error| error, |_| io::Error::other(words.trim_end().to_owned())))
+        match (read, problems(ended.code(), &words)) {
+            (Ok(_), Some(problems)) => CaseErrors { file: source.file.clone(), problems }.into(),
+            (Ok(_), None) => Error::System(io::Error::other(words.trim_end().to_owned())),
+            (Err(error), _) => error.into(),
+        }
     })
 }
 
@@ -68,12 +72,20 @@ pub(super) fn columns(source: &Source) -> Result<Option<Vec<String>>, Vec<CasePr
         Ok((ended.code(), columns, words))
     };
     let (code, columns, words) = ask().map_err(|error| vec![CaseProblem::unreadable(error.to_string())])?;
+    match problems(code, &words) {
+        Some(problems) => Err(problems),
+        None => Ok(serde_json::from_slice(&columns).ok()),
+    }
+}
+
+/// What is wrong with a case in the words of a child that refused it.
+fn problems(code: Option<i32>, words: &str) -> Option<Vec<CaseProblem>> {
     let own = format!("{STREAM}: ");
     let lines = words.lines().map(|line| line.strip_prefix(&own).unwrap_or(line).to_owned());
     match code {
-        Some(BAD_INPUT) => Err(lines.map(CaseProblem::unreadable).collect()),
-        Some(NO_PLUGIN) => Err(lines.map(|line| CaseProblem::plugin(JsonPlace::root(), line)).collect()),
-        _ => Ok(serde_json::from_slice(&columns).ok()),
+        Some(BAD_INPUT) => Some(lines.map(CaseProblem::unreadable).collect()),
+        Some(NO_PLUGIN) => Some(lines.map(|line| CaseProblem::plugin(JsonPlace::root(), line)).collect()),
+        _ => None,
     }
 }
 
