@@ -116,7 +116,7 @@ const TABLE: [(&str, Class, Class); 73] = [
     ("WRITE_STRAIN", Warned("writes "), Harmless),
     ("WRITE_INCREMENT", Warned("writes D"), Harmless),
     ("WRITE_TIME", Warned("writes TIME, which"), Harmless),
-    ("WRITE_DTIME", Warned("writes DTIME, which"), Harmless),
+    ("WRITE_DTIME", Warned("writes DTIME"), Harmless),
     ("WRITE_COORDS", Warned("writes COORDS, which"), Harmless),
     ("WRITE_NAME", Warned("writes C"), Harmless),
     ("WRITE_POINT", Warned("writes NO"), Harmless),
@@ -128,8 +128,8 @@ const TABLE: [(&str, Class, Class); 73] = [
     ("INFINITE_STATEV", Fails("returned STATEV(2) = -inf"), Harmless),
     ("NAN_ENERGY", Fails("(1) = NaN"), Harmless),
     ("CUT_BACK", Fails("0.5"), Harmless),
-    ("NAN_PNEWDT", Harmless, Harmless),
-    ("NEGATIVE_PNEWDT", Harmless, Harmless),
+    ("NAN_PNEWDT", Fails("PNEWDT = NaN"), Harmless),
+    ("NEGATIVE_PNEWDT", Fails("PNEWDT = -"), Harmless),
     ("LM_7", Harmless, Harmless),
 ];
 const CLOSED: &str = "it closed the standard output or another descriptor";

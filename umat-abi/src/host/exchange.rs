@@ -265,8 +265,8 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
         Some(unsafe { &(*memory.as_slice().as_ptr().cast::<Lent<I, O>>()).inputs })
     }
 
-    /// Names of the inputs that the last call changed, each with the input in front of it in memory if the change may be one
-    /// behind the end of that: if it begins with the first element, and the input in front is as it was.
+    /// Names of the inputs that the last call changed, each with the array in front of it in memory if the change may be one
+    /// behind the end of that: if it begins with the first element, and the array in front is as it was.
     pub(super) fn written(&self) -> Vec<(&'static str, Option<&'static str>)> {
         let Some(lent) = self.lent() else { return Vec::new() };
         let (before, after) = (bytes(&self.inputs), bytes(lent));
@@ -279,7 +279,7 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
                 written.push((*name, in_front.filter(|_| differs(end.min(start + size_of::<f64>())))));
                 in_front = None;
             } else {
-                in_front = Some(*name);
+                in_front = Some(*name).filter(|_| end - start > size_of::<f64>());
             }
         }
         written

@@ -23,7 +23,7 @@ pub(super) struct Guard {
 pub struct WrittenInput {
     /// Step, increment, element and point.
     pub place: [i32; 4],
-    /// The input in front of it in memory, if it may be that one behind whose end the call wrote.
+    /// The array in front of it in memory, if it may be that one behind whose end the call wrote.
     pub behind: Option<&'static str>,
 }
 

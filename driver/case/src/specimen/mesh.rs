@@ -8,7 +8,7 @@ use crate::reader::Reader;
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::gmsh::{self, PartProperties};
-use fe_core::mesh::specimen::{NodeCoupling, PulledFibre, SpecimenError, SurfaceRole};
+use fe_core::mesh::specimen::{NodeCoupling, PulledFibre, SpecimenError, SurfaceRole, section_note};
 use fe_core::mesh::{Mesh, MeshDefinition, Part};
 use fe_core::model::Width;
 use pullout_run::input::{self, Input};
@@ -80,8 +80,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
             let place = place.key("specimen");
             let specimen = reader.piece(&source.specimen, &place)?;
             match generate(specimen, thickness_of_matrix(case), super::steps::greatest_slip(case)) {
-                Ok(Generated { name, mut definition, defaults, diameter, notes, taken }) => {
-                    adapt_parts(reader, case, &mut definition, diameter);
+                Ok(Generated { name, mut definition, defaults, diameter, mut notes, taken }) => {
+                    adapt_parts(reader, case, &mut definition, diameter, &mut notes);
                     reader.warnings.extend(notes);
                     reader.note_defaults(&place, &taken);
                     Some(Ground { definition, words: format!("specimen {name}"), diameter, defaults })
@@ -234,8 +234,14 @@ pub fn called(part: &str, is_listed: impl Fn(&str) -> bool) -> &str {
     }
 }
 
-/// Changes a specimen's parts to what the case says of them.
-fn adapt_parts(reader: &mut Reader<'_>, case: &PulloutCase, definition: &mut MeshDefinition, diameter: Option<f64>) {
+/// Changes a specimen's parts, and the notes on them, to what the case says.
+fn adapt_parts(
+    reader: &mut Reader<'_>,
+    case: &PulloutCase,
+    definition: &mut MeshDefinition,
+    diameter: Option<f64>,
+    notes: &mut [String],
+) {
     let Some(given) = given_parts(reader, case) else { return };
     let root = Place::root().key("parts");
     let names: Vec<String> = definition.parts.iter().map(|part| part.name.clone()).collect();
@@ -260,7 +266,13 @@ fn adapt_parts(reader: &mut Reader<'_>, case: &PulloutCase, definition: &mut Mes
         part.model = given.model.unwrap_or(part.model);
         part.integration = given.integration.or(part.integration);
         match given.thickness.filter(|_| part.name != COVER).map(|given| thickness(given, diameter)) {
-            Some(Ok(value)) => part.thickness = value,
+            Some(Ok(value)) => {
+                if let Some(diameter) = diameter {
+                    let [usual, present] = [part.thickness, value].map(|thickness| section_note(diameter, thickness));
+                    notes.iter_mut().filter(|note| **note == usual).for_each(|note| note.clone_from(&present));
+                }
+                part.thickness = value;
+            }
             Some(Err(message)) => reader.problem(&root.key(&name).key("thickness"), message),
             None => {}
         }

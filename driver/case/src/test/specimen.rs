@@ -311,7 +311,10 @@ fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
         let supports: Vec<&str> = model.supports.iter().map(|support| support.name.as_str()).collect();
         assert_eq!(supports, ["grip", "grip, lateral", way, way]);
     }
-    let inertia = accepted(&case, &["parts.fibre.thickness=equal_inertia"]).model;
+    let inertia = accepted(&case, &["parts.fibre.thickness=equal_inertia"]);
+    let warnings = &inertia.about.warnings;
+    assert!(warnings.iter().any(|note| note.contains("area 0.750 and bending inertia 1.000")), "{warnings:?}");
+    let inertia = inertia.model;
     let fibre = inertia.mesh.parts().iter().find(|part| part.name == "fibre").expect("the part");
     assert!((fibre.thickness - 3.0 * std::f64::consts::PI * 0.406 / 16.0).abs() < 1e-15);
     let round = accepted(&case, &["mesh.specimen.axisymmetric=true"]).model;

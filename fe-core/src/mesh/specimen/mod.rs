@@ -19,7 +19,9 @@ pub use bodies_in_contact::*;
 pub use curved_channel::{CurvedChannel, curved_channel};
 pub use fibres::{FINE_DIAMETERS, Fibre, Fibres, FibresMesh, Segment, fibres};
 pub use one_body::*;
-pub use perpendicular_fibre::{Configuration, FibreMesh, PartMesh, PerpendicularFibre, perpendicular_fibre};
+pub use perpendicular_fibre::{
+    Configuration, FibreMesh, PartMesh, PerpendicularFibre, perpendicular_fibre, section_note,
+};
 pub use requirement::{ParameterProblem, SpecimenError};
 pub use thickness::GradedThickness;
 

@@ -207,14 +207,18 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     })
 }
 
+/// Returns the note for reports on the section of a round fibre in the plane.
+pub fn section_note(phi: f64, thickness: f64) -> String {
+    let (area, inertia) = (thickness / (PI / 4.0 * phi), thickness / (3.0 * PI / 16.0 * phi));
+    format!(
+        "fibre: height {phi} mm, thickness {thickness:.4} mm; area {area:.3} and bending inertia {inertia:.3} of the round one"
+    )
+}
+
 /// Returns the notes for reports on a round fibre in the plane.
 pub(super) fn section_notes(phi: f64, matrix_thickness: f64) -> Vec<String> {
-    let thickness = fibre_thickness(phi);
-    let (area, inertia) = (thickness / (PI / 4.0 * phi), thickness / (3.0 * PI / 16.0 * phi));
     vec![
-        format!(
-            "fibre: height {phi} mm, thickness {thickness:.4} mm; area {area:.3} and bending inertia {inertia:.3} of the round one"
-        ),
+        section_note(phi, fibre_thickness(phi)),
         format!(
             "contact width {:.4} mm per line on a matrix of thickness {matrix_thickness} mm: the pressure of the contact is not the traction of the matrix",
             PI / 2.0 * phi
