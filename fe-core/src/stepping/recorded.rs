@@ -160,10 +160,10 @@ impl Analysis<'_> {
     }
 
     /// Goes along the states of a run of the same model with nearly the same parameters, whose difference to them is then
-    /// that of the solutions, whatever the tolerance.
+    /// that of the solutions, whatever the tolerance. Of a model with another mesh it repeats the increments.
     pub fn follow(&mut self, trail: Arc<Trail>) {
         self.repeats = Some(trail.recorded.clone());
-        self.along = Some(trail);
+        self.along = Some(trail).filter(|trail| trail.fits(self.model));
     }
 
     /// Returns where the attempt that was just made leads.

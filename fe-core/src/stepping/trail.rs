@@ -3,6 +3,7 @@
 
 use super::newton::{Guide, Round};
 use super::{Recorded, Tried};
+use crate::model::Model;
 
 /// States through which a run of a specimen went.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +26,11 @@ pub(super) struct Lead<'a> {
 }
 
 impl Trail {
+    /// Returns whether the states can be those of a model.
+    pub(super) fn fits(&self, model: &Model) -> bool {
+        self.steps.iter().flatten().chain([&self.datum]).all(|guide| guide.fits(model))
+    }
+
     /// Takes an increment down; steps from 1.
     pub(super) fn push(&mut self, step: u32, tried: Tried, guide: Guide) {
         self.recorded.push(step, vec![tried]);

@@ -2,6 +2,7 @@
 
 use super::{Attempt, Equilibrium, Leader, Target, unsolvable};
 use crate::assembly::Trouble;
+use crate::model::Model;
 use crate::stepping::zone::Zone;
 
 /// The part of what there is to correct at the start of a round that may be left at its end.
@@ -28,6 +29,16 @@ pub(in crate::stepping) struct Round {
 pub(in crate::stepping) struct Guide {
     zone: Option<Zone>,
     pub(in crate::stepping) rounds: Vec<Round>,
+}
+
+impl Guide {
+    /// Returns whether its arrays have the lengths of an equilibrium of a model.
+    pub(in crate::stepping) fn fits(&self, model: &Model) -> bool {
+        let freedoms = 2 * model.mesh.nodes().len();
+        self.zone.as_ref().is_some_and(|zone| zone.active().len() == model.mesh.elements().len())
+            && self.rounds.iter().all(|round| round.displacements.len() == freedoms)
+            && self.rounds.iter().all(|round| round.drives.len() == model.drives.len())
+    }
 }
 
 /// The end of the present round in the other run.

@@ -1,7 +1,9 @@
 //! Runs that repeat the increments of others.
 
 use super::{Keeper, snap_back};
-use crate::model::Model;
+use crate::kinematics::PlaneModel;
+use crate::mesh::{ElementDefinition, Mesh, MeshDefinition};
+use crate::model::{Model, PluginLaw, StepControl};
 use crate::stepping::{Analysis, Record, Recorded, RunError, Trail, Tried, Verdict, Way};
 use std::sync::Arc;
 
@@ -101,4 +103,29 @@ fn derivatives_along_a_trail_are_those_between_exact_equilibria() {
     for (along, between) in along.iter().zip(&between) {
         approx::assert_abs_diff_eq!(along, between, epsilon = 1e-4 * greatest);
     }
+}
+
+#[test]
+fn a_run_on_another_mesh_repeats_the_increments() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.0)]);
+    let model = super::strip(law, PlaneModel::PlaneStress, 0.04, StepControl::Fixed { increments: 2 });
+    let (base, trail) = with_trail(&model);
+    // its lower row of elements, whose nodes come first
+    let mut half = model.clone();
+    let elements = model.mesh.elements()[..4].iter();
+    let elements = elements.map(|element| ElementDefinition {
+        kind: element.kind(),
+        part: element.part(),
+        nodes: element.nodes().to_vec(),
+    });
+    half.mesh = Mesh::new(MeshDefinition {
+        nodes: model.mesh.nodes()[..23].to_vec(),
+        parts: model.mesh.parts().to_vec(),
+        elements: elements.collect(),
+        ..MeshDefinition::default()
+    })
+    .unwrap();
+    half.supports.iter_mut().for_each(|support| support.nodes.retain(|node| *node < 23));
+    let (loads, _) = beside(&half, &trail);
+    approx::assert_relative_eq!(loads[2], 0.5 * base[2].load, max_relative = 1e-9);
 }
