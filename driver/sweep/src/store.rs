@@ -10,7 +10,7 @@
 //! collected/<sha256>     the contents of tables that were collected, which may be replaced
 //! ```
 
-use crate::table::{Table, readable_by_all};
+use crate::table::{Table, replace};
 use pullout_case::study::{Columns, QuantityOfFile};
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::{self, CALL_TIME_LIMIT, Need};
@@ -72,12 +72,7 @@ pub struct Store {
 fn put(path: &Path, content: &[u8]) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder)?;
-    let mut file = tempfile::Builder::new().prefix(".new").tempfile_in(folder)?;
-    file.write_all(content)?;
-    file.as_file().sync_all()?;
-    readable_by_all(file.as_file())?;
-    file.persist(path)?;
-    Ok(())
+    replace(path, |mut file| file.write_all(content), |_| Ok(()))
 }
 
 impl Store {

@@ -272,7 +272,7 @@ pub(crate) fn replace(
 }
 
 /// Temporary files are their owner's alone; what lies in a store others may read.
-pub(crate) fn readable_by_all(file: &File) -> io::Result<()> {
+fn readable_by_all(file: &File) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
     file.set_permissions(std::fs::Permissions::from_mode(0o644))
 }

@@ -107,14 +107,20 @@ fn rows_are_the_same_by_any_number_of_processes_and_by_threads() {
     assert!(curves.iter().all(|curve| curve.len() == 51));
 }
 
-#[test]
-fn each_run_has_the_name_of_its_end() {
-    let desk = Desk::new();
-    let Some(mut compiler) = find(Tool::C) else { return };
+/// Builds the plugin with many faults; `None` without a compiler.
+fn misbehaving(desk: &Desk) -> Option<PathBuf> {
+    let mut compiler = find(Tool::C)?;
     let library = desk.path("libmisbehaving.so");
     let source = workspace("driver/tests/isolation/misbehaving.c");
     let include = workspace("umat-abi/include");
     compile(compiler.args(["-shared", "-fPIC", "-O1", "-I"]).arg(include).arg("-o").arg(&library).arg(source));
+    Some(library)
+}
+
+#[test]
+fn each_run_has_the_name_of_its_end() {
+    let desk = Desk::new();
+    let Some(library) = misbehaving(&desk) else { return };
     let base = json!({
         "kind": "point", "mode": "3d",
         "material": { "plugin": "./libmisbehaving.so", "nstatv": 2, "props": [1000.0, 0, 1, 3], "call_time_limit_s": 2.0 },
@@ -461,11 +467,9 @@ fn columns_and_points_that_are_not_there_are_refused_by_the_plan() {
         refused(&desk, more, message);
     }
     // of a library that only a child loads, too
-    let Some(mut compiler) = find(Tool::C) else { return };
-    let library = desk.path("libmisbehaving.so");
-    let source = workspace("driver/tests/isolation/misbehaving.c");
-    let include = workspace("umat-abi/include");
-    compile(compiler.args(["-shared", "-fPIC", "-O1", "-I"]).arg(include).arg("-o").arg(&library).arg(source));
+    if misbehaving(&desk).is_none() {
+        return;
+    }
     let base = json!({
         "kind": "point", "mode": "3d",
         "material": { "plugin": "./libmisbehaving.so", "nstatv": 2, "props": [1000.0, 0, 1, 3] },
