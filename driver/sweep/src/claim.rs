@@ -26,12 +26,12 @@ pub(crate) struct Due {
     pub attempt: u32,
 }
 
-/// Owner of a claim, and the runs that it has taken.
+/// Owner of a claim, and the runs that it has taken. Its machine stands in the file's name: a worker that is ended while it makes
+/// the file leaves no head.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Head {
     /// The program, in hexadecimal: rows of another may have another form.
     pub engine: String,
-    pub host: String,
     pub runs: Vec<Due>,
 }
 
@@ -45,9 +45,9 @@ pub(crate) struct Claim {
 
 impl Claim {
     /// Takes runs.
-    pub fn new(store: &Store, head: &Head) -> io::Result<Self> {
+    pub fn new(store: &Store, host: &str, head: &Head) -> io::Result<Self> {
         let head = framed(&serde_json::to_vec(head)?)?;
-        let (file, path) = store.running(&head)?;
+        let (file, path) = store.running(host, &head)?;
         Ok(Self { file, path, head: head.len() as u64 })
     }
 
@@ -120,6 +120,8 @@ fn rows(content: &[u8]) -> (Vec<Measured>, bool, usize) {
 
 /// Rows and claim left by a worker that has ended.
 pub(crate) struct Left {
+    /// Machine of the worker.
+    pub host: String,
     pub head: Head,
     /// Rows in the order of the runs.
     pub rows: Vec<Measured>,
@@ -143,18 +145,19 @@ pub(crate) fn left_behind(store: &Store, engine: &str, host: &str) -> io::Result
         if !path.exists() {
             continue;
         }
-        let mut content = Vec::new();
-        file.read_to_end(&mut content)?;
-        let Some((head, behind)) = unframed(&content) else { continue };
-        let Ok(head) = serde_json::from_slice::<Head>(head) else { continue };
+        let maker = path.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let age = file.metadata()?.modified()?.elapsed().unwrap_or_default();
-        if head.host != host && age < PATIENCE {
+        if maker != host && age < PATIENCE {
             continue;
         }
+        let mut content = Vec::new();
+        file.read_to_end(&mut content)?;
         let claim = Claim { file, path, head: 0 };
+        let Some((head, behind)) = unframed(&content) else { continue };
+        let Ok(head) = serde_json::from_slice::<Head>(head) else { continue };
         if head.engine == engine {
             let (rows, has_begun, _) = rows(behind);
-            found.push(Left { head, rows, has_begun, _claim: claim });
+            found.push(Left { host: maker, head, rows, has_begun, _claim: claim });
         }
     }
     Ok(found)
@@ -166,14 +169,14 @@ mod test {
 
     fn head(count: usize) -> Head {
         let due = |run| Due { run, key: format!("key {run}"), attempt: 1 };
-        Head { engine: "e".into(), host: "h".into(), runs: (0..count).map(due).collect() }
+        Head { engine: "e".into(), runs: (0..count).map(due).collect() }
     }
 
     #[test]
     fn what_a_worker_that_is_gone_has_left_is_taken_over_once() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let store = Store::new(folder.path());
-        let mut claim = Claim::new(&store, &head(3)).expect("a claim");
+        let mut claim = Claim::new(&store, "h", &head(3)).expect("a claim");
         claim.begin().expect("written");
         claim.add(&Measured { message: Some("one".into()), ..Measured::default() }).expect("written");
         claim.begin().expect("written");
@@ -194,10 +197,21 @@ mod test {
     }
 
     #[test]
+    fn what_a_worker_left_that_was_ended_before_it_wrote_a_head_goes() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let store = Store::new(folder.path());
+        let (file, path) = store.running("h", b"").expect("made");
+        assert!(left_behind(&store, "e", "h").expect("read").is_empty() && path.exists(), "its worker is there");
+        file.unlock().expect("unlocked");
+        assert!(left_behind(&store, "e", "another").expect("read").is_empty() && path.exists(), "too early to say");
+        assert!(left_behind(&store, "e", "h").expect("read").is_empty() && !path.exists());
+    }
+
+    #[test]
     fn half_a_row_goes_and_what_begins_is_no_row() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let store = Store::new(folder.path());
-        let mut claim = Claim::new(&store, &head(2)).expect("a claim");
+        let mut claim = Claim::new(&store, "h", &head(2)).expect("a claim");
         claim.begin().expect("written");
         claim.file.write_all(&[200, 0, 0, 0, 1, 2, 3]).expect("written");
         assert!(claim.rows().expect("read").is_empty());

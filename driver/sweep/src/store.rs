@@ -161,18 +161,21 @@ impl Store {
         rows.write(&folder.join(name))
     }
 
-    /// A new file for what a worker is at: locked, and with something in it before others see it.
-    pub(crate) fn running(&self, head: &[u8]) -> io::Result<(File, PathBuf)> {
+    /// Makes a file for what a worker on a machine is at, and locks it.
+    pub(crate) fn running(&self, host: &str, head: &[u8]) -> io::Result<(File, PathBuf)> {
         let folder = self.folder.join("running");
         fs::create_dir_all(&folder)?;
-        let name = unique()?;
-        let (new, path) = (folder.join(format!(".{name}")), folder.join(name));
-        let mut file = File::options().read(true).append(true).create_new(true).open(&new)?;
-        // a file system without locks does without: see `claim`
-        let _ = file.try_lock();
-        file.write_all(head)?;
-        fs::rename(new, &path)?;
-        Ok((file, path))
+        loop {
+            let path = folder.join(format!("{host}.{}", unique()?));
+            let mut file = File::options().read(true).append(true).create_new(true).open(&path)?;
+            // a file system without locks does without: see `claim`
+            let _ = file.lock();
+            // before it was locked, it looked like one left by a worker that was ended just there
+            if path.exists() {
+                file.write_all(head)?;
+                return Ok((file, path));
+            }
+        }
     }
 
     /// The files of all workers.
@@ -180,7 +183,8 @@ impl Store {
         match fs::read_dir(self.folder.join("running")) {
             Ok(entries) => {
                 let mut claims: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-                claims.retain(|path| !is_hidden(path));
+                // others' files stay
+                claims.retain(|path| path.extension().is_some_and(|unique| unique.len() == UNIQUE));
                 Ok(claims)
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
@@ -229,9 +233,12 @@ fn is_hidden(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
 }
 
+/// Characters of a name that no other process takes.
+const UNIQUE: usize = 32;
+
 /// A name that no other process takes.
 fn unique() -> io::Result<String> {
-    let mut random = [0; 16];
+    let mut random = [0; UNIQUE / 2];
     io::Read::read_exact(&mut File::open("/dev/urandom")?, &mut random)?;
     Ok(random.iter().map(|byte| format!("{byte:02x}")).collect())
 }

@@ -138,7 +138,7 @@ impl Office<'_> {
         let numbers: HashMap<String, usize> = (0..self.sweep.runs.len()).map(|run| (keys.of(run), run)).collect();
         for mut left in left {
             if left.has_begun && left.rows.len() < left.head.runs.len() {
-                left.rows.push(lost(&left.head, left.head.runs[left.rows.len()].attempt, &self.sweep.keep));
+                left.rows.push(lost(&left.host, left.head.runs[left.rows.len()].attempt, &self.sweep.keep));
             }
             let rows = left.head.runs.iter().zip(&left.rows).filter_map(|(due, row)| {
                 // it is written already, or no part of the sweep any more
@@ -154,7 +154,7 @@ impl Office<'_> {
 
     /// The claim of runs.
     fn claim(&self, runs: &[Due]) -> io::Result<Claim> {
-        Claim::new(self.store, &Head { engine: self.engine.clone(), host: self.machine.0.clone(), runs: runs.to_vec() })
+        Claim::new(self.store, &self.machine.0, &Head { engine: self.engine.clone(), runs: runs.to_vec() })
     }
 
     /// The next block of runs; none if nothing is left, or a signal asks for the end.
@@ -353,11 +353,11 @@ impl Office<'_> {
 }
 
 /// The row of a run that was lost with its worker.
-fn lost(head: &Head, attempt: u32, keep: &Keep) -> Measured {
+fn lost(host: &str, attempt: u32, keep: &Keep) -> Measured {
     let again = if attempt < MOST_LOSSES { "it is run again" } else { "it is not run again unless it is asked for" };
     Measured {
         is_lost: true,
-        message: Some(format!("the worker on {} ended without a word (attempt {attempt}): {again}", head.host)),
+        message: Some(format!("the worker on {host} ended without a word (attempt {attempt}): {again}")),
         ..Measured::without_numbers(keep)
     }
 }
