@@ -181,9 +181,9 @@ fn bar(is_tied: bool) -> (Model, usize) {
     let mut own = Places::new();
     let outer = [-300.0, -240.0, -180.0, -125.0, -80.0, -ZONE[0], ZONE[0], 80.0, 125.0, 180.0, 240.0, 300.0];
     let (coarse, lines, base) = if is_tied {
-        // every fourth of the fine lines, every second beside the corner where the held face begins
+        // every fourth of the fine lines; all beside the corner where the held face begins, whose stresses coarse elements smear
         let heights =
-            [&steps(-625.0, -ZONE[1], 4)[..4], &[-ZONE[1]], &steps(-LENGTH, -50.0, 6), &[-25.0, 0.0]].concat();
+            [&steps(-625.0, -ZONE[1], 4)[..4], &[-ZONE[1]], &steps(-LENGTH, -50.0, 6), &steps(-37.5, 0.0, 3)].concat();
         (&mut own, heights, vec![-ZONE[0], 0.0, ZONE[0]])
     } else {
         (&mut fine, [&steps(-625.0, -ZONE[1], 4)[..4], &depths].concat(), across.clone())
@@ -259,6 +259,5 @@ fn a_bar_in_tied_zones_bears_what_it_does_in_one() {
     println!("{greatest:.0} N, {many} and {few} nodes: loads {apart:.1e}, stresses beside the tie {stress:.1e} apart");
     assert!(few < many && greatest > 45e3, "{few} of {many} nodes, {greatest} N");
     assert!(apart < 2e-3, "loads {apart:e}");
-    // stresses beside the tie are told only: coarse elements next to it are what they can be
-    assert_eq!(one.len(), other.len());
+    assert!(one.len() == other.len() && stress < 0.05, "stresses {stress:e}");
 }
