@@ -2,6 +2,8 @@
 
 use super::{model, model_of, run, run_to_end};
 use end_to_end_tests::analytical::pull_out::{DroppingBond, Fibre};
+use end_to_end_tests::worst;
+use serde_json::{Value, json};
 
 /// The specimen of the cases.
 const FIBRE: Fibre = Fibre { diameter: 0.406, modulus: 210e3, length: 12.2 };
@@ -130,4 +132,31 @@ fn a_fibre_snaps_out_of_a_block_that_does_not_crack() {
     ];
     let [load, slip] = after_extraction(&glued);
     assert!(load < 1e-9 && slip == 3.2, "{load:.1e} at {slip}");
+}
+
+/// Loads of the pair of chapter 7 at 6 diameters, its bottom held and its sides on rollers, up to where concrete begins to damage.
+fn symmetric_loads(overrides: &[&str]) -> Vec<f64> {
+    let common = [
+        r#"supports={"bottom": {"direction": "y"}, "sides": {"direction": "x"}}"#,
+        r#"steps=[{"slip": 0.006, "increments": 12}]"#,
+    ];
+    let model = model_of("chapter-7", "two-fibres", &[&common, overrides].concat());
+    let mut loads = Vec::new();
+    run_to_end(&model, |record, _| loads.extend((record.step == 1).then_some(record.load)));
+    loads
+}
+
+#[test]
+fn half_of_a_pair_bears_half_its_load() {
+    let fibre = |name: &str, exit: f64| json!({ "name": name, "exit": exit, "path": [{ "straight": 15.2 }] });
+    let fibres = |fibres: &[Value]| format!("mesh.specimen.fibres={}", json!(fibres));
+    let pair = fibres(&[fibre("left", -1.218), fibre("right", 1.218)]);
+    // the plane of symmetry is its right side
+    let half = fibres(&[fibre("left", 6.35 - 1.218)]);
+    let whole = symmetric_loads(&[&pair]);
+    let half = symmetric_loads(&[&half, "mesh.specimen.width=12.7"]);
+    let greatest = whole.iter().copied().fold(0.0, f64::max);
+    let apart = worst(whole.iter().zip(&half).map(|(whole, half)| (whole - 2.0 * half).abs() / greatest));
+    println!("{greatest:.2} N, {apart:.1e} apart");
+    assert!(whole.len() == 12 && greatest > 25.0 && apart < 1e-3, "{whole:?} {half:?}");
 }
