@@ -160,3 +160,36 @@ fn half_of_a_pair_bears_half_its_load() {
     println!("{greatest:.2} N, {apart:.1e} apart");
     assert!(whole.len() == 12 && greatest > 25.0 && apart < 1e-3, "{whole:?} {half:?}");
 }
+
+/// A fibre without bond that is pushed into a rigid block stands on the end of its hole: a bar of its whole length.
+#[test]
+fn a_fibre_that_is_pushed_stands_on_the_end_of_its_hole() {
+    const PUSH: f64 = 1e-3;
+    const FREE: f64 = 3.0;
+    let area = 0.25 * std::f64::consts::PI * FIBRE.diameter * FIBRE.diameter;
+    let expected = -FIBRE.modulus * area * PUSH / (FIBRE.length + FREE);
+    for (case, specimen) in [
+        ("6.14-plane", r#"{"type": "perpendicular_fibre", "free_length": 3}"#),
+        ("6.14-axisymmetric", r#"{"type": "perpendicular_fibre", "axisymmetric": true, "free_length": 3}"#),
+        (
+            "6.14-plane",
+            r#"{"type": "fibres", "fibres": [{"name": "a", "embedded": 12.2, "path": [{"straight": 15.2}]}]}"#,
+        ),
+    ] {
+        let model = model_of(
+            "chapter-6",
+            case,
+            &[
+                &format!("mesh.specimen={specimen}"),
+                r#"parts.fibre.material={"plugin": "linear_elastic", "props": {"E": 210000, "nu": 0}}"#,
+                r#"parts.matrix.material={"plugin": "linear_elastic", "props": {"E": 1e10, "nu": 0}}"#,
+                r#"contact={"law": {"plugin": "bond_slip", "props": {"law": "none", "normal_law": "hard", "mu": 0, "p_0": 0}}, "end": {}}"#,
+                &format!(r#"steps=[{{"slip": {}, "increments": 4}}]"#, -PUSH),
+            ],
+        );
+        let mut load = f64::NAN;
+        run_to_end(&model, |record, _| load = record.load);
+        println!("{case}: {load:.5} N, {expected:.5} N");
+        assert!((load / expected - 1.0).abs() < 2e-3, "{load} N, {expected} N");
+    }
+}

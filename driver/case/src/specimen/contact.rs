@@ -30,6 +30,7 @@ const PERTURBATION: f64 = 1e4;
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<Vec<ContactPair>> {
     let place = Place::root().key("contact");
     let defaults = scene.ground.map_or(&[][..], |ground| &ground.defaults.pairs);
+    let is_needed = |default: &&DefaultPair| default.role != SurfaceRole::End;
     let Some(given) = &case.contact else {
         if let Some(pair) = defaults.first() {
             let message = format!("is missing: the specimen has the contact pair '{}', which needs a law", pair.name);
@@ -53,7 +54,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
                 let own = defaults.iter().find(|default| Some(default.name.as_str()) == name);
                 resolved.push(pair.and_then(|pair| one_pair(reader, pair, own, k, scene, &place)));
             }
-            for missing in defaults.iter().filter(|default| !names.contains(&default.name.as_str())) {
+            let missing = defaults.iter().filter(is_needed).filter(|default| !names.contains(&default.name.as_str()));
+            for missing in missing {
                 reader.problem(&place, format!("the specimen's contact pair '{}' is missing", missing.name));
             }
             resolved.into_iter().collect()
@@ -67,7 +69,7 @@ pub fn interface_lines<'n>(contacts: &'n [ContactPair], defaults: &'n [DefaultPa
     let mut lines: IndexMap<&str, Vec<usize>> = IndexMap::new();
     for (index, pair) in contacts.iter().enumerate() {
         match defaults.iter().find(|default| default.name == pair.name) {
-            Some(DefaultPair { role: SurfaceRole::Exit, .. }) => {}
+            Some(DefaultPair { role: SurfaceRole::Exit | SurfaceRole::End, .. }) => {}
             Some(DefaultPair { master, .. }) => lines.entry(master).or_default().push(index),
             None => lines.entry(&pair.name).or_default().push(index),
         }
@@ -99,7 +101,7 @@ fn all_pairs(
     let first = one_pair(reader, pair, Some(first), 0, scene, place)?;
     let mut pairs = vec![first];
     let mut laws = Vec::new();
-    for default in others {
+    for default in others.iter().filter(|default| default.role != SurfaceRole::End || pair.end.is_some()) {
         let law = match laws.iter().find(|(role, _)| *role == default.role) {
             Some((_, law)) => Clone::clone(law),
             None => {
@@ -127,6 +129,7 @@ fn law_of_role(
         SurfaceRole::Bonded => return Some(bonded.clone()),
         SurfaceRole::Exit => (&pair.exit, "exit", ("law", PropValue::Choice("none".into()))),
         SurfaceRole::Separation => (&pair.separation, "separation", ("p_0", PropValue::Number(SEPARATION_TENSION))),
+        SurfaceRole::End => (&pair.end, "end", ("law", PropValue::Choice("none".into()))),
     };
     let other = match given {
         Some(given) => reader.piece(given, &place.key(key))?.clone(),

@@ -290,9 +290,12 @@ fn pulled_fibre(
     ways: &[&'static str],
     also: &[(&'static str, &'static [[f64; 2]])],
 ) -> Generated {
-    let pairs = made.contact_pairs.into_iter().map(|ContactSurfaces { name, slave, master, role, width }| {
-        DefaultPair { name, slave, master, width: width.map_or(Width::OfPart, Width::Given), role }
-    });
+    let ends = made.fibres.iter().map(|fibre| fibre.end.clone());
+    let pairs =
+        made.contact_pairs.into_iter().chain(ends).map(|ContactSurfaces { name, slave, master, role, width }| {
+            DefaultPair { name, slave, master, width: width.map_or(Width::OfPart, Width::Given), role }
+        });
+    let pairs = pairs.collect();
     let alone = match &made.fibres[..] {
         [fibre] => Some(fibre),
         _ => None,
@@ -309,7 +312,7 @@ fn pulled_fibre(
         defaults: Defaults {
             fibres: fibres.collect(),
             grips_each: false,
-            pairs: pairs.collect(),
+            pairs,
             supports,
             grip: Some(("grip", made.pull_direction)),
             fibre_direction: alone.map(|fibre| fibre.direction),

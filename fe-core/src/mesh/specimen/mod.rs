@@ -54,6 +54,8 @@ pub enum SurfaceRole {
     Separation,
     /// Nothing: a rounded edge that the fibre may come to touch.
     Exit,
+    /// The end of the hole, on which a fibre that is pushed in comes to bear: no contact unless it is asked for.
+    End,
 }
 
 /// A node whose displacement follows those of others, in both directions: u = Σ factor · u_node.
@@ -95,6 +97,8 @@ pub struct PulledFibre {
     pub exit_node: usize,
     /// Node on its axis at its embedded end.
     pub tail_node: usize,
+    /// Its embedded end and the end of its hole.
+    pub end: ContactSurfaces,
 }
 
 /// Divides a line, which messages call `line`.

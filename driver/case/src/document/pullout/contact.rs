@@ -30,6 +30,9 @@ pub struct Pair {
     /// Parameters in place of the law's where a hole's rounded edges at the exit may come to touch the fibre (default: no
     /// bond, "law": "none" of bond_slip).
     pub exit: Option<Piece<OtherProps>>,
+    /// Parameters in place of the law's between the end of a fibre and that of its hole, for fibres that are pushed in:
+    /// {"law": "none", "p_0": 0} of bond_slip bears pressure alone (default: no contact there).
+    pub end: Option<Piece<OtherProps>>,
     /// Parameters in place of the law's along the separation length (default: tensile capacity "p_0": 2 of bond_slip).
     pub separation: Option<Piece<OtherProps>>,
     /// The host's normal law beside a FRIC plugin.

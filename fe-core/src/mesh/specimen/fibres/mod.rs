@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 use super::perpendicular_fibre::{PartMesh, fibre_thickness, section_notes};
 use super::thickness::{Exit, GradedThickness, Thickness};
-use super::{PulledFibre, Specimen, SpecimenError, uniform};
+use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole, uniform};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::structured::Block;
@@ -278,6 +278,13 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
             direction,
             exit_node,
             tail_node,
+            end: ContactSurfaces {
+                name: fibre.pair("end", "tail"),
+                slave: fibre.set("hole", "end"),
+                master: fibre.set("fibre", "tail"),
+                role: SurfaceRole::End,
+                width: Some(thickness),
+            },
         });
         grids.push(grid);
     }

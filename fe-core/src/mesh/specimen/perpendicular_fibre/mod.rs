@@ -7,7 +7,7 @@ mod sets;
 use std::f64::consts::PI;
 
 use super::thickness::{Exit, GradedThickness, Thickness};
-use super::{PulledFibre, Specimen, SpecimenError};
+use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole};
 use crate::element::{ElementKind, Integration};
 use crate::kinematics::PlaneModel;
 use crate::mesh::structured::{Block, Diagonal, Grid};
@@ -200,6 +200,13 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
             direction: [0.0, 1.0],
             exit_node,
             tail_node,
+            end: ContactSurfaces {
+                name: "end_tail".to_owned(),
+                slave: "hole_end".to_owned(),
+                master: "fibre_tail".to_owned(),
+                role: SurfaceRole::End,
+                width: (!parameters.is_axisymmetric()).then(|| fibre_thickness(parameters.fibre_diameter)),
+            },
         }],
         contact_pairs,
         couplings: Vec::new(),
