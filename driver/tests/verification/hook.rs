@@ -1,6 +1,6 @@
 //! A wire that is drawn through a bent channel.
 
-use super::{model, run_to_end};
+use super::{model, model_of, run_to_end};
 
 const DIAMETER: f64 = 0.5;
 const YIELD_STRESS: f64 = 200.0;
@@ -57,4 +57,33 @@ fn a_first_increment_in_which_contact_opens_stands() {
     let mut increments = 0;
     run_to_end(&model("hook", &overrides), |_, _| increments += 1);
     assert!(increments > 1);
+}
+
+/// An elastic fibre with an enlarged end is drawn through an elastic block without friction. Its surface has kinks, over which normals
+/// are smoothed, and an end, past which points fade: the energies balance all the same, the better the smaller the increments are.
+#[test]
+fn energies_balance_where_an_enlarged_end_leaves_its_place() {
+    let model = model_of(
+        "chapter-9",
+        "paddled",
+        &[
+            r#"mesh.specimen={"type": "fibres", "width": 12, "depth": 8, "matrix_thickness": 5, "fibres": [{"name": "paddled",
+                "diameter": 0.5, "exit": 0, "embedded": 5, "path": [{"straight": 7}], "width_profile": [[0, 0.75], [2, 0.5]]}]}"#,
+            r#"parts.matrix.material={"plugin": "linear_elastic", "props": {"E": 23700, "nu": 0.15}}"#,
+            r#"parts.fibre.material={"plugin": "linear_elastic", "props": {"E": 210000, "nu": 0.3}}"#,
+            r#"contact.law.props.law="none""#,
+            "contact.law.props.mu=0",
+            "contact.law.props.p_0=0",
+            r#"steps=[{"slip": 0.3, "increments": 100}]"#,
+        ],
+    );
+    let mut greatest = 0.0_f64;
+    run_to_end(&model, |record, _| {
+        // the end is seated
+        if record.slip > 0.02 {
+            greatest = greatest.max(record.energy_error.abs());
+        }
+    });
+    println!("{greatest:.1e}");
+    assert!(greatest < 1e-3, "{greatest:e}");
 }

@@ -24,9 +24,11 @@ pub enum PointStatus {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct PointState {
     pub foot: Foot,
-    /// g_N and g, mm.
+    /// g_N, ḡ of a patch, and g, mm.
     pub gap: f64,
     pub slip: f64,
+    /// The point's own g_N, mm.
+    pub own_gap: f64,
     /// n·dx/ds₀ where normals are smoothed.
     pub lean: f64,
     /// Largest |g| so far, mm.
@@ -71,7 +73,7 @@ impl PointState {
     fn is_sound(&self) -> bool {
         /// Edges of all rounds about a closed master.
         const MOST_EDGES: u64 = 1 << 40;
-        let Self { foot, gap, slip, lean, largest_slip, weight, pressure, shear, normal, .. } = *self;
+        let Self { foot, gap, slip, own_gap, lean, largest_slip, weight, pressure, shear, normal, .. } = *self;
         let Self {
             inelastic_slip,
             plugin_energies,
@@ -85,7 +87,8 @@ impl PointState {
             own_energy,
             ..
         } = *self;
-        let place = [foot.coordinate, gap, slip, lean, largest_slip, weight, pressure, shear, normal.multiplier];
+        let place =
+            [foot.coordinate, gap, slip, own_gap, lean, largest_slip, weight, pressure, shear, normal.multiplier];
         let sums = [normal.opening, inelastic_slip, normal_energy, work, leaning, dissipated, opening, released];
         let mut numbers = place.into_iter().chain(sums).chain(plugin_energies).chain([own_pressure, own_energy]);
         numbers.all(f64::is_finite) && foot.edge.unsigned_abs() < MOST_EDGES
@@ -93,19 +96,22 @@ impl PointState {
 
     /// Books the energies of an increment that led here from `start`, by trapezoids; `area` mm².
     pub fn book(&mut self, start: &Self, area: f64) {
-        let penetration = start.gap - self.gap;
         let mean = |a: f64, b: f64| 0.5 * (a + b);
         let weight = mean(start.weight, self.weight);
-        let pressing = mean(start.weight * start.pressure, self.weight * self.pressure) * penetration;
+        let [penetration, own_penetration] = [start.gap - self.gap, start.own_gap - self.own_gap];
+        let pressing = |state: &Self| state.weight * (state.pressure + state.own_pressure);
+        let pressing = [pressing(start), pressing(self)];
         let sliding = mean(start.weight * start.shear, self.weight * self.shear) * (self.slip - start.slip);
         // a point under a normal that leans against its edge moves along the normal when it slides: v·du = dg + (n·dx/ds₀) ds₀
-        let leaning = |state: &Self| -state.weight * (state.pressure + state.own_pressure) * state.lean;
-        self.leaning += area * mean(leaning(start), leaning(self)) * (self.slip - start.slip);
-        self.work += area * (pressing + sliding + weight * (self.own_energy - start.own_energy));
+        let leaning = mean(-pressing[0] * start.lean, -pressing[1] * self.lean) * (self.slip - start.slip);
+        self.leaning += area * leaning;
+        self.work += area * (mean(pressing[0], pressing[1]) * own_penetration + sliding);
         let spent = |state: &Self| state.plugin_energies[1..].iter().sum::<f64>();
         self.dissipated += area * weight * (spent(self) - spent(start));
         let stored = mean(start.stored(), self.stored());
-        self.released += area * stored * (start.weight - self.weight);
+        // the pressure of a patch is that of its mean gap, and does its work on the gaps of its points: no other, while weights stay
+        let fading = mean(start.weight * start.pressure, self.weight * self.pressure) * (own_penetration - penetration);
+        self.released += area * (stored * (start.weight - self.weight) + fading);
         if self.normal.opening > start.normal.opening || self.normal.latched != start.normal.latched {
             let work = mean(start.pressure, self.pressure) * penetration;
             self.opening += area * weight * (work + start.normal_energy - self.normal_energy);

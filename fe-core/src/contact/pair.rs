@@ -155,7 +155,7 @@ impl Pair {
         self.weight_slopes[index] = slope;
         let (start, end) = (&self.committed.points[index], &mut self.trial.points[index]);
         (end.foot, end.weight, end.slip) = (foot, weight, kinematics.arc_length - self.data[index].arc_length);
-        end.lean = kinematics.lean;
+        (end.own_gap, end.lean) = (kinematics.gap - self.data[index].gap, kinematics.lean);
         end.largest_slip = start.largest_slip.max(end.slip.abs());
         Ok(searched)
     }
