@@ -12,6 +12,7 @@
 
 use crate::table::{Table, replace};
 use pullout_case::study::{Columns, QuantityOfFile};
+use pullout_report::directory::refuse_file;
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::{self, CALL_TIME_LIMIT, Need};
 use serde::{Deserialize, Serialize};
@@ -110,6 +111,7 @@ impl Store {
     /// # Errors
     /// That is so, or it cannot be read.
     pub(crate) fn may_plan(&self) -> io::Result<()> {
+        refuse_file(&self.folder)?;
         let path = self.folder.join("sweep.json");
         if fs::symlink_metadata(&path).is_err_and(|error| error.kind() == io::ErrorKind::NotFound) {
             return Ok(());
