@@ -130,13 +130,14 @@ fn a_plain_umat_is_warned_of_not_failed() {
 /// Each error of `tests/faulty/selected_fault` by its number, and the check that must fail.
 #[test]
 fn every_check_can_fail() {
-    const FAULTS: [(f64, &str); 16] = [
+    const FAULTS: [(f64, &str); 17] = [
         (1.0, "isotropy"),
         (2.0, "energy balance"),
         (3.0, "zero increment"),
         (10.0, "increment size"),
         (4.0, "symmetric tangent"),
         (5.0, "strain_33"),
+        (5.0, "thickness"),
         (6.0, "stress only"),
         (7.0, "virgin state"),
         (8.0, "consistent tangent"),

@@ -1,6 +1,7 @@
 //! `pullout fit CASE`: the numbers of any case by which its curve is nearest to a measured one.
 //!
-//! Least squares by Levenberg and Marquardt's method. Bounds are kept by what is sought instead of the numbers: z with
+//! Least squares by Levenberg and Marquardt's method, from the values of the case and from others between the bounds: the
+//! best end counts. Bounds are kept by what is sought instead of the numbers: z with
 //! x = lo + (hi − lo)(1 + sin z)/2. Derivatives are forward differences on the increments of the run at the same place, so
 //! that increments which a run chooses by itself make no steps in them.
 
@@ -32,6 +33,12 @@ const SMALLEST: f64 = 1e-10;
 const INWARDS: f64 = 0.01;
 /// Data so little outside a run, as a part of their distance from its beginning, are at its end: they were rounded.
 const ROUNDING: f64 = 1e-9;
+/// Differences so small, as a part of the greatest value of the data, are what rounding leaves: nothing better is sought.
+const AT_ROUNDING: f64 = 1e-6;
+/// Ends of searches whose root mean squares differ by less than this part are the same.
+const SAME_END: f64 = 1e-3;
+/// Bounds that are further apart than this ratio are searched by orders of magnitude.
+const WIDE: f64 = 10.0;
 /// A number so near to a bound, as a part of the distance of the bounds, lies on it.
 const ON_BOUND: f64 = 1e-6;
 
@@ -55,7 +62,9 @@ pub struct CaseRequest {
     pub data: PathBuf,
     /// Columns of the history that it is compared with.
     pub curve: [String; 2],
-    /// Most runs.
+    /// Most places that it is searched from, the values of the case first.
+    pub starts: usize,
+    /// Most runs of all searches.
     pub max_runs: usize,
 }
 
@@ -74,6 +83,8 @@ pub struct CaseFit {
     pub correlation: DMatrix<f64>,
     /// Root mean square of the differences, in the unit of the curve.
     pub rms: f64,
+    /// Places that it was searched from, and how many of these searches ended here.
+    pub searches: [usize; 2],
     /// Runs that were made.
     pub runs: usize,
     /// Reason why it is not the best.
@@ -104,29 +115,37 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         data: &data,
         scale,
         runs: Cell::new(0),
-        sought: DVector::from_iterator(starts.len(), starts.iter().zip(&request.free).map(|(x, free)| free.sought(*x))),
+        sought: DVector::zeros(starts.len()),
         present: None,
         increments: None,
         best: None,
         trouble: Cell::new(None),
         progress,
     };
-    match problem.run(&starts, None) {
-        Ok((computed, increments)) => problem.take(&starts, &computed, increments),
-        Err(message) => return Err(vec![format!("{file}: {message}")]),
+    let mut ends: Vec<(Best, Option<String>)> = Vec::new();
+    let mut searches = 0;
+    while searches < request.starts.max(1) && (searches == 0 || problem.may_run(1 + starts.len())) {
+        let start = if searches == 0 { starts.clone() } else { between(&request.free, searches) };
+        searches += 1;
+        match problem.begin(&start) {
+            Err(message) if searches == 1 => return Err(vec![format!("{file}: {message}")]),
+            Err(_) => continue,
+            Ok(()) => {}
+        }
+        let trouble;
+        (problem, trouble) = problem.search();
+        ends.extend(problem.best.take().map(|best| (best, trouble)));
+        if ends.iter().any(|(best, _)| best.rms(&data) <= AT_ROUNDING * scale) {
+            break;
+        }
     }
-    let method = LevenbergMarquardt::new().with_ftol(SMALLEST).with_xtol(SMALLEST).with_patience(request.max_runs);
-    let (problem, report) = method.minimize(problem);
-    let trouble = match report.termination {
-        reason if reason.was_successful() => None,
-        // increments that runs choose are no finer
-        TerminationReason::NoImprovementPossible(_) => None,
-        TerminationReason::User(_) => problem.trouble.take().or_else(|| {
-            Some(format!("the search was not at its end after the {} runs of --max-runs", request.max_runs))
-        }),
-        other => Some(format!("the search ended with {other:?}")),
+    let rms = |(best, _): &(Best, Option<String>)| best.rms(&data);
+    let least = ends.iter().map(rms).fold(f64::INFINITY, f64::min);
+    let is_same = |end: &&(Best, Option<String>)| rms(end) <= least * (1.0 + SAME_END) + AT_ROUNDING * scale;
+    let searches = [searches, ends.iter().filter(is_same).count()];
+    let Some((best, trouble)) = ends.into_iter().find(|end| rms(end) <= least) else {
+        return Err(vec![format!("{file}: no run gives a curve")]);
     };
-    let Some(best) = &problem.best else { return Err(vec![format!("{file}: no run gives a curve")]) };
     let derivatives = problem.derivatives(&best.values, &best.computed, best.increments.as_ref());
     let trouble = trouble.or_else(|| derivatives.as_ref().err().cloned());
     let count = best.values.len();
@@ -144,12 +163,25 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         standard_errors,
         correlation,
         rms: root_mean_square(&residuals),
+        searches,
         runs: problem.runs.get(),
         trouble,
         case: kept(request, document, &best.values),
         values: best.values.clone(),
         rows,
     })
+}
+
+/// Place `number`, from 1, of a sequence that fills what lies between the bounds evenly: multiples of powers of 1/φ with
+/// φ^(n + 1) = φ + 1 for n numbers, the golden ratio of one (M. Roberts, 2018).
+fn between(free: &[Free], number: usize) -> Vec<f64> {
+    let ratio = (0..64).fold(2.0_f64, |ratio, _| (1.0 + ratio).powf(1.0 / (free.len() as f64 + 1.0)));
+    let place = |(k, free): (usize, &Free)| {
+        let part = (0.5 + number as f64 * ratio.powi(-(k as i32 + 1))).fract();
+        let [low, high] = free.bounds;
+        if low > 0.0 && high > WIDE * low { low * (high / low).powf(part) } else { low + part * (high - low) }
+    };
+    free.iter().enumerate().map(place).collect()
 }
 
 fn size(value: f64) -> f64 {
@@ -321,6 +353,10 @@ struct Best {
 }
 
 impl Best {
+    fn rms(&self, data: &[[f64; 2]]) -> f64 {
+        root_mean_square(&DVector::from_vec(self.differences(data)))
+    }
+
     fn differences(&self, data: &[[f64; 2]]) -> Vec<f64> {
         self.computed.iter().zip(data).map(|(computed, row)| computed - row[1]).collect()
     }
@@ -348,6 +384,40 @@ impl Problem<'_> {
         self.request.free.iter().zip(&self.sought).map(|(free, sought)| free.value(*sought)).collect()
     }
 
+    /// Returns whether so many runs are left.
+    fn may_run(&self, count: usize) -> bool {
+        self.runs.get() + count <= self.request.max_runs
+    }
+
+    /// Takes a place to search from; the error is why it has no curve.
+    fn begin(&mut self, values: &[f64]) -> Result<(), String> {
+        self.sought = DVector::from_iterator(
+            values.len(),
+            values.iter().zip(&self.request.free).map(|(value, free)| free.sought(*value)),
+        );
+        let (computed, increments) = self.run(values, None)?;
+        self.take(values, &computed, increments);
+        Ok(())
+    }
+
+    /// Searches from the present place; the text is why it did not come to its end.
+    fn search(self) -> (Self, Option<String>) {
+        let max_runs = self.request.max_runs;
+        let method = LevenbergMarquardt::new().with_ftol(SMALLEST).with_xtol(SMALLEST).with_patience(max_runs);
+        let (problem, report) = method.minimize(self);
+        let trouble = match report.termination {
+            reason if reason.was_successful() => None,
+            // increments that runs choose are no finer
+            TerminationReason::NoImprovementPossible(_) => None,
+            TerminationReason::User(_) => problem
+                .trouble
+                .take()
+                .or_else(|| Some(format!("the search was not at its end after the {max_runs} runs of --max-runs"))),
+            other => Some(format!("the search ended with {other:?}")),
+        };
+        (problem, trouble)
+    }
+
     /// The curve at the data's points, and the increments.
     fn run(&self, values: &[f64], increments: Option<&Increments>) -> Result<(Vec<f64>, Option<Increments>), String> {
         self.runs.set(self.runs.get() + 1);
@@ -359,8 +429,7 @@ impl Problem<'_> {
         let differences = DVector::from_vec(new.differences(self.data));
         (self.progress)(self.runs.get(), root_mean_square(&differences));
         let differences = differences / self.scale;
-        let norm = |best: &Best| DVector::from_vec(best.differences(self.data)).norm_squared();
-        if self.best.as_ref().is_none_or(|best| norm(&new) < norm(best)) {
+        if self.best.as_ref().is_none_or(|best| new.rms(self.data) < best.rms(self.data)) {
             self.best = Some(new);
         }
         (self.present, self.increments) = (Some(differences), increments);
@@ -545,7 +614,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
         }
         self.sought.copy_from(sought);
         self.present = None;
-        if self.runs.get() >= self.request.max_runs {
+        if !self.may_run(1) {
             return;
         }
         let values = self.values();
@@ -566,7 +635,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         let values = self.values();
-        if self.runs.get() + values.len() > self.request.max_runs {
+        if !self.may_run(values.len()) {
             return None;
         }
         let here = self.present.as_ref()?;
@@ -605,7 +674,9 @@ impl CaseFit {
             // to a String it cannot fail
             let _ = writeln!(text, "  {} = {} ± {error}{known}{bound}", free.path, significant(value, 6));
         }
-        let _ = writeln!(text, "  RMS difference {}, {} runs", significant(self.rms, 4), self.runs);
+        let [made, here] = self.searches;
+        let rms = significant(self.rms, 4);
+        let _ = writeln!(text, "  RMS difference {rms}, {} runs; {here} of {made} searches ended here", self.runs);
         text
     }
 
@@ -636,6 +707,7 @@ impl CaseFit {
             "curve": request.curve,
             "rms": self.rms,
             "runs": self.runs,
+            "searches": { "made": self.searches[0], "ended_here": self.searches[1] },
             "parameters": parameters,
             "correlation": rows_of(&self.correlation),
         });

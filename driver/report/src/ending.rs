@@ -217,9 +217,13 @@ fn warnings(case: &Case) -> Vec<String> {
     for (name, library) in libraries {
         let written = library.written_inputs();
         let Some([step, increment, ..]) = written.values().map(|written| written.place).min() else { continue };
-        let name_of = |(name, written): (&&str, &WrittenInput)| match written.behind {
-            Some(other) => format!("{name} (or {other} behind its end, where {name} lies)"),
-            None => (*name).to_owned(),
+        let name_of = |(name, written): (&&str, &WrittenInput)| match written.neighbours {
+            [None, None] => (*name).to_owned(),
+            [Some(before), None] => format!("{name} (or {before} behind its end, where {name} lies)"),
+            [None, Some(after)] => format!("{name} (or {after} in front of its beginning, where {name} lies)"),
+            [Some(before), Some(after)] => {
+                format!("{name} (or {before} behind its end, or {after} in front of its beginning, where {name} lies)")
+            }
         };
         let names: Vec<String> = written.iter().map(name_of).collect();
         warnings.push(format!(

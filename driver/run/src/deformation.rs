@@ -63,6 +63,12 @@ pub fn spinless(increment: &Matrix3<f64>, start: &Matrix3<f64>) -> Option<Matrix
     Some((identity - increment * 0.5).try_inverse()? * (identity + increment * 0.5) * start)
 }
 
+/// F in a plane as ABAQUS passes it in plane stress: with the F₃₃ that keeps the volume.
+pub fn of_constant_volume(mut gradient: Matrix3<f64>) -> Matrix3<f64> {
+    gradient[(2, 2)] /= gradient.determinant();
+    gradient
+}
+
 /// exp ε: the rotation-free stretch whose logarithmic strain is ε. Symmetric to the last bit.
 pub fn exponential(strain: &[f64; 6]) -> Matrix3<f64> {
     let spectral = Spectral::of_strain(strain);

@@ -1,6 +1,6 @@
 //! `pullout import`.
 
-use super::{BAD_INPUT, DONE, FAILED, Refusal, complain, say};
+use super::{DONE, Refusal, complain, say};
 use pullout_case::import::{self, Wishes};
 use std::fs::File;
 use std::io::Write;
@@ -29,12 +29,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
     match &arguments.output {
         None => say(&text),
         Some(output) => {
-            let written = File::create_new(output).and_then(|mut file| file.write_all(text.as_bytes()));
-            written.map_err(|error| {
+            let mut file = File::create_new(output).map_err(|error| {
                 let is_there = error.kind() == std::io::ErrorKind::AlreadyExists;
-                let (advice, code) = if is_there { ("; it is not overwritten", BAD_INPUT) } else { ("", FAILED) };
-                Refusal { message: format!("{}: {error}{advice}", output.display()), code }
+                let advice = if is_there { "; it is not overwritten" } else { "" };
+                Refusal::input(format!("{}: {error}{advice}", output.display()))
             })?;
+            let written = file.write_all(text.as_bytes());
+            written.map_err(|error| Refusal::failed(format!("{}: {error}", output.display())))?;
         }
     }
     for what in &imported.left_out {

@@ -318,9 +318,10 @@ impl From<CaseErrors> for Refusal {
 
 impl From<directory::Refusal> for Refusal {
     fn from(refusal: directory::Refusal) -> Self {
+        // nothing has run yet
         match refusal {
             directory::Refusal::Content(message) => Self::input(message),
-            directory::Refusal::System(error) => error.into(),
+            directory::Refusal::System(error) => Self::input(error),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Rows that a sweep has so far.
 
 use crate::run::Measured;
-use crate::store::{Keys, Store, Sweep};
+use crate::store::{Keys, Store, Sweep, VARIED};
 use crate::table::{Column, Table};
 use pullout_run::isolation;
 use pullout_run::path::FailureKind;
@@ -142,6 +142,11 @@ fn gather(store: &Store, sweep: &Sweep, wants: impl Fn(&str) -> bool) -> io::Res
         (0..sweep.runs.len()).filter_map(|run| Some((run, known.best(&keys.of(run))?.place))).collect();
     let (runs, places): (Vec<usize>, Vec<(usize, usize)>) = found.into_iter().unzip();
     let mut table = Table::gathered(&parts, &places);
+    // a row of an earlier plan has the columns of that one
+    let is_varied = |(name, _): &(String, Column)| name.starts_with(VARIED);
+    let place = table.columns.iter().position(is_varied).unwrap_or(table.columns.len());
+    table.columns.retain(|column| !is_varied(column));
+    table.columns.splice(place..place, sweep.varied(&runs).into_iter().filter(|(name, _)| wants(name)));
     let numbers = runs.into_iter().map(|run| i64::try_from(run).ok()).collect();
     table.columns.insert(0, ("run".to_owned(), Column::Count(numbers)));
     Ok(table)

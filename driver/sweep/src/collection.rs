@@ -42,6 +42,9 @@ impl<'s> Collection<'s> {
         if store.has_inside(path) {
             return refused("lies among the files of the sweep itself: choose another --out");
         }
+        if path.parent().is_some_and(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
+            return refused("the folder is not there");
+        }
         match fs::symlink_metadata(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Ok(entry) if entry.is_dir() => return refused("is a folder"),

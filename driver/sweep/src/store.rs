@@ -10,8 +10,9 @@
 //! collected/<sha256>     the contents of tables that were collected, which may be replaced
 //! ```
 
-use crate::table::{Table, replace};
+use crate::table::{Column, Table, replace};
 use pullout_case::study::{Columns, QuantityOfFile};
+use pullout_report::directory::refuse_file;
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::{self, CALL_TIME_LIMIT, Need};
 use serde::{Deserialize, Serialize};
@@ -58,6 +59,9 @@ pub struct Keep {
     /// Values of the curve's x at which they are kept; `None`: as they are.
     pub grid: Option<Vec<f64>>,
 }
+
+/// Beginning of the name of a column of what is varied.
+pub(crate) const VARIED: &str = "par.";
 
 /// Version of [`Sweep`].
 pub const VERSION: u32 = 1;
@@ -110,6 +114,7 @@ impl Store {
     /// # Errors
     /// That is so, or it cannot be read.
     pub(crate) fn may_plan(&self) -> io::Result<()> {
+        refuse_file(&self.folder)?;
         let path = self.folder.join("sweep.json");
         if fs::symlink_metadata(&path).is_err_and(|error| error.kind() == io::ErrorKind::NotFound) {
             return Ok(());
@@ -251,6 +256,21 @@ impl Sweep {
     /// The case of a run.
     pub fn document(&self, run: usize) -> Value {
         with(&self.base, &self.parameters, &self.runs[run])
+    }
+
+    /// The columns of what is varied, for some of the runs; their types are those of all.
+    pub(crate) fn varied(&self, runs: &[usize]) -> Vec<(String, Column)> {
+        let column = |(index, path): (usize, &String)| {
+            let values = || runs.iter().map(|run| &self.runs[*run][index]);
+            let text = |value: &Value| Some(value.as_str().map_or_else(|| value.to_string(), str::to_owned));
+            let are_numbers = self.runs.iter().all(|run| run[index].is_number());
+            let column = match are_numbers {
+                true => Column::Number(values().map(Value::as_f64).collect()),
+                false => Column::Text(values().map(text).collect()),
+            };
+            (format!("{VARIED}{path}"), column)
+        };
+        self.parameters.iter().enumerate().map(column).collect()
     }
 
     /// Returns the sweep of these runs alone.

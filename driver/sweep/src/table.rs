@@ -9,6 +9,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{Type, TypePtr};
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -166,10 +167,11 @@ impl Table {
         self.columns.iter().find(|(other, _)| other == name).map(|(_, column)| column)
     }
 
-    /// A table with the columns of several, and of these the given rows: the number of the table and the row in it.
+    /// A table of the given rows of several, the number of the table and the row in it, with the columns that these have.
     pub fn gathered(tables: &[Self], rows: &[(usize, usize)]) -> Self {
         let mut gathered = Self::default();
-        for (name, column) in tables.iter().flat_map(|table| &table.columns) {
+        let used: BTreeSet<usize> = rows.iter().map(|&(table, _)| table).collect();
+        for (name, column) in used.iter().flat_map(|&table| &tables[table].columns) {
             if gathered.column(name).is_none() {
                 gathered.columns.push((name.clone(), column.empty()));
             }

@@ -58,8 +58,6 @@ struct Office<'w> {
     engine: String,
     /// Names of the machine and of its processor.
     machine: (String, String),
-    /// Whether a parameter is a number in all runs: its column has one type in all parts.
-    are_numbers: Vec<bool>,
     due: Vec<Due>,
     next: AtomicUsize,
     over: AtomicUsize,
@@ -75,11 +73,9 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
     let sweep = store.sweep()?;
     let identity = isolation::identity()?;
     let engine = identity.iter().map(|byte| format!("{byte:02x}")).collect();
-    let is_number = |index: usize| sweep.runs.iter().all(|run| run[index].is_number());
-    let are_numbers = (0..sweep.parameters.len()).map(is_number).collect();
     let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let (machine, due) = (machine(), Vec::new());
-    let mut office = Office { store, sweep: &sweep, work, engine, machine, are_numbers, due, next, over, told };
+    let mut office = Office { store, sweep: &sweep, work, engine, machine, due, next, over, told };
     let mut keys = Keys::new(&sweep, identity);
     office.take_over(&mut keys)?;
     let known = Known::of(store)?;
@@ -304,7 +300,7 @@ impl Office<'_> {
 
     /// A part of the rows.
     fn table(&self, runs: &[Due], rows: &[Measured]) -> Table {
-        let Sweep { parameters, keep, .. } = self.sweep;
+        let Sweep { keep, .. } = self.sweep;
         let text = |values: &dyn Fn(usize) -> Option<String>| Column::Text((0..rows.len()).map(values).collect());
         let number = |values: &dyn Fn(usize) -> Option<f64>| Column::Number((0..rows.len()).map(values).collect());
         let count = |values: &dyn Fn(usize) -> Option<u64>| {
@@ -318,15 +314,8 @@ impl Office<'_> {
             ("at_step".to_owned(), count(&|k| place(k).map(|at| at.step.into()))),
             ("at_increment".to_owned(), count(&|k| place(k).map(|at| at.increment.into()))),
         ];
-        for (index, path) in parameters.iter().enumerate() {
-            let value = |k: usize| &self.sweep.runs[runs[k].run][index];
-            let column = if self.are_numbers[index] {
-                number(&|k| value(k).as_f64())
-            } else {
-                text(&|k| Some(value(k).as_str().map_or_else(|| value(k).to_string(), str::to_owned)))
-            };
-            columns.push((format!("par.{path}"), column));
-        }
+        let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
+        columns.extend(self.sweep.varied(&numbers));
         for (index, name) in keep.quantities.keys().enumerate() {
             columns.push((format!("q.{name}"), number(&|k| rows[k].quantities.get(index).copied().flatten())));
         }

@@ -84,6 +84,47 @@ fn a_tangent_in_single_precision_is_found() {
     assert!(row.starts_with("FAIL") && row.contains("DDSDDE has 24 bits") && !row.contains("STRESS"), "{row}");
 }
 
+/// A UMAT that takes F33 for 1 in plane stress is no other than the right one at small strains, and has the tangent of what it computes.
+#[test]
+fn plane_stress_that_forgets_the_thickness_is_found() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "thickness.f90", &[]) else { return };
+    let path = library.as_str().expect("a path");
+    for (error, code, verdict, words) in [(0, 0, "pass", "as with NTENS 6"), (1, 1, "FAIL", "present thickness")] {
+        let material = json!({ "plugin": library, "props": [80.0, 300.0, error], "nstatv": 0 });
+        let steps = json!([{ "increments": 5, "target": { "e11": 0.2, "e22": -0.05, "g12": 0.1 } }]);
+        let mut case = point(material, "plane_stress", steps);
+        case["nlgeom"] = json!(true);
+        let case = desk.case("case.json", &case);
+        let case = case.to_str().expect("UTF-8");
+        let outcome = desk.pullout(["plugin", "check", path, "--case", case, "--states", "40"]).expect(code);
+        println!("{}", outcome.stdout);
+        let row = row(&outcome, "thickness");
+        assert!(row.starts_with(verdict) && row.contains(words), "{row}");
+        assert!(self::row(&outcome, "consistent tangent").starts_with("pass"), "{}", outcome.stdout);
+    }
+}
+
+/// Where a UMAT serves the three components of plane stress alone, nothing was compared: that is no pass.
+#[test]
+fn plane_stress_alone_at_finite_strain_is_not_tested() {
+    let desk = Desk::new();
+    let source = std::fs::read_to_string(workspace("tests/umats/thickness.f90")).expect("a source");
+    let only = "  if (ntens /= 3) call xit\n  mu = props(1)\n";
+    let source = desk.write("only.f90", &source.replacen("  mu = props(1)\n", only, 1));
+    let Some(_) = find(Tool::Fortran) else { return };
+    desk.pullout(["plugin", "build", source.to_str().expect("UTF-8"), "-o", "libonly.so"]).expect(0);
+    let material = json!({ "plugin": desk.path("libonly.so"), "props": [80.0, 300.0, 1.0], "nstatv": 0 });
+    let mut case = point(material, "plane_stress", json!([{ "increments": 5, "target": { "e11": 0.2 } }]));
+    case["nlgeom"] = json!(true);
+    let case = desk.case("case.json", &case);
+    let [library, case] = [desk.path("libonly.so"), case];
+    let arguments = ["plugin", "check", "--states", "40", "--case"].map(AsRef::as_ref).into_iter();
+    let outcome = desk.pullout(arguments.chain([case.as_os_str(), library.as_os_str()])).expect(4);
+    let row = row(&outcome, "thickness");
+    assert!(row.starts_with("void") && row.contains("does not serve NTENS 6"), "{row}");
+}
+
 /// The report of a contact law (tests/umats/planted_contact.f) with one planted error.
 fn contact_checked(
     desk: &Desk,

@@ -90,31 +90,58 @@ fn a_constant_too_few_is_named() {
     assert!(row.starts_with("FAIL") && row.contains("reads PROPS(8), which has 7 elements"), "{row}");
 }
 
-/// Where inputs lie next to each other, a write behind one is a write into the next.
+/// A UMAT that also stores 2 into an element of an argument.
+fn spoilt(desk: &Desk, element: &str) -> Option<Value> {
+    let spoil = "subroutine spoil(a, n)\n   real(8) :: a(*)\n   integer :: n\n   a(n) = 2\nend subroutine\n";
+    desk.write("spoil.f90", spoil);
+    let source = std::fs::read_to_string(workspace("tests/umats/j2_habits.f90")).expect("a source");
+    let place = "   statev(1) = statev(1) + multiplier\n";
+    let source = source.replace("real(dp), intent(in) :: stran(*)", "external spoil\n   real(dp) :: stran(*)");
+    let source = source.replace("predef(*), dpred(*)\n   real(dp), intent(in)", "predef(*), dpred(*)\n   real(dp)");
+    let file = desk.write("mine.f90", &source.replace(place, &format!("   call spoil({element})\n{place}")));
+    let spoil = desk.path("spoil.f90");
+    let library = super::built_of(desk, &[file.to_str().expect("UTF-8"), spoil.to_str().expect("UTF-8")], &[])?;
+    let material = json!({ "plugin": library, "props": [200e3, 0.3, 250, 1000, 0, 0, 0], "nstatv": 7 });
+    Some(point(material, "3d", json!([{ "increments": 2, "target": { "e11": 1e-3 } }])))
+}
+
+/// Where inputs lie next to each other, a write behind one is a write into the next, and one in front of it a write into the
+/// one before.
 #[test]
-fn a_write_behind_an_input_names_both() {
+fn a_write_beside_an_input_names_both() {
     let desk = Desk::new();
-    let text = |name: &str| format!("   call spoil({name})\n");
-    let spoil = "subroutine spoil(a, n)\n   real(8) :: a(*)\n   integer :: n\n   a(n) = 1\nend subroutine\n";
-    for (call, words) in [
+    for (element, words) in [
         ("stran, 7", "writes DSTRAN (or STRAN behind its end, where DSTRAN lies), which"),
         ("time, 3", "writes DTIME (or TIME behind its end, where DTIME lies), which"),
         ("dstran, 1", "writes DSTRAN (or STRAN behind its end, where DSTRAN lies), which"),
         ("dstran, 2", "writes DSTRAN, which"),
+        ("dstran, 0", "writes STRAN (or DSTRAN in front of its beginning, where STRAN lies), which"),
+        ("coords, 0", "writes DTEMP (or COORDS in front of its beginning, where DTEMP lies), which"),
+        (
+            "celent, 1",
+            "writes CELENT (or DROT behind its end, or DFGRD0 in front of its beginning, where CELENT lies), which",
+        ),
     ] {
-        desk.write("spoil.f90", spoil);
-        let source = std::fs::read_to_string(workspace("tests/umats/j2_habits.f90")).expect("a source");
-        let place = "   statev(1) = statev(1) + multiplier\n";
-        let source = source.replace("real(dp), intent(in) :: stran(*)", "external spoil\n   real(dp) :: stran(*)");
-        let source = source.replace("predef(*), dpred(*)\n   real(dp), intent(in)", "predef(*), dpred(*)\n   real(dp)");
-        let file = desk.write("mine.f90", &source.replace(place, &format!("{}{place}", text(call))));
-        let spoil = desk.path("spoil.f90");
-        let files = [file.to_str().expect("UTF-8"), spoil.to_str().expect("UTF-8")];
-        let Some(library) = super::built_of(&desk, &files, &[]) else { return };
-        let material = json!({ "plugin": library, "props": [200e3, 0.3, 250, 1000, 0, 0, 0], "nstatv": 7 });
-        let steps = json!([{ "increments": 2, "target": { "e11": 1e-3 } }]);
-        let run = super::run(&desk, "spoilt", &point(material, "3d", steps));
-        assert!(warnings(&run).contains(words), "{call}: {}", warnings(&run));
+        let Some(case) = spoilt(&desk, element) else { return };
+        let run = super::run(&desk, "spoilt", &case);
+        assert!(warnings(&run).contains(words), "{element}: {}", warnings(&run));
+    }
+}
+
+/// A write in front of the first input, or of an output, is that: it is not one behind what lies before it.
+#[test]
+fn a_write_in_front_of_an_argument_names_it() {
+    let desk = Desk::new();
+    for (element, words) in [
+        ("stran, 0", "it wrote STRAN(0), which has 6 elements"),
+        ("sse, 0", "it wrote SSE(0), which has 1 elements"),
+        ("ddsddt, 0", "it wrote DDSDDT(0), which has 6 elements"),
+        ("drplde, 0", "it wrote DRPLDE(0), which has 6 elements"),
+        ("pnewdt, 2", "it wrote PNEWDT(2), which has 1 elements"),
+    ] {
+        let Some(case) = spoilt(&desk, element) else { return };
+        let message = desk.run(&desk.case("spoilt.json", &case), &[], "spoilt", 1).outcome.stderr;
+        assert!(message.contains(words), "{element}: {message}");
     }
 }
 

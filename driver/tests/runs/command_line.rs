@@ -51,6 +51,29 @@ fn bad_input_is_exit_code_2_and_nothing_is_run() {
     }
 }
 
+/// A folder for results that is a file, or would lie in one, is bad input: it is told before anything is run.
+#[test]
+fn a_file_in_the_place_of_a_folder_is_exit_code_2() {
+    let desk = Desk::new();
+    desk.case("case.json", &elastic());
+    desk.case(
+        "sweep.json",
+        &json!({ "kind": "sweep", "base": "case.json", "parameters": { "material.props.E": [1e3, 2e3] } }),
+    );
+    desk.write("data.csv", "e11,s11\n0,0\n0.0005,0.5\n0.001,1\n");
+    desk.write("file", "mine");
+    let fit = ["fit", "case.json", "--free", "material.props.E=1e2:1e4", "--data", "data.csv", "--curve", "e11,s11"];
+    for out in ["file", "file/sub"] {
+        for line in [&["run", "case.json"][..], &fit, &["sweep", "plan", "sweep.json"]] {
+            let outcome = desk.pullout(line.iter().chain(&["--out", out])).expect(2);
+            let told = outcome.stderr.ends_with("file: is no folder\n") && outcome.stderr.lines().count() == 1;
+            assert!(told, "{line:?} {out}: {}", outcome.stderr);
+            assert!(outcome.stdout.is_empty(), "{line:?} {out}: {}", outcome.stdout);
+        }
+    }
+    assert_eq!(std::fs::read_to_string(desk.path("file")).expect("it stays"), "mine");
+}
+
 /// Runs `pullout ARGUMENTS` in the desk's folder with a pipe for its standard input, through which `text` comes.
 fn fed(desk: &Desk, arguments: &[&str], text: &str) -> Outcome {
     let mut process = command();

@@ -128,6 +128,29 @@ fn a_library_of_another_in_many_increments() {
     approx::assert_relative_eq!(values(&desk, &case, &arguments)[0], 1000.0, max_relative = 1e-6);
 }
 
+/// Where the case begins the whole run is elastic, and no derivative tells the yield stress: another start does.
+#[test]
+fn a_search_that_ends_where_it_began_is_not_the_best() {
+    let desk = Desk::new();
+    let case = json!({
+        "kind": "point",
+        "material": { "plugin": "j2_plasticity", "props": { "E": 200e3, "nu": 0.3, "hardening": [[900, 0]] } },
+        "steps": [{ "increments": 40, "target": { "e11": 0.005, "e22": 0, "e33": 0 } }],
+        "output": { "plots": false },
+    });
+    let case = desk.case("case.json", &case);
+    desk.run(&case, &["material.props.hardening.0.0=300"], "truth", 0);
+    let arguments = ["--free=material.props.hardening.0.0=100:1000", "--data=truth/history.csv", "--curve=e11,s11"];
+    approx::assert_relative_eq!(values(&desk, &case, &arguments)[0], 300.0, max_relative = 1e-9);
+    let result = || -> Value { serde_json::from_slice(&fs::read(desk.path("found/fit.json")).unwrap()).unwrap() };
+    assert_eq!(result()["searches"]["ended_here"], 1);
+    assert!(result()["searches"]["made"].as_u64().unwrap() > 1, "{}", result()["searches"]);
+    // the given start alone, and one that finds it: no other is tried
+    assert_eq!(values(&desk, &case, &[&arguments[..], &["--starts=1"]].concat()), [900.0]);
+    values(&desk, &case, &[&arguments[..], &["--set=material.props.hardening.0.0=400"]].concat());
+    assert_eq!(result()["searches"], json!({ "made": 1, "ended_here": 1 }));
+}
+
 /// One slope does not tell two constants.
 #[test]
 fn what_the_curve_does_not_tell_is_said() {

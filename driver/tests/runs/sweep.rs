@@ -107,6 +107,40 @@ fn rows_are_the_same_by_any_number_of_processes_and_by_threads() {
     assert!(curves.iter().all(|curve| curve.len() == 51));
 }
 
+/// After another plan into the same folder the table has what that one varies and keeps, also in rows that were there.
+#[test]
+fn the_table_has_the_columns_of_the_present_plan() {
+    let desk = Desk::new();
+    let store = planned(&desk, 3, 5);
+    let plan = |sweep: &Value| {
+        let file = desk.case("other.json", sweep);
+        desk.pullout(["sweep".as_ref(), "plan".as_ref(), file.as_os_str(), "--out".as_ref(), store.as_os_str()])
+            .expect(0);
+    };
+    let work = || desk.pullout(["sweep".as_ref(), "work".as_ref(), store.as_os_str()]).expect(0).stdout;
+    let names = |table: &Table| -> Vec<String> {
+        let all = table.columns.iter().map(|(name, _)| name.clone());
+        all.filter(|name| ["par.", "q.", "curve."].iter().any(|beginning| name.starts_with(beginning))).collect()
+    };
+    work();
+    let mut sweep: Value = serde_json::from_slice(&fs::read(desk.path("sweep.json")).expect("a sweep")).expect("JSON");
+    let stiffness = sweep["parameters"]["material.props.k_e"][0].clone();
+    // the first of the runs that are there, and one more
+    sweep["parameters"] = json!({ "steps.0.increments": [sweep["base"]["steps"][0]["increments"], 7] });
+    sweep["base"]["material"]["props"]["k_e"] = stiffness;
+    plan(&sweep);
+    assert!(work().contains("1 were there"));
+    let table = collected(&desk, &store);
+    assert_eq!(names(&table), ["par.steps.0.increments", "q.first", "q.peak", "curve.slip", "curve.tau"]);
+    let varied = table.column("par.steps.0.increments").expect("a column");
+    assert_eq!([0, 1].map(|row| varied.number(row)), [5.0, 7.0].map(Some));
+    // other quantities: all rows are new
+    sweep["quantities"] = json!({ "other": "peak" });
+    plan(&sweep);
+    work();
+    assert_eq!(names(&collected(&desk, &store)), ["par.steps.0.increments", "q.other", "curve.slip", "curve.tau"]);
+}
+
 /// Builds the plugin with many faults; `None` without a compiler.
 fn misbehaving(desk: &Desk) -> Option<PathBuf> {
     let mut compiler = find(Tool::C)?;

@@ -75,32 +75,34 @@ macro_rules! arguments {
             $arguments {
                 $($own: $value,)+
                 $($input: (&raw const (*$inputs).$input).cast(),)+
-                $($output: (&raw mut (*$outputs).$output).cast(),)+
+                $($output: (&raw mut (*$outputs).$output.values).cast(),)+
             }
         }
     };
 }
 pub(super) use {arguments, inputs, outputs};
 
-/// Numbers with a canary behind them.
+/// Numbers between canaries.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Numbers<const N: usize> {
+    front: u64,
     pub(super) values: [f64; N],
     canary: u64,
 }
 
 impl<const N: usize> Default for Numbers<N> {
     fn default() -> Self {
-        Self { values: [0.0; N], canary: CANARY }
+        [0.0; N].into()
     }
 }
 
-/// An integer with a canary behind it.
+/// An integer between canaries.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Integer {
-    pub(super) value: i32,
+    front: i32,
+    pub(super) values: [i32; 1],
     canary: i32,
 }
 
@@ -110,56 +112,57 @@ impl Integer {
 
 impl Default for Integer {
     fn default() -> Self {
-        Self { value: 0, canary: Self::CANARY }
+        0.into()
     }
 }
 
 impl From<f64> for Numbers<1> {
     #[inline]
     fn from(value: f64) -> Self {
-        Self { values: [value], canary: CANARY }
+        [value].into()
     }
 }
 
-impl From<[f64; 2]> for Numbers<2> {
+impl<const N: usize> From<[f64; N]> for Numbers<N> {
     #[inline]
-    fn from(values: [f64; 2]) -> Self {
-        Self { values, canary: CANARY }
+    fn from(values: [f64; N]) -> Self {
+        Self { front: CANARY, values, canary: CANARY }
     }
 }
 
 impl From<i32> for Integer {
     #[inline]
     fn from(value: i32) -> Self {
-        Self { value, canary: Self::CANARY }
+        Self { front: Self::CANARY, values: [value], canary: Self::CANARY }
     }
 }
 
 impl<const N: usize> Numbers<N> {
     #[inline]
     pub(super) fn is_intact(&self) -> bool {
-        self.canary == CANARY
+        self.front == CANARY && self.canary == CANARY
     }
 
     pub(super) fn check(&self, array: &'static str) -> Result<(), Overrun> {
-        overrun(self.is_intact(), array, N)
+        overrun([self.front == CANARY, self.canary == CANARY], array, N)
     }
 }
 
 impl Integer {
     #[inline]
     pub(super) fn is_intact(&self) -> bool {
-        self.canary == Self::CANARY
+        self.front == Self::CANARY && self.canary == Self::CANARY
     }
 
     pub(super) fn check(&self, array: &'static str) -> Result<(), Overrun> {
-        overrun(self.is_intact(), array, 1)
+        overrun([self.front == Self::CANARY, self.canary == Self::CANARY], array, 1)
     }
 }
 
-fn overrun(is_intact: bool, array: &'static str, length: usize) -> Result<(), Overrun> {
-    let element = i64::try_from(length + 1).unwrap_or(i64::MAX);
-    if is_intact { Ok(()) } else { Err(Overrun { array, element, length }) }
+/// The error of a canary that is not intact: of the one in front, or of the one behind.
+fn overrun([front, behind]: [bool; 2], array: &'static str, length: usize) -> Result<(), Overrun> {
+    let element = if front { i64::try_from(length + 1).unwrap_or(i64::MAX) } else { 0 };
+    if front && behind { Ok(()) } else { Err(Overrun { array, element, length }) }
 }
 
 /// The arguments of a call object that are no arrays of their own.
@@ -183,6 +186,8 @@ enum Shared<O> {
 #[repr(C)]
 struct Lent<I, O> {
     outputs: O,
+    /// Canary.
+    front: u64,
     inputs: I,
 }
 
@@ -235,7 +240,7 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
                 let lent: *mut Lent<I, O> = memory.as_mut_ptr().cast();
                 // SAFETY: there is room for both, aligned like doubles.
                 unsafe {
-                    (*lent).inputs = self.inputs;
+                    ((*lent).front, (*lent).inputs) = (CANARY, self.inputs);
                     (&raw const (*lent).inputs, &raw mut (*lent).outputs)
                 }
             }
@@ -254,35 +259,45 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
             *self.outputs_mut() = O::default();
             return Err(overrun);
         }
-        Ok(self.lent().is_none_or(|lent| words(lent) == words(&self.inputs)))
+        let Some(lent) = self.lent() else { return Ok(true) };
+        let first = I::PLACES.first().map_or("", |(name, _)| name);
+        let length = I::PLACES.get(1).map_or(0, |(_, end)| end / size_of::<f64>());
+        overrun([lent.front == CANARY, true], first, length)?;
+        Ok(words(&lent.inputs) == words(&self.inputs))
     }
 
-    /// The copy of the inputs that the plugin got.
+    /// What the plugin got.
     #[inline]
-    fn lent(&self) -> Option<&I> {
+    fn lent(&self) -> Option<&Lent<I, O>> {
         let Shared::Lent(memory) = &self.shared else { return None };
         // SAFETY: as in `outputs`.
-        Some(unsafe { &(*memory.as_slice().as_ptr().cast::<Lent<I, O>>()).inputs })
+        Some(unsafe { &*memory.as_slice().as_ptr().cast() })
     }
 
-    /// Names of the inputs that the last call changed, each with the array in front of it in memory if the change may be one
-    /// behind the end of that: if it begins with the first element, and the array in front is as it was.
-    pub(super) fn written(&self) -> Vec<(&'static str, Option<&'static str>)> {
+    /// Names of the inputs that the last call changed, each with its neighbours in memory that it may have meant: the array
+    /// before it, if of the input the first element changed, and the one after it, if the last one did. Neither of an array that
+    /// changed at both ends, nor an array that changed itself.
+    pub(super) fn written(&self) -> Vec<(&'static str, [Option<&'static str>; 2])> {
+        const ELEMENT: usize = size_of::<f64>();
         let Some(lent) = self.lent() else { return Vec::new() };
-        let (before, after) = (bytes(&self.inputs), bytes(lent));
-        let ends = I::PLACES.iter().skip(1).map(|(_, start)| *start).chain([before.len()]);
-        let mut written = Vec::new();
-        let mut in_front = None;
-        for ((name, start), end) in I::PLACES.iter().zip(ends) {
-            let differs = |end: usize| before[*start..end] != after[*start..end];
-            if differs(end) {
-                written.push((*name, in_front.filter(|_| differs(end.min(start + size_of::<f64>())))));
-                in_front = None;
-            } else {
-                in_front = Some(*name).filter(|_| end - start > size_of::<f64>());
-            }
-        }
-        written
+        let (before, after) = (bytes(&self.inputs), bytes(&lent.inputs));
+        let end = |k: usize| I::PLACES.get(k + 1).map_or(before.len(), |(_, start)| *start);
+        let differs = |start: usize, end: usize| before[start..end] != after[start..end];
+        let array = |k: usize| {
+            let (name, start) = *I::PLACES.get(k)?;
+            (end(k) - start > ELEMENT && !differs(start, end(k))).then_some(name)
+        };
+        let written = |(k, (name, start)): (usize, &(&'static str, usize))| {
+            let (start, end) = (*start, end(k));
+            let ends = [differs(start, end.min(start + ELEMENT)), differs(start.max(end.saturating_sub(ELEMENT)), end)];
+            let is_array = end - start > ELEMENT;
+            let neighbour = |is_near: bool, k: Option<usize>| {
+                k.and_then(array).filter(|_| is_near && !(is_array && ends == [true; 2]))
+            };
+            differs(start, end)
+                .then(|| (*name, [neighbour(ends[0], k.checked_sub(1)), neighbour(ends[1], Some(k + 1))]))
+        };
+        I::PLACES.iter().enumerate().filter_map(written).collect()
     }
 }
 

@@ -23,8 +23,8 @@ pub(super) struct Guard {
 pub struct WrittenInput {
     /// Step, increment, element and point.
     pub place: [i32; 4],
-    /// The array in front of it in memory, if it may be that one behind whose end the call wrote.
-    pub behind: Option<&'static str>,
+    /// Arrays next to it in memory that the call may have missed: the one before it, behind whose end it lies, and the one after it.
+    pub neighbours: [Option<&'static str>; 2],
 }
 
 /// The turn of each library file: handles of one file share its COMMON blocks.
@@ -61,12 +61,12 @@ impl Guard {
     #[cold]
     pub(super) fn note_written(
         &self,
-        arguments: impl IntoIterator<Item = (&'static str, Option<&'static str>)>,
+        arguments: impl IntoIterator<Item = (&'static str, [Option<&'static str>; 2])>,
         place: [i32; 4],
     ) {
         let mut written = locked(&self.written);
-        for (argument, behind) in arguments {
-            written.entry(argument).or_insert(WrittenInput { place, behind });
+        for (argument, neighbours) in arguments {
+            written.entry(argument).or_insert(WrittenInput { place, neighbours });
         }
     }
 

@@ -356,7 +356,7 @@ impl UinterCall {
         let result = self.contact.run(call, |outputs| outputs.pnewdt.values[0], place);
         let UinterOutputs { sed, sfd, spd, svd, scd, lopenclose, lstate, .. } = self.contact.common.exchange.outputs();
         self.energies = [sed, sfd, spd, svd, scd].map(|energy| energy.values[0]);
-        self.flags = [lopenclose.value, lstate.value];
+        self.flags = [lopenclose.values[0], lstate.values[0]];
         result.map(|()| self.contact.outcome())
     }
 
@@ -562,7 +562,7 @@ impl FricCall {
         let result = self.contact.run(call, |outputs| outputs.pnewdt.values[0], place);
         let FricOutputs { ddtddp, dslip, sed, sfd, lm, .. } = self.contact.common.exchange.outputs();
         (self.pressure_tangent, self.dslip) = (ddtddp.values, dslip.values);
-        (self.energies, self.lm) = ([sed.values[0], sfd.values[0]], lm.value);
+        (self.energies, self.lm) = ([sed.values[0], sfd.values[0]], lm.values[0]);
         result.map(|()| self.contact.outcome())
     }
 

@@ -118,8 +118,9 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
     fn note_written(&mut self, fields: [&[f64]; 2], place: [i32; 4]) {
         let mut written = self.exchange.written();
         let arrays = self.lent_fields.iter().flatten().zip(fields).chain([(&self.props, self.own_props.as_slice())]);
-        written
-            .extend(arrays.filter(|(lent, own)| !same_bits(lent.as_slice(), own)).map(|(lent, _)| (lent.name(), None)));
+        written.extend(
+            arrays.filter(|(lent, own)| !same_bits(lent.as_slice(), own)).map(|(lent, _)| (lent.name(), [None; 2])),
+        );
         self.props.as_mut_slice().copy_from_slice(&self.own_props);
         if let Some(guard) = &self.guard {
             guard.note_written(written, place);

@@ -7,7 +7,7 @@ use crate::document::{Entry, PropValue, Props, PulloutCase};
 use crate::plugin::{self, Length, Subject, Use};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use fe_core::mesh::specimen::SurfaceRole;
+use fe_core::mesh::specimen::{SurfaceRole, width_note};
 use fe_core::mesh::{ElementEdge, Mesh};
 use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width};
 use indexmap::IndexMap;
@@ -38,7 +38,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         }
         return Some(Vec::new());
     };
-    match reader.piece(given, &place)? {
+    let pairs = match reader.piece(given, &place)? {
         document::Contact::All(pair) => all_pairs(reader, pair, defaults, scene, &place),
         document::Contact::Pairs(pairs) => {
             let mut resolved: Vec<Option<ContactPair>> = Vec::new();
@@ -60,7 +60,18 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
             }
             resolved.into_iter().collect()
         }
+    };
+    let note_on = |width| width_note(if let Width::Given(width) = width { Some(width) } else { None });
+    for default in defaults {
+        let Some(pair) = pairs.iter().flatten().find(|pair| pair.name == default.name) else { continue };
+        let [usual, present] = [default.width, pair.width].map(note_on);
+        reader.warnings.iter_mut().for_each(|note| {
+            if let Some(rest) = note.strip_prefix(&usual) {
+                *note = format!("{present}{rest}");
+            }
+        });
     }
+    pairs
 }
 
 /// The pairs that bond fibres, line by line: those of a specimen that share a master, which names the line, and any other pair

@@ -311,6 +311,13 @@ fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
         let supports: Vec<&str> = model.supports.iter().map(|support| support.name.as_str()).collect();
         assert_eq!(supports, ["grip", "grip, lateral", way, way]);
     }
+    for (width, words) in
+        [("0.5", "contact width 0.5000 mm per line on"), ("part", "contact as wide as the slave's part")]
+    {
+        let warnings = accepted(&case, &[&format!("contact.width={width}")]).about.warnings;
+        let told: Vec<&String> = warnings.iter().filter(|note| note.starts_with("contact ")).collect();
+        assert!(told.len() == 1 && told[0].starts_with(words), "{warnings:?}");
+    }
     let inertia = accepted(&case, &["parts.fibre.thickness=equal_inertia"]);
     let warnings = &inertia.about.warnings;
     assert!(warnings.iter().any(|note| note.contains("area 0.750 and bending inertia 1.000")), "{warnings:?}");

@@ -140,8 +140,11 @@ pub fn defines(library: &Path, symbol: &str) -> io::Result<bool> {
 
 /// Only a shared library is overwritten: never a source, nor anything else of the user's.
 fn may_be_written(output: &Path, sources: &[Source]) -> Result<(), Refusal> {
-    let Ok(place) = output.canonicalize() else { return Ok(()) };
     let refusal = |message: &str| Err(Refusal::File { file: output.to_path_buf(), message: message.into() });
+    if output.parent().is_some_and(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
+        return refusal("the folder is not there");
+    }
+    let Ok(place) = output.canonicalize() else { return Ok(()) };
     if sources.iter().any(|source| source.file.canonicalize().is_ok_and(|file| file == place)) {
         return refusal("is one of the sources and would be overwritten; -o names the library");
     }

@@ -263,6 +263,7 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
     if options.wants(Group::Paths) {
         virgin::zero_increment(subject, &sample, ledger);
         virgin::strain_33(subject, &sample, ledger);
+        virgin::thickness(subject, options, ledger);
         rotation::check(subject, options, ledger);
         rotation::incremental_rotation(subject, &sample, options, ledger);
         rotation::objectivity(subject, &sample, options, ledger);

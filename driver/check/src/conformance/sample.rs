@@ -240,7 +240,8 @@ fn state(
     Err((Trouble::Call(CallFailure::CutBack(0.5)), end))
 }
 
-fn end_of(point: &Committed, step: &[f64]) -> Vec<f64> {
+/// The input at the end of a step.
+pub(super) fn end_of(point: &Committed, step: &[f64]) -> Vec<f64> {
     point.input.iter().zip(step).map(|(start, d)| start + d).collect()
 }
 

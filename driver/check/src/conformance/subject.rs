@@ -12,7 +12,7 @@ use super::case_path::CasePath;
 use super::entry_call::{fric, prepare_fric, prepare_uinter, prepare_umat, uinter, umat};
 use super::sample::State;
 use nalgebra::Matrix3;
-use pullout_run::deformation::{columns, incremental_motion, rotated, spinless, symmetric};
+use pullout_run::deformation::{columns, incremental_motion, of_constant_volume, rotated, spinless, symmetric};
 use pullout_run::isolation::worker;
 use pullout_run::program::Kind;
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ use umat_abi::host::{
     Alignment, Alteration, CallFailure, CallOutcome, FricAnswer, FricCall, LoadError, NotFinite, Plugin, Probed,
     SurfaceFields, UinterCall, UmatCall, Validation, judge,
 };
-use umat_abi::law::StressState;
+use umat_abi::law::{Request, StressState};
 
 /// Entry point and components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -392,6 +392,35 @@ impl<'p> Subject<'p> {
         })
     }
 
+    /// Calls of plane stress through six components; `None` where the plugin does not serve them.
+    pub(super) fn through_six(&self) -> Option<UmatCall> {
+        let solid = StressState::ThreeD;
+        if self.plugin.law.as_ref().is_some_and(|law| law.stress_states & solid.bits() == 0) {
+            return None;
+        }
+        let prepare = |entry| {
+            let call = Self::prepare(self.plugin, entry, &self.props, self.nstatv).ok()?;
+            let Call::Umat(mut call) = self.call.twin(call) else { return None };
+            call.celent = self.length;
+            Some(*call)
+        };
+        let (mut plane, mut solid) = (prepare(self.entry)?, prepare(Entry::Umat(solid))?);
+        let blank = self.blank();
+        let from = Committed { input: vec![0.0; 6], output: vec![0.0; 6], ..blank };
+        prepare_umat(&mut solid, &from, &[0.0; 6], self.share, &from.gradient);
+        matches!(solid.probe(Alignment::End), Ok(Probed::Clean)).then(|| plane.go_through(solid))?;
+        Some(plane)
+    }
+
+    /// Stresses after a step from a point of zeros by such calls, if there are.
+    pub(super) fn evaluate_through(&self, call: &mut UmatCall, from: &Committed, step: &[f64]) -> Option<Vec<f64>> {
+        call.strain_33 = 0.0;
+        prepare_umat(call, from, step, self.share, &self.end_gradient(from, step));
+        let outcome = call.call(Request::Stress).ok()?;
+        judge(Ok(outcome), call.not_finite()).ok()?;
+        Some(call.stress().to_vec())
+    }
+
     /// Returns whether the metadata claims a flag.
     pub(super) fn claims(&self, flag: u32) -> bool {
         self.plugin.law.as_ref().is_some_and(|law| law.has(flag))
@@ -627,11 +656,16 @@ impl<'p> Subject<'p> {
     /// Writes the arguments of a call.
     fn prepare_call(&mut self, from: &Committed, step: &[f64]) {
         let end = self.end_gradient(from, step);
+        let keeps_volume = self.finite && self.entry == Entry::Umat(StressState::PlaneStress);
         match &mut self.call {
             Call::Umat(call) => {
                 call.celent = self.length;
                 call.drot = self.rotation;
                 prepare_umat(call, from, step, self.share, &end);
+                if keeps_volume {
+                    let passed = [from.gradient, end].map(|gradient| columns(&of_constant_volume(gradient)));
+                    [call.dfgrd0, call.dfgrd1] = passed;
+                }
             }
             Call::Uinter(call) => {
                 call.chrlngth = self.length;

@@ -3,7 +3,7 @@
 
 use super::random::Random;
 use super::report::{Ledger, Report, Verdict};
-use super::sample::{State, step_to, target};
+use super::sample::{State, end_of, step_to, target};
 use super::subject::{Committed, Entry, INSTANT, Subject, distance, largest};
 use super::{Options, tolerances};
 use umat_abi::law::StressState;
@@ -112,6 +112,70 @@ pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[State], ledger: &mu
         }
     }
     ledger.add(Verdict::Pass, "", "");
+}
+
+/// Checks plane stress against the response in space with the ε33 for which σ33 is 0: where a law tells ε33 it is this one, and at
+/// finite strain, where the thickness counts, the stresses are the same.
+pub(super) fn thickness(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+    const STEPS: usize = 20;
+    /// Part of a step that is a small strain.
+    const SMALL: f64 = 1e-4;
+    /// Errors that iterations and a nearly constant volume leave.
+    const SAME: f64 = 1e-3;
+    ledger.begin("thickness");
+    let index = subject.plugin.strain_33();
+    if subject.entry != Entry::Umat(StressState::PlaneStress) || (index.is_none() && !subject.finite) {
+        return;
+    }
+    let described = subject.described();
+    let unseen = |ledger: &mut Ledger<'_>, why: &str| {
+        let verdict = if described { Verdict::Skipped } else { Verdict::NotTested };
+        ledger.add(verdict, "", format!("{why}: nothing to compare plane stress at finite strain with"));
+    };
+    let Some(mut space) = subject.through_six() else { return unseen(ledger, "it does not serve NTENS 6") };
+    let mut random = Random::new(options.seed ^ 0x7417);
+    let increments = subject.path.as_ref().map_or(&[][..], |path| &path.increments);
+    let every = increments.len().div_ceil(STEPS).max(1);
+    let ends = increments.iter().rev().step_by(every).map(|increment| end_of(&increment.from, &increment.step));
+    let mut ends: Vec<Vec<f64>> = ends.collect();
+    ends.resize_with(STEPS.max(ends.len()), || target(subject, &mut random));
+    let blank = subject.blank();
+    let (mut least, mut worst, mut told) = (f64::INFINITY, (0.0, String::new()), (0.0, String::new()));
+    let mut compare = |end: &[f64]| {
+        let answer = subject.evaluate(&blank, end).ok()?;
+        let through = subject.evaluate_through(&mut space, &blank, end)?;
+        let error = distance(&answer.output, &through) / largest(&through).max(f64::MIN_POSITIVE);
+        let found = index.map(|index| (answer.statev[index], space.strain_33));
+        Some((error, found, format!("at strains {end:.4?}: {:.4?}, with NTENS 6 {through:.4?}", answer.output)))
+    };
+    for end in ends {
+        let little: Vec<f64> = end.iter().map(|strain| SMALL * strain).collect();
+        let (Some((small, ..)), Some((error, found, words))) = (compare(&little), compare(&end)) else { continue };
+        least = small.min(least);
+        if error > worst.0 {
+            worst = (error, words);
+        }
+        if let Some((law, space)) = found.filter(|_| error <= SAME) {
+            let error = (law - space).abs() / largest(&end).max(space.abs());
+            if error > told.0 {
+                told = (error, format!("strain_33 is {law:.6e} where s33 is 0 at {space:.6e}, at strains {end:.4?}"));
+            }
+        }
+    }
+    if least > SAME {
+        return unseen(ledger, "with NTENS 6 and s33 = 0 it is another law at small strains already");
+    }
+    let stresses = if subject.finite { worst.0 } else { 0.0 };
+    match (told.0 <= SAME, stresses <= SAME.max(10.0 * least)) {
+        (true, true) => {
+            ledger.add(Verdict::Pass, format!("{:.1e}", stresses.max(told.0)), "as with NTENS 6 and s33 = 0")
+        }
+        (false, _) => ledger.add(Verdict::Fail, format!("{:.1e}", told.0), told.1),
+        (true, false) => {
+            let why = "at finite strain not the stress of the present thickness (F33), which small strains do not show";
+            ledger.add(Verdict::Fail, format!("{:.1e}", worst.0), format!("{why}; {}", worst.1));
+        }
+    }
 }
 
 /// Plane strain, and plane stress with the ε33 that it found, give the stresses of the 3D response.

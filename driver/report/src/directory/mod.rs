@@ -53,7 +53,7 @@ pub struct Access<'a> {
 pub enum Refusal {
     /// Record of its content.
     Content(String),
-    /// The operating system.
+    /// What the operating system does not allow.
     System(io::Error),
 }
 
@@ -342,8 +342,20 @@ fn make(path: &Path) -> io::Result<Vec<PathBuf>> {
         .take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists())
         .map(Path::to_owned)
         .collect();
+    refuse_file(path)?;
     fs::create_dir_all(path).map_err(at(path))?;
     Ok(missing.into_iter().rev().collect())
+}
+
+/// Refuses the path of a folder that is a file, or leads through one.
+///
+/// # Errors
+/// That is so.
+pub fn refuse_file(path: &Path) -> io::Result<()> {
+    match path.ancestors().find(|folder| folder.exists() && !folder.is_dir()) {
+        Some(file) => Err(super::malformed(file, "is no folder")),
+        None => Ok(()),
+    }
 }
 
 /// Returns whether two names are of one file.

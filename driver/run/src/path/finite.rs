@@ -8,7 +8,7 @@
 use super::newton::Evaluation;
 use super::point::Committed;
 use crate::deformation::{Polar, columns, components, exponential, exponential_derivative, incremental_motion};
-use crate::deformation::{rotated, symmetric, turns};
+use crate::deformation::{of_constant_volume, rotated, symmetric, turns};
 use crate::program::{Measure, Mode, PointProgram};
 use models::tensor::Spectral;
 use nalgebra::Matrix3;
@@ -159,13 +159,9 @@ impl Finite {
         Some(Entry { strain, stress, increment })
     }
 
-    /// F as ABAQUS passes it: in plane stress with the F₃₃ that keeps the volume.
+    /// F as it is passed.
     fn passed(&self, gradient: &Matrix3<f64>) -> Matrix3<f64> {
-        let mut passed = *gradient;
-        if self.plane_stress {
-            passed[(2, 2)] /= gradient.determinant();
-        }
-        passed
+        if self.plane_stress { of_constant_volume(*gradient) } else { *gradient }
     }
 
     /// Makes the end of the last call the state, whose STRESS and STATEV are what it returned; `strain` is the case's.

@@ -23,7 +23,10 @@ pub(in super::super) struct Arguments {
     /// Columns of the history that it is compared with; those of the data have the same names, or are the first two.
     #[arg(long, value_name = "X,Y", default_value = "slip,load", value_parser = columns)]
     curve: [String; 2],
-    /// Most runs.
+    /// Places to search from, those of the case and others between the bounds; the best end counts.
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
+    starts: u32,
+    /// Most runs of all searches.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..))]
     max_runs: u32,
     /// Result directory [default: out/<case file stem>-fit/].
@@ -63,6 +66,7 @@ impl Arguments {
             free: self.free.clone(),
             data: data.clone(),
             curve: self.curve.clone(),
+            starts: self.starts as usize,
             max_runs: self.max_runs as usize,
         };
         let folder = self.out.clone().unwrap_or_else(|| {

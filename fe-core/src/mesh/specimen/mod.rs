@@ -20,7 +20,7 @@ pub use curved_channel::{CurvedChannel, curved_channel};
 pub use fibres::{FINE_DIAMETERS, Fibre, Fibres, FibresMesh, Segment, fibres};
 pub use one_body::*;
 pub use perpendicular_fibre::{
-    Configuration, FibreMesh, PartMesh, PerpendicularFibre, perpendicular_fibre, section_note,
+    Configuration, FibreMesh, PartMesh, PerpendicularFibre, perpendicular_fibre, section_note, width_note,
 };
 pub use requirement::{ParameterProblem, SpecimenError};
 pub use thickness::GradedThickness;

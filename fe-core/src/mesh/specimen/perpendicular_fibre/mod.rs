@@ -222,13 +222,21 @@ pub fn section_note(phi: f64, thickness: f64) -> String {
     )
 }
 
+/// Returns the beginning of the note on the width of a round fibre's contact; `None`: that of the slave's part.
+pub fn width_note(width: Option<f64>) -> String {
+    match width {
+        Some(width) => format!("contact width {width:.4} mm per line"),
+        None => "contact as wide as the slave's part is thick".into(),
+    }
+}
+
 /// Returns the notes for reports on a round fibre in the plane.
 pub(super) fn section_notes(phi: f64, matrix_thickness: f64) -> Vec<String> {
     vec![
         section_note(phi, fibre_thickness(phi)),
         format!(
-            "contact width {:.4} mm per line on a matrix of thickness {matrix_thickness} mm: the pressure of the contact is not the traction of the matrix",
-            PI / 2.0 * phi
+            "{} on a matrix of thickness {matrix_thickness} mm: the pressure of the contact is not the traction of the matrix",
+            width_note(Some(PI / 2.0 * phi))
         ),
     ]
 }
