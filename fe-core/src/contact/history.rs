@@ -98,22 +98,22 @@ impl PointState {
     pub fn book(&mut self, start: &Self, area: f64) {
         let mean = |a: f64, b: f64| 0.5 * (a + b);
         let weight = mean(start.weight, self.weight);
-        let [penetration, own_penetration] = [start.gap - self.gap, start.own_gap - self.own_gap];
         let pressing = |state: &Self| state.weight * (state.pressure + state.own_pressure);
         let pressing = [pressing(start), pressing(self)];
         let sliding = mean(start.weight * start.shear, self.weight * self.shear) * (self.slip - start.slip);
         // a point under a normal that leans against its edge moves along the normal when it slides: v·du = dg + (n·dx/ds₀) ds₀
         let leaning = mean(-pressing[0] * start.lean, -pressing[1] * self.lean) * (self.slip - start.slip);
         self.leaning += area * leaning;
-        self.work += area * (mean(pressing[0], pressing[1]) * own_penetration + sliding);
+        self.work += area * (mean(pressing[0], pressing[1]) * (start.own_gap - self.own_gap) + sliding);
         let spent = |state: &Self| state.plugin_energies[1..].iter().sum::<f64>();
         self.dissipated += area * weight * (spent(self) - spent(start));
         let stored = mean(start.stored(), self.stored());
-        // the pressure of a patch is that of its mean gap, and does its work on the gaps of its points: no other, while weights stay
-        let fading = mean(start.weight * start.pressure, self.weight * self.pressure) * (own_penetration - penetration);
-        self.released += area * (stored * (start.weight - self.weight) + fading);
+        // the pressure of a patch does its work on the gaps of its points: on the mean gap, but for what fades, as Σ A w (g_N − ḡ) = 0
+        let aside = mean(start.own_gap - start.gap, self.own_gap - self.gap);
+        let fading = stored - mean(start.pressure, self.pressure) * aside;
+        self.released += area * fading * (start.weight - self.weight);
         if self.normal.opening > start.normal.opening || self.normal.latched != start.normal.latched {
-            let work = mean(start.pressure, self.pressure) * penetration;
+            let work = mean(start.pressure, self.pressure) * (start.gap - self.gap);
             self.opening += area * weight * (work + start.normal_energy - self.normal_energy);
         }
     }

@@ -69,19 +69,20 @@ impl<const N: usize> PointShape<'_, N> {
                 add_plane::<N, UPPER>(self.gradients, &rates, stiffness);
             }
             Some(hoop) => {
-                let with_hoop = |k: usize| {
-                    let mut rates = self.rates(&tangent[k]);
+                let rates = tangent.map(|row| {
+                    let mut rates = self.rates(&row);
                     for (rate, value) in rates.iter_mut().zip(hoop) {
-                        rate[0] += tangent[k][4] * value;
+                        rate[0] += row[4] * value;
                     }
                     rates
-                };
-                add_plane::<N, UPPER>(self.gradients, &[0, 1, 2, 3].map(with_hoop), stiffness);
-                let rates = with_hoop(4);
-                for i in 0..N {
-                    for j in if UPPER { i } else { 0 }..N {
-                        stiffness[2 * i][j][0] += hoop[i] * rates[j][0];
-                        stiffness[2 * i][j][1] += hoop[i] * rates[j][1];
+                });
+                let [plane @ .., around] = &rates;
+                add_plane::<N, UPPER>(self.gradients, plane, stiffness);
+                // by index, LLVM 22 (rustc 1.95) vectorises the upper half of eight nodes wrongly at opt-level 3
+                for (i, (factor, row)) in hoop.iter().zip(stiffness.iter_mut().step_by(2)).enumerate() {
+                    for (target, rate) in row.iter_mut().zip(around).skip(if UPPER { i } else { 0 }) {
+                        target[0] += factor * rate[0];
+                        target[1] += factor * rate[1];
                     }
                 }
             }
