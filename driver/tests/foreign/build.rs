@@ -329,7 +329,7 @@ fn line_of(text: &str, words: &str) -> usize {
 /// A failed run of three increments with six states, its message.
 fn failure(desk: &Desk, mode: &str) -> String {
     let case = json!({ "kind": "point", "mode": mode,
-        "material": { "plugin": "./libmine.so", "props": [], "nstatv": 6, "as": "plane" },
+        "material": { "plugin": "./libmine.so", "props": [], "nstatv": 6 },
         "steps": [{ "increments": 3, "target": { "e11": 0.01, "g12": 0.0 } }] });
     let run = desk.run(&desk.case("case.json", &case), &[], "out", 1);
     let summary = std::fs::read_to_string(desk.path("out/summary.json")).expect("a summary");
