@@ -189,7 +189,7 @@ fn the_thickness_of_plane_stress_is_known_where_it_is_found() {
         case
     };
     let six = [("as", json!("3d"))];
-    for (measure, keys) in [("logarithmic", &six[..]), ("logarithmic", &[]), ("nominal", &six[..])] {
+    for (measure, keys) in [("logarithmic", &six[..]), ("logarithmic", &[]), ("nominal", &six[..]), ("nominal", &[])] {
         let plane = super::run(&desk, "plane", &case("plane_stress", keys, measure));
         let solid = super::run(&desk, "solid", &case("3d", &[], measure));
         assert!(!warnings(&plane).contains("NaN"), "{}", warnings(&plane));
@@ -198,7 +198,8 @@ fn the_thickness_of_plane_stress_is_known_where_it_is_found() {
             assert!((found - expected).abs() < 1e-7 * expected.abs().max(1.0), "{column}: {found}, not {expected}");
         }
     }
-    let refused = desk.case("nominal.json", &case("plane_stress", &[], "nominal"));
+    let three = [("as", json!("plane"))];
+    let refused = desk.case("nominal.json", &case("plane_stress", &three, "nominal"));
     let refused = desk.pullout(["check".as_ref(), refused.as_os_str()]).expect(2);
     assert!(refused.stderr.contains("$.measure") && refused.stderr.contains("\"as\": \"3d\""), "{}", refused.stderr);
 }
