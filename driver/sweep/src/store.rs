@@ -211,8 +211,7 @@ impl Store {
     }
 
     fn collected(&self, content: &[u8; 32]) -> PathBuf {
-        let name: String = content.iter().map(|byte| format!("{byte:02x}")).collect();
-        self.folder.join("collected").join(name)
+        self.folder.join("collected").join(input::digits(content))
     }
 
     /// Keeps the case that repeats a failure.
@@ -238,7 +237,7 @@ fn is_hidden(path: &Path) -> bool {
 fn unique() -> io::Result<String> {
     let mut random = [0; 16];
     io::Read::read_exact(&mut File::open("/dev/urandom")?, &mut random)?;
-    Ok(random.iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(input::digits(random))
 }
 
 impl Sweep {
