@@ -362,5 +362,5 @@ fn in_threads(
 pub fn sha256(path: PathBuf) -> PyResult<String> {
     let hash = |path: &Path| pullout_run::input::hash(path, pullout_run::input::Input::Library);
     let hash = hash(&path).map_err(|error| Exception::Plugin.with(format!("{}: {error}", path.display())))?;
-    Ok(hash.iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(pullout_run::input::digits(hash))
 }

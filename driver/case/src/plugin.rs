@@ -223,6 +223,9 @@ fn manner(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: 
             reader.problem(&place.key(key), "is for the entry point umat alone");
         }
     }
+    if let (Some((Mode::ThreeD, _)), Some(CalledAs::Plane)) = (&purpose.mode, material.components) {
+        reader.problem(&place.key("as"), "mode 3d has all six components: leave it out");
+    }
     Manner {
         as_three_d: material.components.map(|components| components == CalledAs::ThreeD),
         tangent: material.tangent.map(|tangent| match tangent {

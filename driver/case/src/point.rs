@@ -13,7 +13,7 @@ use pullout_run::columns;
 use pullout_run::deformation::{self, Polar, exponential, matrix, rotated, turns};
 use pullout_run::program::{
     Control, Kind, Measure, Mode, Pace, PointDrive, PointGoal, PointProgram, PointState, PointStep, STRAIN_NAMES,
-    STRESS_NAMES, TURNED, WITH_THICKNESS, untold_thickness,
+    STRESS_NAMES, TURNED, untold_nominal, untold_thickness,
 };
 use umat_abi::host::Plugin;
 
@@ -113,14 +113,10 @@ fn check_thickness(reader: &mut Reader<'_>, plugin: &Plugin, measure: Measure) {
     if plugin.strain_33().is_some() || goes_through_six == Some(true) {
         return;
     }
-    if measure == Measure::Nominal {
-        let message = format!(
-            "nominal stresses need the thickness strain, which '{}' does not tell in plane stress: {WITH_THICKNESS}",
-            plugin.name
-        );
-        reader.problem(&Place::root().key("measure"), message);
-    } else if goes_through_six.is_some() {
-        reader.warnings.push(untold_thickness(&plugin.name));
+    match (measure, goes_through_six) {
+        (_, None) => {}
+        (Measure::Nominal, _) => reader.problem(&Place::root().key("measure"), untold_nominal(&plugin.name)),
+        (Measure::Logarithmic, _) => reader.warnings.push(untold_thickness(&plugin.name)),
     }
 }
 

@@ -52,6 +52,9 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let columns = columns::of_specimen(&boundary.measured.fibres);
     let about = history::about(reader, path, &case.head, case.course.until.as_ref(), Some(&columns));
     let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
+    if output.pictures_at.is_some() && output.plots == Some(false) {
+        reader.warnings.push("$.output.pictures_at: has no effect: the case has \"plots\": false".into());
+    }
     let number = |n: crate::document::Increments| usize::try_from(n.0).unwrap_or(usize::MAX);
     let controls = controls(reader, case);
     let skipping = skipping(reader, case);
@@ -70,6 +73,11 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     }
     measured.interface_lines = lines.into_values().collect();
     measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter);
+    let yields = |part: Option<usize>| part.is_some_and(|part| parts.laws[part].equivalent_plastic_strain().is_some());
+    let mut pulled = measured.fibres.iter().map(|fibre| fibre.part).chain([measured.part]);
+    if output.rupture_strain.is_some() && !pulled.any(yields) {
+        reader.warnings.push("$.output.rupture_strain: has no effect: no law of a fibre has the state 'peeq'".into());
+    }
     let nlgeom: Vec<bool> = parts.nlgeom.into_iter().map(|of_part| of_part.unwrap_or(nlgeom)).collect();
     for pair in &mut contacts {
         pair.master_bends = pair.master.iter().any(|edge| nlgeom[mesh.elements()[edge.element].part()]);

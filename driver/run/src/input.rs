@@ -158,7 +158,12 @@ pub fn digest(path: &Path, bytes: u64) -> io::Result<Sha256> {
 
 /// A digest as text.
 pub fn hexadecimal(digest: Sha256) -> String {
-    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    digits(digest.finalize())
+}
+
+/// Bytes in hexadecimal digits.
+pub fn digits(bytes: impl AsRef<[u8]>) -> String {
+    bytes.as_ref().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Reads a file of UTF-8 text; a byte order mark is left out.

@@ -237,8 +237,13 @@ pub const TURNED: &str = "the material has turned (R of F = R U is not 1), so th
                       or take \"measure\": \"nominal\", whose stresses turn with the material";
 
 /// Alternatives where a law does not tell its thickness strain in plane stress.
-pub const WITH_THICKNESS: &str = "\"as\": \"3d\" calls it with six components and finds the thickness strain, and mode 3d has the same stresses, \
+const WITH_THICKNESS: &str = "\"as\": \"3d\" calls it with six components and finds the thickness strain, and mode 3d has the same stresses, \
                                   with s33, s13 and s23 free";
+
+/// Message for nominal stresses in plane stress where the law does not tell its thickness strain.
+pub fn untold_nominal(law: &str) -> String {
+    format!("nominal stresses need the thickness strain, which '{law}' does not tell in plane stress: {WITH_THICKNESS}")
+}
 
 /// Warns of plane stress at finite strain where the law does not tell its thickness strain.
 pub fn untold_thickness(law: &str) -> String {

@@ -4,7 +4,7 @@ use super::run::{self, Arguments};
 use super::{DONE, FAILED, NO_PLUGIN, Reading, complain, option};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::summary::{self, PluginFile, Status, Summary};
-use pullout_run::isolation::{self, Aftermath, End, Failure, Job, Need, Task};
+use pullout_run::isolation::{self, Aftermath, End, Failure, Job, Need, Task, Told};
 use pullout_run::isolation::{prints, worker};
 use pullout_run::path::Statistics;
 use pullout_run::program::job_folder;
@@ -21,15 +21,24 @@ pub(super) fn check(file: &Path, reading: &Reading, need: &Need, quiet: bool) ->
 }
 
 /// Validates a case that is to be run: what ends the process now will end the run, and be reported then.
-/// `columns`: where those of the rows are written.
-pub(super) fn check_before_run(file: &Path, reading: &Reading, need: &Need, columns: Option<&Path>) -> u8 {
+/// `columns`: where those of the rows are written; `told`: what was told of other cases, and is not told again.
+pub(super) fn check_before_run(
+    file: &Path,
+    reading: &Reading,
+    need: &Need,
+    columns: Option<&Path>,
+    told: Option<&Told>,
+) -> u8 {
     let mut command = check_line(file, reading, Some("--before-run"));
     if let Some(path) = columns {
         command.insert(1, option("--columns", path));
     }
-    match isolation::supervise(&Job { command: &command, ..Job::default() }, need) {
+    match isolation::supervise(&Job { command: &command, told, ..Job::default() }, need) {
         Ok(End::Done(code)) => code,
-        Ok(End::Failed(failure)) if failure.report.at_loading => fail(file, &failure, &failure.report.message),
+        Ok(End::Failed(failure)) if failure.report.at_loading => {
+            let is_new = told.is_none_or(|told| told.is_new(failure.report.message.as_bytes()));
+            if is_new { fail(file, &failure, &failure.report.message) } else { NO_PLUGIN }
+        }
         Ok(End::Failed(_)) => DONE,
         Err(error) => refuse_to_start(file, &error),
     }

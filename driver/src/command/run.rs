@@ -97,7 +97,7 @@ impl Arguments {
 pub(super) fn check(cases: &[PathBuf], reading: &Reading, quiet: bool, before_run: bool, columns: Option<&Path>) -> u8 {
     let check = |file: &PathBuf| match reading.need(file) {
         _ if pullout_case::is_study(file) => study::check(file, reading, quiet),
-        Some(need) if columns.is_some() => isolated::check_before_run(file, reading, &need, columns),
+        Some(need) if columns.is_some() => isolated::check_before_run(file, reading, &need, columns, None),
         Some(need) => isolated::check(file, reading, &need, quiet),
         None => check_here(file, reading, quiet, before_run, columns).unwrap_or_else(Refusal::told),
     };
@@ -193,7 +193,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
             Some(need) => {
                 // nothing is run before all cases were read; a single one is read by the worker that runs it
                 if cases.len() > 1 {
-                    code = code.max(isolated::check_before_run(file, reading, &need, None));
+                    code = code.max(isolated::check_before_run(file, reading, &need, None, None));
                 }
                 if let Err(message) = interruption.suits(need.specimen) {
                     complain(format!("{}: {message}", file.display()));

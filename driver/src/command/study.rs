@@ -4,6 +4,7 @@ use super::{BAD_INPUT, DONE, FAILED, Reading, Refusal, complain, isolated, run, 
 use indicatif::{ProgressBar, ProgressStyle};
 use pullout_case::{CaseErrors, CaseProblem};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
+use pullout_run::isolation::Told;
 use pullout_run::isolation::prints::Prints;
 use pullout_run::number::significant;
 use pullout_run::signals;
@@ -127,10 +128,11 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     );
     drop(prints);
     let own = read.as_ref().map_or_else(|errors| Refusal::from(errors.clone()).told(), |_| DONE);
+    let lines = Told::default();
     let mut told: Option<Vec<CaseProblem>> = None;
     let theirs = apart.iter().map(|(base, own, need)| {
         let columns = tempfile::NamedTempFile::new().ok();
-        let code = isolated::check_before_run(base, own, need, columns.as_ref().map(NamedTempFile::path));
+        let code = isolated::check_before_run(base, own, need, columns.as_ref().map(NamedTempFile::path), Some(&lines));
         let Ok(study) = &read else { return code };
         // what is wrong has been said, of the case alone
         if code == BAD_INPUT {

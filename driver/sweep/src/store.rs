@@ -215,8 +215,7 @@ impl Store {
     }
 
     fn collected(&self, content: &[u8; 32]) -> PathBuf {
-        let name: String = content.iter().map(|byte| format!("{byte:02x}")).collect();
-        self.folder.join("collected").join(name)
+        self.folder.join("collected").join(input::digits(content))
     }
 
     /// Keeps the case that repeats a failure.
@@ -245,7 +244,7 @@ const UNIQUE: usize = 32;
 fn unique() -> io::Result<String> {
     let mut random = [0; UNIQUE / 2];
     io::Read::read_exact(&mut File::open("/dev/urandom")?, &mut random)?;
-    Ok(random.iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(input::digits(random))
 }
 
 impl Sweep {

@@ -6,6 +6,7 @@ use crate::collect::{Known, MOST_LOSSES, state};
 use crate::run::{Measured, measure};
 use crate::store::{Keep, Keys, Store, Sweep};
 use crate::table::{Column, Table};
+use pullout_run::input;
 use pullout_run::isolation::{self, End, Failure, Job, Need, shared_file};
 use pullout_run::path::{FailedAt, FailureKind};
 use pullout_run::{replay, signals};
@@ -72,7 +73,7 @@ struct Office<'w> {
 pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) -> io::Result<Worked> {
     let sweep = store.sweep()?;
     let identity = isolation::identity()?;
-    let engine = identity.iter().map(|byte| format!("{byte:02x}")).collect();
+    let engine = input::digits(identity);
     let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let (machine, due) = (machine(), Vec::new());
     let mut office = Office { store, sweep: &sweep, work, engine, machine, due, next, over, told };

@@ -145,6 +145,23 @@ fn a_write_in_front_of_an_argument_names_it() {
     }
 }
 
+/// The cases of a study are looked at in processes of their own: what is wrong with all of them is told once, and of which.
+#[test]
+fn a_study_tells_what_is_wrong_with_all_runs_once() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "elastic.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [200e3, 0.3], "nstatv": 1 });
+    desk.case("case.json", &point(material, "3d", json!([{ "increments": 2, "target": { "e99": 1e-3 } }])));
+    let member = |label: &str, modulus: f64| json!({ "label": label, "set": { "material.props.0": modulus } });
+    let members = json!([member("soft", 1e5), member("usual", 2e5), member("stiff", 3e5)]);
+    desk.case("study.json", &json!({ "kind": "study", "base": "case.json", "members": members }));
+    let told = desk.pullout(["study", "study.json", "--out", "out"]).expect(2).stderr;
+    assert_eq!(told.matches("$.steps[0].target.e99").count(), 1, "{told}");
+    for run in ["runs/soft", "runs/usual", "runs/stiff"] {
+        assert_eq!(told.matches(&format!("that is the case of {run}\n")).count(), 1, "{told}");
+    }
+}
+
 /// A UMAT of six components is checked as it is run: with six, by itself and because the case says so.
 #[test]
 fn a_umat_of_six_components_is_checked_with_six() {
@@ -189,7 +206,7 @@ fn the_thickness_of_plane_stress_is_known_where_it_is_found() {
         case
     };
     let six = [("as", json!("3d"))];
-    for (measure, keys) in [("logarithmic", &six[..]), ("logarithmic", &[]), ("nominal", &six[..])] {
+    for (measure, keys) in [("logarithmic", &six[..]), ("logarithmic", &[]), ("nominal", &six[..]), ("nominal", &[])] {
         let plane = super::run(&desk, "plane", &case("plane_stress", keys, measure));
         let solid = super::run(&desk, "solid", &case("3d", &[], measure));
         assert!(!warnings(&plane).contains("NaN"), "{}", warnings(&plane));
@@ -198,7 +215,8 @@ fn the_thickness_of_plane_stress_is_known_where_it_is_found() {
             assert!((found - expected).abs() < 1e-7 * expected.abs().max(1.0), "{column}: {found}, not {expected}");
         }
     }
-    let refused = desk.case("nominal.json", &case("plane_stress", &[], "nominal"));
+    let three = [("as", json!("plane"))];
+    let refused = desk.case("nominal.json", &case("plane_stress", &three, "nominal"));
     let refused = desk.pullout(["check".as_ref(), refused.as_os_str()]).expect(2);
     assert!(refused.stderr.contains("$.measure") && refused.stderr.contains("\"as\": \"3d\""), "{}", refused.stderr);
 }

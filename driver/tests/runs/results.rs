@@ -469,7 +469,7 @@ fn a_file_that_cannot_grow_fails_the_run_at_its_step() {
     let desk = Desk::new();
     finished(&desk);
     desk.write("file", "");
-    let stderr = desk.pullout(["run", "case.json", "--out", "file"]).expect(1).stderr;
+    let stderr = desk.pullout(["run", "case.json", "--out", "file"]).expect(2).stderr;
     assert!(stderr.starts_with("file: "), "{stderr}");
 }
 

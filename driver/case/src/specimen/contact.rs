@@ -38,7 +38,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         }
         return Some(Vec::new());
     };
-    let pairs = match reader.piece(given, &place)? {
+    let given = reader.piece(given, &place)?;
+    let pairs = match given {
         document::Contact::All(pair) => all_pairs(reader, pair, defaults, scene, &place),
         document::Contact::Pairs(pairs) => {
             let mut resolved: Vec<Option<ContactPair>> = Vec::new();
@@ -61,6 +62,17 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
             resolved.into_iter().collect()
         }
     };
+    if let (document::Contact::All(pair), false) = (given, defaults.is_empty()) {
+        let roles = [
+            ("exit", pair.exit.is_some(), SurfaceRole::Exit),
+            ("separation", pair.separation.is_some(), SurfaceRole::Separation),
+        ];
+        for (key, ..) in
+            roles.iter().filter(|(_, given, role)| *given && defaults.iter().all(|pair| pair.role != *role))
+        {
+            reader.warnings.push(format!("{}: has no effect: the specimen has no such surfaces", place.key(key)));
+        }
+    }
     let note_on = |width| width_note(if let Width::Given(width) = width { Some(width) } else { None });
     for default in defaults {
         let Some(pair) = pairs.iter().flatten().find(|pair| pair.name == default.name) else { continue };
@@ -197,6 +209,12 @@ fn one_pair(
     let penalty_factor = reader.optional(pair.penalty_factor.as_ref(), &place.key("penalty_factor"));
     let critical_slip = reader.optional(pair.critical_slip.as_ref(), &place.key("critical_slip"));
     let release = reader.optional(pair.release.as_ref(), &place.key("release"));
+    let keys = [("penalty_factor", pair.penalty_factor.is_some()), ("enforcement", pair.enforcement.is_some())];
+    if let Some(ContactLaw::Fric { normal: NormalLaw::Soft(_), .. }) = &law {
+        for (key, _) in keys.iter().filter(|(_, given)| *given) {
+            reader.problem(&place.key(key), "is for the hard normal law: leave it out beside a soft one");
+        }
+    }
     let enforcement = enforcement(reader, pair, place);
     let name = pair.name.clone().or_else(|| default.map(|default| default.name.clone()));
     let (slave, master) = surfaces?;

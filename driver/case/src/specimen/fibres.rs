@@ -1,7 +1,7 @@
 //! Specimens with fibres, and what each says where the case says nothing.
 
 use super::boundary::BOTH;
-use super::generated::{Generated, X, kind, length, number};
+use super::generated::{Generated, X, kind, length, number, without_effect};
 use super::mesh::{DefaultPair, DefaultSupports, Defaults, thickness};
 use crate::document::Positive;
 use crate::document::pullout::{
@@ -29,6 +29,22 @@ pub(super) fn perpendicular_fibre(
     matrix: Option<Thickness>,
 ) -> Result<Generated, SpecimenError> {
     let axisymmetric = given.axisymmetric.unwrap_or(false);
+    let has_radius = given.outer_radius.is_some();
+    without_effect(&[
+        ("outer_radius", has_radius && !axisymmetric, "a plane slice"),
+        ("width", given.width.is_some() && has_radius && axisymmetric, "a body of revolution with an outer_radius"),
+        (
+            "matrix_thickness",
+            given.matrix_thickness.is_some() && has_radius && axisymmetric,
+            "a body of revolution with an outer_radius",
+        ),
+        matrix_thickness_twice(matrix.filter(|_| !axisymmetric), given.matrix_thickness),
+        (
+            "equal_sizes",
+            given.equal_sizes == Some(true) && given.exit_size.is_some(),
+            "a specimen with an exit_size, from which the sizes grow",
+        ),
+    ])?;
     let default = PerpendicularFibre::default();
     let fibre_diameter = length(given.fibre_diameter, default.fibre_diameter);
     let sizes = FibreMesh::default();
@@ -91,6 +107,11 @@ pub(super) fn inclined_fibre(
     slip: f64,
 ) -> Result<Generated, SpecimenError> {
     let angle = given.angle_deg.unwrap_or(ANGLE).to_radians();
+    let is_straight = given.shape == Some(FibreShape::Straight);
+    without_effect(&[
+        ("bend_radius", is_straight && given.bend_radius.is_some(), "a straight fibre"),
+        matrix_thickness_twice(matrix, given.matrix_thickness),
+    ])?;
     let default = Fibre::new(angle, Vec::new());
     let diameter = length(given.fibre_diameter, default.diameter);
     let embedded_length = length(given.embedded_length, default.embedded_length);
@@ -277,6 +298,12 @@ fn thesis_separation_length(diameter: f64, angle: f64) -> f64 {
 fn matrix_thickness(of_part: Option<Thickness>, given: Option<Positive>, diameter: f64, default: f64) -> f64 {
     let of_part = of_part.and_then(|of_part| thickness(of_part, Some(diameter)).ok());
     of_part.unwrap_or(length(given, default))
+}
+
+/// The thickness of the block beside that of its part, which counts.
+fn matrix_thickness_twice(of_part: Option<Thickness>, given: Option<Positive>) -> (&'static str, bool, &'static str) {
+    let is_twice = of_part.is_some() && given.is_some();
+    ("matrix_thickness", is_twice, "a specimen whose parts.matrix has a thickness")
 }
 
 fn graded(given: document::GradedThickness) -> GradedThickness {

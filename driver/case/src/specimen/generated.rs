@@ -10,7 +10,7 @@ use crate::document::pullout::{
 use fe_core::element::ElementKind;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::MeshDefinition;
-use fe_core::mesh::specimen::{self, BodyChoice, CylinderSection, SpecimenError, SurfaceRole};
+use fe_core::mesh::specimen::{self, BodyChoice, CylinderSection, ParameterProblem, SpecimenError, SurfaceRole};
 use fe_core::model::Width;
 
 pub(super) const X: &[[f64; 2]] = &[[1.0, 0.0]];
@@ -70,6 +70,7 @@ pub fn generate(given: &Specimen, matrix: Option<Thickness>, slip: f64) -> Resul
 fn thick_cylinder(given: &ThickCylinder) -> Result<Generated, SpecimenError> {
     let cells = number(given.other_cells, 10);
     let axisymmetric = given.axisymmetric.unwrap_or(false);
+    without_effect(&[("height", given.height.is_some() && !axisymmetric, "a quarter of the cross-section")])?;
     let section = if axisymmetric {
         CylinderSection::Axisymmetric { height: length(given.height, 1.0), cells }
     } else {
@@ -182,6 +183,16 @@ fn in_contact(
     }];
     made.defaults.grip = grip;
     made
+}
+
+/// Refuses parameters without effect: of each the name, whether it is one, and what it must be left out of.
+pub(super) fn without_effect(parameters: &[(&'static str, bool, &str)]) -> Result<(), SpecimenError> {
+    let problem = |(name, _, of): &(&'static str, bool, &str)| {
+        let requirement = format!("left out of {of}");
+        ParameterProblem { fibre: None, name, value: "given".into(), requirement }
+    };
+    let problems: Vec<ParameterProblem> = parameters.iter().filter(|(_, is, _)| *is).map(problem).collect();
+    if problems.is_empty() { Ok(()) } else { Err(SpecimenError::Parameters { problems }) }
 }
 
 pub(super) fn length(given: Option<Positive>, default: f64) -> f64 {

@@ -190,6 +190,13 @@ fn given_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeMap<S
     Some(given)
 }
 
+/// Refuses the thickness of a body of revolution.
+fn check_thickness(reader: &mut Reader<'_>, model: PlaneModel, given: &Given, place: &Place) {
+    if model == PlaneModel::Axisymmetric && given.thickness.is_some() {
+        reader.problem(&place.key("thickness"), "an axisymmetric part has none, it goes all around: leave it out");
+    }
+}
+
 /// The thickness of a part, mm; `Err` if it refers to a fibre that the mesh does not have.
 pub fn thickness(given: document::Thickness, diameter: Option<f64>) -> Result<f64, &'static str> {
     let section = match given {
@@ -220,6 +227,7 @@ fn file_properties(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeM
             1.0
         });
         let model = given.model.unwrap_or(PlaneModel::PlaneStrain);
+        check_thickness(reader, model, &given, &Place::root().key("parts").key(&name));
         properties.insert(name, PartProperties { model, thickness, integration: given.integration });
     }
     Some(properties)
@@ -264,6 +272,7 @@ fn adapt_parts(
         }
         let Some(given) = given.get(&name) else { continue };
         part.model = given.model.unwrap_or(part.model);
+        check_thickness(reader, part.model, given, &root.key(&name));
         part.integration = given.integration.or(part.integration);
         match given.thickness.filter(|_| part.name != COVER).map(|given| thickness(given, diameter)) {
             Some(Ok(value)) => {

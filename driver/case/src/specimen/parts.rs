@@ -8,6 +8,7 @@ use crate::plugin::{self, Length, Subject, Use};
 use crate::point::{check_count, components};
 use crate::problem::Place;
 use crate::reader::Reader;
+use fe_core::element::ElementKind;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::Mesh;
 use fe_core::model::PluginLaw;
@@ -35,6 +36,16 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         let index = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| is_meant(&part.name)));
         let law = law(reader, part, index.zip(scene.mesh), &place);
         let average = reader.optional(part.average_dilatation.as_ref(), &place.key("average_dilatation"));
+        if let Some((index, mesh)) = index.zip(scene.mesh).filter(|_| average.is_some()) {
+            let mut elements = mesh.elements().iter().filter(|element| element.part() == index);
+            if mesh.parts()[index].model == PlaneModel::PlaneStress
+                || !elements.any(|element| element.kind() == ElementKind::Q4)
+            {
+                let place = place.key("average_dilatation");
+                let message = "has no effect: it is for Q4 elements in plane strain or axial symmetry";
+                reader.warnings.push(format!("{place}: {message}"));
+            }
+        }
         let nlgeom = reader.optional(part.nlgeom.as_ref(), &place.key("nlgeom")).copied();
         resolved.push((index, law, average.copied().unwrap_or(true), nlgeom));
     }

@@ -23,6 +23,7 @@ const POINT: &[Sample] = &[
     (&["material=null"], "$.material", "expected an object, found null", BySchema),
     (&["material={}"], "$.material.plugin", "is missing", BySchema),
     (&["material.plugn=x"], "$.material.plugn", "unknown key; nearest valid name: 'plugin'", BySchema),
+    (&["mode=3d", "material.as=plane"], "$.material.as", "mode 3d has all six components", ByMeaning),
     (&["material.props.E=true"], "$.material.props.E", "expected a number, a text or an array, found true", BySchema),
     (&["material.props=5"], "$.material.props", "expected an object or an array, found 5", BySchema),
     (&["material.nstatv=-1"], "$.material.nstatv", "must be >= 0, found -1", BySchema),

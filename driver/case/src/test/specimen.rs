@@ -456,6 +456,65 @@ fn impossible_inclined_fibres_are_explained() {
     }
 }
 
+/// What another key or the kind of the model makes meaningless is refused, or told where a study may come to it.
+#[test]
+fn keys_without_effect_are_told() {
+    let fibre = |kind: &str, axisymmetric: bool| {
+        let mut case = specimen_case(json!({ "type": kind }), &["fibre", "matrix"]);
+        if axisymmetric {
+            case["mesh"]["specimen"]["axisymmetric"] = json!(true);
+        }
+        case["contact"] = json!({ "law": { "plugin": "bond_slip" } });
+        case["steps"] = json!([{ "slip": 1 }]);
+        case
+    };
+    let [plane, round] = [false, true].map(|axisymmetric| fibre("perpendicular_fibre", axisymmetric));
+    let inclined = fibre("inclined_fibre", false);
+    let mut cylinder = specimen_case(json!({ "type": "thick_cylinder" }), &["cylinder"]);
+    cylinder["loads"] = json!({ "inner": { "pressure": 1 } });
+    cylinder["steps"] = json!([{ "drives": { "inner": 1 } }]);
+    let soft = r#"contact.normal={"soft": {"p_0": 1, "g_0": 0.1}}"#;
+    let refused: [(&Value, &[&str], &str); 11] = [
+        (&plane, &["mesh.specimen.outer_radius=5"], "$.mesh.specimen.outer_radius"),
+        (&plane, &["mesh.specimen.equal_sizes=true", "mesh.specimen.exit_size=0.2"], "$.mesh.specimen.equal_sizes"),
+        (&plane, &["mesh.specimen.matrix_thickness=4", "parts.matrix.thickness=3"], "$.mesh.specimen.matrix_thickness"),
+        (&plane, &["contact.law.entry=fric", soft, "contact.enforcement=penalty"], "$.contact.enforcement"),
+        (&plane, &["contact.law.entry=fric", soft, "contact.penalty_factor=9"], "$.contact.penalty_factor"),
+        (&round, &["mesh.specimen.outer_radius=5", "mesh.specimen.width=20"], "$.mesh.specimen.width"),
+        (
+            &round,
+            &["mesh.specimen.outer_radius=5", "mesh.specimen.matrix_thickness=2"],
+            "$.mesh.specimen.matrix_thickness",
+        ),
+        (&round, &["parts.matrix.thickness=3"], "$.parts.matrix.thickness"),
+        (&inclined, &["mesh.specimen.shape=straight", "mesh.specimen.bend_radius=3"], "$.mesh.specimen.bend_radius"),
+        (
+            &inclined,
+            &["mesh.specimen.matrix_thickness=4", "parts.matrix.thickness=3"],
+            "$.mesh.specimen.matrix_thickness",
+        ),
+        (&cylinder, &["mesh.specimen.height=2"], "$.mesh.specimen.height"),
+    ];
+    for (case, overrides, place) in refused {
+        let errors =
+            Bench::new().read(case, overrides).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
+        assert!(errors.contains(place) && errors.lines().count() == 1, "{overrides:?}: {errors}");
+        // what it stands beside may be there
+        accepted(case, &overrides[..overrides.len() - 1]);
+    }
+    for (case, overrides, place) in [
+        (&plane, &[r#"contact.separation={"p_0": 1}"#][..], "$.contact.separation"),
+        (&plane, &[r#"contact.exit={"p_0": 1}"#], "$.contact.exit"),
+        (&plane, &["parts.matrix.average_dilatation=false"], "$.parts.matrix.average_dilatation"),
+        (&plane, &["output.rupture_strain=0.1"], "$.output.rupture_strain"),
+        (&plane, &["output.plots=false", "output.pictures_at=[0.1]"], "$.output.pictures_at"),
+    ] {
+        let warnings = accepted(case, overrides).about.warnings;
+        let told = warnings.iter().filter(|warning| warning.contains("has no effect")).collect::<Vec<_>>();
+        assert!(told.len() == 1 && told[0].starts_with(place), "{overrides:?}: {warnings:?}");
+    }
+}
+
 #[test]
 fn every_specimen_has_a_smallest_case() {
     for (name, parts) in [

@@ -124,8 +124,7 @@ pub struct PluginOf {
 impl PluginFile {
     /// Hashes the file.
     pub fn identify(path: &Path, version: &str) -> io::Result<Self> {
-        let sha256 =
-            input::hash(path, Input::Library).map_err(at(path))?.iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 = input::digits(input::hash(path, Input::Library).map_err(at(path))?);
         Ok(Self { path: path.display().to_string(), version: version.to_owned(), sha256 })
     }
 }

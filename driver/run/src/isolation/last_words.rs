@@ -1,5 +1,6 @@
 //! Text that a worker wrote to the standard error before it ended: passed on as it comes, and its last part kept.
 
+use std::collections::BTreeSet;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::process::Child;
@@ -13,6 +14,27 @@ const KEPT: usize = 16 << 10;
 /// Time for which a pipe is read after its worker has ended: a child of the worker may hold it open.
 const PATIENCE: Duration = Duration::from_millis(500);
 
+/// Lines that workers told, of which each is passed on once.
+#[derive(Clone, Debug, Default)]
+pub struct Told(Arc<Mutex<BTreeSet<Vec<u8>>>>);
+
+impl Told {
+    /// Returns whether nobody told a line before.
+    pub fn is_new(&self, line: &[u8]) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(line.to_vec())
+    }
+
+    /// Passes on the whole lines of a text, and leaves the rest; `is_all`: there is none.
+    fn pass_on(&self, text: &mut Vec<u8>, is_all: bool) {
+        let end = if is_all { Some(text.len()) } else { text.iter().rposition(|byte| *byte == b'\n').map(|at| at + 1) };
+        for line in text.drain(..end.unwrap_or(0)).collect::<Vec<u8>>().split_inclusive(|byte| *byte == b'\n') {
+            if self.is_new(line) {
+                let _ = io::stderr().write_all(line);
+            }
+        }
+    }
+}
+
 /// The standard error of a worker.
 pub(super) struct LastWords {
     kept: Arc<Mutex<Vec<u8>>>,
@@ -21,21 +43,32 @@ pub(super) struct LastWords {
 }
 
 impl LastWords {
-    /// Begins to listen to a worker whose standard error is a pipe.
-    pub(super) fn of(child: &mut Child) -> Self {
+    /// Begins to listen to a worker whose standard error is a pipe; `told`: what others told is not passed on again.
+    pub(super) fn of(child: &mut Child, told: Option<&Told>) -> Self {
         let kept = Arc::<Mutex<Vec<u8>>>::default();
         let (sender, end) = mpsc::channel();
         if let Some(mut pipe) = child.stderr.take() {
             let kept = Arc::clone(&kept);
+            let told = told.cloned();
             thread::spawn(move || {
                 let _until_the_end = sender;
                 let mut chunk = [0; 4096];
+                let mut waiting = Vec::new();
                 while let Ok(length @ 1..) = pipe.read(&mut chunk) {
-                    let _ = io::stderr().write_all(&chunk[..length]);
+                    match &told {
+                        None => _ = io::stderr().write_all(&chunk[..length]),
+                        Some(told) => {
+                            waiting.extend(&chunk[..length]);
+                            told.pass_on(&mut waiting, false);
+                        }
+                    }
                     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
                     kept.extend(&chunk[..length]);
                     let superfluous = kept.len().saturating_sub(KEPT);
                     kept.drain(..superfluous);
+                }
+                if let Some(told) = told {
+                    told.pass_on(&mut waiting, true);
                 }
             });
         }

@@ -61,6 +61,7 @@ mod trust;
 pub mod worker;
 
 pub use ending::Aftermath;
+pub use last_words::Told;
 pub use need::{CALL_TIME_LIMIT, Need, materials, need};
 pub use supervisor::{End, Failure, Job, supervise};
 pub use system::{die_with, identity, out_of_reach, program, set_program, shared_file, spawn, this_is_the_program};

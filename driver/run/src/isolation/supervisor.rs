@@ -1,7 +1,7 @@
 //! Starts a worker and watches it.
 
 use super::ending::{Cause, Report, behind_the_end};
-use super::last_words::LastWords;
+use super::last_words::{LastWords, Told};
 use super::prints::{self, Echo};
 use super::worker::{COMMAND, Note};
 use super::{Need, replay, system};
@@ -34,6 +34,8 @@ pub struct Job<'a> {
     pub echo: Option<&'a Path>,
     /// Longest time of all that it does.
     pub time_limit: Option<Duration>,
+    /// Lines that other workers told, which are not told again.
+    pub told: Option<&'a Told>,
 }
 
 /// End of a worker.
@@ -74,7 +76,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let mut command = command(job, &path, handed_on)?;
     command.stderr(Stdio::piped());
     let mut child = system::spawn(command)?;
-    let last_words = LastWords::of(&mut child);
+    let last_words = LastWords::of(&mut child, job.told);
     let mut echo = job.echo.map(Echo::of);
     // before the run has begun, the files are an earlier one's
     let mut tell = || match &mut echo {

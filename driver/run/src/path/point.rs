@@ -12,10 +12,10 @@ use crate::program::lerp;
 use crate::program::{
     Constraint, Control, FieldValues, Measure, Mode, PointDrive, PointGoal, PointProgram, PointStep, Program,
 };
-use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, untold_thickness};
+use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, untold_nominal, untold_thickness};
 use nalgebra::Matrix3;
 use umat_abi::host::{
-    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, NotFinite, Plugin, TangentSource,
+    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, NotFinite, TangentSource,
     Trespass, UmatCall, judge,
 };
 use umat_abi::law::{Request, StressState};
@@ -30,12 +30,15 @@ pub(super) fn run(
     observer: &mut dyn Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Stop> {
-    let mut runner = Runner::new(program, point, databases).map_err(Stop::unusable)?;
+    let (mut runner, reason) = Runner::new(program, point, databases).map_err(Stop::unusable)?;
     let mut recorder = Recorder::new(program, observer);
-    if let Some(reason) = runner.find_components(&program.plugin).map_err(Stop::unusable)? {
+    if let Some(reason) = reason {
         recorder.observer.warn(format!("{} is called with NTENS = 6: {reason}", program.plugin.name));
     }
     let is_untold = runner.plane_stress && program.plugin.law.is_none() && !runner.call.is_through_solid();
+    if is_untold && point.nlgeom && point.measure == Measure::Nominal {
+        return Err(Stop::unusable(format!("$.measure: {}", untold_nominal(&program.plugin.name))));
+    }
     if is_untold && runner.finite.is_some() {
         recorder.observer.warn(untold_thickness(&program.plugin.name));
     } else if is_untold {
@@ -65,8 +68,7 @@ pub(super) fn components_of_calls(
     point: &PointProgram,
     databases: &mut ExternalDatabases,
 ) -> Result<(StressState, Option<String>), String> {
-    let mut runner = Runner::new(program, point, databases)?;
-    let reason = runner.find_components(&program.plugin)?;
+    let (runner, reason) = Runner::new(program, point, databases)?;
     let called = runner.call.solid().unwrap_or(&runner.call);
     Ok((called.stress_state(), reason))
 }
@@ -159,11 +161,12 @@ struct Trial {
 }
 
 impl<'p> Runner<'p> {
+    /// A point at its initial state, and why its calls go through six components, if the UMAT needs them.
     fn new(
         program: &'p Program,
         point: &'p PointProgram,
         databases: &'p mut ExternalDatabases,
-    ) -> Result<Self, String> {
+    ) -> Result<(Self, Option<String>), String> {
         let plugin = &program.plugin;
         let stress_state = point.mode.stress_state();
         let mut call = plugin.umat(stress_state).map_err(|error| error.to_string())?;
@@ -191,6 +194,9 @@ impl<'p> Runner<'p> {
             deformation_gradient: matrix(&initial.deformation_gradient),
             fields: initial.fields.clone(),
         };
+        let Committed { strain, stress, statev, .. } = &committed;
+        call.set_point([strain, &[0.0; 6], stress], statev, [0.0; 3]);
+        let reason = plugin.probe(&mut call).map_err(|error| error.to_string())?;
         let thickness = thickness_at(&call, committed.strain[2], strain_33, &committed.statev);
         let finite = point.nlgeom.then(|| Finite::new(point, plugin, &committed, thickness));
         let goal = Goal {
@@ -203,7 +209,7 @@ impl<'p> Runner<'p> {
             deformation_gradient: None,
             fields: [initial.fields.clone(), initial.fields.clone()],
         };
-        Ok(Self {
+        let runner = Self {
             components: stress_state.components(),
             controllable: point.mode.controllable(),
             finite,
@@ -229,19 +235,13 @@ impl<'p> Runner<'p> {
             goal,
             is_first_attempt: true,
             moduli_not_finite: None,
-        })
+        };
+        Ok((runner, reason))
     }
 
     /// ε33 of plane stress, ln F₃₃ at finite strain, at the committed state.
     fn thickness(&self) -> f64 {
         thickness_at(&self.call, self.committed.strain[2], self.strain_33, &self.committed.statev)
-    }
-
-    /// Lets the call go through six components if the UMAT needs it; then says why.
-    fn find_components(&mut self, plugin: &Plugin) -> Result<Option<String>, String> {
-        let Committed { strain, stress, statev, .. } = &self.committed;
-        self.call.set_point([strain, &[0.0; 6], stress], statev, [0.0; 3]);
-        plugin.probe(&mut self.call).map_err(|error| error.to_string())
     }
 
     /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows.

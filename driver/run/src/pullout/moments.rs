@@ -7,20 +7,16 @@ use fe_core::output::Fields;
 use fe_core::stepping::{Record, Snapshot};
 use serde::{Deserialize, Serialize};
 
-/// Keeps the fields of the moments that are wanted.
-#[derive(Debug)]
-pub struct Moments<'p> {
-    mesh: &'p Mesh,
-    wanted: &'p [PictureAt],
-    /// In the order of `wanted`.
-    states: Vec<Option<State<'p>>>,
-}
+/// Slip, load and fields of the moments that are wanted, in their order, as far as they came.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Moments(Vec<Option<(f64, f64, KeptFields)>>);
 
-/// Moments that are kept so far, without the mesh: slip, load and fields.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct KeptMoments(Vec<Option<(f64, f64, KeptFields)>>);
+impl Moments {
+    /// Keeps these.
+    pub fn new(wanted: &[PictureAt]) -> Self {
+        Self(wanted.iter().map(|_| None).collect())
+    }
 
-impl KeptMoments {
     /// Returns whether a run on this mesh that wants so many can have come to it.
     pub fn fits(&self, mesh: &Mesh, wanted: usize) -> bool {
         let fits = |(slip, load, fields): &(f64, f64, KeptFields)| {
@@ -28,37 +24,18 @@ impl KeptMoments {
         };
         self.0.len() == wanted && self.0.iter().flatten().all(fits)
     }
-}
-
-impl<'p> Moments<'p> {
-    /// Keeps these.
-    pub fn new(mesh: &'p Mesh, wanted: &'p [PictureAt]) -> Self {
-        Self { mesh, wanted, states: wanted.iter().map(|_| None).collect() }
-    }
-
-    /// Goes on from what was kept.
-    pub fn resumed(mesh: &'p Mesh, wanted: &'p [PictureAt], kept: KeptMoments) -> Self {
-        let state = |(slip, load, fields): (f64, f64, KeptFields)| State { slip, load, fields: fields.on(mesh) };
-        Self { mesh, wanted, states: kept.0.into_iter().map(|kept| kept.map(state)).collect() }
-    }
-
-    /// Returns the moments that are kept so far.
-    pub fn kept(&self) -> KeptMoments {
-        let kept = |state: &State<'_>| (state.slip, state.load, KeptFields::of(state.fields.clone()));
-        KeptMoments(self.states.iter().map(|state| state.as_ref().map(kept)).collect())
-    }
 
     /// Takes an increment into account, the `number`-th of the run from 1; returns whether it is one of the moments.
-    pub fn observe(&mut self, number: u64, record: &Record, snapshot: &Snapshot<'_>) -> bool {
+    pub fn observe(&mut self, wanted: &[PictureAt], number: u64, record: &Record, snapshot: &Snapshot<'_>) -> bool {
         let mut is_one = false;
-        for (wanted, state) in self.wanted.iter().zip(&mut self.states) {
+        for (wanted, state) in wanted.iter().zip(&mut self.0) {
             let is_now = match *wanted {
                 PictureAt::Slip(slip) => record.slip.abs() >= slip * (1.0 - ROUNDING),
                 PictureAt::Increment(increment) => number == increment,
             };
             if record.step > 0 && state.is_none() && is_now {
-                let fields = Fields::of(snapshot).kept(self.mesh);
-                *state = Some(State { slip: record.slip, load: record.load, fields });
+                let fields = KeptFields::of(Fields::of(snapshot).kept(&snapshot.model().mesh));
+                *state = Some((record.slip, record.load, fields));
                 is_one = true;
             }
         }
@@ -66,8 +43,8 @@ impl<'p> Moments<'p> {
     }
 
     /// Returns a warning that names what was wanted and did not come.
-    pub fn missed(&self) -> Option<String> {
-        let missed = self.wanted.iter().zip(&self.states).filter(|(_, state)| state.is_none());
+    pub fn missed(&self, wanted: &[PictureAt]) -> Option<String> {
+        let missed = wanted.iter().zip(&self.0).filter(|(_, state)| state.is_none());
         let names = missed.map(|(wanted, _)| match wanted {
             PictureAt::Slip(slip) => format!("a slip of {slip} mm"),
             PictureAt::Increment(increment) => format!("increment {increment}"),
@@ -78,8 +55,9 @@ impl<'p> Moments<'p> {
     }
 
     /// Returns the requested moments that were reached, in the order of the case.
-    pub fn into_states(self) -> Vec<(PictureAt, State<'p>)> {
-        self.wanted.iter().copied().zip(self.states).filter_map(|(wanted, state)| Some((wanted, state?))).collect()
+    pub fn into_states<'m>(self, wanted: &[PictureAt], mesh: &'m Mesh) -> Vec<(PictureAt, State<'m>)> {
+        let state = |(slip, load, fields): (f64, f64, KeptFields)| State { slip, load, fields: fields.on(mesh) };
+        wanted.iter().copied().zip(self.0).filter_map(|(wanted, kept)| Some((wanted, kept.map(state)?))).collect()
     }
 }
 

@@ -23,19 +23,8 @@ pub struct PeakLoad {
 }
 
 /// Keeps the greatest load with the displacements and the released elements there, and the fields if pictures are wanted.
-#[derive(Debug)]
-pub struct PeakKeeper<'p> {
-    /// `None`: the fields are not wanted.
-    mesh: Option<&'p Mesh>,
-    peak: Option<PeakLoad>,
-    displacements: Vec<f64>,
-    spalled: Vec<usize>,
-    fields: Option<Fields<'p>>,
-}
-
-/// The peak so far with its fields, without their mesh.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct KeptPeak {
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct PeakKeeper {
     peak: Option<PeakLoad>,
     displacements: Vec<f64>,
     spalled: Vec<usize>,
@@ -93,7 +82,7 @@ impl KeptFields {
     }
 }
 
-impl KeptPeak {
+impl PeakKeeper {
     /// Returns whether a run on this mesh can have come to it.
     pub fn fits(&self, mesh: &Mesh) -> bool {
         let count = if self.peak.is_some() { 2 * mesh.nodes().len() } else { 0 };
@@ -103,34 +92,14 @@ impl KeptPeak {
             && self.spalled.iter().all(|&element| element < mesh.elements().len())
             && self.fields.clone().is_none_or(|fields| fields.on(mesh).check().is_ok())
     }
-}
 
-impl<'p> PeakKeeper<'p> {
-    /// Goes on from a peak so far.
-    pub fn resumed(mesh: Option<&'p Mesh>, kept: KeptPeak) -> Self {
-        let KeptPeak { peak, displacements, spalled, fields } = kept;
-        let fields = mesh.zip(fields).map(|(mesh, fields)| fields.on(mesh));
-        Self { mesh, peak, displacements, spalled, fields }
-    }
-
-    /// The peak so far.
-    pub fn kept(&self) -> KeptPeak {
-        let fields = self.fields.clone().map(KeptFields::of);
-        KeptPeak { peak: self.peak, displacements: self.displacements.clone(), spalled: self.spalled.clone(), fields }
-    }
-
-    /// Keeps what is drawn of the peak: with a mesh fields as well.
-    pub fn new(mesh: Option<&'p Mesh>) -> Self {
-        Self { mesh, peak: None, displacements: Vec::new(), spalled: Vec::new(), fields: None }
-    }
-
-    /// Takes an increment into account; the first of equal ones is the peak.
-    pub fn observe(&mut self, record: &Record, snapshot: &Snapshot<'_>) {
+    /// Takes an increment into account; the first of equal ones is the peak. With a mesh its fields are kept as well.
+    pub fn observe(&mut self, record: &Record, snapshot: &Snapshot<'_>, mesh: Option<&Mesh>) {
         if self.rises(record) {
             self.displacements.clear();
             self.displacements.extend_from_slice(snapshot.displacements());
             self.spalled = snapshot.solids().spalled();
-            self.fields = self.mesh.map(|mesh| Fields::of(snapshot).kept(mesh));
+            self.fields = mesh.map(|mesh| KeptFields::of(Fields::of(snapshot).kept(mesh)));
         }
     }
 
@@ -157,9 +126,9 @@ impl<'p> PeakKeeper<'p> {
     }
 
     /// The state there.
-    pub fn into_state(self) -> Option<State<'p>> {
+    pub fn into_state(self, mesh: &Mesh) -> Option<State<'_>> {
         let PeakLoad { load, slip, .. } = self.peak?;
-        Some(State { slip, load, fields: self.fields? })
+        Some(State { slip, load, fields: self.fields?.on(mesh) })
     }
 }
 

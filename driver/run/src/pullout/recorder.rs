@@ -3,8 +3,8 @@
 use super::checkpoint::{Checkpoints, Saved};
 use super::fields::{FieldWriter, WrittenFields};
 use super::findings::{self, Findings, Rupture};
-use super::moments::{KeptMoments, Moments};
-use super::peak::{KeptPeak, PeakKeeper};
+use super::moments::Moments;
+use super::peak::PeakKeeper;
 use super::{PictureAt, Program, crack_band, overlap, replay};
 use crate::columns::{self, place_in_specimen};
 use crate::number::significant;
@@ -117,7 +117,7 @@ pub fn run<'p>(
     let mut recorder = Recorder::new(program, observer, fields);
     recorder.destination = checkpoints.every.map(|_| (folder.to_owned(), checkpoints));
     if let Some(saved) = from {
-        recorder.resume(saved.recorder.clone());
+        recorder.state = saved.recorder.clone();
     }
     let start = Instant::now();
     let ended = analysis.run(&mut recorder);
@@ -135,7 +135,7 @@ pub fn run<'p>(
         RunError::Write(error) => Stop::Write(error),
     });
     let result = recorder.finish(&snapshot).map_err(Stop::Write).and(ended);
-    analysis.remarks().into_iter().chain(imbalance(model, recorder.energy_error)).for_each(|remark| {
+    analysis.remarks().into_iter().chain(imbalance(model, recorder.state.energy_error)).for_each(|remark| {
         recorder.observer.warn(remark);
     });
     findings.stabilisation_share = analysis.stabilisation_share();
@@ -146,11 +146,12 @@ pub fn run<'p>(
             100.0 * findings.stabilisation_share
         ));
     }
-    if let Some(warning) = recorder.moments.as_ref().and_then(Moments::missed) {
+    let missed = recorder.state.moments.as_ref().and_then(|moments| moments.missed(&program.pictures_at));
+    if let Some(warning) = missed {
         recorder.observer.warn(warning);
     }
     let spalled = snapshot.solids().spalled();
-    let (at_peak, at_end) = (recorder.peak.shape(), (snapshot.displacements(), spalled.as_slice()));
+    let (at_peak, at_end) = (recorder.state.peak.shape(), (snapshot.displacements(), spalled.as_slice()));
     if let Some(warning) = overlap::measure(program, at_peak, at_end, &mut findings) {
         recorder.observer.warn(warning);
     }
@@ -159,8 +160,8 @@ pub fn run<'p>(
     }
     let elapsed = start.elapsed();
     let done = analysis.statistics();
-    let Recorder { fields, peak, moments, ruptures, present, energies, energy_error, initial_displacement, .. } =
-        recorder;
+    let Recorder { fields, state, .. } = recorder;
+    let RecorderState { peak, moments, ruptures, present, energies, energy_error, initial_displacement, .. } = state;
     let writing = fields.map_or(Duration::ZERO, |fields| fields.spent());
     findings.peak_load = peak.peak();
     findings.ruptures = ruptures;
@@ -183,9 +184,9 @@ pub fn run<'p>(
         },
         result,
         findings,
-        peak: peak.into_state().filter(goes_on),
+        peak: peak.into_state(&model.mesh).filter(goes_on),
         end: program.about.plots.then(end),
-        moments: moments.map(Moments::into_states).unwrap_or_default(),
+        moments: moments.map(|kept| kept.into_states(&program.pictures_at, &model.mesh)).unwrap_or_default(),
         trail,
     }
 }
@@ -232,9 +233,19 @@ struct Recorder<'p, 'o> {
     program: &'p Program,
     observer: &'o mut dyn path::Observer,
     fields: Option<FieldWriter>,
-    peak: PeakKeeper<'p>,
+    /// What a run goes on with, but for the fields.
+    state: RecorderState,
+    /// Folder of the checkpoints, and their owner.
+    destination: Option<(PathBuf, &'o Checkpoints)>,
+}
+
+/// State with which a recorder goes on.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct RecorderState {
+    pub(super) fields: Option<WrittenFields>,
+    peak: PeakKeeper,
     /// `None`: no pictures are wanted.
-    moments: Option<Moments<'p>>,
+    moments: Option<Moments>,
     ruptures: IndexMap<String, Rupture>,
     present: Present,
     energies: Energies,
@@ -245,23 +256,6 @@ struct Recorder<'p, 'o> {
     /// Displacement that an initial stress gave the specimen, mm.
     initial_displacement: Option<f64>,
     /// Total time at the start of the present step.
-    step_start: f64,
-    /// Folder of the checkpoints, and their owner.
-    destination: Option<(PathBuf, &'o Checkpoints)>,
-}
-
-/// State with which a recorder goes on.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct RecorderState {
-    pub(super) fields: Option<WrittenFields>,
-    peak: KeptPeak,
-    moments: Option<KeptMoments>,
-    ruptures: IndexMap<String, Rupture>,
-    present: Present,
-    energies: Energies,
-    so_far: Statistics,
-    energy_error: f64,
-    initial_displacement: Option<f64>,
     step_start: f64,
 }
 
@@ -320,13 +314,10 @@ impl<'p, 'o> Recorder<'p, 'o> {
     fn new(program: &'p Program, observer: &'o mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
         let values = vec![0.0; columns::count_in_specimen(&program.model.measured.fibres)];
         let present = Present { step: 0, increment: 0, values, iterations: 0, written: true };
-        let mesh = program.about.plots.then_some(&program.model.mesh);
-        Self {
-            program,
-            observer,
-            fields,
-            peak: PeakKeeper::new(mesh),
-            moments: mesh.map(|mesh| Moments::new(mesh, &program.pictures_at)),
+        let state = RecorderState {
+            fields: None,
+            peak: PeakKeeper::default(),
+            moments: program.about.plots.then(|| Moments::new(&program.pictures_at)),
             ruptures: IndexMap::new(),
             present,
             energies: Energies::default(),
@@ -334,57 +325,33 @@ impl<'p, 'o> Recorder<'p, 'o> {
             energy_error: 0.0,
             initial_displacement: None,
             step_start: 0.0,
-            destination: None,
-        }
-    }
-
-    /// Goes on where another recorder was.
-    fn resume(&mut self, state: RecorderState) {
-        let RecorderState { fields: _, peak, moments, ruptures, present, energies, so_far, .. } = state;
-        let RecorderState { energy_error, initial_displacement, step_start, .. } = state;
-        let mesh = self.program.about.plots.then_some(&self.program.model.mesh);
-        self.peak = PeakKeeper::resumed(mesh, peak);
-        self.moments = mesh.zip(moments).map(|(mesh, kept)| Moments::resumed(mesh, &self.program.pictures_at, kept));
-        self.ruptures = ruptures;
-        (self.present, self.energies, self.so_far) = (present, energies, so_far);
-        self.initial_displacement = initial_displacement;
-        (self.energy_error, self.step_start) = (energy_error, step_start);
+        };
+        Self { program, observer, fields, state, destination: None }
     }
 
     fn state(&self) -> RecorderState {
-        RecorderState {
-            fields: self.fields.as_ref().map(FieldWriter::written),
-            peak: self.peak.kept(),
-            moments: self.moments.as_ref().map(Moments::kept),
-            ruptures: self.ruptures.clone(),
-            present: self.present.clone(),
-            energies: self.energies,
-            so_far: self.so_far,
-            energy_error: self.energy_error,
-            initial_displacement: self.initial_displacement,
-            step_start: self.step_start,
-        }
+        RecorderState { fields: self.fields.as_ref().map(FieldWriter::written), ..self.state.clone() }
     }
 
     /// Writes the last row and the last fields if they were not due: a run that fails keeps all that it reached.
     fn finish(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
         self.finish_history()?;
         if self.program.about.plots {
-            let [slip, load] = ["slip", "load"].map(|name| self.present.value(name));
+            let [slip, load] = ["slip", "load"].map(|name| self.state.present.value(name));
             self.observer.state_reached(slip, load, snapshot, true);
         }
         self.fields.as_mut().map_or(Ok(()), |fields| fields.finish(snapshot))
     }
 
     fn finish_history(&mut self) -> io::Result<()> {
-        if self.present.written { Ok(()) } else { self.observer.row(self.present.row()) }
+        if self.state.present.written { Ok(()) } else { self.observer.row(self.state.present.row()) }
     }
 
     fn directive(&self) -> Directive {
-        let step = (self.present.step as usize).checked_sub(1);
+        let step = (self.state.present.step as usize).checked_sub(1);
         let step_until = step.and_then(|step| self.program.step_untils.get(step)).and_then(Option::as_ref);
         let is_repeated = self.program.about.recorded.is_some();
-        let has_reached = |until| !is_repeated && self.present.has_reached(until);
+        let has_reached = |until| !is_repeated && self.state.present.has_reached(until);
         if self.observer.ends_here() || has_reached(self.program.about.until.as_ref()) {
             Directive::EndRun
         } else if has_reached(step_until) {
@@ -397,27 +364,28 @@ impl<'p, 'o> Recorder<'p, 'o> {
     /// Returns whether the present step ends with the present row.
     fn is_at_end_of_step(&self) -> bool {
         if let Some(recorded) = &self.program.about.recorded {
-            return recorded.of_step(self.present.step).len() == self.present.increment as usize;
+            return recorded.of_step(self.state.present.step).len() == self.state.present.increment as usize;
         }
-        let step = (self.present.step as usize).checked_sub(1).and_then(|step| self.program.model.steps.get(step));
-        step.is_some_and(|step| self.present.time() >= self.step_start + step.time * (1.0 - END_TOLERANCE))
+        let step =
+            (self.state.present.step as usize).checked_sub(1).and_then(|step| self.program.model.steps.get(step));
+        step.is_some_and(|step| self.state.present.time() >= self.state.step_start + step.time * (1.0 - END_TOLERANCE))
     }
 
     /// Returns whether the present row is the last of its step or run, or its turn has come.
     fn is_due(&self, directive: Directive, every: usize) -> bool {
         directive != Directive::GoOn
             || self.is_at_end_of_step()
-            || (self.present.increment as usize).is_multiple_of(every)
+            || (self.state.present.increment as usize).is_multiple_of(every)
     }
 
     /// Takes an increment down; says how the run goes on.
     fn accept(&mut self, record: &Record) -> io::Result<Directive> {
-        if record.step != self.present.step {
-            self.step_start = self.present.time();
+        if record.step != self.state.present.step {
+            self.state.step_start = self.state.present.time();
         }
-        self.energies = record.energies;
-        self.energy_error = self.energy_error.max(record.energy_error.abs());
-        self.present = Present {
+        self.state.energies = record.energies;
+        self.state.energy_error = self.state.energy_error.max(record.energy_error.abs());
+        self.state.present = Present {
             step: record.step,
             increment: record.increment,
             values: columns::values_of_specimen(record),
@@ -425,19 +393,19 @@ impl<'p, 'o> Recorder<'p, 'o> {
             written: false,
         };
         if record.step == 0 {
-            self.present.written = true;
-            self.observer.row(self.present.row())?;
+            self.state.present.written = true;
+            self.observer.row(self.state.present.row())?;
             return Ok(Directive::GoOn);
         }
         let directive = self.directive();
         if self.is_due(directive, self.program.about.every) {
-            self.present.written = true;
-            self.observer.row(self.present.row())?;
+            self.state.present.written = true;
+            self.observer.row(self.state.present.row())?;
         }
-        self.so_far.increments += 1;
-        self.so_far.iterations += u64::from(self.present.iterations);
-        self.so_far.cutbacks += u64::from(record.cutbacks);
-        self.observer.increment_done(self.present.row(), self.so_far);
+        self.state.so_far.increments += 1;
+        self.state.so_far.iterations += u64::from(self.state.present.iterations);
+        self.state.so_far.cutbacks += u64::from(record.cutbacks);
+        self.observer.increment_done(self.state.present.row(), self.state.so_far);
         Ok(directive)
     }
 }
@@ -445,16 +413,26 @@ impl<'p, 'o> Recorder<'p, 'o> {
 impl Observer for Recorder<'_, '_> {
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
         if record.step == 0 {
-            self.initial_displacement = initial_displacement(snapshot);
+            self.state.initial_displacement = initial_displacement(snapshot);
         }
         if record.step > 0 {
             self.observer.tried(record.step, &record.tried);
         }
         let directive = self.accept(record)?;
-        self.peak.observe(record, snapshot);
-        let number = self.so_far.increments;
-        let is_moment = self.moments.as_mut().is_some_and(|moments| moments.observe(number, record, snapshot));
-        Rupture::add(&mut self.ruptures, record, &self.program.model.measured.fibres, self.program.rupture_strain);
+        let mesh = self.program.about.plots.then_some(&self.program.model.mesh);
+        self.state.peak.observe(record, snapshot, mesh);
+        let number = self.state.so_far.increments;
+        let is_moment = self
+            .state
+            .moments
+            .as_mut()
+            .is_some_and(|moments| moments.observe(&self.program.pictures_at, number, record, snapshot));
+        Rupture::add(
+            &mut self.state.ruptures,
+            record,
+            &self.program.model.measured.fibres,
+            self.program.rupture_strain,
+        );
         if self.program.about.plots {
             self.observer.state_reached(record.slip, record.load, snapshot, false);
         }

@@ -247,7 +247,11 @@ fn plane_stress_at_finite_strain() {
     let warnings = run.summary["warnings"].as_array().expect("a list");
     let told: Vec<_> = warnings.iter().filter(|warning| warning.to_string().contains("NaN")).collect();
     assert!(told.len() == 1 && told[0].to_string().contains("F33 and the column e33 are NaN"), "{warnings:?}");
+    // trial calls find that it serves three components
     case["measure"] = json!("nominal");
+    let failed = desk.run(&desk.case("nominal.json", &case), &[], "nominal", 1).outcome.stderr;
+    assert!(failed.contains("$.measure") && failed.contains("mode 3d"), "{failed}");
+    case["material"]["as"] = json!("plane");
     let refused = desk.pullout(["check".as_ref(), desk.case("nominal.json", &case).as_os_str()]).expect(2);
     assert!(refused.stderr.contains("$.measure") && refused.stderr.contains("mode 3d"), "{}", refused.stderr);
 }
