@@ -9,6 +9,7 @@ from typing import Any, Mapping, NamedTuple, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import _core
 from .case import Case, CaseLike, dotted
 from .errors import CaseError, PulloutError, RunFailed
 from .run import Run, run
@@ -162,10 +163,28 @@ class Model:
         else:
             with ThreadPoolExecutor(workers) as threads:
                 curves = list(threads.map(self._attempt, rows))
+        return self._table(curves)
+
+    def _table(self, curves: list[Array | None]) -> Array:
+        """Curves as rows, with the number that stands for those that failed."""
         lengths = {len(curve) for curve in curves if curve is not None}
         if len(lengths) > 1:
             raise CaseError(f"the curves have {min(lengths)} to {max(lengths)} points: give a grid")
         return np.array([self._filled(curve, next(iter(lengths), None)) for curve in curves])
+
+    def _beside(self, base: Run, trail: _core.Trail, points: Array) -> Array:
+        """The curves of rows of parameters by runs along the states of one, at once: they share factors."""
+
+        def curve(point: Array, turn: _core.Trail) -> Array | None:
+            model, along = copy.copy(self), copy.copy(base)
+            model._along, along._trail = along, turn
+            try:
+                return model._attempt(point)
+            finally:
+                turn.leave()
+
+        with ThreadPoolExecutor(len(points)) as threads:
+            return self._table(list(threads.map(curve, points, trail.together(len(points)))))
 
     def jac(self, x: ArrayLike, executor: Executor | None = None) -> Array:
         """Derivatives of the curve (rows) by the parameters (columns), by forward differences of :data:`STEP`, backward
@@ -181,13 +200,16 @@ class Model:
         moved = start + np.diag(np.where(start + steps > upper, -steps, steps))
         curve, made = self._run(start, record=True)
         base = self._filled(curve)
-        frozen = copy.copy(self)
-        if executor is None or isinstance(executor, ThreadPoolExecutor):
-            frozen._along = made
-        elif made is not None and made.increments is not None:
-            # other processes have no states of this one
-            frozen.case = self.case.with_({"increments": made.increments})
-        curves = frozen.batch(moved, executor)
+        if executor is None and made is not None and made._trail is not None:
+            curves = self._beside(made, made._trail, moved)
+        else:
+            frozen = copy.copy(self)
+            if executor is None or isinstance(executor, ThreadPoolExecutor):
+                frozen._along = made
+            elif made is not None and made.increments is not None:
+                # other processes have no states of this one
+                frozen.case = self.case.with_({"increments": made.increments})
+            curves = frozen.batch(moved, executor)
         derivatives: Array = ((curves - base) / (np.diag(moved) - start)[:, None]).T
         return derivatives
 

@@ -3,7 +3,7 @@
 use crate::errors::{Exception, case_error, of_panic, without_panic};
 use numpy::{IntoPyArray, PyArray1};
 use pullout_case::CaseErrors;
-use pullout_engine::{self as engine, Error, Outcome, Settings, Source};
+use pullout_engine::{Along, Error, Outcome, Settings, Source};
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
 use pyo3::prelude::*;
@@ -33,7 +33,20 @@ type Results<'py> = (Vec<Column<'py>>, String, Option<String>, Option<String>, O
 
 /// The states of a specimen, along which a run with nearly the same parameters goes.
 #[pyclass(frozen, module = "pullout_fe._core")]
-pub struct Trail(Arc<engine::Trail>);
+pub struct Trail(Along);
+
+#[pymethods]
+impl Trail {
+    /// The same for as many runs that are under way at once, and share factors.
+    fn together(&self, count: usize) -> Vec<Self> {
+        Along::together(&self.0.trail, count).into_iter().map(Self).collect()
+    }
+
+    /// Lets the others go on without a run that may not have begun.
+    fn leave(&self) {
+        self.0.leave();
+    }
+}
 
 /// Progress of a run: the part that is done, and the present row.
 type State = Option<(f64, Vec<f64>)>;
@@ -117,7 +130,7 @@ pub fn run<'py>(
             threads: NonZeroUsize::new(threads),
             stop: Arc::clone(&stop),
             records,
-            along: along.map(|trail| Arc::clone(&trail.get().0)),
+            along: along.map(|trail| trail.get().0.clone()),
             views,
             listener: listener.as_ref().map(|_| {
                 let state = Arc::clone(&state);
@@ -196,7 +209,7 @@ fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
         let unit = Outcome::unit(&name);
         (name, unit, values.into_pyarray(py))
     });
-    Ok((columns.collect(), summary, replay, increments, outcome.trail.map(Trail), outcome.view))
+    Ok((columns.collect(), summary, replay, increments, outcome.trail.map(|trail| Trail(trail.into())), outcome.view))
 }
 
 /// Does something that may call plugins on a thread with the stack that they may want.

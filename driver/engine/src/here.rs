@@ -75,9 +75,9 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
             // what is drawn is told of while the run goes on
             program.about.plots = views;
             program.keeps_trail = records;
-            if let Some(trail) = along {
-                program.about.recorded = Some(Arc::new(trail.recorded.clone()));
-                program.along = Some(trail);
+            if let Some(along) = along {
+                program.about.recorded = Some(Arc::new(along.trail.recorded.clone()));
+                program.along = Some(along);
             }
             with_own = Case::Pullout(program);
             &with_own

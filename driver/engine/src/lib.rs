@@ -11,7 +11,7 @@
 mod apart;
 mod here;
 
-pub use fe_core::stepping::Trail;
+pub use fe_core::stepping::{Along, Trail};
 pub use here::{Followed, extent, follow};
 pub use pullout_run::isolation::{identity, let_all_in, set_program};
 
@@ -66,7 +66,7 @@ pub struct Settings {
     pub records: bool,
     /// The states of a run of the same specimen with nearly the same numbers, along which this one goes: the difference of both
     /// is that of the solutions, whatever the tolerance, and costs an iteration or two in each increment. Not for a run in a child.
-    pub along: Option<Arc<Trail>>,
+    pub along: Option<Along>,
     /// Makes the viewer of a specimen; not of a run in a child.
     pub views: bool,
     /// Hears on the thread of [`Prepared::run`] how far the run is; not of a run in a child.

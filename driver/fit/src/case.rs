@@ -12,7 +12,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationRe
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 use pullout_case::CsvFile;
-use pullout_engine::{Outcome, Settings, Source, Trail};
+use pullout_engine::{Along, Outcome, Settings, Source};
 use pullout_report::compare::Turns;
 use pullout_report::directory::ResultDirectory;
 use pullout_run::PLUGIN_STACK;
@@ -23,7 +23,6 @@ use std::cell::Cell;
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium.
 const STEP: f64 = 1e-6;
@@ -342,7 +341,7 @@ enum Increments {
     /// Its increments.
     Recorded(Value),
     /// The states of a specimen.
-    Trail(Arc<Trail>),
+    Trail(Along),
 }
 
 /// The best run so far.
@@ -443,27 +442,34 @@ impl Problem<'_> {
         increments: Option<&Increments>,
     ) -> Result<DMatrix<f64>, String> {
         self.runs.set(self.runs.get() + values.len());
-        let column = |k: usize| -> Result<DVector<f64>, String> {
+        let column = |k: usize, increments: Option<Increments>| -> Result<DVector<f64>, String> {
             let mut moved = values.to_vec();
             let step = STEP * size(values[k]);
             moved[k] += if moved[k] + step > self.request.free[k].bounds[1] { -step } else { step };
-            let (curve, _) = curve(self.request, self.data, &moved, increments)?;
+            let (curve, _) = curve(self.request, self.data, &moved, increments.as_ref())?;
             let step = moved[k] - values[k];
             Ok(DVector::from_iterator(
                 curve.len(),
                 curve.iter().zip(computed).map(|(there, here)| (there - here) / step),
             ))
         };
-        let processors = std::thread::available_parallelism().map_or(1, usize::from);
+        let count = values.len();
+        let (at_once, each) = match increments {
+            Some(Increments::Trail(along)) => (
+                count,
+                Along::together(&along.trail, count).into_iter().map(|along| Some(Increments::Trail(along))).collect(),
+            ),
+            others => (std::thread::available_parallelism().map_or(1, usize::from), vec![others.cloned(); count]),
+        };
         let mut columns = Vec::new();
-        let numbers: Vec<usize> = (0..values.len()).collect();
-        for numbers in numbers.chunks(processors) {
+        let mut sought = (0..).zip(each);
+        while columns.len() < count {
             let some: Vec<Result<DVector<f64>, String>> = std::thread::scope(|scope| {
-                let spawn = |k: usize| {
+                let spawn = |(k, increments): (usize, Option<Increments>)| {
                     let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK);
-                    thread.spawn_scoped(scope, move || column(k)).map_err(|error| error.to_string())
+                    thread.spawn_scoped(scope, move || column(k, increments)).map_err(|error| error.to_string())
                 };
-                let threads: Vec<_> = numbers.iter().map(|&k| spawn(k)).collect();
+                let threads: Vec<_> = sought.by_ref().take(at_once).map(spawn).collect();
                 let join = |thread: Result<std::thread::ScopedJoinHandle<'_, _>, String>| {
                     thread?.join().unwrap_or_else(|_| Err("a run ended its thread".into()))
                 };
@@ -490,7 +496,7 @@ fn curve(
             source.overrides.push(format!("increments={}", json!({ "recorded": recorded })));
             None
         }
-        Some(Increments::Trail(trail)) => Some(Arc::clone(trail)),
+        Some(Increments::Trail(along)) => Some(along.clone()),
         None => None,
     };
     let prepared = source.read().map_err(|errors| {
@@ -502,7 +508,7 @@ fn curve(
         return Err(outcome.summary.message.unwrap_or_else(|| "the run did not come to its end".into()));
     }
     let computed = at_data(&outcome, &request.curve, data)?;
-    let trail = outcome.trail.map(Increments::Trail);
+    let trail = outcome.trail.map(|trail| Increments::Trail(trail.into()));
     Ok((computed, trail.or_else(|| outcome.increments.map(Increments::Recorded))))
 }
 

@@ -13,6 +13,7 @@ pub(crate) use far_field::may_be_condensed;
 pub use far_field::touching;
 pub(crate) use loads::loaded_freedoms;
 pub use solids::{GreatestInPart, Solids, SolidsError};
+pub(crate) use system::Factor;
 pub use system::{Condensation, System, SystemState};
 pub(crate) use trouble::Setback;
 pub use trouble::{Place, Trouble};

@@ -55,6 +55,13 @@ pub struct System {
     far_places: Vec<u32>,
 }
 
+/// A matrix with its factor, apart from the system.
+pub(crate) struct Factor {
+    matrix: SystemMatrix,
+    blocks: Blocks,
+    solver: LinearSolver,
+}
+
 /// State of a system that is stored: its matrix may be that of an earlier increment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SystemState {
@@ -237,6 +244,24 @@ impl System {
     /// Factorises the matrix.
     pub fn factorise(&mut self, symmetry: Symmetry) -> Result<FactorisationReport, SolverError> {
         self.solver.factorise(&self.matrix, symmetry)
+    }
+
+    /// Makes a matrix of the present pattern without a factor.
+    pub(crate) fn new_factor(&self) -> Factor {
+        let matrix = SystemMatrix::new(Arc::clone(self.matrix.pattern()));
+        Factor { matrix, blocks: Blocks::default(), solver: self.solver.anew() }
+    }
+
+    /// Returns whether a factor is of the same equations.
+    pub(crate) fn fits(&self, factor: &Factor) -> bool {
+        factor.matrix.pattern() == self.matrix.pattern()
+    }
+
+    /// Exchanges matrix and factor with those of another system.
+    pub(crate) fn exchange(&mut self, other: &mut Factor) {
+        std::mem::swap(&mut self.matrix, &mut other.matrix);
+        std::mem::swap(&mut self.blocks, &mut other.blocks);
+        std::mem::swap(&mut self.solver, &mut other.solver);
     }
 
     /// The matrix and what its factor depends on, as they are kept between runs.

@@ -43,6 +43,12 @@ impl LinearSolver {
         }
     }
 
+    /// Makes another solver for the same pattern.
+    pub(crate) fn anew(&self) -> Self {
+        let made = Self::new(&self.pattern, &self.nodes, self.options).with_positions(self.positions.clone());
+        Self { threads: self.threads.clone(), ..made }
+    }
+
     /// Tells where the node of each equation is, mm: a large definite matrix is then factorised in parts.
     pub fn with_positions(self, positions: Vec<[f64; 2]>) -> Self {
         Self { positions, ..self }

@@ -27,7 +27,7 @@ pub use record::{Counts, Directive, FibreRecord, Observer, Record};
 pub use recorded::{Recorded, Tried, Verdict, Way};
 pub use snapshot::Snapshot;
 pub use times::Times;
-pub use trail::Trail;
+pub use trail::{Along, Trail};
 
 use crate::assembly::solids::PartAccount;
 use crate::assembly::{Equations, GREATEST_COUNT, Place, Solids, Trouble};
@@ -302,7 +302,7 @@ impl<'m> Analysis<'m> {
         let first = self.model.steps.first().map(|step| self.beginning(step, 1).run.time_increment(0.0));
         let clock_of_first = Clock { time_increment: first.unwrap_or_default(), ..clock(&context, 0.0) };
         self.databases.increment_starts(clock_of_first);
-        let along = self.along.as_ref().map(|trail| Lead { before: None, guide: &trail.datum });
+        let along = self.along.as_ref().map(|trail| Lead { at: [0, 0], before: None, guide: &trail.datum });
         let mut converged = self
             .equilibrium
             .attempt(Attempt::new(&self.present.committed, &target, context).along(along))

@@ -7,7 +7,7 @@
 use super::control::StepRun;
 use super::newton::{Leader, Target};
 use super::record::{Directive, Observer};
-use super::{Analysis, RunError, Trail};
+use super::{Along, Analysis, RunError, Trail};
 use crate::assembly::Trouble;
 use crate::contact::PointIndex;
 use crate::model::{IncrementContext, Step};
@@ -161,9 +161,10 @@ impl Analysis<'_> {
 
     /// Goes along the states of a run of the same model with nearly the same parameters, whose difference to them is then
     /// that of the solutions, whatever the tolerance. Of a model with another mesh it repeats the increments.
-    pub fn follow(&mut self, trail: Arc<Trail>) {
-        self.repeats = Some(trail.recorded.clone());
-        self.along = Some(trail).filter(|trail| trail.fits(self.model));
+    pub fn follow(&mut self, along: &Along) {
+        self.repeats = Some(along.trail.recorded.clone());
+        self.along = Some(Arc::clone(&along.trail)).filter(|trail| trail.fits(self.model));
+        self.equilibrium.turn = along.take_turn().filter(|_| self.along.is_some());
     }
 
     /// Returns where the attempt that was just made leads.

@@ -1,9 +1,10 @@
 //! The states through which a run went, along which a run with nearly the same parameters is led: for derivatives of a
 //! history by its parameters (doc.md).
 
-use super::newton::{Guide, Round};
+use super::newton::{Guide, Round, Turn};
 use super::{Recorded, Tried};
 use crate::model::Model;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// States through which a run of a specimen went.
 #[derive(Clone, Debug, Default)]
@@ -16,9 +17,44 @@ pub struct Trail {
     steps: Vec<Vec<Guide>>,
 }
 
+/// The trail along which a run goes, by itself or among others that share factors.
+#[derive(Clone, Debug)]
+pub struct Along {
+    /// The trail.
+    pub trail: Arc<Trail>,
+    /// For the run that begins first.
+    turn: Arc<Mutex<Option<Turn>>>,
+}
+
+impl From<Arc<Trail>> for Along {
+    fn from(trail: Arc<Trail>) -> Self {
+        Self { trail, turn: Arc::default() }
+    }
+}
+
+impl Along {
+    /// Returns what as many runs go along, which share factors. They must be under way at once: each waits for others, until they go
+    /// on, end, or [`Self::leave`].
+    pub fn together(trail: &Arc<Trail>, count: usize) -> Vec<Self> {
+        let made = |turn| Self { trail: Arc::clone(trail), turn: Arc::new(Mutex::new(Some(turn))) };
+        Turn::all(count).into_iter().map(made).collect()
+    }
+
+    /// Lets the others go on without a run that may not have begun.
+    pub fn leave(&self) {
+        drop(self.take_turn());
+    }
+
+    pub(super) fn take_turn(&self) -> Option<Turn> {
+        self.turn.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
 /// The way through an increment of another run, and where it began.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lead<'a> {
+    /// Step and increment; 0 at the datum.
+    pub(super) at: [u32; 2],
     /// The last round before it.
     pub(super) before: Option<&'a Round>,
     /// The way.
@@ -42,11 +78,12 @@ impl Trail {
 
     /// Returns the way through an increment; both from 1.
     pub(super) fn lead(&self, step: u32, increment: u32) -> Option<Lead<'_>> {
+        let at = [step, increment];
         let index = |number: u32| (number as usize).checked_sub(1);
         let (step, increment) = (index(step)?, index(increment)?);
         let guide = self.steps.get(step)?.get(increment)?;
         let earlier = self.steps[..step].iter().flatten().chain(&self.steps[step][..increment]);
         let before = earlier.last().unwrap_or(&self.datum).rounds.last();
-        Some(Lead { before, guide })
+        Some(Lead { at, before, guide })
     }
 }

@@ -165,16 +165,15 @@ impl CrackBand {
 
     /// Refuses a length beyond which the strain of a softening element would run backwards.
     pub fn check(&self, curve: &Uniaxial, parameter: &'static str) -> Result<(), ConfigurationError> {
-        let peak = peak(curve);
-        let limit = self.limit(curve, &peak, curve.work(peak.energy, peak.eta));
-        if self.is_below(limit) {
-            Ok(())
-        } else {
-            Err(ConfigurationError::CharacteristicLengthTooLarge { parameter, length: self.length, limit })
+        let stretch = self.stretch(curve);
+        if self.allows(curve, &stretch) {
+            return Ok(());
         }
+        let limit = self.limit(curve, &stretch.peak, stretch.peak_work);
+        Err(ConfigurationError::CharacteristicLengthTooLarge { parameter, length: self.length, limit })
     }
 
-    /// Returns whether [`Self::check`] admits the length, from its stretch; lengths far below the limit are recognised at once.
+    /// Returns whether the strain runs forwards with this length, from its stretch; lengths far below the limit are recognised at once.
     pub fn allows(&self, curve: &Uniaxial, stretch: &Stretch) -> bool {
         let bound = curve.slope_bound(&stretch.peak);
         stretch.factor > self.least_factor(curve, bound)

@@ -3,10 +3,9 @@
 use crate::columns;
 use crate::program::{About, Until};
 use fe_core::model::{ContactLaw, Model, PluginLaw};
-use fe_core::stepping::Trail;
+use fe_core::stepping::Along;
 use fe_core::threads::Threads;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// A moment that pictures show.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,7 +40,7 @@ pub struct Program {
     /// Whether the states that the run goes through are kept.
     pub keeps_trail: bool,
     /// The states of a run with nearly the same parameters, along which this one goes.
-    pub along: Option<Arc<Trail>>,
+    pub along: Option<Along>,
 }
 
 impl Program {

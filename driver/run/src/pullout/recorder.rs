@@ -21,7 +21,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 #[cfg(test)]
@@ -97,7 +96,7 @@ pub fn run<'p>(
         analysis.checkpoint_every(every);
     }
     match (&program.along, &program.about.recorded) {
-        (Some(trail), _) => analysis.follow(Arc::clone(trail)),
+        (Some(along), _) => analysis.follow(along),
         (None, Some(recorded)) => analysis.repeat(recorded.as_ref().clone()),
         (None, None) => {}
     }

@@ -7,6 +7,9 @@ use crate::stepping::zone::Zone;
 
 /// The part of what there is to correct at the start of a round that may be left at its end.
 const LEFT: f64 = 1e-4;
+/// What a first correction by the factor of another run may leave: as a part of what there was to correct, since an error of first order
+/// adds up where matter softens, and of what rounding may make of a residual, which mostly makes less.
+const ROUGHLY_LEFT: [f64; 2] = [1e-6, 0.1];
 /// The part of what rounding may make of a residual at which there is nothing to correct: a difference so small has been left by the
 /// sums of the displacements.
 const NOTHING: f64 = 1e-3;
@@ -65,12 +68,18 @@ impl Beside {
     }
 
     /// Returns whether so little of residual and growth is left that the round is at its end. `rounding`: what residuals are known to, N;
-    /// a difference of two may be far smaller, so that one correction is made all the same.
-    pub(super) fn is_reached(&mut self, residual: f64, growth: f64, rounding: f64) -> bool {
+    /// a difference of two may be far smaller, so that one correction is made all the same. `rough`: after a first one by the factor of
+    /// another run.
+    pub(super) fn is_reached(&mut self, residual: f64, growth: f64, rounding: f64, rough: bool) -> bool {
         let missing = (self.growth - growth).abs();
-        let least = if self.first.is_none() { NOTHING * rounding } else { rounding };
+        let [left, least] = match self.first {
+            None => [LEFT, NOTHING],
+            Some(_) if rough => ROUGHLY_LEFT,
+            Some(_) => [LEFT, 1.0],
+        };
         let first = self.first.get_or_insert([residual, missing]);
-        residual <= (LEFT * first[0]).max(least) && missing <= (LEFT * first[1]).max(ROUNDING * self.growth.abs())
+        residual <= (left * first[0]).max(least * rounding)
+            && missing <= (LEFT * first[1]).max(ROUNDING * self.growth.abs())
     }
 }
 
@@ -131,6 +140,7 @@ impl Equilibrium<'_> {
         self.beside = Some(Beside { residual: end.residual.clone(), growth: end.growth, first: None });
         // the factor is of another state: with it corrections are many, and leave more than rounding
         self.memory.last_reduction = 1.0;
+        self.take_turn([lead.at[0], lead.at[1], round as u32]);
         Ok(())
     }
 }

@@ -61,8 +61,9 @@ impl Equilibrium<'_> {
 
     fn is_converged(&mut self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {
         let growth = self.growth(attempt);
+        let rough = attempt.round().len() == 1 && self.needs_no_tangents();
         if let Some(beside) = &mut self.beside {
-            return beside.is_reached(residual, growth, self.memory.rounding);
+            return beside.is_reached(residual, growth, self.memory.rounding, rough);
         }
         let tolerance = self.tolerance(scale);
         let displacements = &attempt.trial.displacements;

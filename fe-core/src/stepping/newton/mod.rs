@@ -18,9 +18,11 @@ mod drag;
 mod iteration;
 mod policy;
 mod state;
+mod turn;
 
 pub(super) use beside::{Guide, Round};
 pub(super) use state::{EquilibriumState, foreign_state};
+pub(super) use turn::Turn;
 
 use super::times::timed;
 use super::trail::Lead;
@@ -37,6 +39,7 @@ use serde::{Deserialize, Serialize};
 use state::Memory;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use turn::Handed;
 use umat_abi::law::Request;
 
 /// The state at the end of the last accepted increment.
@@ -185,6 +188,10 @@ pub(super) struct Equilibrium<'m> {
     pub(super) keeps_rounds: bool,
     /// The end of the present round in the run beside which this one goes.
     beside: Option<Beside>,
+    /// Its turn among runs that share factors.
+    pub(super) turn: Option<Turn>,
+    /// A factor that goes round among them.
+    handed: Option<Handed>,
 }
 
 /// The force scale does not fall below this part of the largest so far: a fibre that has left carries nothing.
@@ -224,6 +231,8 @@ impl<'m> Equilibrium<'m> {
             stop: None,
             keeps_rounds: false,
             beside: None,
+            turn: None,
+            handed: None,
         })
     }
 
@@ -251,7 +260,9 @@ impl<'m> Equilibrium<'m> {
         self.memory.at_committed_state = false;
         let mut settlements = 0;
         for round in 1.. {
+            self.factorise_for_all();
             self.newton(&mut attempt)?;
+            self.hand_on();
             self.keep_round(&mut attempt);
             if self.contact.settle().again {
                 settlements += 1;
@@ -394,12 +405,13 @@ impl<'m> Equilibrium<'m> {
 
     /// Evaluates forces, residual and tangents at the trial state.
     pub(super) fn evaluate(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
-        let request = Request::StressAndTangent;
+        let is_led = matches!(attempt.target, Target::Led { .. });
+        let request = if self.needs_no_tangents() && !is_led { Request::Stress } else { Request::StressAndTangent };
         let (trial, context) = (&attempt.trial, attempt.context());
         let Model { mesh, loads, fields, steps, .. } = self.model;
         let Self { solids, contact, system, memory, times, .. } = self;
         memory.statistics.evaluations += 1;
-        memory.has_tangents = true;
+        memory.has_tangents = request.wants_tangent();
         memory.internal.fill(0.0);
         timed(&mut times.solids, || solids.evaluate(&trial.displacements, &context, request, &mut memory.internal))?;
         memory.blocks.clear();

@@ -38,6 +38,7 @@ impl Equilibrium<'_> {
         if self.may_reuse_factor() {
             return Ok(());
         }
+        self.hand_on();
         if !self.memory.has_tangents {
             self.evaluate(attempt)?;
         }
@@ -91,14 +92,14 @@ impl Equilibrium<'_> {
     /// Makes sure that the next increment finds a factor or tangents. Those of the committed state by itself, in which
     /// nothing grows, would be of an unloading solid, and predict badly.
     pub(super) fn prepare_next(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
-        if self.memory.has_tangents || self.may_reuse_factor() {
+        if self.memory.has_tangents || self.may_reuse_factor() || self.beside.is_some() {
             return Ok(());
         }
         self.evaluate(attempt)
     }
 
     /// Factorises the matrix, of which only what has changed since the last time is done again.
-    fn factorise(&mut self) -> Result<(), Trouble> {
+    pub(super) fn factorise(&mut self) -> Result<(), Trouble> {
         let Self { model, solids, contact, system, memory, times, extent, .. } = self;
         let keep = model.skipping.unchanged_elements && memory.factorised;
         let elements_changed = !keep || solids.latest_version() != memory.assembled_version;

@@ -4,7 +4,7 @@ use super::{Keeper, snap_back};
 use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, Mesh, MeshDefinition};
 use crate::model::{Model, PluginLaw, StepControl};
-use crate::stepping::{Analysis, Record, Recorded, RunError, Trail, Tried, Verdict, Way};
+use crate::stepping::{Along, Analysis, Record, Recorded, RunError, Statistics, Trail, Tried, Verdict, Way};
 use std::sync::Arc;
 
 fn recorded(records: &[Record]) -> Recorded {
@@ -61,11 +61,16 @@ fn with_trail(model: &Model) -> (Vec<Record>, Arc<Trail>) {
 
 /// Returns the loads of a run beside another one, and its iterations.
 fn beside(model: &Model, trail: &Arc<Trail>) -> (Vec<f64>, u64) {
+    let (loads, statistics) = go(model, &Arc::clone(trail).into());
+    (loads, statistics.iterations)
+}
+
+fn go(model: &Model, along: &Along) -> (Vec<f64>, Statistics) {
     let mut analysis = Analysis::new(model).unwrap();
-    analysis.follow(Arc::clone(trail));
+    analysis.follow(along);
     let mut keeper = Keeper::default();
     analysis.run(&mut keeper).unwrap();
-    (keeper.0.iter().map(|record| record.load).collect(), analysis.statistics().iterations)
+    (keeper.0.iter().map(|record| record.load).collect(), analysis.statistics())
 }
 
 /// The load of an element that fails through a snap-back, by its strength: differences of runs along the states of the first,
@@ -102,6 +107,39 @@ fn derivatives_along_a_trail_are_those_between_exact_equilibria() {
     let greatest = between.iter().fold(0.0_f64, |greatest, slope| greatest.max(slope.abs()));
     for (along, between) in along.iter().zip(&between) {
         approx::assert_abs_diff_eq!(along, between, epsilon = 1e-4 * greatest);
+    }
+}
+
+#[test]
+fn runs_that_share_factors_come_to_the_derivatives_of_each_alone() {
+    let (base, trail) = with_trail(&snap_back::bar());
+    let steps = [1e-6, -1e-6, 2e-6];
+    let slopes = |loads: &[f64], step: f64| -> Vec<f64> {
+        loads.iter().zip(&base).map(|(load, record)| (load - record.load) / step).collect()
+    };
+    let scaled = |step: f64| snap_back::bar_of((1.0 + step) * snap_back::THRESHOLD);
+    let alone = steps.map(|step| slopes(&beside(&scaled(step), &trail).0, step));
+    let greatest = alone[0].iter().fold(0.0_f64, |greatest, slope| greatest.max(slope.abs()));
+    // none, or one of them is given up before it begins
+    for without in [None, Some(1)] {
+        let members = Along::together(&trail, steps.len());
+        std::thread::scope(|scope| {
+            let begin = |(number, along): (usize, Along)| {
+                let begun = without != Some(number);
+                begun.then(|| (number, scope.spawn(move || go(&scaled(steps[number]), &along))))
+            };
+            let runs: Vec<_> = members.into_iter().enumerate().filter_map(begin).collect();
+            for (number, run) in runs {
+                let (loads, statistics) = run.join().unwrap();
+                for (shared, alone) in slopes(&loads, steps[number]).iter().zip(&alone[number]) {
+                    approx::assert_abs_diff_eq!(shared, alone, epsilon = 1e-4 * greatest);
+                }
+                let factors = statistics.factorisations + statistics.block_factorisations;
+                let makes_factors = number == 0 || without.is_some();
+                let many = factors > base.len() as u64 / 2;
+                assert_eq!(many, makes_factors, "run {number} without {without:?}: {factors} in {}", base.len() - 1);
+            }
+        });
     }
 }
 
