@@ -96,6 +96,11 @@ fn resolve(
     let (paths, values): (Vec<String>, Vec<Value>) = set.into_iter().unzip();
     let base = overridden(reader, &base, &paths, &values, &root.key("set"))?;
     let (parameters, mut runs) = design(reader, of_file)?;
+    let parameters: Vec<String> = parameters.iter().map(|path| pullout_case::dotted(path)).collect();
+    if let Some((_, path)) = parameters.iter().enumerate().find(|(k, path)| parameters[..*k].contains(path)) {
+        reader.problem(&root, format!("the path {path} is given twice: give it once"));
+        return None;
+    }
     if runs.len() > MOST_RUNS {
         reader.problem(&root, format!("{} runs are more than the {MOST_RUNS} that a sweep may have", runs.len()));
         return None;
