@@ -417,6 +417,32 @@ fn parts_of_a_sweep_by_number() {
     }
 }
 
+/// A child that a signal ends while the exit handlers of its library run has all its rows: nothing is wrong with it.
+#[test]
+fn ctrl_c_ends_the_work_without_a_word_of_exit_handlers() {
+    let desk = Desk::new();
+    if misbehaving(&desk).is_none() {
+        return;
+    }
+    let material =
+        json!({ "plugin": "./libmisbehaving.so", "nstatv": 2, "props": [1000.0, 10, 1, 3], "call_time_limit_s": 50 });
+    let base = json!({ "kind": "point", "mode": "3d", "material": material,
+        "steps": [{ "increments": 5, "target": { "e11": 0.005 } }] });
+    let sweep = json!({ "kind": "sweep", "base": base, "points": [{ "steps.0.target.e11": 0.004 }] });
+    desk.case("sweep.json", &sweep);
+    sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
+    let mut work = command();
+    work.args(["sweep", "work", "--quiet", "--jobs", "1"]).arg(desk.path("store")).stderr(Stdio::piped());
+    let child = work.spawn().expect("the program starts");
+    std::thread::sleep(Duration::from_secs(3));
+    let pid = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw).expect("a process");
+    rustix::process::kill_process(pid, rustix::process::Signal::INT).expect("a signal");
+    let ended = child.wait_with_output().expect("ended");
+    assert_eq!(String::from_utf8_lossy(&ended.stderr), "");
+    assert_eq!(ended.status.code(), Some(0), "its run was over");
+    assert_eq!(texts(&collected(&desk, &desk.path("store")), "status"), ["done"]);
+}
+
 /// Arguments of a command of `sweep` with a folder.
 fn sweep_with(desk: &Desk, action: &str, more: &[&str], code: i32) -> String {
     let arguments = ["sweep", action].into_iter().chain(more.iter().copied());
