@@ -9,7 +9,6 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{Type, TypePtr};
-use std::collections::BTreeSet;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -49,16 +48,6 @@ impl Column {
             Self::Number(values) => values.len(),
             Self::Count(values) => values.len(),
             Self::List(values) => values.len(),
-        }
-    }
-
-    /// A column of the same kind without rows.
-    fn empty(&self) -> Self {
-        match self {
-            Self::Text(_) => Self::Text(Vec::new()),
-            Self::Number(_) => Self::Number(Vec::new()),
-            Self::Count(_) => Self::Count(Vec::new()),
-            Self::List(_) => Self::List(Vec::new()),
         }
     }
 
@@ -167,20 +156,15 @@ impl Table {
         self.columns.iter().find(|(other, _)| other == name).map(|(_, column)| column)
     }
 
-    /// A table of the given rows of several, the number of the table and the row in it, with the columns that these have.
-    pub fn gathered(tables: &[Self], rows: &[(usize, usize)]) -> Self {
-        let mut gathered = Self::default();
-        let used: BTreeSet<usize> = rows.iter().map(|&(table, _)| table).collect();
-        for (name, column) in used.iter().flat_map(|&table| &tables[table].columns) {
-            if gathered.column(name).is_none() {
-                gathered.columns.push((name.clone(), column.empty()));
+    /// Adds rows of other tables, each by the number of the table and the row in it; `None`: an empty one.
+    pub fn gather(&mut self, tables: &[Self], rows: &[Option<(usize, usize)>]) {
+        for (name, column) in &mut self.columns {
+            let theirs: Vec<Option<&Column>> = tables.iter().map(|table| table.column(name)).collect();
+            for row in rows {
+                let (theirs, row) = row.map_or((None, 0), |(table, row)| (theirs[table], row));
+                column.push(theirs, row);
             }
         }
-        for (name, column) in &mut gathered.columns {
-            let theirs: Vec<Option<&Column>> = tables.iter().map(|table| table.column(name)).collect();
-            rows.iter().for_each(|&(table, row)| column.push(theirs[table], row));
-        }
-        gathered
     }
 
     /// Writes a Parquet file and puts it into its place at once.

@@ -55,14 +55,22 @@ struct Office<'w> {
     store: &'w Store,
     sweep: &'w Sweep,
     work: &'w Work,
-    engine: String,
-    /// Names of the machine and of its processor.
-    machine: (String, String),
+    maker: Maker,
     due: Vec<Due>,
     next: AtomicUsize,
     over: AtomicUsize,
     /// Hears how many runs are over, of how many.
     told: &'w (dyn Fn(usize, usize) + Sync),
+}
+
+/// Machine and program that make rows.
+#[derive(Default)]
+pub(crate) struct Maker {
+    host: String,
+    /// Name of the processor.
+    cpu: String,
+    /// The program, in hexadecimal.
+    engine: String,
 }
 
 /// Runs what is left of a sweep. `told` hears how many runs are over, of how many that were left.
@@ -72,13 +80,13 @@ struct Office<'w> {
 pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) -> io::Result<Worked> {
     let sweep = store.sweep()?;
     let identity = isolation::identity()?;
-    let engine = identity.iter().map(|byte| format!("{byte:02x}")).collect();
     let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let (machine, due) = (machine(), Vec::new());
-    let mut office = Office { store, sweep: &sweep, work, engine, machine, due, next, over, told };
+    let maker = Maker::new(identity);
+    let mut office = Office { store, sweep: &sweep, work, maker, due: Vec::new(), next, over, told };
     let mut keys = Keys::new(&sweep, identity);
     office.take_over(&mut keys)?;
-    let known = Known::of(store)?;
+    let mut known = Known::default();
+    known.read(store)?;
     let (number, of) = work.chunk.unwrap_or((0, 1));
     let count = sweep.runs.len();
     let runs = count * number / of..count * (number + 1) / of;
@@ -123,14 +131,27 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
     }
 }
 
+impl Maker {
+    /// The program of this identity, on this machine.
+    fn new(identity: [u8; 32]) -> Self {
+        let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+        let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let model =
+            told.lines().find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned()));
+        let engine = identity.iter().map(|byte| format!("{byte:02x}")).collect();
+        Self { host: host.trim().to_owned(), cpu: model.unwrap_or_default(), engine }
+    }
+}
+
 impl Office<'_> {
     /// Keeps the rows that workers left which are gone, and names the runs that were lost with them.
     fn take_over(&self, keys: &mut Keys<'_>) -> io::Result<()> {
-        let left = left_behind(self.store, &self.engine, &self.machine.0)?;
+        let left = left_behind(self.store, &self.maker.engine, &self.maker.host)?;
         if left.is_empty() {
             return Ok(());
         }
-        let known = Known::of(self.store)?;
+        let mut known = Known::default();
+        known.read(self.store)?;
         let numbers: HashMap<String, usize> = (0..self.sweep.runs.len()).map(|run| (keys.of(run), run)).collect();
         for mut left in left {
             if left.has_begun && left.rows.len() < left.head.runs.len() {
@@ -150,7 +171,7 @@ impl Office<'_> {
 
     /// The claim of runs.
     fn claim(&self, runs: &[Due]) -> io::Result<Claim> {
-        Claim::new(self.store, &self.machine.0, &Head { engine: self.engine.clone(), runs: runs.to_vec() })
+        Claim::new(self.store, &self.maker.host, &Head { engine: self.maker.engine.clone(), runs: runs.to_vec() })
     }
 
     /// The next block of runs; none if nothing is left, or a signal asks for the end.
@@ -178,7 +199,7 @@ impl Office<'_> {
                 self.store.keep_replay(&due.key, case)?;
             }
         }
-        self.store.add(&self.table(&runs[..rows.len()], rows), first.run)
+        self.store.add(&part(self.sweep, &runs[..rows.len()], rows, &self.maker), first.run)
     }
 
     /// Puts rows into the store and reports the progress.
@@ -297,48 +318,47 @@ impl Office<'_> {
         need.specimen = self.sweep.base["kind"] == "pullout";
         need
     }
+}
 
-    /// A part of the rows.
-    fn table(&self, runs: &[Due], rows: &[Measured]) -> Table {
-        let Sweep { keep, .. } = self.sweep;
-        let text = |values: &dyn Fn(usize) -> Option<String>| Column::Text((0..rows.len()).map(values).collect());
-        let number = |values: &dyn Fn(usize) -> Option<f64>| Column::Number((0..rows.len()).map(values).collect());
-        let count = |values: &dyn Fn(usize) -> Option<u64>| {
-            Column::Count((0..rows.len()).map(|k| values(k).and_then(|count| i64::try_from(count).ok())).collect())
-        };
-        let place = |k: usize| rows[k].failed_at.filter(|at| at.step > 0);
-        let mut columns = vec![
-            ("key".to_owned(), text(&|k| Some(runs[k].key.clone()))),
-            ("status".to_owned(), text(&|k| Some(state(&rows[k]).into()))),
-            ("message".to_owned(), text(&|k| rows[k].message.clone())),
-            ("at_step".to_owned(), count(&|k| place(k).map(|at| at.step.into()))),
-            ("at_increment".to_owned(), count(&|k| place(k).map(|at| at.increment.into()))),
-        ];
-        let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
-        columns.extend(self.sweep.varied(&numbers));
-        for (index, name) in keep.quantities.keys().enumerate() {
-            columns.push((format!("q.{name}"), number(&|k| rows[k].quantities.get(index).copied().flatten())));
-        }
-        for (index, name) in keep.curves.iter().enumerate() {
-            let lists = rows.iter().map(|row| row.curves.get(index).cloned().unwrap_or_default()).collect();
-            columns.push((format!("curve.{name}"), Column::List(lists)));
-        }
-        for (index, name) in ["increments", "iterations", "cutbacks"].into_iter().enumerate() {
-            columns.push((name.to_owned(), count(&|k| Some(rows[k].counts[index]))));
-        }
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO).as_secs_f64();
-        let (host, cpu) = &self.machine;
-        columns.extend([
-            ("wall_s".to_owned(), number(&|k| Some(rows[k].times[0]))),
-            ("cpu_s".to_owned(), number(&|k| Some(rows[k].times[1]))),
-            ("attempt".to_owned(), count(&|k| Some(runs[k].attempt.into()))),
-            ("host".to_owned(), text(&|_| Some(host.clone()))),
-            ("cpu".to_owned(), text(&|_| Some(cpu.clone()))),
-            ("engine".to_owned(), text(&|_| Some(self.engine.clone()))),
-            ("time".to_owned(), number(&|_| Some(now))),
-        ]);
-        Table { columns }
+/// A part of the rows of a sweep.
+pub(crate) fn part(sweep: &Sweep, runs: &[Due], rows: &[Measured], maker: &Maker) -> Table {
+    let keep = &sweep.keep;
+    let text = |values: &dyn Fn(usize) -> Option<String>| Column::Text((0..rows.len()).map(values).collect());
+    let number = |values: &dyn Fn(usize) -> Option<f64>| Column::Number((0..rows.len()).map(values).collect());
+    let count = |values: &dyn Fn(usize) -> Option<u64>| {
+        Column::Count((0..rows.len()).map(|k| values(k).and_then(|count| i64::try_from(count).ok())).collect())
+    };
+    let place = |k: usize| rows[k].failed_at.filter(|at| at.step > 0);
+    let mut columns = vec![
+        ("key".to_owned(), text(&|k| Some(runs[k].key.clone()))),
+        ("status".to_owned(), text(&|k| Some(state(&rows[k]).into()))),
+        ("message".to_owned(), text(&|k| rows[k].message.clone())),
+        ("at_step".to_owned(), count(&|k| place(k).map(|at| at.step.into()))),
+        ("at_increment".to_owned(), count(&|k| place(k).map(|at| at.increment.into()))),
+    ];
+    let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
+    columns.extend(sweep.varied(&numbers));
+    for (index, name) in keep.quantities.keys().enumerate() {
+        columns.push((format!("q.{name}"), number(&|k| rows[k].quantities.get(index).copied().flatten())));
     }
+    for (index, name) in keep.curves.iter().enumerate() {
+        let lists = rows.iter().map(|row| row.curves.get(index).cloned().unwrap_or_default()).collect();
+        columns.push((format!("curve.{name}"), Column::List(lists)));
+    }
+    for (index, name) in ["increments", "iterations", "cutbacks"].into_iter().enumerate() {
+        columns.push((name.to_owned(), count(&|k| Some(rows[k].counts[index]))));
+    }
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO).as_secs_f64();
+    columns.extend([
+        ("wall_s".to_owned(), number(&|k| Some(rows[k].times[0]))),
+        ("cpu_s".to_owned(), number(&|k| Some(rows[k].times[1]))),
+        ("attempt".to_owned(), count(&|k| Some(runs[k].attempt.into()))),
+        ("host".to_owned(), text(&|_| Some(maker.host.clone()))),
+        ("cpu".to_owned(), text(&|_| Some(maker.cpu.clone()))),
+        ("engine".to_owned(), text(&|_| Some(maker.engine.clone()))),
+        ("time".to_owned(), number(&|_| Some(now))),
+    ]);
+    Table { columns }
 }
 
 /// The row of a run that was lost with its worker.
@@ -365,13 +385,4 @@ fn crash(failure: &Failure, document: &Value, office: &Office<'_>, run: usize) -
         replay: case,
         ..Measured::without_numbers(&office.sweep.keep)
     }
-}
-
-/// Returns the names of this machine and of its processor.
-fn machine() -> (String, String) {
-    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-    let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model =
-        told.lines().find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned()));
-    (host.trim().to_owned(), model.unwrap_or_default())
 }
