@@ -157,10 +157,12 @@ fn work(toil: &Toil) -> io::Result<u8> {
             say(&format!("{over}/{of} runs, {left} s left\n"));
         }
     };
-    let Worked { kept, ran, left } = pullout_sweep::work(&Store::new(&toil.folder), &how, &told)?;
+    let Worked { kept, ran, elsewhere, left } = pullout_sweep::work(&Store::new(&toil.folder), &how, &told)?;
     if !toil.quiet {
         let seconds = start.elapsed().as_secs_f64();
-        say(&format!("{}: {ran} runs in {seconds:.3} s, {kept} were there, {left} are left\n", toil.folder.display()));
+        let others = if elsewhere > 0 { format!(", {elsewhere} are other workers'") } else { String::new() };
+        let folder = toil.folder.display();
+        say(&format!("{folder}: {ran} runs in {seconds:.3} s, {kept} were there{others}, {left} are left\n"));
     }
     Ok(match signals::received() {
         Some(signal) if left > 0 => signal.exit_code(),

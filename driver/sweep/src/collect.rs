@@ -1,5 +1,6 @@
 //! Rows that a sweep has so far.
 
+use crate::claim::Due;
 use crate::run::Measured;
 use crate::store::{Keys, Store, Sweep};
 use crate::table::{Column, Table};
@@ -85,6 +86,11 @@ impl Known {
                 self.rows.insert(key.clone(), new);
             }
         }
+    }
+
+    /// Returns whether a run that was due is over meanwhile.
+    pub fn is_over_since(&self, due: &Due) -> bool {
+        self.best(&due.key).is_some_and(|row| row.attempt >= due.attempt && row.is_over())
     }
 
     /// The row of a key that counts.

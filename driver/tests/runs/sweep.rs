@@ -484,6 +484,41 @@ fn the_table_says_what_the_user_wrote() {
     assert_eq!(texts(&libraries, "status"), ["done"; 2]);
 }
 
+/// Rows of all parts: runs that were carried out.
+fn carried_out(store: &Path) -> usize {
+    rows(store).iter().map(Table::rows).sum()
+}
+
+#[test]
+fn two_workers_at_the_same_time_share_the_runs() {
+    let desk = Desk::new();
+    const COUNT: usize = 120;
+    let store = planned(&desk, COUNT, 3000);
+    let start = || {
+        let mut work = command();
+        work.args(["sweep", "work", "--quiet", "--jobs", "1"]).arg(&store);
+        work.spawn().expect("the program starts")
+    };
+    let mut workers = [start(), start()];
+    for worker in &mut workers {
+        assert!(worker.wait().expect("ended").success());
+    }
+    assert_eq!(texts(&collected(&desk, &store), "status"), ["done"; COUNT]);
+    assert!(carried_out(&store) <= COUNT + 2, "{}", carried_out(&store));
+    // one goes on with what another leaves that is killed meanwhile
+    fs::remove_dir_all(store.join("parts")).expect("removed");
+    let [mut killed, mut other] = [start(), start()];
+    while store.join("running").read_dir().expect("a folder").count() < 2 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    killed.kill().expect("killed");
+    killed.wait().expect("ended");
+    assert!(other.wait().expect("ended").success());
+    assert_eq!(texts(&collected(&desk, &store), "status"), ["done"; COUNT]);
+    assert!(carried_out(&store) <= COUNT + 2, "{}", carried_out(&store));
+}
+
 /// A child that a signal ends while the exit handlers of its library run has all its rows: nothing is wrong with it.
 #[test]
 fn ctrl_c_ends_the_work_without_a_word_of_exit_handlers() {
