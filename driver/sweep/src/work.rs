@@ -35,7 +35,7 @@ pub struct Work {
     pub jobs: usize,
     /// Runs of one part of the rows; default: as many as take half a minute.
     pub chunk_runs: Option<usize>,
-    /// Whether runs are made in threads of this process: what ends it ends the sweep.
+    /// Whether runs are made in threads of this process, if all call only libraries that were built with it.
     pub in_process: bool,
     /// Run again what failed, crashed or took too long.
     pub again: bool,
@@ -111,7 +111,7 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
     let count = sweep.runs.len();
     let runs = count * number / of..count * (number + 1) / of;
     let due = office.due(runs.clone())?;
-    let is_apart = !work.in_process;
+    let is_apart = !work.in_process || office.calls_others(&due);
     office.count = due.len();
     let kept = runs.len() - due.len();
     let jobs = work.jobs.clamp(1, due.len().max(1));
@@ -185,6 +185,12 @@ impl Office<'_> {
         // a run that was lost comes last: if its worker was killed by somebody else, the next kill hits another one
         due.sort_by_key(|due| due.attempt);
         Ok(due)
+    }
+
+    /// Returns whether these runs call libraries that were not built with this program.
+    fn calls_others(&self, due: &[Due]) -> bool {
+        let runs: Vec<usize> = due.iter().map(|due| due.run).collect();
+        !runs.is_empty() && self.need(&runs).libraries.keys().any(|library| !isolation::is_shipped(library))
     }
 
     /// Looks what other workers are at and have done; what one left that is gone is kept.

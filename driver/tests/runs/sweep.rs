@@ -519,6 +519,26 @@ fn two_workers_at_the_same_time_share_the_runs() {
     assert!(carried_out(&store) <= COUNT + 2, "{}", carried_out(&store));
 }
 
+#[test]
+fn threads_call_only_what_was_built_with_the_program() {
+    let desk = Desk::new();
+    if misbehaving(&desk).is_none() {
+        return;
+    }
+    let base = json!({
+        "kind": "point", "mode": "3d",
+        "material": { "plugin": "./libmisbehaving.so", "nstatv": 2, "props": [1000.0, 0, 1, 3] },
+        "steps": [{ "increments": 5, "target": { "e11": 0.005 } }],
+    });
+    let sweep = json!({ "kind": "sweep", "base": base, "parameters": { "steps.0.target.e11": [0.004, 0.005], "material.props.1": [0, 1] } });
+    desk.case("sweep.json", &sweep);
+    sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
+    sweep_with(&desk, "work", &["--in-process", "--jobs", "1", "store"], 0);
+    let table = collected(&desk, &desk.path("store"));
+    assert_eq!(texts(&table, "status"), ["done", "crashed", "done", "crashed"]);
+    assert!(texts(&table, "message")[1].contains("exit code 0"), "{:?}", texts(&table, "message"));
+}
+
 /// A child that a signal ends while the exit handlers of its library run has all its rows: nothing is wrong with it.
 #[test]
 fn ctrl_c_ends_the_work_without_a_word_of_exit_handlers() {
