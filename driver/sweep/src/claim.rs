@@ -7,6 +7,7 @@
 
 use crate::run::Measured;
 use crate::store::Store;
+use pullout_report::at;
 use serde::{Deserialize, Serialize};
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, TryLockError};
@@ -69,12 +70,12 @@ impl Claim {
 
     /// Adds a row.
     pub fn add(&mut self, row: &Measured) -> io::Result<()> {
-        self.file.write_all(&framed(&encoded(row)?)?)
+        self.file.write_all(&framed(&encoded(row)?)?).map_err(at(&self.path))
     }
 
     /// Says that a run begins.
     pub fn begin(&mut self) -> io::Result<()> {
-        self.file.write_all(&BEGINS)
+        self.file.write_all(&BEGINS).map_err(at(&self.path))
     }
 
     /// The rows so far. Half a row, of a child that was ended, goes.

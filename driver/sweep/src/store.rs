@@ -12,7 +12,7 @@
 
 use crate::table::{Column, Table, replace};
 use pullout_case::study::{Columns, QuantityOfFile};
-use pullout_report::directory::refuse_file;
+use pullout_report::{at, directory::refuse_file};
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::{self, CALL_TIME_LIMIT, Need};
 use serde::{Deserialize, Serialize};
@@ -172,12 +172,12 @@ impl Store {
         fs::create_dir_all(&folder)?;
         loop {
             let path = folder.join(format!("{host}.{}", unique()?));
-            let mut file = File::options().read(true).append(true).create_new(true).open(&path)?;
+            let mut file = File::options().read(true).append(true).create_new(true).open(&path).map_err(at(&path))?;
             // a file system without locks does without: see `claim`
             let _ = file.lock();
             // before it was locked, it looked like one left by a worker that was ended just there
             if path.exists() {
-                file.write_all(head)?;
+                file.write_all(head).map_err(at(&path))?;
                 return Ok((file, path));
             }
         }
