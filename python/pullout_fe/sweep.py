@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import os
 import re
@@ -14,7 +15,7 @@ from typing import Any, Mapping, Protocol, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .case import Case, CaseLike, _text, dotted
+from .case import Case, CaseLike, _text
 from .errors import CaseError, PulloutError
 
 __all__ = ["Sweep", "sweep"]
@@ -23,6 +24,8 @@ __all__ = ["Sweep", "sweep"]
 ROUNDS = 3
 #: parts of the runs for each worker: what one that is slow, or lost, holds up
 PARTS_PER_WORKER = 4
+#: the sweep file, as the program reads it
+STREAM = "/dev/stdin"
 
 
 class Future(Protocol):
@@ -67,25 +70,21 @@ def sweep(
     x if there is one.
 
     ``executor``: "processes" and "threads" of this machine, ``workers`` of them; "dask"; or anything with ``submit``. Every run
-    is made in a child of the worker, so that a library that ends its process costs one run and not the worker; with "threads"
-    only libraries that were built with this package may be called. ``None``: the sweep is planned, and worked off later, by
-    :meth:`Sweep.work` or by ``pullout sweep work`` and ``submit``.
+    is made in a child of the worker, so that a library that ends its process costs one run and not the worker. "threads" make
+    their runs in one process if all call only libraries that were built with this package, and in children else. ``None``: the
+    sweep is planned, and worked off later, by :meth:`Sweep.work` or by ``pullout sweep work`` and ``submit``.
 
     What fails is a row of the table with its ``status``; nothing is raised for it.
     """
     made = Case(case)
     document = _document(made, design, quantities, curves, grid, curve, work_to)
-    with tempfile.TemporaryDirectory() as place:
-        folder = made._folder if made._file is None and _names_a_file(made.document, made._folder) else Path(place)
-        # file names are relative to the sweep file
-        handle, name = tempfile.mkstemp(".json", "sweep-", folder)
-        try:
-            with open(handle, "w", encoding="utf-8") as file:
-                file.write(_text({"title": Path(out).name, **document}))
-            paths = [f"--plugin-path={path}" for path in made._plugin_paths]
-            _call("plan", name, "--out", os.fspath(out), *paths)
-        finally:
-            os.unlink(name)
+    if not made._folder.is_dir():
+        raise CaseError(f"{made._folder} is no folder")
+    folder = Path(out).absolute()
+    paths = [f"--plugin-path={path}" for path in made._plugin_paths]
+    text = _text({"title": folder.name, **document})
+    # names of files are relative to the folder of the case
+    _call("plan", STREAM, "--out", os.fspath(folder), *paths, document=text, place=made._folder)
     planned = Sweep(out)
     if executor is not None:
         planned.work(executor, workers=workers, chunk_runs=chunk_runs, progress=progress)
@@ -149,8 +148,10 @@ class Sweep:
 
     @property
     def table(self) -> dict[str, NDArray[Any]]:
-        """One row a run, in their order, by column; numbers as floats, NaN where there is none."""
-        rows = list(csv.reader(_call("collect", os.fspath(self.folder)).splitlines()))
+        """One row a run of the present plan, in their order, by column; numbers as floats, NaN where there is none.
+
+        A run that is left has the ``status`` "left" and its parameters."""
+        rows = list(csv.reader(io.StringIO(_call("collect", os.fspath(self.folder)), newline="")))
         if not rows:
             return {}
         return {name: _column([row[k] for row in rows[1:]]) for k, name in enumerate(rows[0])}
@@ -202,9 +203,9 @@ def _document(
         # pandas; polars has to_dicts
         design = design.to_dicts() if hasattr(design, "to_dicts") else design.to_dict("records")
     if isinstance(design, Mapping):
-        document["parameters"] = {dotted(path): list(values) for path, values in design.items()}
+        document["parameters"] = {path: list(values) for path, values in design.items()}
     else:
-        document["points"] = [{dotted(path): value for path, value in point.items()} for point in design]
+        document["points"] = [dict(point) for point in design]
     if quantities is not None:
         named = quantities if isinstance(quantities, Mapping) else {name: name for name in quantities}
         document["quantities"] = dict(named)
@@ -217,14 +218,6 @@ def _document(
     if work_to is not None:
         document["work_to"] = work_to
     return document
-
-
-def _names_a_file(value: Any, folder: Path) -> bool:
-    if isinstance(value, str):
-        return bool(value) and len(value) < 4096 and "\0" not in value and (folder / value).is_file()
-    if isinstance(value, Mapping):
-        return any(_names_a_file(entry, folder) for entry in value.values())
-    return isinstance(value, list) and any(_names_a_file(entry, folder) for entry in value)
 
 
 def _column(cells: list[str]) -> NDArray[Any]:
@@ -251,8 +244,8 @@ def _work(folder: str, part: int, parts: int, options: list[str]) -> None:
     _call("work", folder, f"--chunk={part}/{parts}", "--jobs=1", "--quiet", *options)
 
 
-def _call(*arguments: str, shown: bool = False) -> str:
-    """What `pullout sweep` says."""
+def _call(*arguments: str, shown: bool = False, document: str = "", place: Path | None = None) -> str:
+    """What `pullout sweep` says; a document is what it reads from :data:`STREAM`, in the folder ``place``."""
     from . import program
 
     executable = program()
@@ -260,13 +253,16 @@ def _call(*arguments: str, shown: bool = False) -> str:
         raise PulloutError("the program pullout is not installed beside this package")
     done = subprocess.run(
         [executable, "sweep", *arguments],
-        stdin=subprocess.DEVNULL,
+        input=document,
+        cwd=place,
         stdout=None if shown else subprocess.PIPE,
         stderr=subprocess.PIPE,
-        text=True,
+        encoding="utf-8",
     )
+    # nobody knows the document by this name
+    words = done.stderr.replace(f"{STREAM}: ", "").strip()
     if done.returncode == 2:
-        raise CaseError(done.stderr.strip())
+        raise CaseError(words)
     if done.returncode != 0:
-        raise PulloutError(done.stderr.strip() or f"pullout sweep {arguments[0]} ended with code {done.returncode}")
+        raise PulloutError(words or f"pullout sweep {arguments[0]} ended with code {done.returncode}")
     return done.stdout or ""

@@ -66,7 +66,34 @@ def test_a_library_that_ends_its_process_costs_one_run(umats: dict[str, Path], t
     points = [{"steps.0.target.e11": end} for end in (0.1, 2.0, 0.2)]
     made = po.sweep(case, points, out=tmp_path / "sweep", quantities=["peak"], workers=1)
     assert made.table["status"].tolist() == ["done", "crashed", "done"]
+    threads = po.sweep(case, points, out=tmp_path / "threads", quantities=["peak"], executor="threads", workers=1)
+    assert threads.table["status"].tolist() == ["done", "crashed", "done"]
     assert made.status() == {"runs": 3, "left": 0, "done": 2, "crashed": 1}
+
+
+def test_errors_name_no_file_that_nobody_wrote(tmp_path: Path) -> None:
+    missing = po.point("linear_elastic", {"E": 3e4, "nu": 0.2}, "3d", [{"table": "none.csv"}])
+    for case, design in [(BASE, {"material.props.EE": [1.0]}), (missing, {"material.props.E": [3e4]})]:
+        with pytest.raises(po.CaseError) as told:
+            po.sweep(case, design, out=tmp_path / "sweep")
+        assert str(told.value).startswith("$.") and "/tmp" not in str(told.value), told.value
+    with pytest.raises(po.CaseError, match=r"the path steps\.0\.increments is given twice"):
+        po.sweep(BASE, [{"steps[0].increments": 5, "steps.0.increments": 7}], out=tmp_path / "sweep")
+    with pytest.raises(po.CaseError, match="is no folder"):
+        po.sweep(po.Case(BASE.document, folder=tmp_path / "none"), DESIGN, out=tmp_path / "sweep")
+
+
+def test_a_design_that_grows_keeps_the_place_of_each_value(tmp_path: Path) -> None:
+    folder = tmp_path / "sweep"
+    po.sweep(BASE, {"material.props.nu": [0.1, 0.2]}, out=folder, quantities=["peak"])
+    design = {"steps[0].increments": [20, 30], "material.props.nu": [0.1, 0.2]}
+    grown = po.sweep(BASE, design, out=folder, quantities=["peak"], executor=None)
+    assert grown.table["status"].tolist() == ["done", "done", "left", "left"]
+    assert grown.table["par.steps.0.increments"].tolist() == [20.0, 20.0, 30.0, 30.0]
+    assert np.isnan(grown.table["q.peak"]).tolist() == [False, False, True, True]
+    grown.work()
+    assert grown.table["par.material.props.nu"].tolist() == [0.1, 0.2, 0.1, 0.2]
+    assert not np.isnan(grown.table["q.peak"]).any()
 
 
 def test_a_case_that_is_wrong_is_told(tmp_path: Path) -> None:

@@ -149,6 +149,24 @@ pub fn check_texts(value: &Value, place: &Place, problems: &mut Vec<Problem>) {
     }
 }
 
+/// Writes a path to a place in a document as `a.0.b`, which is also given as `a[0].b` and `$.a[0].b`.
+pub fn dotted(path: &str) -> String {
+    let mut parts = path.strip_prefix("$.").unwrap_or(path).split('[');
+    let mut dotted = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let index = part.split_once(']').filter(|(index, rest)| {
+            !index.is_empty()
+                && index.bytes().all(|byte| byte.is_ascii_digit())
+                && (rest.is_empty() || rest.starts_with('.'))
+        });
+        match index {
+            Some((index, rest)) => dotted.extend([".", index, rest]),
+            None => dotted.extend(["[", part]),
+        }
+    }
+    dotted
+}
+
 /// Applies `a.b.0.c=VALUE`: VALUE is JSON, else a string; missing keys are created.
 ///
 /// # Errors
@@ -158,6 +176,7 @@ pub fn set(document: &mut Value, text: &str) -> Result<(), Problem> {
     let Some((path, value)) = text.split_once('=') else {
         return Err(wrong("no '=': write a.b.c=VALUE".into()));
     };
+    let path = dotted(path);
     let segments: Vec<&str> = path.split('.').collect();
     if segments.iter().any(|segment| segment.is_empty()) {
         return Err(wrong("an empty name in the path: write a.b.c=VALUE".into()));

@@ -27,6 +27,7 @@ mod table;
 mod test;
 
 pub use document::{Piece, Positive, study, sweep};
+pub use json::dotted;
 pub use plugin::{not_found, where_to_look};
 pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind, hint};
 pub use props::props_from_json;

@@ -121,6 +121,23 @@ fn schema_accepts(document: &Value) -> bool {
     VALIDATOR.is_valid(document)
 }
 
+#[test]
+fn paths_have_one_meaning_with_dots_and_with_brackets() {
+    for (path, dotted) in [
+        ("steps.0.target.slip", "steps.0.target.slip"),
+        ("steps[0].target.slip", "steps.0.target.slip"),
+        ("$.a[0][12]", "a.0.12"),
+        // no index: a key of this name is not there
+        ("a[-1]", "a[-1]"),
+        ("a['b']", "a['b']"),
+        ("a[0", "a[0"),
+    ] {
+        assert_eq!(crate::dotted(path), dotted);
+    }
+    let case = json!({ "a": [{ "b": 1 }] });
+    assert_eq!(overridden(&case, &["a[0].b=2"]), json!({ "a": [{ "b": 2 }] }));
+}
+
 /// A document after `--set`.
 fn overridden(case: &Value, overrides: &[&str]) -> Value {
     let mut document = case.clone();

@@ -196,6 +196,7 @@ impl Free {
         let form = || "write PATH=lo:hi, e.g. material.props.E=1e4:4e4".to_owned();
         let (path, bounds) = text.rsplit_once('=').ok_or_else(form)?;
         let (low, high) = bounds.split_once(':').ok_or_else(form)?;
+        let path = pullout_case::dotted(path);
         if path.split('.').any(str::is_empty) {
             return Err("an empty name in the path: write a.b.c=lo:hi".into());
         }
@@ -207,7 +208,7 @@ impl Free {
         if bounds[0] >= bounds[1] {
             return Err(format!("{} is not below {}", bounds[0], bounds[1]));
         }
-        Ok(Self { path: path.into(), bounds })
+        Ok(Self { path, bounds })
     }
 
     fn value(&self, sought: f64) -> f64 {

@@ -24,7 +24,7 @@ pub mod viewer;
 mod test;
 
 /// Puts the file's name in front of an error's message.
-pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> io::Error + '_ {
+pub fn at(path: &Path) -> impl FnOnce(io::Error) -> io::Error + '_ {
     move |error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))
 }
 

@@ -162,11 +162,11 @@ impl Command {
             Self::Study(arguments) => arguments.reading.place,
             Self::Check { reading, .. } => reading.place,
             Self::Plugin { action } => action.place(),
-            Self::Sweep { action } => action.place(),
             Self::Fit(fit) => fit.place(),
             // it measures calls in this process
             Self::Bench(_) => Place { in_process: true },
-            Self::Schema
+            Self::Sweep { .. }
+            | Self::Schema
             | Self::Plot(_)
             | Self::Worker(_)
             | Self::Pages { .. }

@@ -1,6 +1,6 @@
 //! `pullout sweep`: many runs of a case of which numbers are kept.
 
-use super::{BAD_INPUT, DONE, FAILED, Place, Refusal, complain, say};
+use super::{BAD_INPUT, DONE, FAILED, Refusal, complain, say};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
 use pullout_sweep::{Collection, Standing, Store, Work, Worked, batch};
@@ -90,19 +90,12 @@ pub(super) struct Toil {
     /// Run again what failed, crashed or took too long.
     #[arg(long)]
     again: bool,
-    /// Threads of this process instead of processes. What ends it ends the work.
-    #[command(flatten)]
-    place: Place,
+    /// Threads of this process instead of processes, if all runs call only libraries that were built with it.
+    #[arg(long)]
+    in_process: bool,
     /// Say nothing but errors.
     #[arg(long)]
     quiet: bool,
-}
-
-impl Action {
-    /// Returns where it calls plugins.
-    pub(super) fn place(&self) -> Place {
-        if let Self::Work(toil) = self { toil.place } else { Place::default() }
-    }
 }
 
 /// "3/10".
@@ -146,7 +139,7 @@ fn work(toil: &Toil) -> io::Result<u8> {
         chunk: toil.chunk,
         jobs,
         chunk_runs: toil.chunk_runs.map(|count| count as usize),
-        in_process: toil.place.in_process,
+        in_process: toil.in_process,
         again: toil.again,
     };
     let start = Instant::now();
@@ -157,10 +150,12 @@ fn work(toil: &Toil) -> io::Result<u8> {
             say(&format!("{over}/{of} runs, {left} s left\n"));
         }
     };
-    let Worked { kept, ran, left } = pullout_sweep::work(&Store::new(&toil.folder), &how, &told)?;
+    let Worked { kept, ran, elsewhere, left } = pullout_sweep::work(&Store::new(&toil.folder), &how, &told)?;
     if !toil.quiet {
         let seconds = start.elapsed().as_secs_f64();
-        say(&format!("{}: {ran} runs in {seconds:.3} s, {kept} were there, {left} are left\n", toil.folder.display()));
+        let others = if elsewhere > 0 { format!(", {elsewhere} are other workers'") } else { String::new() };
+        let folder = toil.folder.display();
+        say(&format!("{folder}: {ran} runs in {seconds:.3} s, {kept} were there{others}, {left} are left\n"));
     }
     Ok(match signals::received() {
         Some(signal) if left > 0 => signal.exit_code(),

@@ -5,6 +5,7 @@
 use crate::claim::{BEGINS, encoded, framed};
 use crate::run::measure;
 use crate::store::{Store, Sweep};
+use pullout_report::at;
 use pullout_run::isolation::{out_of_reach, prints::Prints};
 use pullout_run::signals;
 use serde::{Deserialize, Serialize};
@@ -34,10 +35,11 @@ pub fn carry_out(batch: &Path, rows: &Path) -> io::Result<()> {
     let start = Instant::now();
     let Batch { folder, sweep, seconds } = serde_json::from_slice(&fs::read(batch)?)?;
     let store = Store::new(&folder);
-    let mut rows = out_of_reach(File::options().append(true).open(rows)?);
+    let named = rows;
+    let mut rows = out_of_reach(File::options().append(true).open(named).map_err(at(named))?);
     let _prints = Prints::discard();
     let stop = Arc::new(AtomicBool::new(false));
-    rows.write_all(&BEGINS)?;
+    rows.write_all(&BEGINS).map_err(at(named))?;
     for run in 0..sweep.runs.len() {
         stop.store(signals::received().is_some(), Ordering::Relaxed);
         let Some(measured) = measure(&store, &sweep, run, &stop) else { break };
@@ -46,7 +48,7 @@ pub fn carry_out(batch: &Path, rows: &Path) -> io::Result<()> {
         if !is_last {
             row.extend(BEGINS);
         }
-        rows.write_all(&row)?;
+        rows.write_all(&row).map_err(at(named))?;
         if is_last {
             break;
         }

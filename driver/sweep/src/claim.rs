@@ -1,12 +1,15 @@
 //! Claim of a worker: the runs that it has taken with the rows that they came to, in a file of the store that outlives
 //! it. The worker holds a lock on the file. A file found unlocked was left by a worker that has ended: its rows are
-//! kept, and the run that it was computing is lost.
+//! kept, and the run that it was computing is lost. What others have claimed a worker does not take.
 //!
-//! On a file system without locks, nothing is taken over: those runs have no row, and are run anew.
+//! On a file system without locks, nothing is taken over: those runs have no row, and are run anew once nothing has been
+//! added to the claim for some minutes.
 
 use crate::run::Measured;
 use crate::store::Store;
+use pullout_report::at;
 use serde::{Deserialize, Serialize};
+use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -35,6 +38,15 @@ pub(crate) struct Head {
     pub runs: Vec<Due>,
 }
 
+/// The keys in the head of a claim.
+fn keys(file: &mut File) -> Option<HashSet<String>> {
+    let mut length = [0; 4];
+    file.read_exact(&mut length).ok()?;
+    let mut head = vec![0; usize::try_from(u32::from_le_bytes(length)).ok()?];
+    file.read_exact(&mut head).ok()?;
+    Some(serde_json::from_slice::<Head>(&head).ok()?.runs.into_iter().map(|due| due.key).collect())
+}
+
 /// The file, which is there as long as this is.
 pub(crate) struct Claim {
     file: File,
@@ -58,12 +70,12 @@ impl Claim {
 
     /// Adds a row.
     pub fn add(&mut self, row: &Measured) -> io::Result<()> {
-        self.file.write_all(&framed(&encoded(row)?)?)
+        self.file.write_all(&framed(&encoded(row)?)?).map_err(at(&self.path))
     }
 
     /// Says that a run begins.
     pub fn begin(&mut self) -> io::Result<()> {
-        self.file.write_all(&BEGINS)
+        self.file.write_all(&BEGINS).map_err(at(&self.path))
     }
 
     /// The rows so far. Half a row, of a child that was ended, goes.
@@ -131,23 +143,31 @@ pub(crate) struct Left {
     _claim: Claim,
 }
 
-/// Takes over what workers have left; only one of several that ask gets it.
-pub(crate) fn left_behind(store: &Store, engine: &str, host: &str) -> io::Result<Vec<Left>> {
+/// Keys of runs that workers are at, by their claims.
+pub(crate) type Taken = HashMap<PathBuf, HashSet<String>>;
+
+/// Takes over what workers have left, of which only one of several that ask gets it, and brings up to date what the others
+/// are at.
+pub(crate) fn left_behind(store: &Store, engine: &str, host: &str, taken: &mut Taken) -> io::Result<Vec<Left>> {
     let mut found = Vec::new();
+    let mut before = std::mem::take(taken);
     for path in store.claims()? {
         let Ok(mut file) = File::options().read(true).append(true).open(&path) else { continue };
-        match file.try_lock() {
-            Ok(()) => {}
-            // its worker is there, or nobody can know
-            Err(TryLockError::WouldBlock | TryLockError::Error(_)) => continue,
-        }
-        // another was faster, and has removed it meanwhile
-        if !path.exists() {
-            continue;
-        }
         let maker = path.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let age = file.metadata()?.modified()?.elapsed().unwrap_or_default();
-        if maker != host && age < PATIENCE {
+        let is_recent = file.metadata()?.modified()?.elapsed().unwrap_or_default() < PATIENCE;
+        let has_worker = match file.try_lock() {
+            // another was faster, and has removed it meanwhile
+            Ok(()) if !path.exists() => continue,
+            Ok(()) => maker != host && is_recent,
+            Err(TryLockError::WouldBlock) => true,
+            Err(TryLockError::Error(_)) if is_recent => true,
+            // nobody can know
+            Err(TryLockError::Error(_)) => continue,
+        };
+        if has_worker {
+            if let Some(keys) = before.remove(&path).or_else(|| keys(&mut file)) {
+                taken.insert(path, keys);
+            }
             continue;
         }
         let mut content = Vec::new();
@@ -177,21 +197,27 @@ mod test {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let store = Store::new(folder.path());
         let mut claim = Claim::new(&store, "h", &head(3)).expect("a claim");
+        let mut taken = Taken::new();
+        let mut left_behind = |host: &str| {
+            let left = left_behind(&store, "e", host, &mut taken).expect("read");
+            (left, taken.values().map(HashSet::len).sum::<usize>())
+        };
         claim.begin().expect("written");
         claim.add(&Measured { message: Some("one".into()), ..Measured::default() }).expect("written");
         claim.begin().expect("written");
-        assert!(left_behind(&store, "e", "h").expect("read").is_empty(), "its worker is there");
+        assert!(matches!(left_behind("h"), (left, 3) if left.is_empty()), "its worker is there");
         // half a row
         claim.file.write_all(&[9, 0, 0, 0, 1]).expect("written");
         // the lock goes with the process; the file stays
         claim.file.unlock().expect("unlocked");
         std::mem::forget(claim);
-        assert!(left_behind(&store, "e", "another").expect("read").is_empty(), "too early to say from elsewhere");
-        let left = left_behind(&store, "e", "h").expect("read");
+        assert!(matches!(left_behind("another"), (left, 3) if left.is_empty()), "too early to say from elsewhere");
+        let (left, taken) = left_behind("h");
+        assert_eq!(taken, 0);
         assert_eq!(left.len(), 1);
         assert_eq!((left[0].rows.len(), left[0].has_begun, left[0].head.runs.len()), (1, true, 3));
         assert_eq!(left[0].rows[0].message.as_deref(), Some("one"));
-        assert!(left_behind(&store, "e", "h").expect("read").is_empty(), "taken already");
+        assert!(left_behind("h").0.is_empty(), "taken already");
         drop(left);
         assert!(store.claims().expect("read").is_empty());
     }
@@ -200,11 +226,12 @@ mod test {
     fn what_a_worker_left_that_was_ended_before_it_wrote_a_head_goes() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let store = Store::new(folder.path());
+        let left_behind = |host: &str| left_behind(&store, "e", host, &mut Taken::new());
         let (file, path) = store.running("h", b"").expect("made");
-        assert!(left_behind(&store, "e", "h").expect("read").is_empty() && path.exists(), "its worker is there");
+        assert!(left_behind("h").expect("read").is_empty() && path.exists(), "its worker is there");
         file.unlock().expect("unlocked");
-        assert!(left_behind(&store, "e", "another").expect("read").is_empty() && path.exists(), "too early to say");
-        assert!(left_behind(&store, "e", "h").expect("read").is_empty() && !path.exists());
+        assert!(left_behind("another").expect("read").is_empty() && path.exists(), "too early to say");
+        assert!(left_behind("h").expect("read").is_empty() && !path.exists());
     }
 
     #[test]

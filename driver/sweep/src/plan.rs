@@ -9,6 +9,7 @@ use pullout_run::input::{self, Input};
 use pullout_study::{Demand, Quantity, default_curve};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Most runs of a sweep.
@@ -95,7 +96,12 @@ fn resolve(
     let set = reader.optional(of_file.set.as_ref(), &root.key("set")).cloned().unwrap_or_default();
     let (paths, values): (Vec<String>, Vec<Value>) = set.into_iter().unzip();
     let base = overridden(reader, &base, &paths, &values, &root.key("set"))?;
-    let (parameters, mut runs) = design(reader, of_file)?;
+    let (parameters, runs) = design(reader, of_file)?;
+    let parameters: Vec<String> = parameters.iter().map(|path| pullout_case::dotted(path)).collect();
+    if let Some((_, path)) = parameters.iter().enumerate().find(|(k, path)| parameters[..*k].contains(path)) {
+        reader.problem(&root, format!("the path {path} is given twice: give it once"));
+        return None;
+    }
     if runs.len() > MOST_RUNS {
         reader.problem(&root, format!("{} runs are more than the {MOST_RUNS} that a sweep may have", runs.len()));
         return None;
@@ -122,19 +128,26 @@ fn resolve(
             return None;
         }
     }
-    let (base, bundles, bundle_of) = bundles(reader, base, &folder, &parameters, &mut runs, plugin_paths, store)?;
     let title = reader.optional(of_file.head.title.as_ref(), &root.key("title")).cloned();
     let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Some(Sweep {
+    let mut sweep = Sweep {
         version: VERSION,
         title: title.unwrap_or_else(stem),
         base,
         parameters,
         runs,
-        bundles,
-        bundle_of,
+        written: BTreeMap::new(),
+        bundles: Vec::new(),
+        bundle_of: Vec::new(),
         keep,
-    })
+    };
+    match bundle(&mut sweep, &folder, plugin_paths, store) {
+        Ok(()) => Some(sweep),
+        Err(error) => {
+            reader.problem(&root, format!("its files cannot be put into the store: {error}"));
+            None
+        }
+    }
 }
 
 /// A case with values, or what is wrong with their paths.
@@ -285,53 +298,38 @@ fn table(path: &Path) -> Result<Design, String> {
     if runs.is_empty() { Err("has no rows".into()) } else { Ok((paths, runs)) }
 }
 
-/// Puts the files that the cases name into the store: the base with its names there, and the folder of each run.
-fn bundles(
-    reader: &mut Reader<'_>,
-    mut base: Value,
-    folder: &Path,
-    parameters: &[String],
-    runs: &mut [Vec<Value>],
-    plugin_paths: &[PathBuf],
-    store: &Store,
-) -> Option<(Value, Vec<String>, Vec<usize>)> {
-    let mut put = || -> std::io::Result<(Vec<String>, Vec<usize>)> {
-        let original = base.clone();
-        let mut bundle = Bundle::default();
-        bundle.take(&mut base, folder, plugin_paths)?;
-        let mut bundles = vec![bundle.put_into(store)?];
-        let mut bundle_of = Vec::new();
-        for run in runs.iter_mut() {
-            let names_files = run.iter().any(|value| !(value.is_number() || value.is_boolean()));
-            let mut index = 0;
-            if names_files {
-                // a value may replace a name of the base
-                let mut bundle = Bundle::default();
-                let mut document = with(&original, parameters, run);
-                bundle.take(&mut document, folder, plugin_paths)?;
-                for (path, value) in parameters.iter().zip(run.iter_mut()) {
-                    *value = at(&document, path).cloned().unwrap_or_default();
-                }
-                let name = bundle.put_into(store)?;
-                index = bundles.iter().position(|other| *other == name).unwrap_or(bundles.len());
-                if index == bundles.len() {
-                    bundles.push(name);
-                }
+/// Puts the files that the cases name into the store, and their names there into the sweep.
+fn bundle(sweep: &mut Sweep, folder: &Path, plugin_paths: &[PathBuf], store: &Store) -> io::Result<()> {
+    let original = sweep.base.clone();
+    let mut bundle = Bundle::default();
+    bundle.take(&mut sweep.base, folder, plugin_paths)?;
+    sweep.bundles.push(bundle.put_into(store)?);
+    for (number, run) in sweep.runs.iter_mut().enumerate() {
+        let names_files = run.iter().any(|value| !(value.is_number() || value.is_boolean()));
+        let mut index = 0;
+        if names_files {
+            // a value may replace a name of the base
+            let mut bundle = Bundle::default();
+            let mut document = with(&original, &sweep.parameters, run);
+            bundle.take(&mut document, folder, plugin_paths)?;
+            let stored: Vec<Value> =
+                sweep.parameters.iter().map(|path| at(&document, path).cloned().unwrap_or_default()).collect();
+            let written = std::mem::replace(run, stored);
+            if written != *run {
+                sweep.written.insert(number, written);
             }
-            bundle_of.push(index);
+            let name = bundle.put_into(store)?;
+            index = sweep.bundles.iter().position(|other| *other == name).unwrap_or(sweep.bundles.len());
+            if index == sweep.bundles.len() {
+                sweep.bundles.push(name);
+            }
         }
-        if bundles.len() == 1 {
-            bundle_of.clear();
-        }
-        Ok((bundles, bundle_of))
-    };
-    match put() {
-        Ok((bundles, bundle_of)) => Some((base, bundles, bundle_of)),
-        Err(error) => {
-            reader.problem(&JsonPlace::root(), format!("its files cannot be put into the store: {error}"));
-            None
-        }
+        sweep.bundle_of.push(index);
     }
+    if sweep.bundles.len() == 1 {
+        sweep.bundle_of.clear();
+    }
+    Ok(())
 }
 
 /// The value at a dotted path.

@@ -12,7 +12,7 @@
 
 use crate::table::{Column, Table, replace};
 use pullout_case::study::{Columns, QuantityOfFile};
-use pullout_report::directory::refuse_file;
+use pullout_report::{at, directory::refuse_file};
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::{self, CALL_TIME_LIMIT, Need};
 use serde::{Deserialize, Serialize};
@@ -35,8 +35,11 @@ pub struct Sweep {
     pub base: Value,
     /// Dotted paths of what is varied.
     pub parameters: Vec<String>,
-    /// Values, run by run.
+    /// Values, run by run; files have the names that they have below `files`.
     pub runs: Vec<Vec<Value>>,
+    /// Values as they were given, by the number of the run, where they name files.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub written: BTreeMap<usize, Vec<Value>>,
     /// Folders below `files`.
     pub bundles: Vec<String>,
     /// The folder of each run; empty: the first is that of all.
@@ -59,9 +62,6 @@ pub struct Keep {
     /// Values of the curve's x at which they are kept; `None`: as they are.
     pub grid: Option<Vec<f64>>,
 }
-
-/// Beginning of the name of a column of what is varied.
-pub(crate) const VARIED: &str = "par.";
 
 /// Version of [`Sweep`].
 pub const VERSION: u32 = 1;
@@ -102,7 +102,7 @@ impl Store {
         let sweep: Sweep = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
         let runs = sweep.runs.len();
         let is_sound = sweep.version == VERSION
-            && sweep.runs.iter().all(|run| run.len() == sweep.parameters.len())
+            && sweep.runs.iter().chain(sweep.written.values()).all(|run| run.len() == sweep.parameters.len())
             && (sweep.bundle_of.is_empty() || sweep.bundle_of.len() == runs)
             && !sweep.bundles.is_empty()
             && sweep.bundle_of.iter().all(|bundle| *bundle < sweep.bundles.len());
@@ -172,12 +172,12 @@ impl Store {
         fs::create_dir_all(&folder)?;
         loop {
             let path = folder.join(format!("{host}.{}", unique()?));
-            let mut file = File::options().read(true).append(true).create_new(true).open(&path)?;
+            let mut file = File::options().read(true).append(true).create_new(true).open(&path).map_err(at(&path))?;
             // a file system without locks does without: see `claim`
             let _ = file.lock();
             // before it was locked, it looked like one left by a worker that was ended just there
             if path.exists() {
-                file.write_all(head)?;
+                file.write_all(head).map_err(at(&path))?;
                 return Ok((file, path));
             }
         }
@@ -257,17 +257,17 @@ impl Sweep {
         with(&self.base, &self.parameters, &self.runs[run])
     }
 
-    /// The columns of what is varied, for some of the runs; their types are those of all.
+    /// The columns of what is varied, for some of the runs, as it was given; their types are those of all runs.
     pub(crate) fn varied(&self, runs: &[usize]) -> Vec<(String, Column)> {
         let column = |(index, path): (usize, &String)| {
-            let values = || runs.iter().map(|run| &self.runs[*run][index]);
+            let values = || runs.iter().map(|run| &self.written.get(run).unwrap_or(&self.runs[*run])[index]);
             let text = |value: &Value| Some(value.as_str().map_or_else(|| value.to_string(), str::to_owned));
             let are_numbers = self.runs.iter().all(|run| run[index].is_number());
             let column = match are_numbers {
                 true => Column::Number(values().map(Value::as_f64).collect()),
                 false => Column::Text(values().map(text).collect()),
             };
-            (format!("{VARIED}{path}"), column)
+            (format!("par.{path}"), column)
         };
         self.parameters.iter().enumerate().map(column).collect()
     }
@@ -281,6 +281,7 @@ impl Sweep {
             base: self.base.clone(),
             parameters: self.parameters.clone(),
             runs: runs.iter().map(|&run| self.runs[run].clone()).collect(),
+            written: BTreeMap::new(),
             bundles: self.bundles.clone(),
             bundle_of: runs.iter().map(bundle).collect(),
             keep: self.keep.clone(),

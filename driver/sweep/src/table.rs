@@ -4,12 +4,12 @@ use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType,
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::{ByteArray, DataType};
-use parquet::errors::Result;
+use parquet::errors::{ParquetError, Result};
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{Type, TypePtr};
-use std::collections::BTreeSet;
+use pullout_report::at;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -49,16 +49,6 @@ impl Column {
             Self::Number(values) => values.len(),
             Self::Count(values) => values.len(),
             Self::List(values) => values.len(),
-        }
-    }
-
-    /// A column of the same kind without rows.
-    fn empty(&self) -> Self {
-        match self {
-            Self::Text(_) => Self::Text(Vec::new()),
-            Self::Number(_) => Self::Number(Vec::new()),
-            Self::Count(_) => Self::Count(Vec::new()),
-            Self::List(_) => Self::List(Vec::new()),
         }
     }
 
@@ -167,20 +157,15 @@ impl Table {
         self.columns.iter().find(|(other, _)| other == name).map(|(_, column)| column)
     }
 
-    /// A table of the given rows of several, the number of the table and the row in it, with the columns that these have.
-    pub fn gathered(tables: &[Self], rows: &[(usize, usize)]) -> Self {
-        let mut gathered = Self::default();
-        let used: BTreeSet<usize> = rows.iter().map(|&(table, _)| table).collect();
-        for (name, column) in used.iter().flat_map(|&table| &tables[table].columns) {
-            if gathered.column(name).is_none() {
-                gathered.columns.push((name.clone(), column.empty()));
+    /// Adds rows of other tables, each by the number of the table and the row in it; `None`: an empty one.
+    pub fn gather(&mut self, tables: &[Self], rows: &[Option<(usize, usize)>]) {
+        for (name, column) in &mut self.columns {
+            let theirs: Vec<Option<&Column>> = tables.iter().map(|table| table.column(name)).collect();
+            for row in rows {
+                let (theirs, row) = row.map_or((None, 0), |(table, row)| (theirs[table], row));
+                column.push(theirs, row);
             }
         }
-        for (name, column) in &mut gathered.columns {
-            let theirs: Vec<Option<&Column>> = tables.iter().map(|table| table.column(name)).collect();
-            rows.iter().for_each(|&(table, row)| column.push(theirs[table], row));
-        }
-        gathered
     }
 
     /// Writes a Parquet file and puts it into its place at once.
@@ -193,7 +178,10 @@ impl Table {
 
     /// Writes a Parquet file.
     pub(crate) fn write_parquet(&self, file: &File) -> io::Result<()> {
-        self.write_to(file).map_err(io::Error::other)
+        self.write_to(file).map_err(|error| match error {
+            ParquetError::External(error) => error.downcast().map_or_else(io::Error::other, |error| *error),
+            other => io::Error::other(other),
+        })
     }
 
     fn write_to(&self, file: &File) -> Result<()> {
@@ -264,13 +252,16 @@ pub(crate) fn replace(
     before: impl FnOnce(&Path) -> io::Result<()>,
 ) -> io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let file = tempfile::Builder::new().prefix(".part").tempfile_in(folder)?;
-    write(file.as_file())?;
-    file.as_file().sync_all()?;
-    readable_by_all(file.as_file())?;
-    before(file.path())?;
-    file.persist(path)?;
-    Ok(())
+    let replace = || {
+        let file = tempfile::Builder::new().prefix(".part").tempfile_in(folder)?;
+        write(file.as_file())?;
+        file.as_file().sync_all()?;
+        readable_by_all(file.as_file())?;
+        before(file.path())?;
+        file.persist(path)?;
+        Ok(())
+    };
+    replace().map_err(at(path))
 }
 
 /// Temporary files are their owner's alone; what lies in a store others may read.
@@ -330,4 +321,19 @@ fn read_column(column: &mut Column, reader: ColumnReader, rows: usize) -> Result
         _ => {}
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    #[test]
+    fn a_full_disk_is_told_with_the_name_of_the_file() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("table.parquet");
+        let table = Table { columns: vec![("a".into(), Column::Number(vec![Some(1.0)]))] };
+        let full = File::options().write(true).open("/dev/full").expect("a device");
+        let error = replace(&path, |_| table.write_parquet(&full), |_| Ok(())).expect_err("no space");
+        assert_eq!(error.to_string(), format!("{}: No space left on device (os error 28)", path.display()));
+    }
 }

@@ -1,29 +1,30 @@
 //! Works off what is left of a sweep.
 
 use crate::batch::Batch;
-use crate::claim::{Claim, Due, Head, left_behind};
+use crate::claim::{Claim, Due, Head, Left, Taken, left_behind};
 use crate::collect::{Known, MOST_LOSSES, state};
 use crate::run::{Measured, measure};
 use crate::store::{Keep, Keys, Store, Sweep};
 use crate::table::{Column, Table};
-use pullout_run::input;
 use pullout_run::isolation::{self, End, Failure, Job, Need, shared_file};
 use pullout_run::path::{FailedAt, FailureKind};
 use pullout_run::{replay, signals};
 use serde_json::Value;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::ffi::OsString;
 use std::fs;
 use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Rows are written about so often, s: what a machine loses that goes off.
 const CHUNK: f64 = 30.0;
 /// Most runs in a part unless the user says otherwise.
 const MOST_IN_A_PART: usize = 20_000;
+/// The rows of others are read again after so many times what it took: a tenth of the time at most.
+const BETWEEN_READINGS: u32 = 10;
 
 /// Settings of a sweep's work.
 #[derive(Clone, Debug)]
@@ -34,7 +35,7 @@ pub struct Work {
     pub jobs: usize,
     /// Runs of one part of the rows; default: as many as take half a minute.
     pub chunk_runs: Option<usize>,
-    /// Whether runs are made in threads of this process: what ends it ends the sweep.
+    /// Whether runs are made in threads of this process, if all call only libraries that were built with it.
     pub in_process: bool,
     /// Run again what failed, crashed or took too long.
     pub again: bool,
@@ -47,6 +48,8 @@ pub struct Worked {
     pub kept: usize,
     /// Runs that are over now.
     pub ran: usize,
+    /// Runs that other workers have ended meanwhile, or are at.
+    pub elsewhere: usize,
     /// Runs that are left.
     pub left: usize,
 }
@@ -56,14 +59,35 @@ struct Office<'w> {
     store: &'w Store,
     sweep: &'w Sweep,
     work: &'w Work,
-    engine: String,
-    /// Names of the machine and of its processor.
-    machine: (String, String),
-    due: Vec<Due>,
-    next: AtomicUsize,
+    identity: [u8; 32],
+    maker: Maker,
+    queue: Mutex<Queue>,
+    /// Runs that were due at the start.
+    count: usize,
     over: AtomicUsize,
     /// Hears how many runs are over, of how many.
     told: &'w (dyn Fn(usize, usize) + Sync),
+}
+
+/// Machine and program that make rows.
+#[derive(Default)]
+pub(crate) struct Maker {
+    host: String,
+    /// Name of the processor.
+    cpu: String,
+    /// The program, in hexadecimal.
+    engine: String,
+}
+
+/// Runs that are left, and what other workers do of them.
+struct Queue {
+    due: VecDeque<Due>,
+    known: Known,
+    taken: Taken,
+    /// The time at which the rows of others are read again.
+    next_reading: Instant,
+    /// Runs that others have ended since the start.
+    elsewhere: usize,
 }
 
 /// Runs what is left of a sweep. `told` hears how many runs are over, of how many that were left.
@@ -73,41 +97,31 @@ struct Office<'w> {
 pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) -> io::Result<Worked> {
     let sweep = store.sweep()?;
     let identity = isolation::identity()?;
-    let engine = input::digits(identity);
-    let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let (machine, due) = (machine(), Vec::new());
-    let mut office = Office { store, sweep: &sweep, work, engine, machine, due, next, over, told };
-    let mut keys = Keys::new(&sweep, identity);
-    office.take_over(&mut keys)?;
-    let known = Known::of(store)?;
+    let queue = Queue {
+        due: VecDeque::new(),
+        known: Known::default(),
+        taken: Taken::new(),
+        next_reading: Instant::now(),
+        elsewhere: 0,
+    };
+    let (queue, over) = (Mutex::new(queue), AtomicUsize::new(0));
+    let mut office =
+        Office { store, sweep: &sweep, work, identity, maker: Maker::new(identity), queue, count: 0, over, told };
     let (number, of) = work.chunk.unwrap_or((0, 1));
     let count = sweep.runs.len();
     let runs = count * number / of..count * (number + 1) / of;
-    let mut seen = std::collections::HashSet::new();
-    for run in runs.clone() {
-        let key = keys.of(run);
-        let attempts = match known.best(&key) {
-            Some(row) if row.is_over() && (row.is_done || !work.again) => continue,
-            Some(row) => row.attempt,
-            None => 0,
-        };
-        // the same case twice is run once
-        if seen.insert(key.clone()) {
-            office.due.push(Due { run, key, attempt: attempts + 1 });
-        }
-    }
-    drop(known);
-    // a run that was lost comes last: if its worker was killed by somebody else, the next kill hits another one
-    office.due.sort_by_key(|due| due.attempt);
-    let kept = runs.len() - office.due.len();
-    let jobs = work.jobs.clamp(1, office.due.len().max(1));
+    let due = office.due(runs.clone())?;
+    let is_apart = !work.in_process || office.calls_others(&due);
+    office.count = due.len();
+    let kept = runs.len() - due.len();
+    let jobs = work.jobs.clamp(1, due.len().max(1));
+    office.queue().due = due.into();
     let errors = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
         let mut started = Vec::new();
         for _ in 0..jobs {
             let toil = || {
-                let ended = if work.in_process { office.here() } else { office.apart() };
-                if let Err(error) = ended {
+                if let Err(error) = office.toil(is_apart) {
                     errors.lock().unwrap_or_else(PoisonError::into_inner).push(error);
                 }
             };
@@ -117,21 +131,87 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
         let refused: Vec<io::Error> = started.into_iter().filter_map(Result::err).collect();
         errors.lock().unwrap_or_else(PoisonError::into_inner).extend(refused);
     });
-    let ran = office.over.load(Ordering::Relaxed);
-    match errors.into_inner().unwrap_or_else(PoisonError::into_inner).pop() {
-        Some(error) => Err(error),
-        None => Ok(Worked { kept, ran, left: office.due.len() - ran }),
+    if let Some(error) = errors.into_inner().unwrap_or_else(PoisonError::into_inner).pop() {
+        return Err(error);
+    }
+    let (mut queue, ran) = (office.queue(), office.over.load(Ordering::Relaxed));
+    office.look(&mut queue)?;
+    let others = queue.due.iter().filter(|due| queue.is_taken(due) || queue.known.is_over_since(due)).count();
+    let elsewhere = queue.elsewhere + others;
+    Ok(Worked { kept, ran, elsewhere, left: office.count - ran - elsewhere })
+}
+
+impl Queue {
+    /// Returns whether another worker is at a run.
+    fn is_taken(&self, due: &Due) -> bool {
+        self.taken.values().any(|keys| keys.contains(&due.key))
+    }
+}
+
+impl Maker {
+    /// The program of this identity, on this machine.
+    fn new(identity: [u8; 32]) -> Self {
+        let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+        let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let model =
+            told.lines().find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned()));
+        let engine = identity.iter().map(|byte| format!("{byte:02x}")).collect();
+        Self { host: host.trim().to_owned(), cpu: model.unwrap_or_default(), engine }
     }
 }
 
 impl Office<'_> {
-    /// Keeps the rows that workers left which are gone, and names the runs that were lost with them.
-    fn take_over(&self, keys: &mut Keys<'_>) -> io::Result<()> {
-        let left = left_behind(self.store, &self.engine, &self.machine.0)?;
+    fn queue(&self) -> MutexGuard<'_, Queue> {
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The runs among these that have no row that counts.
+    fn due(&self, runs: std::ops::Range<usize>) -> io::Result<Vec<Due>> {
+        let mut queue = self.queue();
+        self.look(&mut queue)?;
+        let (mut keys, mut seen, mut due) = (Keys::new(self.sweep, self.identity), HashSet::new(), Vec::new());
+        for run in runs {
+            let key = keys.of(run);
+            let attempts = match queue.known.best(&key) {
+                Some(row) if row.is_over() && (row.is_done || !self.work.again) => continue,
+                Some(row) => row.attempt,
+                None => 0,
+            };
+            // the same case twice is run once
+            if seen.insert(key.clone()) {
+                due.push(Due { run, key, attempt: attempts + 1 });
+            }
+        }
+        // a run that was lost comes last: if its worker was killed by somebody else, the next kill hits another one
+        due.sort_by_key(|due| due.attempt);
+        Ok(due)
+    }
+
+    /// Returns whether these runs call libraries that were not built with this program.
+    fn calls_others(&self, due: &[Due]) -> bool {
+        let runs: Vec<usize> = due.iter().map(|due| due.run).collect();
+        !runs.is_empty() && self.need(&runs).libraries.keys().any(|library| !isolation::is_shipped(library))
+    }
+
+    /// Looks what other workers are at and have done; what one left that is gone is kept.
+    fn look(&self, queue: &mut Queue) -> io::Result<()> {
+        let left = left_behind(self.store, &self.maker.engine, &self.maker.host, &mut queue.taken)?;
+        // behind the claims: rows are there before a claim goes
+        let start = Instant::now();
+        if start >= queue.next_reading || !left.is_empty() {
+            queue.known.read(self.store)?;
+            queue.next_reading = Instant::now() + BETWEEN_READINGS * start.elapsed();
+        }
         if left.is_empty() {
             return Ok(());
         }
-        let known = Known::of(self.store)?;
+        self.take_over(left, &queue.known)?;
+        queue.known.read(self.store)
+    }
+
+    /// Keeps the rows that workers left which are gone, and names the runs that were lost with them.
+    fn take_over(&self, left: Vec<Left>, known: &Known) -> io::Result<()> {
+        let mut keys = Keys::new(self.sweep, self.identity);
         let numbers: HashMap<String, usize> = (0..self.sweep.runs.len()).map(|run| (keys.of(run), run)).collect();
         for mut left in left {
             if left.has_begun && left.rows.len() < left.head.runs.len() {
@@ -149,21 +229,50 @@ impl Office<'_> {
         Ok(())
     }
 
-    /// The claim of runs.
-    fn claim(&self, runs: &[Due]) -> io::Result<Claim> {
-        Claim::new(self.store, &self.machine.0, &Head { engine: self.engine.clone(), runs: runs.to_vec() })
-    }
-
-    /// The next block of runs; none if nothing is left, or a signal asks for the end.
-    fn block(&self) -> &[Due] {
-        if signals::received().is_some() {
-            return &[];
+    /// Claims the next block of runs that no other worker has done or is at; `None` if there are none, or a signal asks for
+    /// the end.
+    fn take(&self) -> io::Result<Option<(Claim, Vec<Due>)>> {
+        let mut queue = self.queue();
+        loop {
+            if signals::received().is_some() || queue.due.is_empty() {
+                return Ok(None);
+            }
+            self.look(&mut queue)?;
+            // smaller and smaller, so that all processors end at about the same time, but not so small that starting children counts
+            let (jobs, most) = (self.work.jobs.max(1), self.work.chunk_runs.unwrap_or(MOST_IN_A_PART));
+            let size = queue.due.len().div_ceil(8 * jobs).max(self.count / (64 * jobs)).clamp(1, most);
+            let mut block = Vec::new();
+            for _ in 0..queue.due.len() {
+                if block.len() == size {
+                    break;
+                }
+                let Some(mut due) = queue.due.pop_front() else { break };
+                if queue.known.is_over_since(&due) {
+                    queue.elsewhere += 1;
+                    continue;
+                }
+                if let Some(row) = queue.known.best(&due.key) {
+                    due.attempt = due.attempt.max(row.attempt + 1);
+                }
+                if queue.is_taken(&due) {
+                    queue.due.push_back(due);
+                } else {
+                    block.push(due);
+                }
+            }
+            if block.is_empty() {
+                return Ok(None);
+            }
+            let head = Head { engine: self.maker.engine.clone(), runs: block.clone() };
+            let claim = Claim::new(self.store, &self.maker.host, &head)?;
+            // of two that claim a run at the same moment, one has it
+            self.look(&mut queue)?;
+            let mut earlier = queue.taken.iter().filter(|(path, _)| path.as_path() < claim.path());
+            if !earlier.any(|(_, keys)| block.iter().any(|due| keys.contains(&due.key))) {
+                return Ok(Some((claim, block)));
+            }
+            queue.due.extend(block);
         }
-        // small enough that all processors end at about the same time
-        let most = self.work.chunk_runs.unwrap_or(MOST_IN_A_PART);
-        let size = self.due.len().div_ceil(8 * self.work.jobs.max(1)).clamp(1, most);
-        let first = self.next.fetch_add(size, Ordering::Relaxed).min(self.due.len());
-        &self.due[first..(first + size).min(self.due.len())]
     }
 
     /// Seconds after which rows are written.
@@ -179,83 +288,76 @@ impl Office<'_> {
                 self.store.keep_replay(&due.key, case)?;
             }
         }
-        self.store.add(&self.table(&runs[..rows.len()], rows), first.run)
+        self.store.add(&part(self.sweep, &runs[..rows.len()], rows, &self.maker), first.run)
     }
 
-    /// Puts rows into the store and reports the progress.
-    fn write(&self, runs: &[Due], rows: &[Measured]) -> io::Result<()> {
-        self.put(runs, rows)?;
-        let over = self.over.fetch_add(rows.len(), Ordering::Relaxed) + rows.len();
-        (self.told)(over, self.due.len());
+    /// Takes blocks of runs until nothing is left; `is_apart`: in children.
+    fn toil(&self, is_apart: bool) -> io::Result<()> {
+        while let Some((mut claim, mut block)) = self.take()? {
+            let (mut rows, start) = (Vec::new(), Instant::now());
+            let ended = match is_apart {
+                true => self.apart(&block, &mut claim, &mut rows, start),
+                false => self.here(&block, &mut claim, &mut rows, start),
+            };
+            if let Err(error) = self.put(&block, &rows) {
+                // the next worker takes the rows over
+                std::mem::forget(claim);
+                return Err(error);
+            }
+            drop(claim);
+            ended?;
+            if rows.is_empty() {
+                return Ok(());
+            }
+            let over = self.over.fetch_add(rows.len(), Ordering::Relaxed) + rows.len();
+            let mut queue = self.queue();
+            for due in block.drain(rows.len()..).rev() {
+                queue.due.push_front(due);
+            }
+            (self.told)(over, self.count - queue.elsewhere);
+        }
         Ok(())
     }
 
     /// Runs in this process.
-    fn here(&self) -> io::Result<()> {
+    fn here(&self, block: &[Due], claim: &mut Claim, rows: &mut Vec<Measured>, start: Instant) -> io::Result<()> {
         let stop = Arc::new(AtomicBool::new(false));
-        loop {
-            let mut block = self.block();
-            if block.is_empty() {
-                return Ok(());
+        for due in block {
+            if signals::received().is_some() || start.elapsed().as_secs_f64() > self.seconds() {
+                break;
             }
-            while !block.is_empty() {
-                let (mut claim, mut rows, start) = (self.claim(block)?, Vec::new(), Instant::now());
-                for due in block {
-                    if signals::received().is_some() || start.elapsed().as_secs_f64() > self.seconds() {
-                        break;
-                    }
-                    claim.begin()?;
-                    let measured = catch_unwind(AssertUnwindSafe(|| measure(self.store, self.sweep, due.run, &stop)));
-                    let measured = measured.unwrap_or_else(|_| {
-                        Some(Measured {
-                            failed_at: Some(FailedAt { kind: FailureKind::Crashed, step: 0, increment: 0 }),
-                            message: Some("the program panicked".into()),
-                            ..Measured::without_numbers(&self.sweep.keep)
-                        })
-                    });
-                    let Some(measured) = measured else { break };
-                    claim.add(&measured)?;
-                    rows.push(measured);
-                }
-                self.write(block, &rows)?;
-                block = &block[rows.len()..];
-                if rows.is_empty() || signals::received().is_some() {
-                    return Ok(());
-                }
-            }
+            claim.begin()?;
+            let measured = catch_unwind(AssertUnwindSafe(|| measure(self.store, self.sweep, due.run, &stop)));
+            let measured = measured.unwrap_or_else(|_| {
+                Some(Measured {
+                    failed_at: Some(FailedAt { kind: FailureKind::Crashed, step: 0, increment: 0 }),
+                    message: Some("the program panicked".into()),
+                    ..Measured::without_numbers(&self.sweep.keep)
+                })
+            });
+            let Some(measured) = measured else { break };
+            claim.add(&measured)?;
+            rows.push(measured);
         }
+        Ok(())
     }
 
     /// Runs in children, one after another.
-    fn apart(&self) -> io::Result<()> {
-        loop {
-            let mut block = self.block();
-            if block.is_empty() {
-                return Ok(());
+    fn apart(&self, block: &[Due], claim: &mut Claim, rows: &mut Vec<Measured>, start: Instant) -> io::Result<()> {
+        while rows.len() < block.len() && signals::received().is_none() {
+            let left = self.seconds() - start.elapsed().as_secs_f64();
+            if left < 0.0 {
+                break;
             }
-            while !block.is_empty() {
-                let (mut claim, mut rows, start) = (self.claim(block)?, Vec::new(), Instant::now());
-                let mut ended = Ok(());
-                while rows.len() < block.len() && ended.is_ok() && signals::received().is_none() {
-                    let left = self.seconds() - start.elapsed().as_secs_f64();
-                    if left < 0.0 {
-                        break;
-                    }
-                    let before = rows.len();
-                    ended = self.child(&block[before..], left, &mut claim, before);
-                    rows = claim.rows()?;
-                    if ended.is_ok() && rows.len() == before && signals::received().is_none() {
-                        ended = Err(io::Error::other("a child ended without a row, and without a reason"));
-                    }
-                }
-                self.write(block, &rows)?;
-                block = &block[rows.len()..];
-                ended?;
-                if signals::received().is_some() {
-                    return Ok(());
-                }
+            let before = rows.len();
+            let ended = self.child(&block[before..], left, claim, before);
+            *rows = claim.rows()?;
+            ended?;
+            if rows.len() == before && signals::received().is_none() {
+                return Err(io::Error::other("a child ended without a row, and without a reason"));
             }
         }
+        Ok(())
     }
 
     /// Starts a child with runs, which adds its rows behind the `before` that are there; one of the run that it did not
@@ -298,48 +400,47 @@ impl Office<'_> {
         need.specimen = self.sweep.base["kind"] == "pullout";
         need
     }
+}
 
-    /// A part of the rows.
-    fn table(&self, runs: &[Due], rows: &[Measured]) -> Table {
-        let Sweep { keep, .. } = self.sweep;
-        let text = |values: &dyn Fn(usize) -> Option<String>| Column::Text((0..rows.len()).map(values).collect());
-        let number = |values: &dyn Fn(usize) -> Option<f64>| Column::Number((0..rows.len()).map(values).collect());
-        let count = |values: &dyn Fn(usize) -> Option<u64>| {
-            Column::Count((0..rows.len()).map(|k| values(k).and_then(|count| i64::try_from(count).ok())).collect())
-        };
-        let place = |k: usize| rows[k].failed_at.filter(|at| at.step > 0);
-        let mut columns = vec![
-            ("key".to_owned(), text(&|k| Some(runs[k].key.clone()))),
-            ("status".to_owned(), text(&|k| Some(state(&rows[k]).into()))),
-            ("message".to_owned(), text(&|k| rows[k].message.clone())),
-            ("at_step".to_owned(), count(&|k| place(k).map(|at| at.step.into()))),
-            ("at_increment".to_owned(), count(&|k| place(k).map(|at| at.increment.into()))),
-        ];
-        let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
-        columns.extend(self.sweep.varied(&numbers));
-        for (index, name) in keep.quantities.keys().enumerate() {
-            columns.push((format!("q.{name}"), number(&|k| rows[k].quantities.get(index).copied().flatten())));
-        }
-        for (index, name) in keep.curves.iter().enumerate() {
-            let lists = rows.iter().map(|row| row.curves.get(index).cloned().unwrap_or_default()).collect();
-            columns.push((format!("curve.{name}"), Column::List(lists)));
-        }
-        for (index, name) in ["increments", "iterations", "cutbacks"].into_iter().enumerate() {
-            columns.push((name.to_owned(), count(&|k| Some(rows[k].counts[index]))));
-        }
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO).as_secs_f64();
-        let (host, cpu) = &self.machine;
-        columns.extend([
-            ("wall_s".to_owned(), number(&|k| Some(rows[k].times[0]))),
-            ("cpu_s".to_owned(), number(&|k| Some(rows[k].times[1]))),
-            ("attempt".to_owned(), count(&|k| Some(runs[k].attempt.into()))),
-            ("host".to_owned(), text(&|_| Some(host.clone()))),
-            ("cpu".to_owned(), text(&|_| Some(cpu.clone()))),
-            ("engine".to_owned(), text(&|_| Some(self.engine.clone()))),
-            ("time".to_owned(), number(&|_| Some(now))),
-        ]);
-        Table { columns }
+/// A part of the rows of a sweep.
+pub(crate) fn part(sweep: &Sweep, runs: &[Due], rows: &[Measured], maker: &Maker) -> Table {
+    let keep = &sweep.keep;
+    let text = |values: &dyn Fn(usize) -> Option<String>| Column::Text((0..rows.len()).map(values).collect());
+    let number = |values: &dyn Fn(usize) -> Option<f64>| Column::Number((0..rows.len()).map(values).collect());
+    let count = |values: &dyn Fn(usize) -> Option<u64>| {
+        Column::Count((0..rows.len()).map(|k| values(k).and_then(|count| i64::try_from(count).ok())).collect())
+    };
+    let place = |k: usize| rows[k].failed_at.filter(|at| at.step > 0);
+    let mut columns = vec![
+        ("key".to_owned(), text(&|k| Some(runs[k].key.clone()))),
+        ("status".to_owned(), text(&|k| Some(state(&rows[k]).into()))),
+        ("message".to_owned(), text(&|k| rows[k].message.clone())),
+        ("at_step".to_owned(), count(&|k| place(k).map(|at| at.step.into()))),
+        ("at_increment".to_owned(), count(&|k| place(k).map(|at| at.increment.into()))),
+    ];
+    let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
+    columns.extend(sweep.varied(&numbers));
+    for (index, name) in keep.quantities.keys().enumerate() {
+        columns.push((format!("q.{name}"), number(&|k| rows[k].quantities.get(index).copied().flatten())));
     }
+    for (index, name) in keep.curves.iter().enumerate() {
+        let lists = rows.iter().map(|row| row.curves.get(index).cloned().unwrap_or_default()).collect();
+        columns.push((format!("curve.{name}"), Column::List(lists)));
+    }
+    for (index, name) in ["increments", "iterations", "cutbacks"].into_iter().enumerate() {
+        columns.push((name.to_owned(), count(&|k| Some(rows[k].counts[index]))));
+    }
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO).as_secs_f64();
+    columns.extend([
+        ("wall_s".to_owned(), number(&|k| Some(rows[k].times[0]))),
+        ("cpu_s".to_owned(), number(&|k| Some(rows[k].times[1]))),
+        ("attempt".to_owned(), count(&|k| Some(runs[k].attempt.into()))),
+        ("host".to_owned(), text(&|_| Some(maker.host.clone()))),
+        ("cpu".to_owned(), text(&|_| Some(maker.cpu.clone()))),
+        ("engine".to_owned(), text(&|_| Some(maker.engine.clone()))),
+        ("time".to_owned(), number(&|_| Some(now))),
+    ]);
+    Table { columns }
 }
 
 /// The row of a run that was lost with its worker.
@@ -366,13 +467,4 @@ fn crash(failure: &Failure, document: &Value, office: &Office<'_>, run: usize) -
         replay: case,
         ..Measured::without_numbers(&office.sweep.keep)
     }
-}
-
-/// Returns the names of this machine and of its processor.
-fn machine() -> (String, String) {
-    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-    let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model =
-        told.lines().find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned()));
-    (host.trim().to_owned(), model.unwrap_or_default())
 }

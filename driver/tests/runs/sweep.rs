@@ -410,11 +410,159 @@ fn designs_by_table_points_and_product() {
 fn parts_of_a_sweep_by_number() {
     let desk = Desk::new();
     let store = planned(&desk, 10, 5);
-    for (chunk, over) in [("0/3", 3), ("2/3", 7), ("1/3", 10)] {
+    // before anything is done, the table has the parameters
+    let table = collected(&desk, &store);
+    assert_eq!(texts(&table, "status"), ["left"; 10]);
+    for (chunk, over) in [("0/3", 0..3), ("2/3", 6..10), ("1/3", 3..6)] {
         let arguments = ["sweep", "work", "--quiet", "--chunk", chunk].map(std::ffi::OsStr::new);
         desk.pullout(arguments.into_iter().chain([store.as_os_str()])).expect(0);
-        assert_eq!(collected(&desk, &store).rows(), over);
+        let table = collected(&desk, &store);
+        assert_eq!(table.rows(), 10);
+        for run in over {
+            assert_eq!(texts(&table, "status")[run], "done");
+            assert!(table.column("q.peak").and_then(|peak| peak.number(run)).is_some());
+        }
+        for (run, status) in texts(&table, "status").iter().enumerate() {
+            let number = |name: &str| table.column(name).and_then(|column| column.number(run));
+            assert_eq!(number("run"), Some(run as f64));
+            assert_eq!(number("par.material.props.k_e"), Some(500.0 + run as f64));
+            assert_eq!(number("q.peak").is_some(), status == "done");
+        }
     }
+}
+
+/// Paths have one meaning wherever they are read, and what is varied stands in the table as it was given.
+#[test]
+fn the_table_says_what_the_user_wrote() {
+    let desk = Desk::new();
+    let plan = |sweep: &Value, code: i32| {
+        desk.case("sweep.json", sweep);
+        sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], code)
+    };
+    let table = || {
+        sweep_with(&desk, "work", &["--quiet", "store"], 0);
+        collected(&desk, &desk.path("store"))
+    };
+    // a row that is there is that of several runs, whose titles differ
+    plan(
+        &json!({ "kind": "sweep", "base": bond(5), "points": [{ "title": "a" }, { "title": "b" }, { "title": "c" }] }),
+        0,
+    );
+    let titles = table();
+    assert_eq!(texts(&titles, "par.title"), ["a", "b", "c"]);
+    assert_eq!(texts(&titles, "status"), ["done"; 3]);
+    // the rows of a product that grows by another path
+    let mut grown = json!({ "kind": "sweep", "base": bond(5), "parameters": { "material.props.k_e": [700, 800] } });
+    plan(&grown, 0);
+    table();
+    grown["parameters"] = json!({ "$.material.props.a_1": [8, 10], "material.props.k_e": [700, 800] });
+    plan(&grown, 0);
+    let grown = table();
+    for (name, expected) in [("a_1", [8.0, 8.0, 10.0, 10.0]), ("k_e", [700.0, 800.0, 700.0, 800.0])] {
+        let column = grown.column(&format!("par.material.props.{name}")).expect("a column");
+        assert_eq!([0, 1, 2, 3].map(|row| column.number(row)), expected.map(Some));
+    }
+    let mut twice = json!({ "kind": "sweep", "base": bond(5), "points": [{ "steps[0].increments": 4 }] });
+    plan(&twice, 0);
+    assert_eq!(table().column("par.steps.0.increments").and_then(|column| column.number(0)), Some(4.0));
+    twice["points"][0]["steps.0.increments"] = json!(6);
+    assert!(plan(&twice, 2).contains("the path steps.0.increments is given twice"));
+    // libraries of the same name, and tables
+    let Some(library) = misbehaving(&desk) else { return };
+    for folder in ["x", "y"] {
+        fs::create_dir(desk.path(folder)).expect("a folder");
+        fs::copy(&library, desk.path(folder).join("lib.so")).expect("copied");
+        desk.write(&format!("{folder}/t.csv"), "time,e11\n0,0\n1,0.001\n");
+    }
+    let base = json!({
+        "kind": "point", "mode": "3d", "material": { "plugin": "x/lib.so", "nstatv": 2, "props": [1000.0, 0, 1, 3] },
+        "steps": [{ "increments": 2, "target": { "e11": 0.005 } }],
+    });
+    plan(&json!({ "kind": "sweep", "base": base, "parameters": { "material.plugin": ["x/lib.so", "y/lib.so"] } }), 0);
+    let libraries = table();
+    assert_eq!(texts(&libraries, "par.material.plugin"), ["x/lib.so", "y/lib.so"]);
+    assert_eq!(texts(&libraries, "status"), ["done"; 2]);
+}
+
+/// Rows of all parts: runs that were carried out.
+fn carried_out(store: &Path) -> usize {
+    rows(store).iter().map(Table::rows).sum()
+}
+
+#[test]
+fn two_workers_at_the_same_time_share_the_runs() {
+    let desk = Desk::new();
+    const COUNT: usize = 120;
+    let store = planned(&desk, COUNT, 3000);
+    let start = || {
+        let mut work = command();
+        work.args(["sweep", "work", "--quiet", "--jobs", "1"]).arg(&store);
+        work.spawn().expect("the program starts")
+    };
+    let mut workers = [start(), start()];
+    for worker in &mut workers {
+        assert!(worker.wait().expect("ended").success());
+    }
+    assert_eq!(texts(&collected(&desk, &store), "status"), ["done"; COUNT]);
+    assert!(carried_out(&store) <= COUNT + 2, "{}", carried_out(&store));
+    // one goes on with what another leaves that is killed meanwhile
+    fs::remove_dir_all(store.join("parts")).expect("removed");
+    let [mut killed, mut other] = [start(), start()];
+    while store.join("running").read_dir().expect("a folder").count() < 2 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    killed.kill().expect("killed");
+    killed.wait().expect("ended");
+    assert!(other.wait().expect("ended").success());
+    assert_eq!(texts(&collected(&desk, &store), "status"), ["done"; COUNT]);
+    assert!(carried_out(&store) <= COUNT + 2, "{}", carried_out(&store));
+}
+
+#[test]
+fn threads_call_only_what_was_built_with_the_program() {
+    let desk = Desk::new();
+    if misbehaving(&desk).is_none() {
+        return;
+    }
+    let base = json!({
+        "kind": "point", "mode": "3d",
+        "material": { "plugin": "./libmisbehaving.so", "nstatv": 2, "props": [1000.0, 0, 1, 3] },
+        "steps": [{ "increments": 5, "target": { "e11": 0.005 } }],
+    });
+    let sweep = json!({ "kind": "sweep", "base": base, "parameters": { "steps.0.target.e11": [0.004, 0.005], "material.props.1": [0, 1] } });
+    desk.case("sweep.json", &sweep);
+    sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
+    sweep_with(&desk, "work", &["--in-process", "--jobs", "1", "store"], 0);
+    let table = collected(&desk, &desk.path("store"));
+    assert_eq!(texts(&table, "status"), ["done", "crashed", "done", "crashed"]);
+    assert!(texts(&table, "message")[1].contains("exit code 0"), "{:?}", texts(&table, "message"));
+}
+
+/// A child that a signal ends while the exit handlers of its library run has all its rows: nothing is wrong with it.
+#[test]
+fn ctrl_c_ends_the_work_without_a_word_of_exit_handlers() {
+    let desk = Desk::new();
+    if misbehaving(&desk).is_none() {
+        return;
+    }
+    let material =
+        json!({ "plugin": "./libmisbehaving.so", "nstatv": 2, "props": [1000.0, 10, 1, 3], "call_time_limit_s": 50 });
+    let base = json!({ "kind": "point", "mode": "3d", "material": material,
+        "steps": [{ "increments": 5, "target": { "e11": 0.005 } }] });
+    let sweep = json!({ "kind": "sweep", "base": base, "points": [{ "steps.0.target.e11": 0.004 }] });
+    desk.case("sweep.json", &sweep);
+    sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
+    let mut work = command();
+    work.args(["sweep", "work", "--quiet", "--jobs", "1"]).arg(desk.path("store")).stderr(Stdio::piped());
+    let child = work.spawn().expect("the program starts");
+    std::thread::sleep(Duration::from_secs(3));
+    let pid = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw).expect("a process");
+    rustix::process::kill_process(pid, rustix::process::Signal::INT).expect("a signal");
+    let ended = child.wait_with_output().expect("ended");
+    assert_eq!(String::from_utf8_lossy(&ended.stderr), "");
+    assert_eq!(ended.status.code(), Some(0), "its run was over");
+    assert_eq!(texts(&collected(&desk, &desk.path("store")), "status"), ["done"]);
 }
 
 /// Arguments of a command of `sweep` with a folder.

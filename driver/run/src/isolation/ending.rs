@@ -3,6 +3,7 @@
 use super::last_words::explanation;
 use super::{Need, trust};
 use crate::path::{FailedAt, FailureKind, Statistics};
+use crate::signals;
 use rustix::process::Signal;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -147,9 +148,11 @@ fn contact_point(node: &[f64]) -> String {
     node.first().map_or_else(String::new, |node| format!(", contact point {node}"))
 }
 
-/// Returns the message about an end behind the done-mark, `None` if it was the usual one: the results are complete.
+/// Returns the message about an end behind the done-mark, `None` if it was the usual one, or hurried by a signal: the results
+/// are complete.
 pub(super) fn behind_the_end(cause: Cause, code: u8, recording: &Recording) -> Option<String> {
-    if cause == Cause::Exit(code.into()) {
+    let is_hurried = matches!(cause, Cause::TimeLimit(_)) && signals::received().is_some();
+    if is_hurried || cause == Cause::Exit(code.into()) {
         return None;
     }
     let plugin = recording.last_call().map_or_else(|| "a plugin".to_owned(), |call| format!("plugin '{}'", call.name));
