@@ -42,11 +42,13 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
     let ground = mesh::resolve(reader, case);
     let checked = ground.as_ref().and_then(|ground| mesh::checked(reader, ground));
-    let scene = Scene { ground: ground.as_ref(), mesh: checked.as_ref() };
+    let scene = Scene { ground: ground.as_ref(), mesh: checked.as_ref(), loose: &[] };
     let parts = parts::resolve(reader, case, scene);
     let contacts = contact::resolve(reader, case, scene);
-    let mut boundary = boundary::resolve(reader, case, scene);
     let couplings = couplings::resolve(reader, case, scene);
+    let mut loose = checked.as_ref().map(Mesh::free_nodes).unwrap_or_default();
+    loose.retain(|&node| !couplings.iter().any(|coupling| coupling.nodes().any(|coupled| coupled == node)));
+    let mut boundary = boundary::resolve(reader, case, Scene { loose: &loose, ..scene });
     let steps = steps::resolve(reader, case, &mut boundary);
     let fields = steps::fields(reader, case, &steps);
     let columns = columns::of_specimen(&boundary.measured.fibres);
@@ -150,15 +152,40 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
 struct Scene<'a> {
     ground: Option<&'a Ground>,
     mesh: Option<&'a Mesh>,
+    /// Nodes without an element that may not be named: nothing is there to load, to hold or to measure.
+    loose: &'a [usize],
 }
 
 impl<'a> Scene<'a> {
     /// A node set; `None` with a problem if there is none, without one if the mesh is not known.
     fn node_set(self, reader: &mut Reader<'_>, name: &str, place: &Place) -> Option<&'a [usize]> {
         let mesh = self.mesh?;
-        let found = mesh.node_set(name);
-        let known = mesh.node_set_names();
-        found.or_else(|| no_set(reader, "node", name, known, place))
+        let Some(found) = mesh.node_set(name) else {
+            return no_set(reader, "node", name, mesh.node_set_names(), place);
+        };
+        let part = mesh.parts().iter().position(|part| part.name == name);
+        let mut of_part = mesh.elements().iter().filter(|element| Some(element.part()) == part);
+        if !of_part.all(|element| element.nodes().iter().all(|node| found.contains(node))) {
+            reader.problem(
+                place,
+                format!("'{name}' is a part and a node set of the mesh: which nodes are meant? Give one another name"),
+            );
+        }
+        for &node in found.iter().filter(|node| self.loose.contains(node)).take(1) {
+            self.tell_loose(reader, node, &format!(" of '{name}'"), place);
+        }
+        Some(found)
+    }
+
+    /// Says that a node belongs to nothing.
+    fn tell_loose(self, reader: &mut Reader<'_>, node: usize, of: &str, place: &Place) {
+        let [x, y] = self.mesh.map_or([f64::NAN; 2], |mesh| mesh.nodes()[node]);
+        let message = format!(
+            "node {}{of} at ({x}, {y}) belongs to no element and to no coupling: nothing is there; make it a node of the \
+             mesh (in Gmsh: Point{{...}} In Surface{{...}}) or couple it",
+            node + 1
+        );
+        reader.problem(place, message);
     }
 
     /// An edge set, likewise.

@@ -60,6 +60,13 @@ pub struct Coupling {
     pub terms: Vec<(Freedom, f64)>,
 }
 
+impl Coupling {
+    /// Returns the nodes that it joins, the dependent one first.
+    pub fn nodes(&self) -> impl Iterator<Item = usize> {
+        std::iter::once(self.dependent.node).chain(self.terms.iter().map(|(freedom, _)| freedom.node))
+    }
+}
+
 /// A load: a drive's value times this.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {

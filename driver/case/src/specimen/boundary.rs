@@ -27,7 +27,11 @@ pub struct Boundary {
 
 /// The drives in order of their first mention.
 #[derive(Default)]
-pub struct Drives(Vec<Drive>);
+pub struct Drives {
+    drives: Vec<Drive>,
+    /// Whether supports or loads that cannot be read may have others.
+    may_lack: bool,
+}
 
 struct Drive {
     name: String,
@@ -43,13 +47,13 @@ impl Drives {
     /// Index of a drive that something follows.
     fn followed(&mut self, name: &str, place: &Place) -> usize {
         self.index(name).unwrap_or_else(|| {
-            self.0.push(Drive { name: name.into(), place: place.clone(), moved: false, of_fibre: false });
-            self.0.len() - 1
+            self.drives.push(Drive { name: name.into(), place: place.clone(), moved: false, of_fibre: false });
+            self.drives.len() - 1
         })
     }
 
     fn index(&self, name: &str) -> Option<usize> {
-        self.0.iter().position(|drive| drive.name == name)
+        self.drives.iter().position(|drive| drive.name == name)
     }
 
     /// Index of a drive that a step moves; `None` if nothing follows it.
@@ -59,34 +63,42 @@ impl Drives {
         Some(index)
     }
 
+    /// Says that nothing follows the drive of this name, unless what cannot be read may do so.
+    pub fn tell_unknown(&self, reader: &mut Reader<'_>, name: &str, place: &Place) {
+        if !self.may_lack {
+            let message = format!("no support or load has the drive '{name}'{}", hint(name, self.names()));
+            reader.problem(place, message);
+        }
+    }
+
     /// Notes that a step moves a drive.
     pub fn move_one(&mut self, index: usize) {
-        self.0[index].moved = true;
+        self.drives[index].moved = true;
     }
 
     /// Names and places of the drives that no step moves.
     pub fn idle(&self) -> impl Iterator<Item = (&str, &Place)> {
-        self.0.iter().filter(|drive| !drive.moved).map(|drive| (drive.name.as_str(), &drive.place))
+        self.drives.iter().filter(|drive| !drive.moved).map(|drive| (drive.name.as_str(), &drive.place))
     }
 
     /// Index of the drive of one of several fibres.
     fn of_fibre(&mut self, fibre: &PulledFibre, place: &Place) -> usize {
         let index = self.followed(&format!("{SLIP}.{}", fibre.name.as_deref().unwrap_or_default()), place);
-        self.0[index].of_fibre = true;
+        self.drives[index].of_fibre = true;
         index
     }
 
     /// Indices of the drives that pull one of several fibres each.
     pub fn of_fibres(&self) -> Vec<usize> {
-        (0..self.0.len()).filter(|&index| self.0[index].of_fibre).collect()
+        (0..self.drives.len()).filter(|&index| self.drives[index].of_fibre).collect()
     }
 
     pub fn names(&self) -> Vec<String> {
-        self.0.iter().map(|drive| drive.name.clone()).collect()
+        self.drives.iter().map(|drive| drive.name.clone()).collect()
     }
 
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.drives.len()
     }
 }
 
@@ -183,7 +195,10 @@ impl Boundary {
         let named = match reader.optional(case.supports.as_ref(), &place) {
             Some(document::Supports::Given(supports)) => return self.add_given(reader, supports, scene, &place),
             Some(document::Supports::Named(name)) => Some(name),
-            None if case.supports.is_some() => return,
+            None if case.supports.is_some() => {
+                self.drives.may_lack = true;
+                return;
+            }
             None => None,
         };
         let way = match named {
@@ -217,7 +232,10 @@ impl Boundary {
     ) {
         for (name, piece) in supports {
             let place = place.key(name);
-            let Some(support) = reader.piece(piece, &place) else { continue };
+            let Some(support) = reader.piece(piece, &place) else {
+                self.drives.may_lack = true;
+                continue;
+            };
             if self.measured.supports.iter().any(|&support| self.supports[support].name == *name) {
                 reader.problem(&place, "this name is taken by the grip");
             }
@@ -249,11 +267,23 @@ impl Boundary {
 
     fn add_loads(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
         let place = Place::root().key("loads");
-        for (name, piece) in reader.optional(case.loads.as_ref(), &place).into_iter().flatten() {
+        let loads = reader.optional(case.loads.as_ref(), &place);
+        self.drives.may_lack |= case.loads.is_some() && loads.is_none();
+        for (name, piece) in loads.into_iter().flatten() {
             let place = place.key(name);
-            let Some(load) = reader.piece(piece, &place) else { continue };
+            let Some(load) = reader.piece(piece, &place) else {
+                self.drives.may_lack = true;
+                continue;
+            };
             let place_of_drive = if load.drive.is_some() { place.key("drive") } else { place.clone() };
             let drive = self.drives.followed(load.drive.as_deref().unwrap_or(name), &place_of_drive);
+            if load.drive.is_none() && self.measured.slip.contains(&drive) {
+                let message = format!(
+                    "is called like the drive '{name}' of the grip, which would multiply it: call it otherwise, or say so \
+                     with \"drive\": \"{name}\""
+                );
+                reader.problem(&place, message);
+            }
             if let Some(kind) = load_kind(reader, name, load, scene, &place) {
                 self.loads.push(Load { name: name.clone(), drive, kind });
             }
@@ -266,8 +296,7 @@ impl Boundary {
         if let Some(name) = &given.slip {
             self.measured.slip = self.drives.index(name).into_iter().collect();
             if self.measured.slip.is_empty() {
-                let message = format!("no support or load has the drive '{name}'{}", hint(name, self.drives.names()));
-                reader.problem(&place.key("slip"), message);
+                self.drives.tell_unknown(reader, name, &place.key("slip"));
             }
         } else if self.measured.slip.is_empty() {
             self.measured.slip = self.drives.index(SLIP).into_iter().collect();
@@ -275,7 +304,8 @@ impl Boundary {
         if let Some(name) = &given.load {
             let index = self.supports.iter().position(|support| support.name == *name);
             if index.is_none() && scene.mesh.is_some() {
-                let names: Vec<&str> = self.supports.iter().map(|support| support.name.as_str()).collect();
+                let mut names: Vec<&str> = self.supports.iter().map(|support| support.name.as_str()).collect();
+                names.dedup();
                 reader.problem(&place.key("load"), format!("there is no support '{name}'{}", hint(name, &names)));
             }
             if let Some(index) = index {
@@ -324,6 +354,18 @@ fn load_kind(
         return Some(LoadKind::Force { nodes: scene.node_set(reader, set, &place_of_set)?.to_vec(), force });
     }
     let edges = scene.edge_set(reader, set, &place_of_set)?.to_vec();
+    if let Some((mesh, inner)) =
+        scene.mesh.and_then(|mesh| Some((mesh, *edges.iter().find(|edge| mesh.neighbour(**edge).is_some())?)))
+    {
+        let other = mesh.neighbour(inner).map_or(inner.element, |other| other.element);
+        let message = format!(
+            "an edge of '{set}' lies inside the body, between the elements {} and {}: a traction or pressure acts on \
+             the surface of a body; name edges on its boundary, or give forces at nodes",
+            inner.element + 1,
+            other + 1
+        );
+        reader.problem(&place_of_set, message);
+    }
     match (load.traction, load.pressure) {
         (Some(traction), _) => Some(LoadKind::Traction { edges, traction }),
         (None, pressure) => Some(LoadKind::Pressure { edges, pressure: pressure? }),

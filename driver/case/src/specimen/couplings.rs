@@ -8,9 +8,12 @@ use crate::reader::Reader;
 use fe_core::mesh::specimen::NodeCoupling;
 use fe_core::mesh::{ElementEdge, Mesh};
 use fe_core::model::{Coupling, Freedom};
+use std::collections::BTreeSet;
 
 /// A node is at a position, and on an edge, within this part of the mesh's size.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
+/// Shares of an edge up to this are rounding.
+const LEAST_SHARE: f64 = 1e-3;
 
 /// All couplings, the specimen's first; unusable ones are left out.
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Vec<Coupling> {
@@ -92,7 +95,41 @@ fn from_tie(reader: &mut Reader<'_>, tie: &document::Tie, scene: Scene<'_>, plac
             }
         }
     }
+    if let Some([long, short]) = finer_edge(mesh, nodes, edges) {
+        let [x, y] = middle(mesh, long);
+        reader.warnings.push(format!(
+            "{place}: '{}' is coarser than '{}', which it follows: an edge near ({x:.6}, {y:.6}) spans more than one \
+             of its edges (element {}); the stresses there are wrong: tie the finer side to the coarser one",
+            tie.tie,
+            tie.to,
+            short.element + 1
+        ));
+    }
     couplings
+}
+
+/// Finds an edge between tied nodes along which a whole edge of those that they are tied to is shorter; both of them.
+fn finer_edge(mesh: &Mesh, tied: &[usize], to: &[ElementEdge]) -> Option<[ElementEdge; 2]> {
+    let tolerance = RELATIVE_TOLERANCE * extent(mesh);
+    let corners = |edge: ElementEdge| -> [usize; 2] { std::array::from_fn(|k| mesh.edge_nodes(edge).nodes()[k]) };
+    let tied: BTreeSet<usize> = tied.iter().copied().collect();
+    let following = mesh.edges().filter(|edge| !to.contains(edge) && corners(*edge).iter().all(|c| tied.contains(c)));
+    following.into_iter().find_map(|long| {
+        let places = |edge: ElementEdge| corners(edge).map(|corner| closest(mesh, long, mesh.nodes()[corner]));
+        let lies_along = |edge: &&ElementEdge| {
+            let [a, b] = places(**edge);
+            let share = 0.5 * (a.coordinate - b.coordinate).abs();
+            a.distance.max(b.distance) <= tolerance && share > LEAST_SHARE && share < 1.0 - LEAST_SHARE
+        };
+        Some([long, *to.iter().find(lies_along)?])
+    })
+}
+
+/// The point half-way along an edge, mm.
+fn middle(mesh: &Mesh, edge: ElementEdge) -> [f64; 2] {
+    let nodes = mesh.edge_nodes(edge);
+    let ends = [0, 1].map(|k| mesh.nodes()[nodes.nodes()[k]]);
+    [0, 1].map(|k| 0.5 * (ends[0][k] + ends[1][k]))
 }
 
 /// A point of an edge.
@@ -155,7 +192,7 @@ pub fn node(
             if nodes.len() > 1 {
                 reader.problem(place, format!("the node set '{name}' has {} nodes; one is needed", nodes.len()));
             }
-            nodes.first().copied()
+            (nodes.len() == 1).then(|| nodes[0])
         }
         document::NodeReference::Position([x, y]) => {
             let mesh = scene.mesh?;
@@ -166,6 +203,9 @@ pub fn node(
                 let message = format!("no node is at ({x}, {y}); the nearest is at ({near_x}, {near_y})");
                 reader.problem(place, message);
                 return None;
+            }
+            if scene.loose.contains(&nearest) {
+                scene.tell_loose(reader, nearest, "", place);
             }
             Some(nearest)
         }

@@ -91,8 +91,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                         // a sum of parameters is told at its first
                         let key = problem.name.split_whitespace().next().unwrap_or(problem.name);
                         let of_fibre = problem.fibre.map(|index| place.key("fibres").index(index));
+                        let of = of_fibre.unwrap_or_else(|| place.clone());
                         reader.problem(
-                            &of_fibre.as_ref().unwrap_or(&place).key(key),
+                            &key.split('.').fold(of, |place, key| place.key(key)),
                             format!("is {}, it must be {}", problem.value, problem.requirement),
                         );
                     }

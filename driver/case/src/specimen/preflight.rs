@@ -4,7 +4,7 @@ use crate::problem::Place;
 use crate::reader::Reader;
 use fe_core::mesh::preflight::{self, Body, Finding};
 use fe_core::mesh::{Element, Mesh};
-use fe_core::model::{Coupling, Model};
+use fe_core::model::Model;
 use std::collections::BTreeSet;
 
 /// Nodes that hang, and bodies that nothing holds.
@@ -58,13 +58,10 @@ fn is_end_of_cover(mesh: &Mesh, behind: &[usize], finding: &Finding) -> bool {
 
 /// Sets of nodes that contact or a coupling joins.
 fn joints(model: &Model) -> Vec<Vec<usize>> {
-    let of_coupling = |coupling: &Coupling| {
-        std::iter::once(coupling.dependent.node).chain(coupling.terms.iter().map(|(freedom, _)| freedom.node)).collect()
-    };
     let edges = |pair: &fe_core::model::ContactPair| {
         pair.slave.iter().chain(&pair.master).flat_map(|&edge| model.mesh.edge_nodes(edge).nodes().to_vec()).collect()
     };
-    model.contacts.iter().map(edges).chain(model.couplings.iter().map(of_coupling)).collect()
+    model.contacts.iter().map(edges).chain(model.couplings.iter().map(|coupling| coupling.nodes().collect())).collect()
 }
 
 /// Bodies that joints hold together, as one each.

@@ -4,7 +4,7 @@ use super::boundary::{Boundary, Drives, SLIP};
 use crate::document::pullout as document;
 use crate::document::pullout::PulloutStep as StepDocument;
 use crate::document::{Cycles, Piece, PulloutCase};
-use crate::problem::{Place, hint};
+use crate::problem::Place;
 use crate::reader::Reader;
 use crate::steps::{self, Counted, Found};
 use crate::{fields as field_values, history};
@@ -106,8 +106,7 @@ fn one_step(
                 reader
                     .problem(&place, "nothing is pulled: the specimen has no grip and no support has the drive 'slip'");
             }
-            None => reader
-                .problem(&place, format!("no support or load has the drive '{name}'{}", hint(name, drives.names()))),
+            None => drives.tell_unknown(reader, name, &place),
         }
     }
     if let Some(slip) = ramp.slip {

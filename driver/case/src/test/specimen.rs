@@ -70,8 +70,15 @@ pub(super) fn two_bodies() -> String {
         (1, "ring", both(both(fibre.column(0), fibre.column(1)), both(fibre.row(0), fibre.row(4)))),
         (0, "exit", vec![vec![fibre.node(0, 4)]]),
         (0, "tail", vec![vec![fibre.node(0, 0)]]),
+        (1, "inside", matrix.column(1)),
+        (0, "alone", vec![vec![26]]),
     ];
-    let nodes: Vec<[f64; 2]> = matrix.nodes().into_iter().chain(fibre.nodes()).collect();
+    let nodes: Vec<[f64; 2]> = matrix.nodes().into_iter().chain(fibre.nodes()).chain([[0.2, 2.0]]).collect();
+    gmsh(&nodes, &groups)
+}
+
+/// A Gmsh file of nodes and physical groups: their dimension, name and elements.
+fn gmsh(nodes: &[[f64; 2]], groups: &[(usize, &str, Vec<Vec<usize>>)]) -> String {
     let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n", groups.len());
     for (tag, (dimension, name, _)) in groups.iter().enumerate() {
         text.push_str(&format!("{dimension} {} \"{name}\"\n", tag + 1));
@@ -156,7 +163,7 @@ fn a_file_and_its_groups_become_a_model() {
     let program = program(&[]);
     let model = &program.model;
     let mesh = &model.mesh;
-    assert_eq!((program.mesh.as_str(), mesh.elements().len(), mesh.nodes().len()), ("file two.msh", 12, 25));
+    assert_eq!((program.mesh.as_str(), mesh.elements().len(), mesh.nodes().len()), ("file two.msh", 12, 26));
     let parts: Vec<_> = mesh.parts().iter().map(|p| (p.name.as_str(), p.model, p.thickness)).collect();
     assert_eq!(parts, [("fibre", PlaneModel::PlaneStress, 0.3), ("matrix", PlaneModel::PlaneStrain, 1.0)]);
     assert_eq!(model.laws.iter().map(|law| law.props[0]).collect::<Vec<_>>(), [210e3, 23700.0]);
@@ -720,6 +727,24 @@ const MALFORMED: &[Sample] = &[
     (&["loads={\"side\": {}}"], "$.loads.side", "needs exactly one of", ByMeaning),
     (&["loads={\"side\": {\"pressure\": 1, \"force\": [1, 0]}}"], "$.loads.side", "needs exactly one of", ByMeaning),
     (&["loads={\"exit\": {\"pressure\": 1}}"], "$.loads.exit", "the mesh has no edge set 'exit'", ByMeaning),
+    (&["loads={\"inside\": {\"pressure\": 1}}"], "$.loads.inside", "lies inside the body, between the", ByMeaning),
+    (
+        &["loads={\"a\": {\"traction\": [1, 0], \"edges\": \"inside\"}}"],
+        "$.loads.a.edges",
+        "lies inside the body, between the elements 1 and 2",
+        ByMeaning,
+    ),
+    (&["loads={\"alone\": {\"force\": [1, 0]}}"], "$.loads.alone", "belongs to no element", ByMeaning),
+    (&["grip.nodes=alone"], "$.grip.nodes", "node 26 of 'alone' at (0.2, 2) belongs to no element", ByMeaning),
+    (&["supports.alone={}"], "$.supports.alone", "belongs to no element", ByMeaning),
+    (&["measure.exit=alone"], "$.measure.exit", "belongs to no element", ByMeaning),
+    (&["measure.tail=[0.2, 2]"], "$.measure.tail", "node 26 at (0.2, 2) belongs to no element", ByMeaning),
+    (
+        &["loads={\"slip\": {\"edges\": \"side\", \"pressure\": 1}}"],
+        "$.loads.slip",
+        "is called like the drive 'slip' of the grip",
+        ByMeaning,
+    ),
     (
         &["loads={\"a\": {\"pressure\": 1, \"nodes\": \"side\"}}"],
         "$.loads.a.nodes",
@@ -763,6 +788,100 @@ const MALFORMED: &[Sample] = &[
 #[test]
 fn malformed_pullout_cases_are_explained() {
     check(&pullout_case(), MALFORMED);
+}
+
+/// Problems of a case, one a line.
+fn problems_of(case: &Value, overrides: &[&str]) -> String {
+    Bench::new().read(case, overrides).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string())
+}
+
+#[test]
+fn a_node_without_an_element_may_be_loaded_where_a_coupling_joins_it() {
+    let coupling = r#"couplings=[{"dependent": {"node": "alone", "component": "x"}, "terms": [{"node": "exit", "component": "x"}]}]"#;
+    program(&[coupling, r#"loads={"alone": {"force": [1, 0]}}"#, r#"measure.exit="alone""#]);
+}
+
+#[test]
+fn a_load_may_say_that_the_grip_drives_it() {
+    program(&[r#"loads={"slip": {"edges": "side", "pressure": 1, "drive": "slip"}}"#]);
+}
+
+#[test]
+fn consequences_of_what_is_wrong_are_not_told() {
+    for (overrides, count) in [
+        (&[r#"loads={"side": {"force": [1]}}"#, r#"steps.0.drives={"side": 1}"#][..], 1),
+        (&[r#"loads={"side": {"pressure": 1}}"#, r#"steps.0.drives={"sied": 1}"#], 1),
+        (
+            &[
+                r#"couplings=[{"dependent": {"node": "side", "component": "x"}, "terms": [{"node": [-1, 0], "component": "x"}]}]"#,
+            ],
+            1,
+        ),
+        (&["measure.load=nothing"], 1),
+    ] {
+        let told = problems_of(&pullout_case(), overrides);
+        assert_eq!(told.lines().count(), count, "{told}");
+        assert!(!told.contains("side, side"), "{told}");
+    }
+}
+
+#[test]
+fn a_node_set_that_is_called_like_a_part_is_not_taken_for_the_part() {
+    let bench = Bench::new();
+    let text = two_bodies().replace("\"fibre_bottom\"", "\"fibre\"");
+    std::fs::write(bench.0.path().join("named.msh"), text).expect("a mesh");
+    let set = |overrides: &[&str]| match bench.read(&pullout_case(), &[&["mesh.file=named.msh"], overrides].concat()) {
+        Ok(_) => String::new(),
+        Err(errors) => errors.to_string(),
+    };
+    assert_eq!(set(&[]), "");
+    let told = set(&["supports.fibre={}"]);
+    assert!(told.contains("$.supports.fibre: 'fibre' is a part and a node set of the mesh"), "{told}");
+}
+
+/// Warnings on two bodies with these numbers of columns, of which the upper follows the lower unless overrides say otherwise.
+fn warnings_of_tie(columns: [usize; 2], overrides: &[&str]) -> Vec<String> {
+    let lower = Body { columns: columns[0], rows: 1, low: [0.0, 0.0], high: [12.0, 1.0], first_node: 1 };
+    let upper =
+        Body { columns: columns[1], rows: 1, low: [0.0, 1.0], high: [12.0, 2.0], first_node: 1 + 2 * (columns[0] + 1) };
+    let groups = [
+        (2, "lower", lower.elements()),
+        (2, "upper", upper.elements()),
+        (1, "base", lower.row(0)),
+        (1, "below", lower.row(1)),
+        (1, "above", upper.row(0)),
+        (1, "top", upper.row(1)),
+    ];
+    let nodes: Vec<[f64; 2]> = lower.nodes().into_iter().chain(upper.nodes()).collect();
+    let bench = Bench::new();
+    std::fs::write(bench.0.path().join("tied.msh"), gmsh(&nodes, &groups)).expect("a mesh");
+    let material = json!({ "material": { "plugin": "linear_elastic" } });
+    let case = json!({
+        "kind": "pullout",
+        "mesh": { "file": "tied.msh" },
+        "parts": { "lower": material, "upper": material },
+        "supports": { "base": {} },
+        "couplings": [{ "tie": "above", "to": "below" }],
+        "grip": { "nodes": "top", "direction": "y" },
+        "steps": [{ "slip": 0.1 }]
+    });
+    match bench.read(&case, overrides) {
+        Ok(Case::Pullout(program)) => program.about.warnings,
+        Ok(_) => panic!("a case of a specimen"),
+        Err(errors) => panic!("{errors}"),
+    }
+}
+
+#[test]
+fn a_tie_of_the_coarser_side_to_the_finer_one_is_told() {
+    for columns in [[12, 4], [2, 1], [6, 4]] {
+        let warnings = warnings_of_tie(columns, &[]);
+        let expected = "$.couplings[0]: 'above' is coarser than 'below', which it follows: an edge near (";
+        assert!(matches!(&warnings[..], [told] if told.starts_with(expected)), "{columns:?}: {warnings:?}");
+        let swapped = r#"couplings=[{"tie": "below", "to": "above"}]"#;
+        assert_eq!(warnings_of_tie(columns, &[swapped]), [""; 0], "{columns:?}");
+    }
+    assert_eq!(warnings_of_tie([4, 4], &[]), [""; 0]);
 }
 
 #[test]

@@ -364,20 +364,19 @@ fn all_wrong_parameters_are_told_at_once() {
         }),
         "width is -1, it must be positive; free_length is NaN, it must be positive; \
          embedded_length + tail_gap is 12.7, it must be less than the depth 12.7: the ligament below the hole holds the halves together; \
-         half of the width (the outer radius) is -0.5, it must be more than half of the fibre_diameter, 0.203; \
-         mesh.elements_across is 0, it must be at least 1; mesh.growth is 0.9, it must be at least 1"
+         elements_across is 0, it must be at least 1; growth is 0.9, it must be at least 1"
     );
     assert_eq!(message(|p| p.tail_gap = -0.1), "tail_gap is -0.1, it must be 0 or positive");
     assert_eq!(
         message(|p| p.mesh.exit_size = Some(20.0)),
-        "mesh.exit_size is 20, it must be positive and less than the embedded_length 12.2"
+        "exit_size is 20, it must be positive and less than the embedded_length 12.2"
     );
     assert_eq!(
         message(|p| {
             p.fibre.kind = Q4;
             p.mesh.elements_across = 3;
         }),
-        "mesh.elements_across is 3, it must be even with Q4: the fibre needs nodes on its axis"
+        "elements_across is 3, it must be even with Q4: the fibre needs nodes on its axis"
     );
     assert_eq!(
         message(|p| {
@@ -387,15 +386,24 @@ fn all_wrong_parameters_are_told_at_once() {
     );
     assert_eq!(
         message(|p| p.configuration = Configuration::Axisymmetric { outer_radius: Some(0.1) }),
-        "half of the width (the outer radius) is 0.1, it must be more than half of the fibre_diameter, 0.203"
+        "outer_radius is 0.1, it must be such that the block reaches beyond the fibre's radius 0.203: it reaches 0.1000"
     );
+    assert_eq!(
+        message(|p| p.fibre_diameter = 30.0),
+        "width is 25.4, it must be such that the block reaches beyond the fibre's radius 15: it reaches 12.7000; \
+         matrix_thickness is 3.26, it must be at least πφ/4 = 23.5619, the thickness of the fibre that lies in the block"
+    );
+    let thin =
+        "matrix_thickness is 0.3, it must be at least πφ/4 = 0.3189, the thickness of the fibre that lies in the block";
+    assert_eq!(message(|p| p.matrix_thickness = 0.3), thin);
+    let thick = fibre_with(|p| p.matrix_thickness = std::f64::consts::PI * p.fibre_diameter / 4.0);
+    perpendicular_fibre(&thick).expect("as thick as the fibre");
     assert!(
         message(|p| p.mesh.interface_size = 1e-7)
-            .starts_with("mesh.interface_size below the fibre: a length of 0.203 would be divided 203000")
+            .starts_with("interface_size below the fibre: a length of 0.203 would be divided 203000")
     );
     assert!(
-        message(|p| p.mesh.exit_size = Some(1e-12))
-            .starts_with("mesh.exit_size and mesh.embedded_elements along the fibre: ")
+        message(|p| p.mesh.exit_size = Some(1e-12)).starts_with("exit_size and embedded_elements along the fibre: ")
     );
 }
 

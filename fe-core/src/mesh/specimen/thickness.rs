@@ -1,5 +1,6 @@
 //! Thickness of the concrete around a fibre.
 
+use super::perpendicular_fibre::fibre_thickness;
 use super::requirement::Requirements;
 use crate::element::{ElementKind, MappedPoint};
 use crate::mesh::{MeshDefinition, Part};
@@ -57,12 +58,19 @@ pub(super) struct Thickness {
 impl Thickness {
     /// Checks the requirements of a cover and of a graded thickness.
     pub(super) fn check(&self, has_cover: bool, required: &mut Requirements) {
-        if has_cover || self.graded.is_some() {
-            let thickest = self.exits.iter().map(|exit| exit.diameter).fold(0.0, f64::max);
+        let thickest = self.exits.iter().map(|exit| exit.diameter).fold(0.0, f64::max);
+        let (holds, requirement) = if has_cover || self.graded.is_some() {
             let least = thickest / (1.0 - THINNEST);
-            let requirement = format!("more than {least:.4}: in front of and behind the fibre there must be something");
-            required.that(self.full.is_nan() || self.full > least, "matrix_thickness", self.full, requirement);
-        }
+            let what = "in front of and behind the fibre there must be something";
+            (self.full > least, format!("more than {least:.4}: {what}"))
+        } else {
+            let least = fibre_thickness(thickest);
+            let what = format!("at least πφ/4 = {least:.4}, the thickness of the fibre that lies in the block");
+            (self.full >= least * (1.0 - ROUNDING), what)
+        };
+        // what is not positive is told already
+        let is_told = self.full.is_nan() || self.full <= 0.0;
+        required.that(holds || is_told, "matrix_thickness", self.full, requirement);
         if let Some(GradedThickness { slope, extent }) = self.graded {
             required.that(slope >= 0.1 && slope.is_finite(), "graded_thickness.slope", slope, "at least 0.1");
             if let Some(extent) = extent {

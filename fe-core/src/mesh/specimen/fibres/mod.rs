@@ -396,7 +396,7 @@ impl Fibres {
 
     /// Positions across a fibre as shares of its width, from its right to its left side.
     fn positions_across(&self) -> Result<Vec<f64>, SpecimenError> {
-        let across = uniform(1.0, self.mesh.elements_across, "mesh.elements_across")?;
+        let across = uniform(1.0, self.mesh.elements_across, "elements_across")?;
         Ok(across.into_iter().map(|share| share - 0.5).collect())
     }
 }

@@ -17,8 +17,8 @@ impl PerpendicularFibre {
             ("fibre_diameter", self.fibre_diameter),
             ("embedded_length", self.embedded_length),
             ("free_length", self.free_length),
-            ("mesh.interface_size", self.mesh.interface_size),
-            ("mesh.largest_size", self.mesh.largest_size),
+            ("interface_size", self.mesh.interface_size),
+            ("largest_size", self.mesh.largest_size),
         ]);
         let (gap, hole_depth) = (self.tail_gap, self.embedded_length + self.tail_gap);
         required.that(gap >= 0.0 && gap.is_finite(), "tail_gap", gap, "0 or positive");
@@ -28,33 +28,39 @@ impl PerpendicularFibre {
             hole_depth,
             format!("less than the depth {}: the ligament below the hole holds the halves together", self.depth),
         );
-        required.that(
-            self.half_width() > 0.5 * self.fibre_diameter,
-            "half of the width (the outer radius)",
-            self.half_width(),
-            format!("more than half of the fibre_diameter, {}", 0.5 * self.fibre_diameter),
-        );
+        let (name, value) = match self.configuration {
+            Configuration::Axisymmetric { outer_radius: Some(radius) } => ("outer_radius", radius),
+            _ => ("width", self.width),
+        };
+        let (half, radius) = (self.half_width(), 0.5 * self.fibre_diameter);
+        let requirement =
+            format!("such that the block reaches beyond the fibre's radius {radius}: it reaches {half:.4}");
+        // what is not positive is told already
+        let is_told = value.is_nan() || value <= 0.0;
+        required.that(half > radius || is_told, name, value, requirement);
         self.check_configuration(&mut required);
-        self.thickness().check(self.cover, &mut required);
+        if !self.is_axisymmetric() {
+            self.thickness().check(self.cover, &mut required);
+        }
         for (name, asked) in [("cover", self.cover), ("graded_thickness", self.graded_thickness.is_some())] {
             required.that(!asked || !self.is_axisymmetric(), name, "given", "left out of a body of revolution");
         }
         let mesh = &self.mesh;
         required.count([
-            ("mesh.embedded_elements", mesh.embedded_elements),
-            ("mesh.elements_across", mesh.elements_across),
-            ("mesh.slave_edges_per_master", mesh.slave_edges_per_master),
+            ("embedded_elements", mesh.embedded_elements),
+            ("elements_across", mesh.elements_across),
+            ("slave_edges_per_master", mesh.slave_edges_per_master),
         ]);
-        required.that(mesh.growth >= 1.0 && mesh.growth.is_finite(), "mesh.growth", mesh.growth, "at least 1");
+        required.that(mesh.growth >= 1.0 && mesh.growth.is_finite(), "growth", mesh.growth, "at least 1");
         if let Some(size) = mesh.exit_size {
             let fits = size > 0.0 && size < self.embedded_length;
             let requirement = format!("positive and less than the embedded_length {}", self.embedded_length);
-            required.that(fits, "mesh.exit_size", size, requirement);
+            required.that(fits, "exit_size", size, requirement);
         }
         let middle = self.fibre.kind.edge_kind() == EdgeKind::Quadratic || mesh.elements_across.is_multiple_of(2);
         required.that(
             self.is_axisymmetric() || middle,
-            "mesh.elements_across",
+            "elements_across",
             mesh.elements_across,
             format!("even with {}: the fibre needs nodes on its axis", self.fibre.kind),
         );

@@ -44,7 +44,7 @@ impl Lines {
 /// Across the fibre; the mirror image of itself to the bit where it has a node on the axis.
 fn fibre_x(parameters: &PerpendicularFibre) -> Result<Vec<f64>, SpecimenError> {
     let (radius, count) = (0.5 * parameters.fibre_diameter, parameters.mesh.elements_across);
-    let line = "mesh.elements_across";
+    let line = "elements_across";
     Ok(if parameters.is_axisymmetric() {
         uniform(radius, count, line)?
     } else if count.is_multiple_of(2) {
@@ -68,7 +68,7 @@ fn matrix_x(parameters: &PerpendicularFibre) -> Result<(Vec<f64>, std::ops::Rang
     // Below the fibre not coarser than beside the hole, nor than the fibre.
     let across = if parameters.is_axisymmetric() { mesh.elements_across } else { mesh.elements_across.div_ceil(2) };
     let count = ((radius / mesh.interface_size).ceil() as usize).max(across);
-    let mut half = uniform(radius, count, "mesh.interface_size below the fibre")?;
+    let mut half = uniform(radius, count, "interface_size below the fibre")?;
     half.extend(&right[1..]);
     if parameters.is_axisymmetric() {
         return Ok((half, 0..count));
@@ -84,7 +84,7 @@ fn embedded_depths(parameters: &PerpendicularFibre) -> Result<Vec<f64>, Specimen
         Some(first) if count > 1 => Grading::First { count, first },
         _ => Grading::Uniform { count },
     };
-    positions(parameters.embedded_length, grading, "mesh.exit_size and mesh.embedded_elements along the fibre")
+    positions(parameters.embedded_length, grading, "exit_size and embedded_elements along the fibre")
 }
 
 /// Each division into `count` equal ones; the positions given stay bit by bit.
