@@ -263,7 +263,8 @@ def run(
 
     ``record`` keeps the increments as ``increments`` of the run, so that runs with other parameters repeat them. ``along`` such a run
     of the same specimen, one with nearly the same parameters takes an iteration or two in each increment, and the
-    difference of both is that of the solutions whatever the tolerance: for derivatives. Those of points repeat the increments.
+    difference of both is that of the solutions whatever the tolerance: for derivatives. Those of points repeat the increments. A case
+    whose steps choose other increments, are more or fewer, or end by another ``until``, runs as if it was not given.
 
     Plugins that were not built with this package run in a process of their own, unless ``in_process=True`` says that you answer
     for those of this case.
@@ -278,8 +279,10 @@ def run(
     if along is not None:
         if out is not None or along.increments is None:
             raise CaseError([("along", "is a run with record=True, and of one without out")])
-        trail = along._trail
-        if trail is None:
+        # of a run that was read, or whose case is not known, they are the user's
+        ends_alike = along.case is None or _choices(along.case.document) == _choices(case.document)
+        trail = along._trail if ends_alike else None
+        if along._trail is None and ends_alike:
             case = case.with_({"increments": along.increments})
     if out is not None:
         return _ended(_run_into(case, Path(out).absolute(), threads, in_process, record), on_failure)
@@ -298,6 +301,17 @@ def run(
     made._trail = states
     made._view = page
     return _ended(made, on_failure)
+
+
+def _choices(value: Any) -> list[Any]:
+    """What a case says of increments, and of where steps and run end, in order."""
+    if isinstance(value, list):
+        return [[_choices(entry) for entry in value]]
+    if not isinstance(value, dict):
+        return []
+    own = [value[key] for key in ("until", "increments", "repeat") if key in value]
+    inner = [choice for key, entry in sorted(value.items()) if key in ("steps", "cycles") for choice in _choices(entry)]
+    return own + inner
 
 
 def _ended(made: Run, on_failure: str) -> Run:

@@ -76,7 +76,9 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
             program.about.plots = views;
             program.keeps_trail = records;
             if let Some(along) = along {
-                program.about.recorded = Some(Arc::new(along.trail.recorded.clone()));
+                if along.trail.has_steps_of(&program.model) {
+                    program.about.recorded = Some(Arc::new(along.trail.recorded.clone()));
+                }
                 program.along = Some(along);
             }
             with_own = Case::Pullout(program);

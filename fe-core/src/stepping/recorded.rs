@@ -151,7 +151,7 @@ impl Analysis<'_> {
     /// Keeps the states of the run from here on: two arrays of the displacements' length for each round of iterations.
     pub fn keep_trail(&mut self) {
         self.equilibrium.keeps_rounds = true;
-        self.trail = Some(Trail::default());
+        self.trail = Some(Trail::of(self.model));
     }
 
     /// Returns the states of the run so far, if they were kept.
@@ -160,9 +160,14 @@ impl Analysis<'_> {
     }
 
     /// Goes along the states of a run of the same model with nearly the same parameters, whose difference to them is then
-    /// that of the solutions, whatever the tolerance. Of a model with another mesh it repeats the increments.
+    /// that of the solutions, whatever the tolerance. Steps may lead elsewhere, in other times. Of a model with another mesh it repeats
+    /// the increments; with other steps ([`Trail::has_steps_of`]) it goes its own way.
     pub fn follow(&mut self, along: &Along) {
-        self.repeats = Some(along.trail.recorded.clone());
+        if !along.trail.has_steps_of(self.model) {
+            along.leave();
+            return;
+        }
+        self.repeats = Some(along.trail.recorded_in(&self.model.steps));
         self.along = Some(Arc::clone(&along.trail)).filter(|trail| trail.fits(self.model));
         self.equilibrium.turn = along.take_turn().filter(|_| self.along.is_some());
     }

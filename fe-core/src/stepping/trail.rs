@@ -3,7 +3,7 @@
 
 use super::newton::{Guide, Round, Turn};
 use super::{Recorded, Tried};
-use crate::model::Model;
+use crate::model::{Model, Step};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// States through which a run of a specimen went.
@@ -15,6 +15,8 @@ pub struct Trail {
     pub(super) datum: Guide,
     /// The ways through the increments of each step.
     steps: Vec<Vec<Guide>>,
+    /// The steps as the model had them.
+    asked: Vec<Step>,
 }
 
 /// The trail along which a run goes, by itself or among others that share factors.
@@ -62,6 +64,25 @@ pub(super) struct Lead<'a> {
 }
 
 impl Trail {
+    pub(super) fn of(model: &Model) -> Self {
+        Self { asked: model.steps.clone(), ..Self::default() }
+    }
+
+    /// Returns whether the increments can be those of a model: it has as many steps, which choose theirs in the same way. Their targets
+    /// and times may be others.
+    pub fn has_steps_of(&self, model: &Model) -> bool {
+        self.asked.iter().map(|step| step.control).eq(model.steps.iter().map(|step| step.control))
+    }
+
+    /// Returns the increments in the times that other steps take.
+    pub(super) fn recorded_in(&self, steps: &[Step]) -> Recorded {
+        let mut recorded = self.recorded.clone();
+        for ((increments, step), asked) in recorded.steps.iter_mut().zip(steps).zip(&self.asked) {
+            increments.iter_mut().flatten().for_each(|tried| tried.time *= step.time / asked.time);
+        }
+        recorded
+    }
+
     /// Returns whether the states can be those of a model.
     pub(super) fn fits(&self, model: &Model) -> bool {
         self.steps.iter().flatten().chain([&self.datum]).all(|guide| guide.fits(model))

@@ -1,6 +1,6 @@
 //! An attempt beside one of another run ([`crate::stepping::Trail`]).
 
-use super::{Attempt, Equilibrium, Leader, Target, unsolvable};
+use super::{Attempt, Equilibrium, Leader, Target, largest, unsolvable};
 use crate::assembly::Trouble;
 use crate::model::Model;
 use crate::stepping::zone::Zone;
@@ -137,6 +137,10 @@ impl Equilibrium<'_> {
         }
         shift(&mut attempt.trial.displacements, &end.displacements, before.map(|round| &*round.displacements));
         shift(&mut attempt.trial.drives, &end.drives, before.map(|round| &*round.drives));
+        if round == 0 {
+            let largest_drive = largest(&attempt.trial.drives).max(largest(&end.drives));
+            attempt.is_off = largest(&attempt.lacking()) > ROUNDING * largest_drive;
+        }
         self.beside = Some(Beside { residual: end.residual.clone(), growth: end.growth, first: None });
         // the factor is of another state: with it corrections are many, and leave more than rounding
         self.memory.last_reduction = 1.0;

@@ -63,13 +63,15 @@ impl Equilibrium<'_> {
     pub(super) fn direction(&mut self, attempt: &Attempt<'_>) -> Result<Direction, Trouble> {
         let &Attempt { start, target, ref trial, .. } = attempt;
         let mut correction = self.memory.residual.clone();
+        let predicts = attempt.predicts();
+        let may_lack = !matches!(target, Target::Led { .. }) || (predicts && attempt.is_off);
+        let drives = if may_lack { attempt.lacking() } else { vec![0.0; trial.drives.len()] };
+        if predicts && may_lack {
+            let change = self.drive_force(start, &drives);
+            correction.iter_mut().zip(&change).for_each(|(c, f)| *c += f);
+        }
         match target {
-            Target::Drives(goal) | Target::Through { goal, .. } => {
-                let drives: Vec<f64> = goal.iter().zip(&trial.drives).map(|(to, from)| to - from).collect();
-                if attempt.predicts() {
-                    let change = self.drive_force(start, &drives);
-                    correction.iter_mut().zip(&change).for_each(|(c, f)| *c += f);
-                }
+            Target::Drives(_) | Target::Through { .. } => {
                 self.solve(&mut correction)?;
                 Ok(self.as_direction(&correction, drives))
             }
@@ -77,11 +79,12 @@ impl Equilibrium<'_> {
                 let mut along = self.drive_force(start, direction);
                 self.solve(&mut correction)?;
                 self.solve(&mut along)?;
-                let zero = vec![0.0; direction.len()];
-                let from_residual = self.as_direction(&correction, zero);
+                let from_residual = self.as_direction(&correction, drives);
                 let from_drives = self.as_direction(&along, direction.clone());
                 let progress = match by {
-                    Leader::PointSlip => self.slip_progress(&from_residual, &from_drives, attempt.predicts(), *point),
+                    Leader::PointSlip => {
+                        self.slip_progress(&from_residual, &from_drives, predicts && attempt.lead.is_none(), *point)
+                    }
                     Leader::Dissipation => self.dissipation_progress(attempt, &from_residual, &from_drives)?,
                 };
                 let growth = self.beside.as_ref().map_or(*growth, Beside::growth);

@@ -115,6 +115,8 @@ pub(super) struct Attempt<'a> {
     before: usize,
     /// The increment of another run that it is led along.
     lead: Option<Lead<'a>>,
+    /// Whether the drives of that increment are not where the target has them.
+    is_off: bool,
     /// The way that it takes, if it is kept.
     kept: Guide,
 }
@@ -122,7 +124,7 @@ pub(super) struct Attempt<'a> {
 impl<'a> Attempt<'a> {
     pub(super) fn new(start: &'a Committed, target: &'a Target, context: IncrementContext) -> Self {
         let (trial, iterations, kept) = (start.clone(), Vec::new(), Guide::default());
-        Self { start, target, context, trial, iterations, before: 0, lead: None, kept }
+        Self { start, target, context, trial, iterations, before: 0, lead: None, is_off: false, kept }
     }
 
     /// The attempt, led along an increment of another run.
@@ -137,7 +139,23 @@ impl<'a> Attempt<'a> {
 
     /// Returns whether the next correction is the predictor, which takes the drives to their goal.
     fn predicts(&self) -> bool {
-        self.iterations.is_empty() && self.lead.is_none()
+        self.iterations.is_empty() && (self.lead.is_none() || self.is_off)
+    }
+
+    /// Returns what the drives lack to be where the target has them; of a leading quantity on their line, if they may be off it.
+    fn lacking(&self) -> Vec<f64> {
+        let (now, start) = (&self.trial.drives, &self.start.drives);
+        match self.target {
+            Target::Drives(goal) | Target::Through { goal, .. } => {
+                goal.iter().zip(now).map(|(to, from)| to - from).collect()
+            }
+            Target::Led { direction, .. } => {
+                let length: f64 = direction.iter().map(|d| d * d).sum();
+                let along: f64 = now.iter().zip(start).zip(direction).map(|((now, start), d)| (now - start) * d).sum();
+                let share = if length > 0.0 { along / length } else { 0.0 };
+                now.iter().zip(start).zip(direction).map(|((now, start), d)| start + share * d - now).collect()
+            }
+        }
     }
 
     /// Returns the resistance of drag, N/mm; 0 without drag.

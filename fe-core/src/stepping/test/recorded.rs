@@ -167,3 +167,47 @@ fn a_run_on_another_mesh_repeats_the_increments() {
     let (loads, _) = beside(&half, &trail);
     approx::assert_relative_eq!(loads[2], 0.5 * base[2].load, max_relative = 1e-9);
 }
+
+/// Derivatives by where a step leads and by how long it takes, through a snap-back: along a trail, and between runs on the same increments
+/// with smaller tolerances.
+#[test]
+fn runs_along_a_trail_go_where_their_own_steps_lead() {
+    let model = snap_back::bar();
+    let (base, trail) = with_trail(&model);
+    let step = 1e-6;
+    let changed = |factor: f64, time: f64| {
+        let mut model = model.clone();
+        model.steps.iter_mut().for_each(|step| step.time *= time);
+        model.steps.iter_mut().flat_map(|step| &mut step.targets).flatten().for_each(|target| *target *= factor);
+        model
+    };
+    let longer = repeat(&changed(1.0, 1.5), &trail.recorded_in(&changed(1.0, 1.5).steps)).unwrap();
+    let end = |records: &[Record]| records.last().unwrap().time;
+    approx::assert_relative_eq!(end(&longer), 1.5 * end(&base), max_relative = 1e-12);
+    let farther = changed(1.0 + step, 1.0);
+    let (loads, _) = beside(&farther, &trail);
+    let tight = |mut model: Model| {
+        model.controls.force_tolerance = 1e-11;
+        model.controls.displacement_tolerance = 1e-11;
+        repeat(&model, &trail.recorded).unwrap()
+    };
+    let (more, less) = (tight(farther), tight(model.clone()));
+    let between: Vec<f64> = more.iter().zip(&less).map(|(more, less)| (more.load - less.load) / step).collect();
+    let greatest = between.iter().fold(0.0_f64, |greatest, slope| greatest.max(slope.abs()));
+    assert!(greatest > 0.1 * base.iter().fold(0.0, |greatest: f64, record| greatest.max(record.load)));
+    for ((load, record), between) in loads.iter().zip(&base).zip(&between) {
+        approx::assert_abs_diff_eq!((load - record.load) / step, between, epsilon = 1e-4 * greatest);
+    }
+}
+
+#[test]
+fn a_run_with_other_increments_goes_its_own_way() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.0)]);
+    let strip =
+        |increments| super::strip(law.clone(), PlaneModel::PlaneStress, 0.04, StepControl::Fixed { increments });
+    let (_, trail) = with_trail(&strip(2));
+    assert_eq!(beside(&strip(4), &trail).0.len(), 5);
+    let mut longer = strip(2);
+    longer.steps.push(longer.steps[0].clone());
+    assert_eq!(beside(&longer, &trail).0.len(), 5);
+}
