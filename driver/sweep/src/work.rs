@@ -155,7 +155,7 @@ impl Maker {
         let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let model =
             told.lines().find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned()));
-        let engine = identity.iter().map(|byte| format!("{byte:02x}")).collect();
+        let engine = pullout_run::input::digits(identity);
         Self { host: host.trim().to_owned(), cpu: model.unwrap_or_default(), engine }
     }
 }
