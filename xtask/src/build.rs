@@ -14,9 +14,10 @@ const LIBRARIES: [&str; 2] = ["/models/plugins/", "/umat-abi/"];
 /// The profile of what is for others. What is built of another profile is for tests.
 pub const FOR_OTHERS: &str = "dist";
 
-/// The target of what is to run with older C libraries than this machine's, as cargo-zigbuild has it: glibc 2.17 is that of
-/// manylinux2014, the oldest for which the standard library of Rust is built.
-const OLDER: &str = "x86_64-unknown-linux-gnu.2.17";
+/// The target of what is to run with older C libraries than this machine's.
+const OLDER: &str = "x86_64-unknown-linux-gnu";
+/// The variables that name the target's linker, and its compiler of C.
+const LINKERS: [&str; 2] = ["CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_LINKER", "CC_x86_64_unknown_linux_gnu"];
 
 /// Files that Cargo made.
 #[derive(Debug, PartialEq, Eq)]
@@ -34,37 +35,29 @@ pub struct Products {
 ///
 /// Where it is for tests, the whole workspace is built: dependencies have other features then, and the tests build them so.
 ///
-/// `wheel`: Python's extension instead of the program and the libraries for Kratos. `zig`: the folder with cargo-zigbuild, and with the Python
-/// that has zig, if it is linked by zig.
+/// `wheel`: Python's extension instead of the program and the libraries for Kratos. `linker`: that of another Linux, if it is not this
+/// machine's.
 ///
 /// # Errors
 /// In words: Cargo cannot be started, or the build fails (it has said why), or makes no program.
-pub fn build(workspace: &Path, profile: &str, wheel: bool, zig: Option<&Path>) -> Result<Products, String> {
+pub fn build(workspace: &Path, profile: &str, wheel: bool, linker: Option<&Path>) -> Result<Products, String> {
     let [package, name] = if wheel { EXTENSION } else { PROGRAM };
-    products(&messages(workspace, profile, package, zig)?, name)
+    products(&messages(workspace, profile, package, linker)?, name)
 }
 
-/// Puts a folder first where programs are looked for.
-pub fn search_first(command: &mut Command, folder: &Path) -> Result<(), String> {
-    let others = std::env::var_os("PATH").unwrap_or_default();
-    let folders = std::iter::once(folder.to_owned()).chain(std::env::split_paths(&others));
-    let joined = std::env::join_paths(folders).map_err(|error| format!("{}: {error}", folder.display()))?;
-    command.env("PATH", joined);
-    Ok(())
+/// Lets a build of Cargo's link by a linker for older Linux. Builds that name it alike find what others have made.
+pub fn link_by(command: &mut Command, linker: &Path) {
+    command.args(["--target", OLDER]).envs(LINKERS.map(|name| (name, linker)));
 }
 
 /// Cargo's messages of the build.
-fn messages(workspace: &Path, profile: &str, package: &str, zig: Option<&Path>) -> Result<String, String> {
+fn messages(workspace: &Path, profile: &str, package: &str, linker: Option<&Path>) -> Result<String, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
-    command.current_dir(workspace);
-    if let Some(folder) = zig {
-        search_first(&mut command, folder)?;
-        command.args(["zigbuild", "--target", OLDER]);
-    } else {
-        command.arg("build");
+    command.current_dir(workspace).args(["build", "--lib", "--bins"]);
+    if let Some(linker) = linker {
+        link_by(&mut command, linker);
     }
-    command.args(["--lib", "--bins"]);
     if profile == FOR_OTHERS {
         command.args(["--package", package, "--package", ALL_LAWS]);
     } else {

@@ -45,7 +45,7 @@ enum Task {
         /// Cargo profile to build with. Wheels of others than "dist" are larger, and not audited: they are for tests.
         #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
         profile: String,
-        /// Link with zig, for Linux from 2014 on (manylinux_2_17): the Python has ziglang and cargo-zigbuild too.
+        /// Link with zig, for Linux from 2014 on (manylinux_2_17): the Python has ziglang too.
         #[arg(long)]
         zig: bool,
         /// A Python that has maturin. If it has auditwheel and abi3audit too, they must find nothing.

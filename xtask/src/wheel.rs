@@ -1,9 +1,10 @@
 //! The wheel: extension, program, laws and headers in one file for Python. The program is a script that calls the extension:
 //! a second copy of the engine would be a third of the wheel.
 
-use crate::build::{self, FOR_OTHERS, search_first};
+use crate::build::{self, FOR_OTHERS};
 use crate::install;
-use std::fs;
+use std::fs::{self, Permissions};
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -20,8 +21,8 @@ const BYTES: u64 = 12_000_000;
 
 /// Builds everything, and makes the wheel of it; the result is its file.
 ///
-/// `python` has maturin; where it has auditwheel and abi3audit as well, they must find nothing. With `zig` it has ziglang and
-/// cargo-zigbuild, which link. `maturin` is told more.
+/// `python` has maturin; where it has auditwheel and abi3audit as well, they must find nothing. With `zig` it has ziglang too, by which
+/// maturin links. `maturin` is told more.
 ///
 /// # Errors
 /// In words; what a tool has said about it is on the standard error.
@@ -30,8 +31,8 @@ pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: 
     if folder.exists() {
         fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
-    let scripts = if zig { Some(scripts(python)?) } else { None };
-    let products = build::build(workspace, profile, true, scripts.as_deref())?;
+    let linker = if zig { Some(linker(workspace, python)?) } else { None };
+    let products = build::build(workspace, profile, true, linker.as_deref())?;
     let data = folder.join(DATA).join("data");
     install::beside_the_program(workspace, &products, &data)?;
     let (program, modules) = (folder.join(DATA).join("scripts/pullout"), folder.join("modules"));
@@ -48,9 +49,9 @@ pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: 
         // unstripped and used at once
         _ => ["--compression-method", "stored", "--auditwheel", "skip"],
     });
-    if let Some(scripts) = &scripts {
-        search_first(&mut command, scripts)?;
-        command.args(["--zig", "--compatibility", "manylinux2014"]);
+    if let Some(linker) = &linker {
+        build::link_by(&mut command, linker);
+        command.args(["--compatibility", "manylinux2014"]);
     }
     run(&mut command, "maturin")?;
     for library in &products.libraries {
@@ -108,17 +109,24 @@ fn tag_is_kept(name: &str, words: &str) -> Result<(), String> {
     }
 }
 
-/// The folder of a Python's programs.
-fn scripts(python: &Path) -> Result<PathBuf, String> {
-    let told =
-        Command::new(python).args(["-c", "import sysconfig; print(sysconfig.get_path('scripts'), end='')"]).output();
+/// Writes the linker for glibc 2.17, that of manylinux2014, the oldest for which the standard library of Rust is built: zig, as `maturin
+/// --zig` calls it, which names another linker than `cargo zigbuild`: each would build everything again.
+fn linker(workspace: &Path, python: &Path) -> Result<PathBuf, String> {
+    let scripts = "import ziglang, sysconfig; print(sysconfig.get_path('scripts'), end='')";
+    let told = Command::new(python).args(["-c", scripts]).stderr(Stdio::null()).output();
     let told = told.map_err(|error| format!("{}: {error}", python.display()))?;
-    let folder = PathBuf::from(String::from_utf8_lossy(&told.stdout).into_owned());
-    if has(python, "ziglang") && folder.join("cargo-zigbuild").is_file() {
-        Ok(folder)
-    } else {
-        Err(format!("{} has no zig: pip install ziglang cargo-zigbuild", python.display()))
+    if !told.status.success() {
+        return Err(format!("{} has no zig: pip install ziglang", python.display()));
     }
+    // maturin looks for the Python that has zig there
+    let scripts = String::from_utf8_lossy(&told.stdout);
+    let text = format!(
+        "#!/bin/sh\nPATH='{scripts}':$PATH\nexec maturin zig cc -- -g -fno-sanitize=all -target x86_64-linux-gnu.2.17 \"$@\"\n"
+    );
+    let file = workspace.join("target/zig-cc");
+    let written = fs::write(&file, text).and_then(|()| fs::set_permissions(&file, Permissions::from_mode(0o755)));
+    written.map_err(|error| format!("{}: {error}", file.display()))?;
+    Ok(file)
 }
 
 fn has(python: &Path, module: &str) -> bool {
