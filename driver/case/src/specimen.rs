@@ -53,6 +53,10 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let fields = steps::fields(reader, case, &steps);
     let columns = columns::of_specimen(&boundary.measured.fibres);
     let about = history::about(reader, path, &case.head, case.course.until.as_ref(), Some(&columns));
+    if scene.mesh.is_some() {
+        let place = root.key("until");
+        steps::refuse_unmeasured(reader, about.until.as_ref(), &columns, &boundary.measured, &place);
+    }
     let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
     if output.pictures_at.is_some() && output.plots == Some(false) {
         reader.warnings.push("$.output.pictures_at: has no effect: the case has \"plots\": false".into());

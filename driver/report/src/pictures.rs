@@ -83,14 +83,15 @@ struct Moment<'a> {
     /// Ending of a file's stem.
     suffix: String,
     words: String,
-    /// Load, N: 0 where only rounding is left of the greatest one.
+    /// Load, N: 0 where only rounding is left of the greatest one, NaN where none is measured.
     load: f64,
 }
 
 impl Moment<'_> {
     fn title(&self, what: &str) -> String {
         let words = &self.words;
-        format!("{what}, {words}: slip {} mm, load {} N", significant(self.state.slip, 4), significant(self.load, 4))
+        let load = if self.load.is_nan() { String::new() } else { format!(", load {} N", significant(self.load, 4)) };
+        format!("{what}, {words}: slip {} mm{load}", significant(self.state.slip, 4))
     }
 }
 

@@ -83,7 +83,7 @@
   const choice = part("field"), slider = part("state"), magnification = part("magnification"), withEdges = part("edges");
   head.fields.forEach((field, k) => choice.add(new Option(field.name, k)));
   slider.max = frames.length - 1;
-  const number = (value) => +value.toPrecision(4) + "";
+  const number = (value) => value === null ? "–" : +value.toPrecision(4) + "";
   const size = (target) => {
     const ratio = devicePixelRatio || 1, box = target.getBoundingClientRect();
     const [width, height] = [Math.round(box.width * ratio), Math.round(box.height * ratio)];

@@ -169,7 +169,7 @@ pub(crate) static SPECIMEN: [Column<Record>; 33] = [
     column("time", "s", "time", Other, |record| record.time),
     // displacement of the grip along the pull direction
     column("slip", "mm", "slip", Other, |record| record.slip),
-    // total reaction along the pull direction; positive when the support pulls
+    // total reaction along the pull direction; positive when the support pulls; nan without grip and measure.load
     column("load", "N", "load", Load, |record| record.load),
     // the same across it
     column("load_lateral", "N", "lateral load", Load, |record| record.load_lateral),

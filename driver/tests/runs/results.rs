@@ -554,3 +554,54 @@ fn a_full_file_system_fails_the_run_at_its_step_and_leaves_whole_rows() {
     assert!(!String::from_utf8_lossy(&output.stdout).contains("partial"));
     assert!(Table::read(&desk.path("copy/history.csv")).rows.len() > 1000);
 }
+
+/// A plate of one Q4 in plane strain.
+fn plate(desk: &Desk, supports: Value, loads: Value, steps: Value) -> Value {
+    let mesh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n5\n0 1 \"corner\"\n0 2 \"opposite\"\n1 3 \"left\"\n\
+                1 4 \"right\"\n2 5 \"plate\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n\
+                $Elements\n5\n1 15 2 1 1 1\n2 15 2 2 2 4\n3 1 2 3 3 4 1\n4 1 2 4 4 2 3\n5 3 2 5 5 1 2 3 4\n$EndElements\n";
+    desk.write("plate.msh", mesh);
+    json!({
+        "kind": "pullout", "mesh": { "file": "plate.msh" }, "parts": { "plate": { "material": elastic() } },
+        "supports": supports, "loads": loads, "steps": steps, "output": { "plots": false }
+    })
+}
+
+#[test]
+fn a_load_that_nobody_measures_is_nan() {
+    let desk = Desk::new();
+    let loads = json!({ "right": { "traction": [1, 0] } });
+    let mut case = plate(&desk, json!({ "left": {} }), loads, json!([{ "drives": { "right": 1 }, "increments": 2 }]));
+    case["output"] = json!({ "plots": true, "pictures_at": { "increments": [1] } });
+    let run = desk.run(&desk.case("plate.json", &case), &[], "unmeasured", 0);
+    for column in ["load", "load_lateral", "load_axial", "load_shear"] {
+        assert!(run.history.column(column).iter().all(|load| load.is_nan()), "{column}");
+    }
+    let run =
+        desk.run(&desk.path("plate.json"), &["measure={\"load\": \"left\", \"direction\": \"x\"}"], "measured", 0);
+    assert!((run.history.last("load") + 1.0).abs() < 1e-9, "{}", run.history.last("load"));
+}
+
+#[test]
+fn energies_of_a_rigid_turn_are_rounding_and_not_warned_of() {
+    let desk = Desk::new();
+    let supports = json!({ "corner": {}, "opposite": { "direction": [1, 1], "drive": "turn" } });
+    let case = plate(&desk, supports, json!({}), json!([{ "drives": { "turn": 0.1 }, "increments": 1 }]));
+    let run = desk.run(&desk.case("plate.json", &case), &[], "turn", 0);
+    let warnings = run.summary["warnings"].to_string();
+    assert!(!warnings.contains("energies"), "{warnings}");
+}
+
+#[test]
+fn a_law_of_the_total_strain_does_not_begin_from_a_stress() {
+    let desk = Desk::new();
+    let mut case = point(elastic(), json!([ { "increments": 1, "target": { "e11": 1e-4 } } ]));
+    case["initial"] = json!({ "stress": { "s11": 5.0 } });
+    let outcome = desk.run(&desk.case("point.json", &case), &[], "dropped", 1);
+    let failure = outcome.summary["failure"].to_string();
+    assert!(failure.contains("$.initial.stress: linear_elastic drops the initial stress"), "{failure}");
+    // with its strain it is the law's own
+    case["initial"] = json!({ "stress": { "s11": 5.0 }, "strain": { "e11": 5e-3, "e22": -1.25e-3, "e33": -1.25e-3 } });
+    let kept = desk.run(&desk.case("point.json", &case), &[], "kept", 0);
+    assert!((kept.history.column("s11")[0] - 5.0).abs() < 1e-12);
+}

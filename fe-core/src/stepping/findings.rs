@@ -7,6 +7,8 @@ use crate::assembly::solids::SolidEnergies;
 
 /// Least part of the energy that the drives take back which an increment dissipates: less is elastic unloading.
 const LEAST_DISSIPATION: f64 = 1e-2;
+/// The energy error is relative to at least this many times the rounding of the work: rounding is no error.
+const LEAST_ROUNDINGS: f64 = 1e3;
 /// The energy error is relative to at least this part of the greatest work so far.
 const LEAST_RELATIVE_WORK: f64 = 1e-3;
 
@@ -101,6 +103,6 @@ impl Analysis<'_> {
     /// Returns what an imbalance of the energies is compared with, N mm.
     pub(super) fn work_reference(&self, external_work: f64, state: &Committed) -> f64 {
         let rounding = self.equilibrium.memory.rounding * largest(&state.displacements);
-        external_work.abs().max(LEAST_RELATIVE_WORK * self.present.greatest_work).max(rounding)
+        external_work.abs().max(LEAST_RELATIVE_WORK * self.present.greatest_work).max(LEAST_ROUNDINGS * rounding)
     }
 }

@@ -15,7 +15,7 @@ pub struct Record {
     pub time: f64,
     /// Value of the measured drive, mm.
     pub slip: f64,
-    /// Reaction in the pull direction, N.
+    /// Reaction in the pull direction, N; NaN where no support is measured, as the components below.
     pub load: f64,
     /// Reaction along the left normal of the pull direction, N.
     pub load_lateral: f64,
@@ -132,7 +132,8 @@ impl Analysis<'_> {
     pub(super) fn record(&self, step: u32, increment: u32, cutbacks: u32, iterations: Vec<Iteration>) -> Record {
         let snapshot = self.snapshot();
         let measured = &self.model.measured;
-        let [load, load_lateral] = self.measured_load(&snapshot);
+        let is_measured = !measured.supports.is_empty();
+        let [load, load_lateral] = if is_measured { self.measured_load(&snapshot) } else { [f64::NAN; 2] };
         let [axis, across] = measured.components();
         let [pull_x, pull_y] = measured.direction;
         let force = [load * pull_x - load_lateral * pull_y, load * pull_y + load_lateral * pull_x];

@@ -130,6 +130,8 @@ const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.
 const NAME_LENGTH: usize = 80;
 /// JSTEP(2): static stress analysis.
 const STATIC_PROCEDURE: i32 = 1;
+/// An answer that differs from an initial stress by less than this part of the largest is the same: rounding.
+const KEPT_STRESS: f64 = 1e-6;
 
 impl UmatCall {
     /// Prepares calls of `library`'s UMAT with these properties.
@@ -233,6 +235,37 @@ impl UmatCall {
         }
         self.common.statev.as_mut_slice().copy_from_slice(statev);
         self.energies = energies;
+    }
+
+    /// Judges the answer to a call without an increment from an initial stress, which is given as [`Self::set_point`] takes it:
+    /// a note if it is another stress.
+    ///
+    /// # Errors
+    /// There is nothing left of it: the law is one of the total strain.
+    pub fn judge_initial_stress(&self, initial: &[f64]) -> Result<Option<String>, String> {
+        let components = self.stress_state.components();
+        let has_all = initial.len() > components.len();
+        let given = |k: usize| initial[if has_all { components[k] } else { k }];
+        let largest =
+            |stress: &mut dyn Iterator<Item = f64>| stress.fold(0.0, |most: f64, value| most.max(value.abs()));
+        let all = largest(&mut (0..components.len()).map(given));
+        if largest(&mut self.stress().iter().copied()) < KEPT_STRESS * all {
+            return Err(
+                "drops the initial stress: without a strain increment it returns none, as a law of the total strain \
+                        does; leave the initial stress out, or take a law that adds to STRESS"
+                    .to_owned(),
+            );
+        }
+        let changed =
+            self.stress().iter().enumerate().find(|(k, stress)| (*stress - given(*k)).abs() > KEPT_STRESS * all);
+        Ok(changed.map(|(k, stress)| {
+            format!(
+                "changes the initial stress: without a strain increment it returns STRESS({}) = {stress:.6} MPa instead of \
+                 {:.6}, from which it begins",
+                k + 1,
+                given(k)
+            )
+        }))
     }
 
     /// STRESS, to be set before a call.

@@ -8,7 +8,7 @@ use crate::problem::Place;
 use crate::reader::Reader;
 use crate::steps::{self, Counted, Found};
 use crate::{fields as field_values, history};
-use fe_core::model::{Fields, Step, StepControl};
+use fe_core::model::{Fields, Measured, Step, StepControl};
 use pullout_run::columns;
 use pullout_run::program::Until;
 
@@ -39,9 +39,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bound
     let place = Place::root().key("steps");
     let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let columns = columns::of_specimen(&boundary.measured.fibres);
-    let drives = &mut boundary.drives;
+    let Boundary { drives, measured, .. } = boundary;
     let steps = steps::expand(reader, documents, &place, &mut |reader, step, place| match step {
-        StepDocument::Ramp(ramp) => Found::Step(Some(one_step(reader, ramp, drives, &columns, place))),
+        StepDocument::Ramp(ramp) => Found::Step(Some(one_step(reader, ramp, drives, (&columns, measured), place))),
         StepDocument::Cycle(cycle) => Found::Cycle(cycle),
         StepDocument::Cycles(wrapper) => Found::Cycles(&wrapper.cycles),
     });
@@ -87,7 +87,7 @@ fn one_step(
     reader: &mut Reader<'_>,
     ramp: &document::PulloutRamp,
     drives: &mut Drives,
-    columns: &[String],
+    (columns, measured): (&[String], &Measured),
     place: &Place,
 ) -> ResolvedStep {
     let mut targets = vec![None; drives.len()];
@@ -117,10 +117,32 @@ fn one_step(
     }
 
     let until = ramp.end.until.as_ref();
-    let until = until.and_then(|until| history::until(reader, until, Some(columns), &place.key("until")));
+    let place_of_until = place.key("until");
+    let until = until.and_then(|until| history::until(reader, until, Some(columns), &place_of_until));
+    refuse_unmeasured(reader, until.as_ref(), columns, measured, &place_of_until);
     let control = control(reader, ramp.increments, &place.key("increments"));
     let step = Step { time: ramp.time.map_or(1.0, |time| time.0), targets, control };
     ResolvedStep { step, until, temperature: ramp.end.temperature, predef: ramp.end.predef.clone() }
+}
+
+/// Refuses to wait for a column that stays NaN.
+pub fn refuse_unmeasured(
+    reader: &mut Reader<'_>,
+    until: Option<&Until>,
+    columns: &[String],
+    measured: &Measured,
+    place: &Place,
+) {
+    let Some(name) = until.map(|until| columns[until.column].as_str()) else { return };
+    let missing = match name {
+        "slip_exit" if measured.exit_node.is_none() && measured.fibres.is_empty() => "$.measure.exit names no node",
+        "slip_tail" if measured.tail_node.is_none() && measured.fibres.is_empty() => "$.measure.tail names no node",
+        name if name.starts_with("load") && measured.supports.is_empty() => {
+            "nothing is gripped and $.measure.load names no support"
+        }
+        _ => return,
+    };
+    reader.problem(&place.key("quantity"), format!("'{name}' is nan throughout: {missing}"));
 }
 
 fn control(reader: &mut Reader<'_>, increments: Option<document::StepIncrements>, place: &Place) -> StepControl {

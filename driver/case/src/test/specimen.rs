@@ -774,6 +774,12 @@ const MALFORMED: &[Sample] = &[
         ByMeaning,
     ),
     (&["steps.0.until={\"quantity\": \"laod\", \"less_than\": 1}"], "$.steps[0].until.quantity", "'load'", ByMeaning),
+    (
+        &["parts.matrix.initial={\"stress\": [5, 0, 0, 0]}"],
+        "$",
+        "part 'matrix': linear_elastic drops the initial stress: without a strain increment it returns none",
+        ByMeaning,
+    ),
     (&["until={\"quantity\": \"load\"}"], "$.until", "needs \"greater_than\" or \"less_than\"", ByMeaning),
     (
         &[
@@ -882,6 +888,31 @@ fn a_tie_of_the_coarser_side_to_the_finer_one_is_told() {
         assert_eq!(warnings_of_tie(columns, &[swapped]), [""; 0], "{columns:?}");
     }
     assert_eq!(warnings_of_tie([4, 4], &[]), [""; 0]);
+}
+
+#[test]
+fn columns_that_stay_nan_end_nothing() {
+    let mut case = pullout_case();
+    case.as_object_mut().expect("an object").remove("grip");
+    case["supports"]["fibre_bottom"] = json!({ "direction": "y" });
+    case["supports"]["grip"] = json!({ "direction": "x" });
+    case["loads"] = json!({ "surface": { "traction": [0, 1] } });
+    case["measure"] = json!({});
+    case["steps"] = json!([{ "drives": { "surface": 1 } }]);
+    accepted(&case, &[]);
+    let until = |column: &str| format!(r#"{{"quantity": "abs({column})", "greater_than": 0.1}}"#);
+    for (column, why) in [
+        ("load", "nothing is gripped and $.measure.load names no support"),
+        ("load_lateral", "nothing is gripped"),
+        ("slip_tail", "$.measure.tail names no node"),
+    ] {
+        for place in ["until", "steps.0.until"] {
+            let told = problems_of(&case, &[&format!("{place}={}", until(column))]);
+            let place = place.replace("steps.0", "steps[0]");
+            assert!(told.contains(&format!("$.{place}.quantity: '{column}' is nan throughout: {why}")), "{told}");
+        }
+    }
+    accepted(&case, &["measure.load=side", &format!("until={}", until("load"))]);
 }
 
 #[test]

@@ -15,8 +15,8 @@ use crate::program::{
 use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, untold_nominal, untold_thickness};
 use nalgebra::Matrix3;
 use umat_abi::host::{
-    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, NotFinite, TangentSource,
-    Trespass, UmatCall, judge,
+    CallOutcome, Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, NotFinite,
+    TangentSource, Trespass, UmatCall, judge,
 };
 use umat_abi::law::{Request, StressState};
 
@@ -34,6 +34,13 @@ pub(super) fn run(
     let mut recorder = Recorder::new(program, observer);
     if let Some(reason) = reason {
         recorder.observer.warn(format!("{} is called with NTENS = 6: {reason}", program.plugin.name));
+    }
+    match runner.initial_stress_found() {
+        Ok(None) => {}
+        Ok(Some(changed)) => recorder.observer.warn(format!("{} {changed}", program.plugin.name)),
+        Err(dropped) => {
+            return Err(Stop::unusable(format!("$.initial.stress: {} {dropped}", program.plugin.name)));
+        }
     }
     let is_untold = runner.plane_stress && program.plugin.law.is_none() && !runner.call.is_through_solid();
     if is_untold && point.nlgeom && point.measure == Measure::Nominal {
@@ -237,6 +244,28 @@ impl<'p> Runner<'p> {
             moduli_not_finite: None,
         };
         Ok((runner, reason))
+    }
+
+    /// Judges what the law makes of the stress that it begins with: a note, or why it cannot begin.
+    fn initial_stress_found(&mut self) -> Result<Option<String>, String> {
+        // a call that the case tells argument by argument is made once
+        if self.committed.stress == [0.0; 6] || *self.arguments != UmatArguments::default() {
+            return Ok(None);
+        }
+        self.prepare_call(0.0, 1.0);
+        self.databases.increment_starts(clock(&self.call, self.call.time));
+        let Committed { strain, stress, statev, energies, deformation_gradient, .. } = &self.committed;
+        if let Some(finite) = &mut self.finite
+            && finite.deform(&self.committed, deformation_gradient, &mut self.call).is_none()
+        {
+            return Ok(None);
+        }
+        self.call.set_point([strain, &[0.0; 6], stress], statev, *energies);
+        let answer = self.call.call(Request::Stress);
+        let answers = matches!(answer, Ok(CallOutcome::Done)) && self.call.not_finite().is_none();
+        let judged = if answers { self.call.judge_initial_stress(stress) } else { Ok(None) };
+        self.call.set_point([strain, &[0.0; 6], stress], statev, *energies);
+        judged
     }
 
     /// ε33 of plane stress, ln F₃₃ at finite strain, at the committed state.

@@ -162,12 +162,17 @@ impl Points {
     }
 
     /// Finds out how the UMAT is to be called, unless the user has set it, and DDSDDE at zero strain with the initial states and
-    /// the initial stress, those of the first point. Returns a note for users.
-    pub(super) fn prepare(&mut self, law: &PluginLaw, part: &str) -> Result<Option<String>, SolidsError> {
+    /// the initial stress, those of the first point. Returns notes for users.
+    pub(super) fn prepare(&mut self, law: &PluginLaw, part: &str) -> Result<Vec<String>, SolidsError> {
         self.set_virgin();
         let reason = law.probe(&mut self.call).map_err(|error| SolidsError::umat(part, law, error))?;
         self.find_elastic(law, part)?;
-        Ok(reason.map(|reason| format!("part '{part}': {} is called with NTENS = 6: {reason}", law.name)))
+        let initial = self.committed.stress.first().copied().unwrap_or_default();
+        let changed = self.call.judge_initial_stress(&initial);
+        let changed = changed.map_err(|dropped| SolidsError(format!("part '{part}': {} {dropped}", law.name)))?;
+        let reason = reason.map(|reason| format!("is called with NTENS = 6: {reason}"));
+        let notes = [reason, changed].into_iter().flatten();
+        Ok(notes.map(|note| format!("part '{part}': {} {note}", law.name)).collect())
     }
 
     /// Takes over the findings of [`Self::prepare`] for the first points of the part.

@@ -119,7 +119,7 @@ pub enum Coupling {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tie {
-    /// Node set that is tied.
+    /// Node set that is tied, of the finer side: where it is the coarser one, stresses are wrong.
     pub tie: String,
     /// Edge set that it is tied to.
     pub to: String,
@@ -174,7 +174,7 @@ pub enum NodeReference {
 pub struct Measure {
     /// Drive that is the slip; default: "slip".
     pub slip: Option<String>,
-    /// Support whose reaction is the load; default: the grip.
+    /// Support whose reaction is the load; default: the grip. Without either the load is nan.
     pub load: Option<String>,
     /// Pull direction; default: the grip's.
     pub direction: Option<Direction>,
