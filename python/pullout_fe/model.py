@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import warnings
 from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any, Mapping, NamedTuple, Union
 
@@ -26,6 +27,8 @@ STEP = 1e-6
 ROUNDING = 1e-9
 #: values that fall back by no more than this part of their range are scatter; by more, they turn back
 SCATTER = 0.05
+#: parts of the range of values by which they turn back, for loops of which the run has the same ones
+THRESHOLDS = (0.001, 0.002, 0.005, 0.01, 0.02, SCATTER)
 #: a parameter so near to a bound, as a part of the distance of the bounds, lies on it
 ON_BOUND = 1e-6
 
@@ -285,8 +288,7 @@ class Model:
 
 def _on_grid(along: Array, values: Array, grid: Array) -> Array:
     """The second column of a run on the values of the first, branch by branch where these turn back."""
-    threshold = SCATTER * float(np.ptp(grid[np.isfinite(grid)])) if np.isfinite(grid).any() else 0.0
-    turns = _turns(grid, threshold)
+    turns, of_run = _same_turns(grid, along)
     if not turns:
         return _on_branch(along, values, grid)
     of_run = _turns(along, threshold)
@@ -314,6 +316,34 @@ def _on_branch(along: Array, values: Array, grid: Array) -> Array:
     is_inside = (wanted >= passed[0] - rounding) & (wanted <= passed[-1] + rounding)
     found: Array = np.where(is_inside, np.interp(wanted, passed, values[first]), np.nan)
     return found
+
+
+def _same_turns(grid: Array, along: Array) -> tuple[list[int], list[int]]:
+    """The turns of a grid and of a run: those that both have by the smallest threshold that shows the same ones, else by the greatest."""
+    spread = float(np.ptp(grid[np.isfinite(grid)])) if np.isfinite(grid).any() else 0.0
+    of_grid = [_turns(grid, part * spread) for part in THRESHOLDS]
+    if not any(of_grid):
+        return [], []
+    of_run = [_turns(along, part * spread) for part in THRESHOLDS]
+    chosen = len(THRESHOLDS) - 1
+    for k, (turns, others) in enumerate(zip(of_grid, of_run)):
+        if len(turns) != len(others):
+            continue
+        # to where it turned off, the run may go back further than the grid
+        ahead = grid[turns] - along[others]
+        ahead[::2] = np.abs(ahead[::2])
+        ahead[1::2] *= np.sign(along[others[1::2]] - along[others[: len(others) - 1 : 2]])
+        if np.all(ahead <= SCATTER * spread):
+            chosen = k
+            break
+    back = [part for part, turns in zip(THRESHOLDS, of_grid) if len(turns) > len(of_grid[chosen])]
+    if back:
+        warnings.warn(
+            f"the grid goes back by more than {100.0 * back[-1]:g} % of its range where the run does not: it is taken for scatter, and no "
+            "branch of a loop",
+            stacklevel=2,
+        )
+    return of_grid[chosen], of_run[chosen]
 
 
 def _turns(values: Array, threshold: float) -> list[int]:

@@ -103,6 +103,38 @@ def test_cycles_are_interpolated_branch_by_branch() -> None:
     assert np.array_equal(np.isnan(once([950.0])), [False, False, True])
 
 
+@pytest.mark.parametrize("back", [0.0985, 0.095, 0.092])
+def test_small_loops_are_followed_and_what_is_not_is_said(back: float) -> None:
+    steps = [po.ramp(50, slip=0.1), po.ramp(20, slip=back), po.ramp(50, slip=0.2)]
+    props = {"law": "A", "k_e": 950.0, "a_1": 1.5921, "b_1": 0.0832, "k_u": 300.0}
+    bond = {"kind": "interface", "material": {"plugin": "bond_slip", "props": props}, "steps": steps}
+    history = po.run(bond).history
+    free = {"k_u": "material.props.k_u"}
+    made = po.Model(bond, free, ("slip", "tau"), history["slip"])
+    assert np.array_equal(made([300.0]), history["tau"]) and np.abs(made.jac([300.0])).max() > 0
+    once = po.Model({**bond, "steps": [po.ramp(50, slip=0.2)]}, free, ("slip", "tau"), history["slip"])
+    with pytest.warns(UserWarning, match="taken for scatter"):
+        once([300.0])
+
+
+@pytest.mark.slow
+def test_derivatives_by_what_steps_ask_for() -> None:
+    """Where the steps of a specimen lead, and how long they take: at each time, against differences of runs."""
+    fibre = po.Case(FIBRE).with_({"steps[0].slip": 0.005, "mesh.specimen.embedded_elements": 6, "output.vtu": False})
+    fibre = fibre.with_({"steps[0].time": 1.0})
+    for place, value in (("steps[0].slip", 0.005), ("steps[0].time", 1.0)):
+        made = po.Model(fibre, {"x": place}, ("time", "load"), [0.2, 0.5, 0.8])
+        step = 1e-3 * value
+        expected = (made([value + step]) - made([value - step])) / (2 * step)
+        assert np.allclose(made.jac([value])[:, 0], expected, rtol=1e-2)
+    base = po.run(fibre, record=True)
+    assert po.run(fibre.with_({"steps[0].time": 2.0}), along=base).history["time"][-1] == pytest.approx(2.0)
+    longer = po.run(fibre.with_({"steps[1].slip": 0.006}), along=base)
+    assert longer.history["slip"][-1] == pytest.approx(0.006)
+    shorter = po.run(fibre.with_({"until": {"quantity": "slip", "greater_than": 0.003}}), along=base)
+    assert 0.003 < shorter.history["slip"][-1] < 0.004
+
+
 def test_derivatives() -> None:
     young, nu = 120.0, 0.2
     found = model().jac([young, nu])
