@@ -76,7 +76,7 @@ def sweep(
     made = Case(case)
     document = _document(made, design, quantities, curves, grid, curve, work_to)
     with tempfile.TemporaryDirectory() as place:
-        folder = made._folder if made._file is None and _names_a_file(made.document, made._folder) else Path(place)
+        folder = made._folder if not made._is_on_file() and _names_a_file(made.document, made._folder) else Path(place)
         # file names are relative to the sweep file
         handle, name = tempfile.mkstemp(".json", "sweep-", folder)
         try:
@@ -194,7 +194,7 @@ def _document(
 ) -> dict[str, Any]:
     """The sweep file."""
     file, text, _, overrides, _ = case._parts()
-    document: dict[str, Any] = {"kind": "sweep", "base": os.fspath(file) if file is not None else json.loads(text or "{}")}
+    document: dict[str, Any] = {"kind": "sweep", "base": os.fspath(file) if file is not None and case._is_on_file() else json.loads(text or "{}")}
     changes = (override.split("=", 1) for override in overrides)
     if overrides:
         document["set"] = {path: json.loads(value) for path, value in changes}
