@@ -242,3 +242,37 @@ def test_a_curve_that_goes_backwards_and_a_grid_beyond_it() -> None:
     grid = np.array([0.001, 0.0, -0.003, -0.01 - 1e-13, -0.011])
     made = po.Model(bar, {"E": "material.props.E"}, ("e11", "s11"), grid)
     assert np.allclose(made([100.0]), [np.nan, 0.0, -0.3, -1.0, np.nan], equal_nan=True)
+
+
+def test_a_fit_refuses_what_tells_nothing() -> None:
+    pytest.importorskip("scipy")
+    one = po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), GRID)
+    target = oedometer(80.0, 0.25)
+    for sigma in (-1.0, 0.0, np.nan):
+        with pytest.raises(po.CaseError, match="sigma: is a finite number > 0"):
+            one.fit(target, sigma=sigma)
+    with pytest.raises(po.CaseError, match="data: has no finite number"):
+        one.fit(np.full(len(GRID), np.nan), sigma=1.0)
+    with pytest.raises(po.CaseError, match="masked"):
+        one.fit(np.ma.masked_greater(target, 0.5))
+    with pytest.raises(po.CaseError, match="has the place of 'E'"):
+        po.Model(BAR, {"E": "material.props.E", "F": ("$.material.props.E", "log")}, ("e11", "s11"), GRID)
+    beyond = po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), [0.005, 0.02])
+    with pytest.raises(po.CaseError, match="the run ends at e11 0.01, the data go on to 0.02"):
+        beyond.fit([1.0, 2.0], sigma=1.0)
+    with pytest.raises(po.CaseError, match="begins at e11 0, the data also have -0.001"):
+        po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), [-0.001, 0.01]).fit([1.0, 2.0], sigma=1.0)
+
+
+def test_parameters_that_are_no_numbers_fail() -> None:
+    assert np.isnan(model()([np.nan, 0.2])).all()
+    with pytest.raises(po.CaseError, match="material.props.E: is nan"):
+        po.Model(BAR, PARAMETERS, ("e11", "s11"), GRID)([np.nan, 0.2])
+
+
+def test_fenics_may_ask_for_no_points() -> None:
+    made = SmallStrainModel(po.Law("concrete_damage"), {}, "PLANE_STRAIN")
+    dimensions = made.history_dim
+    assert dimensions is not None
+    none = np.zeros(0)
+    made.evaluate(0.0, 1.0, none, none.copy(), none.copy(), {name: none.copy() for name in dimensions})
