@@ -6,9 +6,10 @@ import html
 import json
 import os
 from pathlib import Path
-from typing import Any, Iterable, Mapping, Union
+from typing import Any, Iterable, Iterator, Mapping, Union
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _core
 from .errors import CaseError
@@ -22,8 +23,29 @@ def schema() -> dict[str, Any]:
     return made
 
 
+def array_of(values: Any, name: str) -> NDArray[np.float64]:
+    """Numbers as an array; masks, which would be lost, are refused."""
+    if np.ma.isMaskedArray(values):
+        raise CaseError([(name, "is a masked array: give what counts, or NaN in its place, by filled()")])
+    return np.asarray(values, dtype=float)
+
+
+def _wrong_numbers(value: Any, place: str) -> Iterator[tuple[str, str]]:
+    """What JSON has no words for, by its place."""
+    if isinstance(value, Mapping):
+        for key, entry in value.items():
+            yield from _wrong_numbers(entry, f"{place}.{key}")
+    elif isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0):
+        for k, entry in enumerate(value):
+            yield from _wrong_numbers(entry, f"{place}[{k}]")
+    elif isinstance(value, (float, np.floating)) and not np.isfinite(value):
+        yield place, f"is {value}, and no finite number"
+
+
 def _plain(value: Any) -> Any:
     """What JSON does not know by itself: arrays and numbers of NumPy, paths."""
+    if np.ma.isMaskedArray(value):
+        raise TypeError("a masked array has no place in a case: give what counts, by compressed()")
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, os.PathLike):
@@ -31,11 +53,11 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"a {type(value).__name__} has no place in a case")
 
 
-def _text(value: Any) -> str:
+def _text(value: Any, place: str = "$") -> str:
     try:
         return json.dumps(value, default=_plain, allow_nan=False)
     except (TypeError, ValueError) as error:
-        raise CaseError(str(error)) from None
+        raise CaseError(list(_wrong_numbers(value, place)) or str(error)) from None
 
 
 def dotted(path: str) -> str:
@@ -44,7 +66,8 @@ def dotted(path: str) -> str:
 
 
 class Case:
-    """A case file, or a case as a dictionary as `the case format <case-format>` has it.
+    """A case file, or a case as a dictionary as `the case format <case-format>` has it. A file is read once, here; files that it names
+    are read by each run.
 
     ``folder`` is the one that file names in a dictionary are relative to (default: the working directory). Plugins are looked
     for in ``plugin_paths`` first.
@@ -72,12 +95,14 @@ class Case:
         else:
             self._file = Path(source).absolute()
             self._folder = self._file.parent
+            # what is written into the file from now on changes nothing
+            self._document = _core.document((self._file, None, self._folder, [], []))
         self._plugin_paths = paths
 
     def with_(self, changes: Mapping[str, Any]) -> Case:
         """The same case with other values: ``{"material.props.E": 2e5, "steps[0].increments": 10}``."""
         changed = Case(self)
-        changed._overrides += [f"{dotted(path)}={_text(value)}" for path, value in changes.items()]
+        changed._overrides += [f"{dotted(path)}={_text(value, path)}" for path, value in changes.items()]
         return changed
 
     @property
@@ -93,6 +118,15 @@ class Case:
         of their own is checked there when it runs.
         """
         return list(_core.check(self._parts()))
+
+    def _is_on_file(self) -> bool:
+        """Whether it has a file, and that still has the document."""
+        if self._file is None:
+            return False
+        try:
+            return _core.document((self._file, None, self._folder, [], [])) == self._document
+        except CaseError:
+            return False
 
     def _parts(self) -> tuple[Path | None, str | None, Path, list[str], list[Path]]:
         return self._file, self._document, self._folder, self._overrides, self._plugin_paths

@@ -104,7 +104,7 @@ class SmallStrainModel:
         dimension, components = self.stress_strain_dim, self._components
         increment = self._strain(np.asarray(grad_del_u, dtype=float))
         strain = history["strain"].reshape(-1, len(components))
-        state = history["state"].reshape(len(strain), -1) if self.law.nstatv > 0 else None
+        state = history["state"].reshape(-1, self.law.nstatv) if self.law.nstatv > 0 else None
         mandel = stress.reshape(-1, dimension)
         update = self.law.evaluate(
             strain,
@@ -118,7 +118,7 @@ class SmallStrainModel:
             length=self.length,
             time=t,
             # laws divide by it
-            dtime=del_t if del_t > 0.0 else 1e-12,
+            dtime=1e-12 if del_t == 0.0 else del_t,
         )
         mandel[:, components] = update.stress * self._factors
         strain += increment

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._worker import RemotePlugin
+from .case import _text, array_of
 from .errors import CaseError, PluginError, UpdateFailed
 
 __all__ = ["Law", "Parameter", "State", "Update", "plugins"]
@@ -118,10 +119,13 @@ class Law:
         if isinstance(props, Mapping):
             props = dict(props)
         elif props is not None:
-            props = [float(value) for value in np.asarray(props, dtype=float)]
+            props = array_of(props, "props").tolist()
+            names = [*self.parameters, *(f"[{k}]" for k in range(len(self.parameters), len(props)))]
+            for name, value in zip(names, props):
+                _text(value, f"props.{name}".replace(".[", "["))
         elif not self._about:
             props = []
-        return np.array(self._plugin.props(json.dumps(props, default=float)), dtype=float)
+        return np.array(self._plugin.props(_text(props, "props")), dtype=float)
 
     def evaluate(
         self,
@@ -159,11 +163,15 @@ class Law:
         if not isinstance(props, np.ndarray):
             props = self.props(props)
         components = COMPONENTS[mode]
-        given = np.atleast_2d(np.asarray(dstrain, dtype=float))
-        count = max(len(given), len(np.atleast_2d(np.asarray(strain, dtype=float))))
+        if not (np.isfinite(dtime) and dtime > 0.0):
+            raise CaseError([("dtime", f"is {dtime}, but an increment takes a finite time > 0")])
+        if not np.isfinite(time):
+            raise CaseError([("time", f"is {time}, and no finite number")])
+        counts = [len(np.atleast_2d(array_of(values, name))) for values, name in ((strain, "strain"), (dstrain, "dstrain"))]
+        count = max(counts) if all(counts) else 0
 
         def rows(values: ArrayLike | None, columns: int, name: str) -> NDArray[np.float64]:
-            array = np.asarray(0.0 if values is None else values, dtype=float)
+            array = array_of(0.0 if values is None else values, name)
             if array.shape == (count, columns):
                 return np.ascontiguousarray(array)
             try:
@@ -201,7 +209,7 @@ class Law:
         if threads < 1:
             raise CaseError([("threads", "is 1 or more")])
         self._check_length(props, length)
-        lengths = None if length is None else np.ascontiguousarray(np.broadcast_to(np.asarray(length, dtype=float), (count,)))
+        lengths = None if length is None else np.ascontiguousarray(np.broadcast_to(array_of(length, "length"), (count,)))
         refused = self._plugin.evaluate(
             mode,
             np.ascontiguousarray(props, dtype=float),

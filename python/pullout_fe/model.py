@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import warnings
 from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any, Mapping, NamedTuple, Union
 
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .case import Case, CaseLike, dotted
+from .case import Case, CaseLike, array_of, dotted
 from .errors import CaseError, PulloutError, RunFailed
 from .run import Run, run
 
@@ -24,8 +25,11 @@ Free = Union[str, "tuple[str, str]"]
 STEP = 1e-6
 #: values of the grid so little outside a run, as a part of their distance from its beginning, are at its end
 ROUNDING = 1e-9
-#: values that fall back by no more than this part of their range are scatter; by more, they turn back
+#: values that fall back by no more than this part of their range may be scatter, also if the run has no such loop; by more, they turn
+#: back. Turns of a grid and of a run this far apart are not the same
 SCATTER = 0.05
+#: parts of the range of values by which they turn back, for loops of which the run has the same ones
+THRESHOLDS = (0.001, 0.002, 0.005, 0.01, 0.02, SCATTER)
 #: a parameter so near to a bound, as a part of the distance of the bounds, lies on it
 ON_BOUND = 1e-6
 
@@ -79,9 +83,14 @@ class Model:
         self.case = Case(case)
         self.names = list(parameters)
         self._paths = [free if isinstance(free, str) else free[0] for free in parameters.values()]
+        places = [dotted(path) for path in self._paths]
+        twice = [(f"parameters[{name!r}]", f"has the place of {self.names[places.index(place)]!r}") for k, (name, place) in
+                 enumerate(zip(self.names, places)) if place in places[:k]]
+        if twice:
+            raise CaseError(twice)
         self._is_log = np.array([not isinstance(free, str) and free[1] == "log" for free in parameters.values()], dtype=bool)
         self.curve = curve
-        self.grid = None if grid is None else np.asarray(grid, dtype=float)
+        self.grid = None if grid is None else array_of(grid, "grid")
         self.on_failure = on_failure
         self.in_process = in_process
         self._along: Run | None = None
@@ -139,11 +148,11 @@ class Model:
 
     def _run(self, x: ArrayLike, record: bool = False) -> tuple[Array | None, Run | None]:
         """The curve, and the run."""
-        values = np.atleast_1d(np.asarray(x, dtype=float))
+        values = np.atleast_1d(array_of(x, "x"))
         if values.shape != (len(self.names),):
             raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
-        case = self.case.with_(dict(zip(self._paths, values.tolist())))
         try:
+            case = self.case.with_(dict(zip(self._paths, values.tolist())))
             made = run(case, in_process=self.in_process, record=record, along=self._along, view=False)
         except (CaseError, RunFailed) as error:
             if self._counts_as_failure(error):
@@ -157,7 +166,7 @@ class Model:
 
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
         """The curves of rows of parameters: in threads, or by an executor of yours."""
-        rows = list(np.atleast_2d(np.asarray(points, dtype=float)))
+        rows = list(np.atleast_2d(array_of(points, "points")))
         if executor is not None:
             curves = list(executor.map(self._attempt, rows))
         else:
@@ -215,8 +224,23 @@ class Model:
 
     def residual(self, x: ArrayLike, data: ArrayLike, sigma: ArrayLike = 1.0) -> Array:
         """Curve less data, in standard deviations; 0 where the data are NaN."""
-        difference = (self(x) - np.asarray(data, dtype=float)) / np.asarray(sigma, dtype=float)
-        return np.where(np.isnan(np.asarray(data, dtype=float)), 0.0, difference)
+        target = array_of(data, "data")
+        difference = (self(x) - target) / array_of(sigma, "sigma")
+        return np.where(np.isnan(target), 0.0, difference)
+
+    def _outside(self, x: Array, point: int) -> str:
+        """Why the run of these parameters has no value at a point of the data."""
+        made = self._run(x)[1]
+        if made is None or self.grid is None:
+            return "there is no curve at the parameters to start from: their run fails"
+        name, along = self.curve[0], made.history[self.curve[0]]
+        wanted, begin = float(self.grid[point]), float(along[0])
+        end = float(along[np.nanargmax(np.abs(along - begin))])
+        if min(begin, end) <= wanted <= max(begin, end):
+            return f"they turn back before {name} {wanted:g} (point {point + 1}), the run does not"
+        if (wanted - begin) * (end - begin) < 0.0:
+            return f"the run begins at {name} {begin:g}, the data also have {wanted:g}"
+        return f"the run ends at {name} {end:g}, the data go on to {wanted:g}"
 
     def fit(self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, **options: Any) -> Fit:
         """The parameters that fit data best, by ``scipy.optimize.least_squares`` (``options`` are its own).
@@ -231,8 +255,12 @@ class Model:
             missing = [name for name, value in zip(self.names, start) if not np.isfinite(value)]
             raise CaseError(f"the case does not say {', '.join(missing)}: give x0")
         logarithmic = self._is_log
-        target = np.asarray(data, dtype=float)
-        deviations = np.asarray(1.0 if sigma is None else sigma, dtype=float)
+        target = array_of(data, "data")
+        deviations = array_of(1.0 if sigma is None else sigma, "sigma")
+        if np.isinf(target).any() or np.isnan(target).all():
+            raise CaseError([("data", "has no finite number" if np.isnan(target).all() else "is infinite: NaN is what is not known")])
+        if not np.all(np.isfinite(deviations) & (deviations > 0.0)):
+            raise CaseError([("sigma", "is a finite number > 0, or one for each point")])
         weight = np.where(np.isnan(target), 0.0, 1.0) / deviations
         freedom = int(np.count_nonzero(~np.isnan(target))) - len(self.names)
         if sigma is None and freedom < 1:
@@ -254,7 +282,10 @@ class Model:
         def residual(z: Array) -> Array:
             nonlocal runs
             runs += 1
-            return self.residual(outer(z), target, deviations)
+            found = self.residual(outer(z), target, deviations)
+            if runs == 1 and np.isnan(found).any():
+                raise CaseError([("data", self._outside(start, int(np.argmax(np.isnan(found)))))])
+            return found
 
         lower, upper = (np.array([bound[side] for bound in self.bounds], dtype=float) for side in (0, 1))
         with np.errstate(divide="ignore"):
@@ -285,11 +316,9 @@ class Model:
 
 def _on_grid(along: Array, values: Array, grid: Array) -> Array:
     """The second column of a run on the values of the first, branch by branch where these turn back."""
-    threshold = SCATTER * float(np.ptp(grid[np.isfinite(grid)])) if np.isfinite(grid).any() else 0.0
-    turns = _turns(grid, threshold)
+    turns, of_run = _same_turns(grid, along)
     if not turns:
         return _on_branch(along, values, grid)
-    of_run = _turns(along, threshold)
     found = np.full(len(grid), np.nan)
     first, start = 0, 0
     for number in range(min(len(turns), len(of_run)) + 1):
@@ -314,6 +343,34 @@ def _on_branch(along: Array, values: Array, grid: Array) -> Array:
     is_inside = (wanted >= passed[0] - rounding) & (wanted <= passed[-1] + rounding)
     found: Array = np.where(is_inside, np.interp(wanted, passed, values[first]), np.nan)
     return found
+
+
+def _same_turns(grid: Array, along: Array) -> tuple[list[int], list[int]]:
+    """The turns of a grid and of a run: those that both have by the smallest threshold that shows the same ones, else by the greatest."""
+    spread = float(np.ptp(grid[np.isfinite(grid)])) if np.isfinite(grid).any() else 0.0
+    of_grid = [_turns(grid, part * spread) for part in THRESHOLDS]
+    if not any(of_grid):
+        return [], []
+    of_run = [_turns(along, part * spread) for part in THRESHOLDS]
+    chosen = len(THRESHOLDS) - 1
+    for k, (turns, others) in enumerate(zip(of_grid, of_run)):
+        if len(turns) != len(others):
+            continue
+        # to where it turned off, the run may go back further than the grid
+        ahead = grid[turns] - along[others]
+        ahead[::2] = np.abs(ahead[::2])
+        ahead[1::2] *= np.sign(along[others[1::2]] - along[others[: len(others) - 1 : 2]])
+        if np.all(ahead <= SCATTER * spread):
+            chosen = k
+            break
+    back = [part for part, turns in zip(THRESHOLDS, of_grid) if len(turns) > len(of_grid[chosen])]
+    if back:
+        warnings.warn(
+            f"the grid goes back by more than {100.0 * back[-1]:g} % of its range where the run does not: it is taken for scatter, and no "
+            "branch of a loop",
+            stacklevel=2,
+        )
+    return of_grid[chosen], of_run[chosen]
 
 
 def _turns(values: Array, threshold: float) -> list[int]:

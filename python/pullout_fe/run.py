@@ -75,6 +75,11 @@ class History(Mapping[str, "NDArray[np.float64]"]):
     def __len__(self) -> int:
         return len(self._columns)
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, History) or list(self) != list(other) or self.units != other.units:
+            return False
+        return all(np.array_equal(column, other[name], equal_nan=True) for name, column in self.items())
+
     @property
     def rows(self) -> int:
         """Number of rows, the initial state included; of the longest of several tables."""
@@ -173,6 +178,10 @@ class Run:
             self.failure = Failure(
                 place.get("kind", "failed"), place.get("step", 0), place.get("increment", 0), summary.get("message", "")
             )
+
+    def __getstate__(self) -> dict[str, Any]:
+        # the states of a specimen stay in their process; its increments go along
+        return {**self.__dict__, "_trail": None}
 
     @property
     def warnings(self) -> list[str]:
@@ -329,6 +338,9 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
     command: list[str | Path] = [_core.program(), "run", "--quiet", f"--threads={threads}", f"--out={out}"]
     command += ["--in-process"] if in_process else []
     command += ["--record-increments"] if record else []
+    if file is not None and not case._is_on_file():
+        named = {"title": file.stem, **json.loads(document or "{}")}
+        file, document = None, json.dumps(named)
     command += [f"--plugin-path={path}" for path in plugin_paths] + [f"--set={text}" for text in overrides]
     command += ["--", "/dev/stdin" if file is None else file]
     ended = subprocess.run(command, cwd=folder, input=document or "", capture_output=True, text=True)

@@ -195,7 +195,7 @@ def _document(
 ) -> dict[str, Any]:
     """The sweep file."""
     file, text, _, overrides, _ = case._parts()
-    document: dict[str, Any] = {"kind": "sweep", "base": os.fspath(file) if file is not None else json.loads(text or "{}")}
+    document: dict[str, Any] = {"kind": "sweep", "base": os.fspath(file) if file is not None and case._is_on_file() else json.loads(text or "{}")}
     changes = (override.split("=", 1) for override in overrides)
     if overrides:
         document["set"] = {path: json.loads(value) for path, value in changes}

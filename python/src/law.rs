@@ -2,7 +2,7 @@
 
 use crate::errors::{Exception, case_error, of_panic, without_panic};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2, PyReadwriteArray3};
-use pullout_case::{hint, not_found, props_from_json};
+use pullout_case::{ALL_LAWS, hint, not_found, props_from_json};
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
 use pyo3::exceptions::PyValueError;
@@ -36,11 +36,11 @@ pub fn find(name: &str) -> PyResult<PathBuf> {
     }
 }
 
-/// The names of all plugins on the search path.
+/// The names of all plugins on the search path; the library of all laws is none of its own.
 #[pyfunction]
 pub fn plugins() -> Vec<String> {
     let found = Found::all(&host::search_paths(&[])).into_iter().map(|found| found.name);
-    found.filter(|name| name != host::UTILITIES).collect()
+    found.filter(|name| name != host::UTILITIES && name != ALL_LAWS).collect()
 }
 
 /// Returns whether a library was built with this extension, and so may be loaded into the interpreter.

@@ -22,7 +22,7 @@ const LOOK: Duration = Duration::from_millis(50);
 /// A run that was told to end has so long before it is left alone with that.
 const PATIENCE: Duration = Duration::from_millis(300);
 
-/// A case as Python has it: a file or a document, the folder of a document, changes, folders of plugins.
+/// A case as Python has it: a file or a document or both, then what the file had; the folder, changes, folders of plugins.
 pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<PathBuf>);
 
 /// A column with its unit.
@@ -53,11 +53,12 @@ type State = Option<(f64, Vec<f64>)>;
 
 fn source((file, document, folder, overrides, plugin_paths): Parts) -> PyResult<Source> {
     let mut source = match (file, document) {
-        (Some(file), _) => Source::file(&file),
-        (None, document) => {
+        (Some(file), None) => Source::file(&file),
+        (file, document) => {
             let text = document.unwrap_or_default();
             let document: Value = serde_json::from_str(&text).map_err(|e| Exception::Case.with(e.to_string()))?;
-            Source::document(document, &folder)
+            let source = Source::document(document, &folder);
+            Source { file: file.unwrap_or_else(|| source.file.clone()), ..source }
         }
     };
     (source.overrides, source.plugin_paths) = (overrides, plugin_paths);
@@ -77,6 +78,11 @@ fn refusal(errors: &CaseErrors) -> PyErr {
 #[pyfunction]
 pub fn document(case: Parts) -> PyResult<String> {
     without_panic(|| {
+        if let (Some(file), None, _, overrides, _) = &case
+            && overrides.is_empty()
+        {
+            return pullout_case::read_text(file).map(|read| read.to_string()).map_err(|errors| refusal(&errors));
+        }
         let source = source(case)?;
         match source.text() {
             Some(document) => Ok(document.to_string()),

@@ -216,3 +216,34 @@ def test_a_library_runs_here_if_one_answers_for_it(umats: dict[str, Path], tmp_p
 def test_a_library_without_metadata_needs_the_number_of_its_states(umats: dict[str, Path]) -> None:
     with pytest.raises(po.CaseError, match="nstatv"):
         po.Law(umats["stops"])
+
+
+def test_times_and_numbers_that_are_none_are_refused() -> None:
+    law = po.Law("concrete_damage_implex")
+    for dtime in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(po.CaseError, match="dtime: is"):
+            law.evaluate(0.0, np.zeros((1, 6)), dtime=dtime)
+    with pytest.raises(po.CaseError, match="time: is nan"):
+        law.evaluate(0.0, np.zeros((1, 6)), time=np.nan)
+    with pytest.raises(po.CaseError, match="props.E: is nan"):
+        law.props({"E": np.nan})
+    values = law.props()
+    values[1] = np.inf
+    with pytest.raises(po.CaseError, match=f"props.{list(law.parameters)[1]}: is inf"):
+        law.props(values)
+    with pytest.raises(po.CaseError, match="strain: is a masked array"):
+        law.evaluate(np.ma.masked_all((1, 6)), np.zeros((1, 6)))
+
+
+def test_no_points_are_no_work() -> None:
+    law = po.Law("concrete_damage")
+    update = law.evaluate(0.0, np.zeros((0, 6)))
+    assert update.stress.shape == (0, 6) and update.state.shape == (0, law.nstatv)
+    assert update.tangent is not None and update.tangent.shape == (0, 6, 6)
+    assert law.evaluate(np.zeros((0, 4)), 0.0, mode="plane_strain", threads=2).stress.shape == (0, 4)
+    with pytest.raises(po.CaseError, match="strain: has the shape"):
+        law.evaluate(np.zeros((5, 6)), np.zeros((0, 6)))
+
+
+def test_laws_that_are_listed_can_be_opened() -> None:
+    assert "linear_elastic" in po.plugins() and "pullout_laws" not in po.plugins()

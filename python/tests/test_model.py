@@ -103,6 +103,38 @@ def test_cycles_are_interpolated_branch_by_branch() -> None:
     assert np.array_equal(np.isnan(once([950.0])), [False, False, True])
 
 
+@pytest.mark.parametrize("back", [0.0985, 0.095, 0.092])
+def test_small_loops_are_followed_and_what_is_not_is_said(back: float) -> None:
+    steps = [po.ramp(50, slip=0.1), po.ramp(20, slip=back), po.ramp(50, slip=0.2)]
+    props = {"law": "A", "k_e": 950.0, "a_1": 1.5921, "b_1": 0.0832, "k_u": 300.0}
+    bond = {"kind": "interface", "material": {"plugin": "bond_slip", "props": props}, "steps": steps}
+    history = po.run(bond).history
+    free = {"k_u": "material.props.k_u"}
+    made = po.Model(bond, free, ("slip", "tau"), history["slip"])
+    assert np.array_equal(made([300.0]), history["tau"]) and np.abs(made.jac([300.0])).max() > 0
+    once = po.Model({**bond, "steps": [po.ramp(50, slip=0.2)]}, free, ("slip", "tau"), history["slip"])
+    with pytest.warns(UserWarning, match="taken for scatter"):
+        once([300.0])
+
+
+@pytest.mark.slow
+def test_derivatives_by_what_steps_ask_for() -> None:
+    """Where the steps of a specimen lead, and how long they take: at each time, against differences of runs."""
+    fibre = po.Case(FIBRE).with_({"steps[0].slip": 0.005, "mesh.specimen.embedded_elements": 6, "output.vtu": False})
+    fibre = fibre.with_({"steps[0].time": 1.0})
+    for place, value in (("steps[0].slip", 0.005), ("steps[0].time", 1.0)):
+        made = po.Model(fibre, {"x": place}, ("time", "load"), [0.2, 0.5, 0.8])
+        step = 1e-3 * value
+        expected = (made([value + step]) - made([value - step])) / (2 * step)
+        assert np.allclose(made.jac([value])[:, 0], expected, rtol=1e-2)
+    base = po.run(fibre, record=True)
+    assert po.run(fibre.with_({"steps[0].time": 2.0}), along=base).history["time"][-1] == pytest.approx(2.0)
+    longer = po.run(fibre.with_({"steps[1].slip": 0.006}), along=base)
+    assert longer.history["slip"][-1] == pytest.approx(0.006)
+    shorter = po.run(fibre.with_({"until": {"quantity": "slip", "greater_than": 0.003}}), along=base)
+    assert 0.003 < shorter.history["slip"][-1] < 0.004
+
+
 def test_derivatives() -> None:
     young, nu = 120.0, 0.2
     found = model().jac([young, nu])
@@ -210,3 +242,37 @@ def test_a_curve_that_goes_backwards_and_a_grid_beyond_it() -> None:
     grid = np.array([0.001, 0.0, -0.003, -0.01 - 1e-13, -0.011])
     made = po.Model(bar, {"E": "material.props.E"}, ("e11", "s11"), grid)
     assert np.allclose(made([100.0]), [np.nan, 0.0, -0.3, -1.0, np.nan], equal_nan=True)
+
+
+def test_a_fit_refuses_what_tells_nothing() -> None:
+    pytest.importorskip("scipy")
+    one = po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), GRID)
+    target = oedometer(80.0, 0.25)
+    for sigma in (-1.0, 0.0, np.nan):
+        with pytest.raises(po.CaseError, match="sigma: is a finite number > 0"):
+            one.fit(target, sigma=sigma)
+    with pytest.raises(po.CaseError, match="data: has no finite number"):
+        one.fit(np.full(len(GRID), np.nan), sigma=1.0)
+    with pytest.raises(po.CaseError, match="masked"):
+        one.fit(np.ma.masked_greater(target, 0.5))
+    with pytest.raises(po.CaseError, match="has the place of 'E'"):
+        po.Model(BAR, {"E": "material.props.E", "F": ("$.material.props.E", "log")}, ("e11", "s11"), GRID)
+    beyond = po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), [0.005, 0.02])
+    with pytest.raises(po.CaseError, match="the run ends at e11 0.01, the data go on to 0.02"):
+        beyond.fit([1.0, 2.0], sigma=1.0)
+    with pytest.raises(po.CaseError, match="begins at e11 0, the data also have -0.001"):
+        po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), [-0.001, 0.01]).fit([1.0, 2.0], sigma=1.0)
+
+
+def test_parameters_that_are_no_numbers_fail() -> None:
+    assert np.isnan(model()([np.nan, 0.2])).all()
+    with pytest.raises(po.CaseError, match="material.props.E: is nan"):
+        po.Model(BAR, PARAMETERS, ("e11", "s11"), GRID)([np.nan, 0.2])
+
+
+def test_fenics_may_ask_for_no_points() -> None:
+    made = SmallStrainModel(po.Law("concrete_damage"), {}, "PLANE_STRAIN")
+    dimensions = made.history_dim
+    assert dimensions is not None
+    none = np.zeros(0)
+    made.evaluate(0.0, 1.0, none, none.copy(), none.copy(), {name: none.copy() for name in dimensions})

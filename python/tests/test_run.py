@@ -115,6 +115,8 @@ def test_a_umat_that_stops_or_hangs_does_not_end_python(umats: dict[str, Path]) 
         run = caught.value.run
         assert run is not None and run.failure is not None and (run.failure.step, run.failure.increment) == (1, 3)
         assert run.history["e11"][-1] == 1.0 and caught.value.replay is not None
+        # the folder of the run is gone
+        assert "replay case" not in str(caught.value) and "replay case" not in run.summary["message"]
     with pytest.raises(po.PluginCrashed):
         po.run(caught.value.replay.with_({"material.plugin": str(umats["stops"])}))
 
@@ -214,3 +216,45 @@ def test_ctrl_c_ends_a_specimen_at_once() -> None:
     with pytest.raises(KeyboardInterrupt):
         po.run(FIBRE)
     assert time.monotonic() - start < 1.3
+
+
+def test_a_case_holds_what_its_file_had(tmp_path: Path) -> None:
+    file = tmp_path / "bar.json"
+
+    def write(young: float) -> None:
+        props = {"E": young, "nu": 0.2}
+        material = {"plugin": "linear_elastic", "props": props}
+        file.write_text(json.dumps({"kind": "point", "material": material, "mode": "3d", "steps": [po.ramp(2, e11=1e-3)]}))
+
+    write(1000.0)
+    case = po.Case(file)
+    pickled = pickle.dumps(case)
+    run = po.run(case)
+    stress = run.history["s11"]
+    assert run.summary["title"] == "bar"
+    write(7000.0)
+    assert run.case is not None and run.case.document["material"]["props"]["E"] == 1000.0
+    for later in (case, pickle.loads(pickled), case.with_({"title": "bar"})):
+        assert po.run(later).history == run.history
+    assert np.array_equal(po.run(case, out=tmp_path / "out").history["s11"], stress)
+    assert po.read(tmp_path / "out").summary["title"] == "bar"
+    assert po.run(file).history != run.history and po.Case(file) != case
+    file.unlink()
+    assert po.run(case).history == run.history
+    file.write_text('{"kind": "point", "kind": "point"}')
+    with pytest.raises(po.CaseError, match="kind"):
+        po.Case(file)
+
+
+def test_what_is_no_number_is_named() -> None:
+    for number in (np.nan, np.inf):
+        with pytest.raises(po.CaseError, match="material.props.E: is (nan|inf)"):
+            po.Case(CRUSHING).with_({"material.props.E": number})
+        with pytest.raises(po.CaseError) as caught:
+            po.point("linear_elastic", {"E": 1.0, "nu": number}, "3d", [])
+        assert caught.value.problems[0][0] == "$.material.props.nu"
+
+
+def test_a_run_is_pickled_with_its_increments() -> None:
+    run = pickle.loads(pickle.dumps(po.run(CRUSHING, record=True)))
+    assert po.run(CRUSHING, along=run).history == run.history

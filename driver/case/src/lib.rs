@@ -28,11 +28,12 @@ mod test;
 
 pub use document::{Piece, Positive, study, sweep};
 pub use json::dotted;
-pub use plugin::{not_found, where_to_look};
+pub use plugin::{ALL_LAWS, not_found, where_to_look};
 pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind, hint};
 pub use props::props_from_json;
 pub use read::{
-    Case, document, inputs, is_study, need, overridden, read, read_document, read_study, read_sweep, read_untrusted,
+    Case, document, inputs, is_study, need, overridden, read, read_document, read_study, read_sweep, read_text,
+    read_untrusted,
 };
 pub use reader::Reader;
 pub use structure::schema;

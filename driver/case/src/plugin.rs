@@ -16,7 +16,7 @@ pub const NORMAL_PENALTY: f64 = 1e5;
 pub const TANGENTIAL_PENALTY: f64 = 1e4;
 
 /// The library of all laws that come with the program: where it is, they are.
-const ALL_LAWS: &str = "pullout_laws";
+pub const ALL_LAWS: &str = "pullout_laws";
 
 /// Use that the case makes of the plugin.
 #[derive(Clone, Debug)]

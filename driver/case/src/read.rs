@@ -150,6 +150,18 @@ pub fn document(path: &Path, overrides: &[String]) -> Option<Value> {
     text_with(path, overrides, &mut Vec::new())
 }
 
+/// Reads a case file as JSON: what it says, nothing of it checked.
+///
+/// # Errors
+/// Everything that is wrong with it as JSON.
+pub fn read_text(path: &Path) -> Result<Value, CaseErrors> {
+    let mut problems = Vec::new();
+    match text_with(path, &[], &mut problems) {
+        Some(document) if problems.is_empty() => Ok(document),
+        _ => Err(CaseErrors { file: path.into(), problems }),
+    }
+}
+
 /// Tells whether a case needs a process of its own. One that cannot be read does not: reading it again tells what is
 /// wrong.
 pub fn need(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Option<Need> {

@@ -143,6 +143,9 @@ fn read(source: &Source, out: &Path) -> io::Result<Outcome> {
     if source.document.is_some() && source.text().is_some_and(|document| document["title"].is_null()) {
         summary.title = source.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     }
+    // the folder goes, the case is handed on
+    let place = format!(" (replay case: {})", out.join("replay.json").display());
+    summary.message = summary.message.map(|message| message.replace(&place, ""));
     let history = History::of_run(out, |table| table.read()).unwrap_or_default();
     let json = |name: &str| serde_json::from_slice(&input::read(&out.join(name), Input::Case).ok()?).ok();
     Ok(Outcome {

@@ -88,6 +88,8 @@ pub struct CaseFit {
     pub runs: usize,
     /// Reason why it is not the best.
     pub trouble: Option<String>,
+    /// What the user should know although nothing is wrong.
+    pub warning: Option<String>,
     /// The case with these numbers.
     pub case: Value,
     /// Data: both columns, and what the case computes.
@@ -119,6 +121,7 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         increments: None,
         best: None,
         trouble: Cell::new(None),
+        warning: Cell::new(None),
         progress,
     };
     let mut ends: Vec<(Best, Option<String>)> = Vec::new();
@@ -165,6 +168,7 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         searches,
         runs: problem.runs.get(),
         trouble,
+        warning: problem.warning.take(),
         case: kept(request, document, &best.values),
         values: best.values.clone(),
         rows,
@@ -376,6 +380,8 @@ struct Problem<'a> {
     increments: Option<Increments>,
     best: Option<Best>,
     trouble: Cell<Option<String>>,
+    /// What the last run said of the data.
+    warning: Cell<Option<String>>,
     progress: &'a dyn Fn(usize, f64),
 }
 
@@ -421,7 +427,9 @@ impl Problem<'_> {
     /// The curve at the data's points, and the increments.
     fn run(&self, values: &[f64], increments: Option<&Increments>) -> Result<(Vec<f64>, Option<Increments>), String> {
         self.runs.set(self.runs.get() + 1);
-        curve(self.request, self.data, values, increments)
+        let (computed, increments, warning) = curve(self.request, self.data, values, increments)?;
+        self.warning.set(warning);
+        Ok((computed, increments))
     }
 
     fn take(&mut self, values: &[f64], computed: &[f64], increments: Option<Increments>) {
@@ -447,7 +455,7 @@ impl Problem<'_> {
             let mut moved = values.to_vec();
             let step = STEP * size(values[k]);
             moved[k] += if moved[k] + step > self.request.free[k].bounds[1] { -step } else { step };
-            let (curve, _) = curve(self.request, self.data, &moved, increments.as_ref())?;
+            let (curve, ..) = curve(self.request, self.data, &moved, increments.as_ref())?;
             let step = moved[k] - values[k];
             Ok(DVector::from_iterator(
                 curve.len(),
@@ -483,13 +491,13 @@ impl Problem<'_> {
     }
 }
 
-/// The curve of a case with other numbers, at the points of the data, and the increments of the run.
+/// The curve of a case with other numbers, at the points of the data, the increments of the run, and what is to be said of the data.
 fn curve(
     request: &CaseRequest,
     data: &[[f64; 2]],
     values: &[f64],
     increments: Option<&Increments>,
-) -> Result<(Vec<f64>, Option<Increments>), String> {
+) -> Result<(Vec<f64>, Option<Increments>, Option<String>), String> {
     let mut source = request.source.clone();
     source.overrides.extend(overrides(&request.free, values));
     let along = match increments {
@@ -508,14 +516,14 @@ fn curve(
     if !outcome.is_done() {
         return Err(outcome.summary.message.unwrap_or_else(|| "the run did not come to its end".into()));
     }
-    let computed = at_data(&outcome, &request.curve, data)?;
+    let (computed, warning) = at_data(&outcome, &request.curve, data)?;
     let trail = outcome.trail.map(|trail| Increments::Trail(trail.into()));
-    Ok((computed, trail.or_else(|| outcome.increments.map(Increments::Recorded))))
+    Ok((computed, trail.or_else(|| outcome.increments.map(Increments::Recorded)), warning))
 }
 
 /// The second column where the first passes the data's values for the first time, on its way to the farthest of them; of data
-/// that turn back, branch by branch.
-fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<Vec<f64>, String> {
+/// that turn back, branch by branch. Also returns what is to be said of the data.
+fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<(Vec<f64>, Option<String>), String> {
     let column = |name: &String| {
         let columns = || outcome.history.columns().join(", ");
         outcome
@@ -526,14 +534,14 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
     curve_at(column(&names[0])?, column(&names[1])?, &names[0], data)
 }
 
-fn curve_at(x: &[f64], y: &[f64], name: &str, data: &[[f64; 2]]) -> Result<Vec<f64>, String> {
-    let (of_data, threshold) = Turns::of(data.iter().map(|row| row[0]));
+fn curve_at(x: &[f64], y: &[f64], name: &str, data: &[[f64; 2]]) -> Result<(Vec<f64>, Option<String>), String> {
+    let turns = turns(x, data);
+    let warning = turns.words(name);
+    let Turns { of_data, of_run, .. } = turns;
     if of_data.is_empty() {
-        return branch_at([x, y], data).map_err(|off| off.words(name, false, false));
+        let computed = branch_at([x, y], data).map_err(|off| off.words(name, false, false))?;
+        return Ok((computed, warning));
     }
-    let mut of_run = Turns::new(threshold);
-    x.iter().enumerate().for_each(|(index, x)| of_run.push(index, *x));
-    let of_run = of_run.found();
     let mut computed = Vec::with_capacity(data.len());
     let (mut first, mut start) = (0, 0);
     for number in 0..=of_data.len() {
@@ -552,7 +560,17 @@ fn curve_at(x: &[f64], y: &[f64], name: &str, data: &[[f64; 2]]) -> Result<Vec<f
         computed.extend(branch.map_err(|off| off.words(name, number > 0, stop < x.len()))?);
         (first, start) = (end, stop - 1);
     }
-    Ok(computed)
+    Ok((computed, warning))
+}
+
+fn turns(x: &[f64], data: &[[f64; 2]]) -> Turns {
+    let of_data: Vec<f64> = data.iter().map(|row| row[0]).collect();
+    let run = |push: &mut dyn FnMut(f64)| {
+        x.iter().for_each(|x| push(*x));
+        Ok(())
+    };
+    // reading from memory does not fail
+    Turns::of(&of_data, run).unwrap_or_default()
 }
 
 /// Data off a branch of a run.
@@ -709,6 +727,7 @@ impl CaseFit {
         let summary = json!({
             "status": if self.trouble.is_none() { "done" } else { "failed" },
             "message": self.trouble,
+            "warning": self.warning,
             "case": request.source.file,
             "data": request.data,
             "curve": request.curve,

@@ -5,7 +5,7 @@
 //! compared; they are counted.
 //!
 //! A file whose x turns back, as in cycles, is compared **branch by branch**: its second branch with the history's second one,
-//! and so on. Where the history has no further branch, the points behind are left out, and a warning says so.
+//! and so on: loops that are small are those of which the history has the same ones. Where the history has no further branch, the points behind are left out, and a warning says so.
 
 use super::history::Rows;
 use pullout_run::program::Compare;
@@ -20,8 +20,12 @@ mod test;
 /// little outside the branch still belongs to it (scaling rounds).
 const NOISE: f64 = 1e-9;
 
-/// x that falls back by no more than this part of the range of a file is scatter; by more, it turns back.
-pub const SCATTER: f64 = 0.05;
+/// x that falls back by no more than this part of the range of a file may be scatter, also if the run has no such loop; by more, it turns
+/// back. Turns of a file and of a run this far apart are not the same.
+const SCATTER: f64 = 0.05;
+
+/// Parts of the range of a file by which x turns back, for loops of which the run has the same ones.
+const THRESHOLDS: [f64; 6] = [0.001, 0.002, 0.005, 0.01, 0.02, SCATTER];
 
 /// Comparison with one file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,23 +49,23 @@ pub struct Comparison {
 
 /// The points at which a sequence of x turns back by more than a threshold.
 #[derive(Clone, Debug)]
-pub struct Turns {
+struct Turning {
     threshold: f64,
     /// 0 before it is known.
     direction: f64,
     /// Index and value of the last extremes since the last turn.
     extremes: Option<[(usize, f64); 2]>,
-    found: Vec<usize>,
+    found: Vec<(usize, f64)>,
 }
 
-impl Turns {
-    /// Begins a sequence.
-    pub fn new(threshold: f64) -> Self {
-        Self { threshold, direction: 0.0, extremes: None, found: Vec::new() }
+impl Turning {
+    /// Begins a sequence for each of [`THRESHOLDS`].
+    fn all(range: f64) -> [Self; THRESHOLDS.len()] {
+        THRESHOLDS.map(|part| Self { threshold: part * range, direction: 0.0, extremes: None, found: Vec::new() })
     }
 
     /// Goes on with the next x. What is not finite is left out.
-    pub fn push(&mut self, index: usize, x: f64) {
+    fn push(&mut self, index: usize, x: f64) {
         if !x.is_finite() {
             return;
         }
@@ -84,25 +88,75 @@ impl Turns {
             return;
         };
         if self.direction != 0.0 {
-            self.found.push(if new < 0.0 { greatest.0 } else { least.0 });
+            self.found.push(if new < 0.0 { greatest } else { least });
         }
         self.direction = new;
         self.extremes = Some([(index, x); 2]);
     }
+}
 
-    /// Returns the turns: indices of the last point of each branch but the last one.
-    pub fn found(self) -> Vec<usize> {
-        self.found
+/// Turns of measured x and of the x of a run: indices of the last point of each branch but the last one.
+#[derive(Clone, Debug, Default)]
+pub struct Turns {
+    /// Those of the data.
+    pub of_data: Vec<usize>,
+    /// Those of the run; not looked for where the data have none.
+    pub of_run: Vec<usize>,
+    /// The furthest that the data go back without a turn, as a part of their range, if the run has no such turn and it is more than a
+    /// little.
+    pub scatter: Option<f64>,
+}
+
+impl Turns {
+    /// Finds the turns of both. Loops of data are those that the run has as well, by the smallest of [`THRESHOLDS`] that shows the
+    /// same ones in both; where there is none, the greatest counts. `run` goes through the x of the run.
+    ///
+    /// # Errors
+    /// Those of `run`.
+    pub fn of(data: &[f64], run: impl FnOnce(&mut dyn FnMut(f64)) -> io::Result<()>) -> io::Result<Self> {
+        let finite = || data.iter().filter(|x| x.is_finite());
+        let range = finite().fold(f64::NEG_INFINITY, |a, x| a.max(*x)) - finite().fold(f64::INFINITY, |a, x| a.min(*x));
+        let range = range.max(0.0);
+        let (mut of_data, mut of_run) = (Turning::all(range), Turning::all(range));
+        for (index, x) in data.iter().enumerate() {
+            of_data.iter_mut().for_each(|turning| turning.push(index, *x));
+        }
+        if of_data.iter().all(|turning| turning.found.is_empty()) {
+            return Ok(Self::default());
+        }
+        let mut index = 0;
+        run(&mut |x| {
+            of_run.iter_mut().for_each(|turning| turning.push(index, x));
+            index += 1;
+        })?;
+        let are_same = |(data, run): &(&Turning, &Turning)| {
+            // to where it turned off, the run may go back further than the data
+            let is_near = |k: usize| {
+                let ahead = data.found[k].1 - run.found[k].1;
+                let ahead =
+                    if k % 2 == 0 { ahead.abs() } else { ahead * (run.found[k].1 - run.found[k - 1].1).signum() };
+                ahead <= SCATTER * range
+            };
+            data.found.len() == run.found.len() && (0..run.found.len()).all(is_near)
+        };
+        let same = of_data.iter().zip(&of_run).position(|pair| are_same(&pair));
+        let chosen = same.unwrap_or(THRESHOLDS.len() - 1);
+        let indices = |turning: &Turning| turning.found.iter().map(|(index, _)| *index).collect::<Vec<_>>();
+        let back = of_data.iter().rposition(|other| other.found.len() > of_data[chosen].found.len());
+        Ok(Self {
+            scatter: back.map(|k| THRESHOLDS[k]),
+            of_data: indices(&of_data[chosen]),
+            of_run: indices(&of_run[chosen]),
+        })
     }
 
-    /// Finds those of a list, with [`SCATTER`]; the second result is the threshold.
-    pub fn of(list: impl Iterator<Item = f64> + Clone) -> (Vec<usize>, f64) {
-        let finite = || list.clone().filter(|x| x.is_finite());
-        let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
-        let threshold = SCATTER * range.max(0.0);
-        let mut turns = Self::new(threshold);
-        list.enumerate().for_each(|(index, x)| turns.push(index, x));
-        (turns.found(), threshold)
+    /// Says what the data do without a turn that counts, if anything.
+    pub fn words(&self, x: &str) -> Option<String> {
+        let percent = 100.0 * self.scatter?;
+        Some(format!(
+            "{x} of the data goes back by more than {percent} % of its range where that of the run does not: it is taken for scatter, \
+             and no branch of a loop"
+        ))
     }
 }
 
@@ -114,22 +168,20 @@ impl Turns {
 pub fn compare(rows: &impl Rows, curve: &Compare) -> io::Result<Comparison> {
     let scaled: Vec<(f64, f64)> = curve.points.iter().map(|(x, y)| (x * curve.scale_x, y * curve.scale_y)).collect();
     let name = |index: usize| rows.columns().get(index).cloned().unwrap_or_default();
-    let (turns, threshold) = Turns::of(scaled.iter().map(|(x, _)| *x));
-    // the row with which each branch of the history begins
-    let mut starts = vec![0];
-    if !turns.is_empty() {
-        let (mut of_history, mut index) = (Turns::new(threshold), 0);
+    let of_file: Vec<f64> = scaled.iter().map(|(x, _)| *x).collect();
+    let turns = Turns::of(&of_file, |push| {
         rows.pairs(curve.x, curve.y, &mut |x, _| {
-            of_history.push(index, x);
-            index += 1;
+            push(x);
             ControlFlow::Continue(())
-        })?;
-        starts.extend(of_history.found());
-    }
-    let (mut points, mut squares, mut warning) = (0, 0.0, None);
+        })
+    })?;
+    // the row with which each branch of the history begins
+    let starts: Vec<usize> = [0].into_iter().chain(turns.of_run.iter().copied()).collect();
+    let mut warning = turns.words(&curve.file_x).map(|words| format!("{}: {words}", curve.file));
+    let (mut points, mut squares) = (0, 0.0);
     let mut first = 0;
     // a turning point is the last of its branch
-    for (number, end) in turns.iter().map(|turn| turn + 1).chain([scaled.len()]).enumerate() {
+    for (number, end) in turns.of_data.iter().map(|turn| turn + 1).chain([scaled.len()]).enumerate() {
         let Some(start) = starts.get(number) else {
             let (turn, (x, _)) = (first, curve.points[first - 1]);
             warning = Some(format!(

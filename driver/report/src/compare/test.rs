@@ -54,10 +54,36 @@ fn a_cycle_is_compared_branch_by_branch() {
     let comparison = compare(&looped, &curve(&own, 1.0)).unwrap();
     assert_eq!((comparison.rms, comparison.points, comparison.outside), (Some(0.0), 7, 0));
     assert_eq!(comparison.warning, None);
-    // scatter of the measured x is no turn
+    // scatter of the measured x is no turn, which is said
     let scattered = [(0.0, 0.0), (1.0, 10.0), (0.99, 9.9), (2.0, 20.0), (1.25, 8.75)];
     let comparison = compare(&looped, &curve(&scattered, 1.0)).unwrap();
     assert!(comparison.rms.unwrap() < 1e-12 && comparison.points == 5, "{comparison:?}");
+    let warning = comparison.warning.unwrap();
+    assert!(warning.contains("strain of the data goes back by more than 0.2 %"), "{warning}");
+}
+
+/// Loops of half a percent of the reach and more, which run and file have.
+#[test]
+fn small_loops_are_compared_branch_by_branch() {
+    for back in [0.01, 0.03, 0.09] {
+        let x = [0.0, 1.0, 1.0 - 0.5 * back, 1.0 - back, 1.0, 2.0];
+        let y = [0.0, 10.0, 5.0, 1.0, 10.0, 20.0];
+        let own: Vec<(f64, f64)> = x.iter().copied().zip(y).collect();
+        let comparison = compare(&history(&x, &y), &curve(&own, 1.0)).unwrap();
+        assert_eq!((comparison.rms, comparison.points, comparison.warning), (Some(0.0), 6, None), "{back}");
+        // which a run that goes on does not have
+        let comparison = compare(&history(&[0.0, 2.0], &[0.0, 20.0]), &curve(&own, 1.0)).unwrap();
+        assert!(comparison.warning.unwrap().contains("taken for scatter"), "{back}");
+    }
+    // the file goes back less far than the run
+    let deep = history(&[0.0, 1.0, 0.5, 1.0, 2.0], &[0.0, 10.0, 0.0, 10.0, 20.0]);
+    let comparison = compare(&deep, &curve(&[(0.5, 5.0), (1.0, 10.0), (0.95, 9.0), (1.5, 15.0)], 1.0)).unwrap();
+    assert_eq!((comparison.points, comparison.warning), (4, None));
+    assert!(comparison.rms.unwrap() < 1e-12);
+    // a snap-back of the run is no loop of the file's
+    let snap = history(&[0.0, 1.0, 0.99, 0.98, 1.0, 2.0], &[0.0, 10.0, 9.0, 8.0, 8.0, 18.0]);
+    let comparison = compare(&snap, &curve(&[(0.5, 5.0), (1.0, 10.0)], 1.0)).unwrap();
+    assert_eq!((comparison.rms, comparison.points, comparison.warning), (Some(0.0), 2, None));
 }
 
 #[test]

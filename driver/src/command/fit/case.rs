@@ -94,6 +94,9 @@ impl Arguments {
         if !self.quiet {
             say(&(fit.describe() + &format!("-> {}\n", folder.display())));
         }
+        if let Some(warning) = fit.warning.as_ref().filter(|_| !self.quiet) {
+            complain(format!("{}: warning: {warning}", data.display()));
+        }
         match &fit.trouble {
             None => Ok(DONE),
             Some(trouble) => Err(Refusal::failed(format!("{}: {trouble}", case.display()))),
