@@ -152,7 +152,7 @@ impl Analysis<'_> {
         for (increments, step) in recorded.steps.iter_mut().zip(&self.model.steps) {
             let standing = || increments.iter().filter_map(|attempts| attempts.last());
             let taken: f64 = standing().map(|tried| tried.time).sum();
-            let is_whole = standing().last().is_some_and(|tried| tried.to == Way::Drives(1.0));
+            let is_whole = standing().next_back().is_some_and(|tried| tried.to == Way::Drives(1.0));
             if is_whole && (step.time - taken).abs() > SAME_TIME * taken {
                 increments.iter_mut().flatten().for_each(|tried| tried.time *= step.time / taken);
             }
