@@ -14,6 +14,9 @@ use crate::model::{IncrementContext, Step};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+/// Times of a step whose ratio differs from 1 by less are the same: sums are rounded.
+const SAME_TIME: f64 = 1e-10;
+
 /// The attempts at each increment of each step of a run, in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -143,8 +146,17 @@ impl StepRun {
 }
 
 impl Analysis<'_> {
-    /// Repeats the increments of another run, whatever the steps say of theirs. No checkpoints are made.
-    pub fn repeat(&mut self, recorded: Recorded) {
+    /// Repeats the increments of another run, whatever the steps say of theirs; those of a step that came to its end take the time of
+    /// the step. No checkpoints are made.
+    pub fn repeat(&mut self, mut recorded: Recorded) {
+        for (increments, step) in recorded.steps.iter_mut().zip(&self.model.steps) {
+            let standing = || increments.iter().filter_map(|attempts| attempts.last());
+            let taken: f64 = standing().map(|tried| tried.time).sum();
+            let is_whole = standing().next_back().is_some_and(|tried| tried.to == Way::Drives(1.0));
+            if is_whole && (step.time - taken).abs() > SAME_TIME * taken {
+                increments.iter_mut().flatten().for_each(|tried| tried.time *= step.time / taken);
+            }
+        }
         self.repeats = Some(recorded);
     }
 

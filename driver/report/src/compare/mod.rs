@@ -133,8 +133,11 @@ impl Turns {
             // to where it turned off, the run may go back further than the data
             let is_near = |k: usize| {
                 let ahead = data.found[k].1 - run.found[k].1;
-                let ahead =
-                    if k % 2 == 0 { ahead.abs() } else { ahead * (run.found[k].1 - run.found[k - 1].1).signum() };
+                let ahead = if k.is_multiple_of(2) {
+                    ahead.abs()
+                } else {
+                    ahead * (run.found[k].1 - run.found[k - 1].1).signum()
+                };
                 ahead <= SCATTER * range
             };
             data.found.len() == run.found.len() && (0..run.found.len()).all(is_near)

@@ -181,9 +181,11 @@ fn runs_along_a_trail_go_where_their_own_steps_lead() {
         model.steps.iter_mut().flat_map(|step| &mut step.targets).flatten().for_each(|target| *target *= factor);
         model
     };
-    let longer = repeat(&changed(1.0, 1.5), &trail.recorded_in(&changed(1.0, 1.5).steps)).unwrap();
+    let longer = changed(1.0, 1.5);
     let end = |records: &[Record]| records.last().unwrap().time;
-    approx::assert_relative_eq!(end(&longer), 1.5 * end(&base), max_relative = 1e-12);
+    for recorded in [&trail.recorded, &trail.recorded_in(&longer.steps)] {
+        approx::assert_relative_eq!(end(&repeat(&longer, recorded).unwrap()), 1.5 * end(&base), max_relative = 1e-12);
+    }
     let farther = changed(1.0 + step, 1.0);
     let (loads, _) = beside(&farther, &trail);
     let tight = |mut model: Model| {
