@@ -305,7 +305,7 @@ fn specimens_are_sound_over_a_range_of_parameters() {
         let embedded = random(2.0, 30.0);
         let gap = if trial % 3 == 0 { random(0.0, 0.5) } else { 0.0 };
         let width = random(3.0 * diameter, 40.0);
-        let matrix_thickness = random(0.3, 5.0);
+        let matrix_thickness = random(0.8 * diameter, 5.0);
         let parameters = PerpendicularFibre {
             configuration: if trial % 2 == 0 {
                 Configuration::PLANE
