@@ -139,7 +139,7 @@ fn gradients_of_a_pull_out_curve() {
     for path in PARAMETERS {
         let changed = |relative: f64| [(path, value(path) * (1.0 + relative))];
         let beside = with(&case, &changed(1e-6), None).read().unwrap();
-        let beside = beside.run(Settings { along: Some(Arc::clone(&trail)), ..Settings::default() }).unwrap();
+        let beside = beside.run(Settings { along: Some(Arc::clone(&trail).into()), ..Settings::default() }).unwrap();
         assert!(beside.summary.cutbacks == 0 && beside.summary.iterations < base.summary.iterations / 2);
         let forward: Vec<f64> = loads(&beside).iter().zip(&here).map(|(there, here)| (there - here) / 1e-6).collect();
         let repeated = |relative| loads(&run(with(&case, &changed(relative), Some(&increments)), false));
