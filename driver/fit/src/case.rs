@@ -427,7 +427,7 @@ impl Problem<'_> {
     /// The curve at the data's points, and the increments.
     fn run(&self, values: &[f64], increments: Option<&Increments>) -> Result<(Vec<f64>, Option<Increments>), String> {
         self.runs.set(self.runs.get() + 1);
-        let (computed, increments, warning) = curve(self.request, self.data, values, increments)?;
+        let ((computed, warning), increments) = curve(self.request, self.data, values, increments)?;
         self.warning.set(warning);
         Ok((computed, increments))
     }
@@ -455,7 +455,7 @@ impl Problem<'_> {
             let mut moved = values.to_vec();
             let step = STEP * size(values[k]);
             moved[k] += if moved[k] + step > self.request.free[k].bounds[1] { -step } else { step };
-            let (curve, ..) = curve(self.request, self.data, &moved, increments.as_ref())?;
+            let ((curve, _), _) = curve(self.request, self.data, &moved, increments.as_ref())?;
             let step = moved[k] - values[k];
             Ok(DVector::from_iterator(
                 curve.len(),
@@ -491,13 +491,16 @@ impl Problem<'_> {
     }
 }
 
-/// The curve of a case with other numbers, at the points of the data, the increments of the run, and what is to be said of the data.
+/// Values at the points of the data, and what is to be said of these.
+type Computed = (Vec<f64>, Option<String>);
+
+/// The curve of a case with other numbers, at the points of the data, and the increments of the run.
 fn curve(
     request: &CaseRequest,
     data: &[[f64; 2]],
     values: &[f64],
     increments: Option<&Increments>,
-) -> Result<(Vec<f64>, Option<Increments>, Option<String>), String> {
+) -> Result<(Computed, Option<Increments>), String> {
     let mut source = request.source.clone();
     source.overrides.extend(overrides(&request.free, values));
     let along = match increments {
@@ -516,14 +519,14 @@ fn curve(
     if !outcome.is_done() {
         return Err(outcome.summary.message.unwrap_or_else(|| "the run did not come to its end".into()));
     }
-    let (computed, warning) = at_data(&outcome, &request.curve, data)?;
+    let computed = at_data(&outcome, &request.curve, data)?;
     let trail = outcome.trail.map(|trail| Increments::Trail(trail.into()));
-    Ok((computed, trail.or_else(|| outcome.increments.map(Increments::Recorded)), warning))
+    Ok((computed, trail.or_else(|| outcome.increments.map(Increments::Recorded))))
 }
 
 /// The second column where the first passes the data's values for the first time, on its way to the farthest of them; of data
 /// that turn back, branch by branch. Also returns what is to be said of the data.
-fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<(Vec<f64>, Option<String>), String> {
+fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<Computed, String> {
     let column = |name: &String| {
         let columns = || outcome.history.columns().join(", ");
         outcome
@@ -534,7 +537,7 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
     curve_at(column(&names[0])?, column(&names[1])?, &names[0], data)
 }
 
-fn curve_at(x: &[f64], y: &[f64], name: &str, data: &[[f64; 2]]) -> Result<(Vec<f64>, Option<String>), String> {
+fn curve_at(x: &[f64], y: &[f64], name: &str, data: &[[f64; 2]]) -> Result<Computed, String> {
     let turns = turns(x, data);
     let warning = turns.words(name);
     let Turns { of_data, of_run, .. } = turns;
