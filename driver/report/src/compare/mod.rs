@@ -108,8 +108,8 @@ pub struct Turns {
 }
 
 impl Turns {
-    /// Finds the turns of both. Loops of data are those that the run has as well, by the smallest of [`THRESHOLDS`] that shows the
-    /// same ones in both; where there is none, the greatest counts. `run` goes through the x of the run.
+    /// Finds the turns of both. Loops of data are those that the run has as well, by the smallest of some parts of the
+    /// range (0.1 to 5 %) that shows the same ones in both; where there is none, the greatest counts. `run` goes through the x of the run.
     ///
     /// # Errors
     /// Those of `run`.

@@ -21,6 +21,10 @@ fn umat_at_a_point() {
     });
     let run = run(&desk, "point", &case);
     let calls = calls(&run.log(), "UMAT");
+    // whether it keeps the initial stress is asked first
+    let [asked, calls @ ..] = &calls[..] else { panic!("no call") };
+    assert_eq!(values(&asked["stress"]), [1.0, 3.0, 0.0, 0.0, 0.0, 0.0]);
+    assert!(values(&asked["dstran"]).iter().all(|x| *x == 0.0));
     assert_eq!(calls.len(), 3, "one call per increment where strains are given");
     // the second increment of the first step
     let expected: [(&str, &[f64]); 36] = [
@@ -96,7 +100,8 @@ fn umat_under_finite_strain() {
         "steps": [{ "increments": 2, "F": f }],
     });
     let run = run(&desk, "finite", &case);
-    let calls = calls(&run.log(), "UMAT");
+    // the first asks whether it keeps the initial stress
+    let calls = &calls(&run.log(), "UMAT")[1..];
     let columns = |f: [[f64; 3]; 3]| (0..9).map(|k| f[k % 3][k / 3]).collect::<Vec<_>>();
     let half = [[1.05, 0.2, 0.0], [0.0, 0.95, 0.1], [0.0, 0.0, 1.1]];
     let close = |found: &str, expected: &[f64]| {
