@@ -1,15 +1,78 @@
-//! Rows that a sweep has so far.
+//! Rows of a sweep: how a table has them, and which there are so far.
 
 use crate::claim::Due;
 use crate::run::Measured;
 use crate::store::{Keys, Store, Sweep};
 use crate::table::{Column, Table};
-use crate::work::{Maker, part};
 use pullout_run::isolation;
 use pullout_run::path::FailureKind;
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::io;
 use std::path::PathBuf;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::{fs, io};
+
+/// Machine and program that make rows.
+#[derive(Default)]
+pub(crate) struct Maker {
+    pub host: String,
+    /// Name of the processor.
+    cpu: String,
+    /// The program, in hexadecimal.
+    pub engine: String,
+}
+
+impl Maker {
+    /// The program of this identity, on this machine.
+    pub fn new(identity: [u8; 32]) -> Self {
+        let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+        let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let model =
+            told.lines().find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned()));
+        let engine = pullout_run::input::digits(identity);
+        Self { host: host.trim().to_owned(), cpu: model.unwrap_or_default(), engine }
+    }
+}
+
+/// A part of the rows of a sweep.
+pub(crate) fn part(sweep: &Sweep, runs: &[Due], rows: &[Measured], maker: &Maker) -> Table {
+    let keep = &sweep.keep;
+    let text = |values: &dyn Fn(usize) -> Option<String>| Column::Text((0..rows.len()).map(values).collect());
+    let number = |values: &dyn Fn(usize) -> Option<f64>| Column::Number((0..rows.len()).map(values).collect());
+    let count = |values: &dyn Fn(usize) -> Option<u64>| {
+        Column::Count((0..rows.len()).map(|k| values(k).and_then(|count| i64::try_from(count).ok())).collect())
+    };
+    let place = |k: usize| rows[k].failed_at.filter(|at| at.step > 0);
+    let mut columns = vec![
+        ("key".to_owned(), text(&|k| Some(runs[k].key.clone()))),
+        ("status".to_owned(), text(&|k| Some(state(&rows[k]).into()))),
+        ("message".to_owned(), text(&|k| rows[k].message.clone())),
+        ("at_step".to_owned(), count(&|k| place(k).map(|at| at.step.into()))),
+        ("at_increment".to_owned(), count(&|k| place(k).map(|at| at.increment.into()))),
+    ];
+    let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
+    columns.extend(sweep.varied(&numbers));
+    for (index, name) in keep.quantities.keys().enumerate() {
+        columns.push((format!("q.{name}"), number(&|k| rows[k].quantities.get(index).copied().flatten())));
+    }
+    for (index, name) in keep.curves.iter().enumerate() {
+        let lists = rows.iter().map(|row| row.curves.get(index).cloned().unwrap_or_default()).collect();
+        columns.push((format!("curve.{name}"), Column::List(lists)));
+    }
+    for (index, name) in ["increments", "iterations", "cutbacks"].into_iter().enumerate() {
+        columns.push((name.to_owned(), count(&|k| Some(rows[k].counts[index]))));
+    }
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO).as_secs_f64();
+    columns.extend([
+        ("wall_s".to_owned(), number(&|k| Some(rows[k].times[0]))),
+        ("cpu_s".to_owned(), number(&|k| Some(rows[k].times[1]))),
+        ("attempt".to_owned(), count(&|k| Some(runs[k].attempt.into()))),
+        ("host".to_owned(), text(&|_| Some(maker.host.clone()))),
+        ("cpu".to_owned(), text(&|_| Some(maker.cpu.clone()))),
+        ("engine".to_owned(), text(&|_| Some(maker.engine.clone()))),
+        ("time".to_owned(), number(&|_| Some(now))),
+    ]);
+    Table { columns }
+}
 
 /// The word of a row for how a run ended.
 pub(crate) fn state(row: &Measured) -> &'static str {

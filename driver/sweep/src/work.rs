@@ -2,10 +2,9 @@
 
 use crate::batch::Batch;
 use crate::claim::{Claim, Due, Head, Left, Taken, left_behind};
-use crate::collect::{Known, MOST_LOSSES, state};
+use crate::collect::{Known, MOST_LOSSES, Maker, part};
 use crate::run::{Measured, measure};
 use crate::store::{Keep, Keys, Store, Sweep};
-use crate::table::{Column, Table};
 use pullout_run::isolation::{self, End, Failure, Job, Need, shared_file};
 use pullout_run::path::{FailedAt, FailureKind};
 use pullout_run::{replay, signals};
@@ -17,7 +16,7 @@ use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::Instant;
 
 /// Rows are written about so often, s: what a machine loses that goes off.
 const CHUNK: f64 = 30.0;
@@ -67,16 +66,6 @@ struct Office<'w> {
     over: AtomicUsize,
     /// Hears how many runs are over, of how many.
     told: &'w (dyn Fn(usize, usize) + Sync),
-}
-
-/// Machine and program that make rows.
-#[derive(Default)]
-pub(crate) struct Maker {
-    host: String,
-    /// Name of the processor.
-    cpu: String,
-    /// The program, in hexadecimal.
-    engine: String,
 }
 
 /// Runs that are left, and what other workers do of them.
@@ -145,18 +134,6 @@ impl Queue {
     /// Returns whether another worker is at a run.
     fn is_taken(&self, due: &Due) -> bool {
         self.taken.values().any(|keys| keys.contains(&due.key))
-    }
-}
-
-impl Maker {
-    /// The program of this identity, on this machine.
-    fn new(identity: [u8; 32]) -> Self {
-        let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-        let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-        let model =
-            told.lines().find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned()));
-        let engine = pullout_run::input::digits(identity);
-        Self { host: host.trim().to_owned(), cpu: model.unwrap_or_default(), engine }
     }
 }
 
@@ -400,47 +377,6 @@ impl Office<'_> {
         need.specimen = self.sweep.base["kind"] == "pullout";
         need
     }
-}
-
-/// A part of the rows of a sweep.
-pub(crate) fn part(sweep: &Sweep, runs: &[Due], rows: &[Measured], maker: &Maker) -> Table {
-    let keep = &sweep.keep;
-    let text = |values: &dyn Fn(usize) -> Option<String>| Column::Text((0..rows.len()).map(values).collect());
-    let number = |values: &dyn Fn(usize) -> Option<f64>| Column::Number((0..rows.len()).map(values).collect());
-    let count = |values: &dyn Fn(usize) -> Option<u64>| {
-        Column::Count((0..rows.len()).map(|k| values(k).and_then(|count| i64::try_from(count).ok())).collect())
-    };
-    let place = |k: usize| rows[k].failed_at.filter(|at| at.step > 0);
-    let mut columns = vec![
-        ("key".to_owned(), text(&|k| Some(runs[k].key.clone()))),
-        ("status".to_owned(), text(&|k| Some(state(&rows[k]).into()))),
-        ("message".to_owned(), text(&|k| rows[k].message.clone())),
-        ("at_step".to_owned(), count(&|k| place(k).map(|at| at.step.into()))),
-        ("at_increment".to_owned(), count(&|k| place(k).map(|at| at.increment.into()))),
-    ];
-    let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
-    columns.extend(sweep.varied(&numbers));
-    for (index, name) in keep.quantities.keys().enumerate() {
-        columns.push((format!("q.{name}"), number(&|k| rows[k].quantities.get(index).copied().flatten())));
-    }
-    for (index, name) in keep.curves.iter().enumerate() {
-        let lists = rows.iter().map(|row| row.curves.get(index).cloned().unwrap_or_default()).collect();
-        columns.push((format!("curve.{name}"), Column::List(lists)));
-    }
-    for (index, name) in ["increments", "iterations", "cutbacks"].into_iter().enumerate() {
-        columns.push((name.to_owned(), count(&|k| Some(rows[k].counts[index]))));
-    }
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO).as_secs_f64();
-    columns.extend([
-        ("wall_s".to_owned(), number(&|k| Some(rows[k].times[0]))),
-        ("cpu_s".to_owned(), number(&|k| Some(rows[k].times[1]))),
-        ("attempt".to_owned(), count(&|k| Some(runs[k].attempt.into()))),
-        ("host".to_owned(), text(&|_| Some(maker.host.clone()))),
-        ("cpu".to_owned(), text(&|_| Some(maker.cpu.clone()))),
-        ("engine".to_owned(), text(&|_| Some(maker.engine.clone()))),
-        ("time".to_owned(), number(&|_| Some(now))),
-    ]);
-    Table { columns }
 }
 
 /// The row of a run that was lost with its worker.
