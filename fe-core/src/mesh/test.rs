@@ -274,25 +274,6 @@ fn folds_between_the_reduced_points_are_found() {
     );
 }
 
-/// Where middle nodes lie beyond the quarter, no integration point sees it.
-#[test]
-fn folds_at_corners_are_found_and_quarter_points_are_none() {
-    let with_middle_at = |share: f64| {
-        let mut definition = grid(Q8, 1, 1, &[]);
-        let middle = definition.elements[0].nodes[4];
-        definition.nodes[middle] = [share, 0.0];
-        Mesh::new(definition)
-    };
-    for share in [0.25, 0.3, 0.75] {
-        with_middle_at(share).unwrap();
-    }
-    for (share, node) in [(0.24, 1), (0.76, 3)] {
-        let fault = with_middle_at(share).unwrap_err().to_string();
-        let corner = with_middle_at(0.5).unwrap().elements()[0].nodes()[node / 2] + 1;
-        assert!(fault.starts_with(&format!("element 1 (Q8): at its corner, node {corner}, the Jacobian")), "{fault}");
-    }
-}
-
 /// Corners and middles on the axis or right of it, but the parabola r = ½ η (η + 1) between them is not.
 #[test]
 fn edges_that_bulge_across_the_axis_are_found() {

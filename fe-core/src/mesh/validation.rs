@@ -3,15 +3,12 @@
 use std::collections::{BTreeMap, HashSet};
 
 use super::{Element, ElementDefinition, MeshDefinition, MeshError, Part};
-use crate::element::{EdgeKind, ElementKind, IntegrationPoint, MAX_NODES, MappedPoint, MappingError};
+use crate::element::{IntegrationPoint, MAX_NODES, MappedPoint};
 use crate::kinematics::PlaneModel;
 
 /// det J below this fraction of the square of the element's diagonal is refused. It is a difference of products as large
 /// as that square, so rounding leaves about 1e-16 of it: 1e-10 keeps six digits and still allows slivers of 1 : 1e9.
 pub const SMALLEST_RELATIVE_DETERMINANT: f64 = 1e-10;
-
-/// det J at a corner above minus this fraction of the square of the element's diagonal is 0: files have six digits.
-const SMALLEST_CORNER_DETERMINANT: f64 = 1e-6;
 
 /// What a message calls an index, which may be any.
 fn number(index: usize) -> usize {
@@ -76,7 +73,6 @@ fn checked_element(definition: &MeshDefinition, element: usize) -> Result<Elemen
     checked_area(definition, element, &positions, points)?;
     // Any rule gives the area; the full one sees folds that the reduced one misses.
     let area = checked_area(definition, element, &positions, kind.full_integration_points())?;
-    check_corners(kind, nodes, &positions).map_err(refuse)?;
     let mut indices = [0; MAX_NODES];
     indices[..nodes.len()].copy_from_slice(nodes);
     let thickness = definition.thicknesses.get(&element).copied().unwrap_or(part.thickness);
@@ -129,26 +125,6 @@ fn checked_area(
         area += integration_point.weight * determinant;
     }
     Ok(area)
-}
-
-/// Refuses a corner of a quadratic element at which det J is negative, where no integration point is; a middle node at a quarter of its edge makes it 0.
-fn check_corners(kind: ElementKind, nodes: &[usize], positions: &[[f64; 2]]) -> Result<(), String> {
-    if kind.edge_kind() == EdgeKind::Linear {
-        return Ok(());
-    }
-    for (corner, &reference) in kind.reference_coordinates()[..kind.corner_count()].iter().enumerate() {
-        let Err(MappingError::Jacobian { determinant }) = MappedPoint::new(kind, positions, reference) else {
-            continue;
-        };
-        if determinant < -SMALLEST_CORNER_DETERMINANT * diagonal_squared(positions) {
-            let what =
-                format!("at its corner, node {}, the Jacobian determinant is {determinant:.3e}", nodes[corner] + 1);
-            return Err(format!(
-                "{what}: it is folded there; middle nodes must lie between a quarter and three quarters of their edges"
-            ));
-        }
-    }
-    Ok(())
 }
 
 /// The square of the diagonal of the box around these positions.
