@@ -30,7 +30,6 @@ const PERTURBATION: f64 = 1e4;
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<Vec<ContactPair>> {
     let place = Place::root().key("contact");
     let defaults = scene.ground.map_or(&[][..], |ground| &ground.defaults.pairs);
-    let is_needed = |default: &&DefaultPair| default.role != SurfaceRole::End;
     let Some(given) = &case.contact else {
         if let Some(pair) = defaults.first() {
             let message = format!("is missing: the specimen has the contact pair '{}', which needs a law", pair.name);
@@ -55,8 +54,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
                 let own = defaults.iter().find(|default| Some(default.name.as_str()) == name);
                 resolved.push(pair.and_then(|pair| one_pair(reader, pair, own, k, scene, &place)));
             }
-            let missing = defaults.iter().filter(is_needed).filter(|default| !names.contains(&default.name.as_str()));
-            for missing in missing {
+            let is_missing =
+                |default: &&DefaultPair| !default.is_on_request() && !names.contains(&default.name.as_str());
+            for missing in defaults.iter().filter(is_missing) {
                 reader.problem(&place, format!("the specimen's contact pair '{}' is missing", missing.name));
             }
             resolved.into_iter().collect()
@@ -124,7 +124,7 @@ fn all_pairs(
     let first = one_pair(reader, pair, Some(first), 0, scene, place)?;
     let mut pairs = vec![first];
     let mut laws = Vec::new();
-    for default in others.iter().filter(|default| default.role != SurfaceRole::End || pair.end.is_some()) {
+    for default in others.iter().filter(|default| !default.is_on_request() || pair.end.is_some()) {
         let law = match laws.iter().find(|(role, _)| *role == default.role) {
             Some((_, law)) => Clone::clone(law),
             None => {

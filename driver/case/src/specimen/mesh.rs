@@ -64,6 +64,13 @@ pub struct DefaultPair {
     pub role: SurfaceRole,
 }
 
+impl DefaultPair {
+    /// Returns whether it is in contact only where the case says so.
+    pub fn is_on_request(&self) -> bool {
+        self.role == SurfaceRole::End
+    }
+}
+
 /// A way in which a specimen is held.
 #[derive(Clone, Debug)]
 pub struct DefaultSupports {
