@@ -1,31 +1,24 @@
 //! `pullout fit CASE`: the numbers of any case by which its curve is nearest to a measured one.
 //!
-//! Least squares by Levenberg and Marquardt's method, from the values of the case and from others between the bounds: the
-//! best end counts. Bounds are kept by what is sought instead of the numbers: z with
-//! x = lo + (hi − lo)(1 + sin z)/2. Derivatives are forward differences on the increments of the run at the same place, so
-//! that increments which a run chooses by itself make no steps in them.
+//! Least squares ([`search`]) from the values of the case and from others between the bounds: the best end counts. Bounds are kept
+//! by what is sought instead of the numbers: z with x = lo + (hi − lo)(1 + sin z)/2.
 
-use super::inverse::{NO_CURVE, root_mean_square};
 use super::output::rows_of;
+use super::search::{self, Best, Increments, STEP, Search, Simulation, root_mean_square};
 use super::uncertainty::{IDENTIFIABLE, spread};
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
-use nalgebra::storage::Owned;
-use nalgebra::{DMatrix, DVector, Dyn};
+use levenberg_marquardt::LevenbergMarquardt;
+use nalgebra::{DMatrix, DVector};
 use pullout_case::CsvFile;
-use pullout_engine::{Along, Outcome, Settings, Source};
+use pullout_engine::{Outcome, Source};
 use pullout_report::compare::Turns;
 use pullout_report::directory::ResultDirectory;
-use pullout_run::PLUGIN_STACK;
 use pullout_run::input::folder_of;
 use pullout_run::number::significant;
 use serde_json::{Value, json};
-use std::cell::Cell;
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium.
-const STEP: f64 = 1e-6;
 /// The search ends when the sum of squares would fall, or what is sought would move, by less than this part.
 const SMALLEST: f64 = 1e-10;
 /// A start on a bound moves inwards by this part of the distance of the bounds: on them nothing has a slope.
@@ -111,54 +104,47 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
     let data = read_data(request)?;
     let file = request.source.file.display();
     let scale = data.iter().fold(0.0_f64, |greatest, row| greatest.max(row[1].abs()));
-    let mut problem = Problem {
-        request,
-        data: &data,
-        scale,
-        runs: Cell::new(0),
-        sought: DVector::zeros(starts.len()),
-        present: None,
-        increments: None,
-        best: None,
-        trouble: Cell::new(None),
-        warning: Cell::new(None),
-        progress,
-    };
-    let mut ends: Vec<(Best, Option<String>)> = Vec::new();
+    let fitted = Fitted { request, data: &data, scale };
+    let mut problem = Search::new(&fitted, request.max_runs, 0, progress);
+    let mut ends: Vec<(Best<Computed>, Option<String>)> = Vec::new();
     let mut searches = 0;
     while searches < request.starts.max(1) && (searches == 0 || problem.may_run(1 + starts.len())) {
         let start = if searches == 0 { starts.clone() } else { between(&request.free, searches) };
         searches += 1;
-        match problem.begin(&start) {
+        let sought: Vec<f64> = start.iter().zip(&request.free).map(|(value, free)| free.sought(*value)).collect();
+        match problem.begin(&sought) {
             Err(message) if searches == 1 => return Err(vec![format!("{file}: {message}")]),
             Err(_) => continue,
             Ok(()) => {}
         }
+        let method = LevenbergMarquardt::new().with_ftol(SMALLEST).with_xtol(SMALLEST);
         let trouble;
-        (problem, trouble) = problem.search();
+        (problem, trouble) = problem.search(method);
         ends.extend(problem.best.take().map(|best| (best, trouble)));
-        if ends.iter().any(|(best, _)| best.rms(&data) <= AT_ROUNDING * scale) {
+        if ends.iter().any(|(best, _)| fitted.rms(&best.run) <= AT_ROUNDING * scale) {
             break;
         }
     }
-    let rms = |(best, _): &(Best, Option<String>)| best.rms(&data);
+    let rms = |(best, _): &(Best<Computed>, Option<String>)| fitted.rms(&best.run);
     let least = ends.iter().map(rms).fold(f64::INFINITY, f64::min);
-    let is_same = |end: &&(Best, Option<String>)| rms(end) <= least * (1.0 + SAME_END) + AT_ROUNDING * scale;
+    let is_same = |end: &&(Best<Computed>, _)| rms(end) <= least * (1.0 + SAME_END) + AT_ROUNDING * scale;
     let searches = [searches, ends.iter().filter(is_same).count()];
     let Some((best, trouble)) = ends.into_iter().find(|end| rms(end) <= least) else {
         return Err(vec![format!("{file}: no run gives a curve")]);
     };
-    let derivatives = problem.derivatives(&best.values, &best.computed, best.increments.as_ref());
+    let values = fitted.values(&best.coordinates);
+    problem.count_beside();
+    let derivatives = fitted.slopes(&values, &best.run);
     let trouble = trouble.or_else(|| derivatives.as_ref().err().cloned());
-    let count = best.values.len();
+    let count = values.len();
     // relative changes of the numbers, so that all are of one size
-    let sizes = DMatrix::from_diagonal(&DVector::from_iterator(count, best.values.iter().map(|&value| size(value))));
-    let residuals = DVector::from_vec(best.differences(&data));
+    let sizes = DMatrix::from_diagonal(&DVector::from_iterator(count, values.iter().map(|&value| size(value))));
+    let residuals = fitted.differences(&best.run) * scale;
     let (standard_errors, correlation) = match derivatives {
         Ok(derivatives) => spread(&residuals, &(derivatives * &sizes), &vec![1.0; data.len()], &sizes),
         Err(_) => (vec![f64::INFINITY; count], DMatrix::identity(count, count)),
     };
-    let rows = data.iter().zip(&best.computed).map(|(row, computed)| [row[0], row[1], *computed]).collect();
+    let rows = data.iter().zip(&best.run.curve).map(|(row, computed)| [row[0], row[1], *computed]).collect();
     Ok(CaseFit {
         free: request.free.clone(),
         starts,
@@ -166,11 +152,11 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         correlation,
         rms: root_mean_square(&residuals),
         searches,
-        runs: problem.runs.get(),
+        runs: problem.runs(),
         trouble,
-        warning: problem.warning.take(),
-        case: kept(request, document, &best.values),
-        values: best.values.clone(),
+        warning: best.run.warning,
+        case: kept(request, document, &values),
+        values,
         rows,
     })
 }
@@ -340,193 +326,87 @@ fn overrides(free: &[Free], values: &[f64]) -> Vec<String> {
     free.iter().zip(values).map(|(free, value)| format!("{}={value:?}", free.path)).collect()
 }
 
-/// The way of a run, which others go too.
+/// What a run computes.
 #[derive(Clone)]
-enum Increments {
-    /// Its increments.
-    Recorded(Value),
-    /// The states of a specimen.
-    Trail(Along),
-}
-
-/// The best run so far.
-struct Best {
-    values: Vec<f64>,
-    computed: Vec<f64>,
+struct Computed {
+    /// Values at the points of the data.
+    curve: Vec<f64>,
+    /// What is to be said of the data.
+    warning: Option<String>,
+    /// Way of the run.
     increments: Option<Increments>,
 }
 
-impl Best {
-    fn rms(&self, data: &[[f64; 2]]) -> f64 {
-        root_mean_square(&DVector::from_vec(self.differences(data)))
-    }
-
-    fn differences(&self, data: &[[f64; 2]]) -> Vec<f64> {
-        self.computed.iter().zip(data).map(|(computed, row)| computed - row[1]).collect()
-    }
-}
-
-/// The least-squares problem as the method sees it.
-struct Problem<'a> {
+/// A case with measured points.
+struct Fitted<'a> {
     request: &'a CaseRequest,
     data: &'a [[f64; 2]],
     /// Differences are parts of this.
     scale: f64,
-    runs: Cell<usize>,
-    sought: DVector<f64>,
-    /// Differences at the present place.
-    present: Option<DVector<f64>>,
-    /// Increments of the run there.
-    increments: Option<Increments>,
-    best: Option<Best>,
-    trouble: Cell<Option<String>>,
-    /// What the last run said of the data.
-    warning: Cell<Option<String>>,
-    progress: &'a dyn Fn(usize, f64),
 }
 
-impl Problem<'_> {
-    fn values(&self) -> Vec<f64> {
-        self.request.free.iter().zip(&self.sought).map(|(free, sought)| free.value(*sought)).collect()
+impl Fitted<'_> {
+    fn values(&self, sought: &[f64]) -> Vec<f64> {
+        self.request.free.iter().zip(sought).map(|(free, sought)| free.value(*sought)).collect()
     }
 
-    /// Returns whether so many runs are left.
-    fn may_run(&self, count: usize) -> bool {
-        self.runs.get() + count <= self.request.max_runs
-    }
-
-    /// Takes a place to search from; the error is why it has no curve.
-    fn begin(&mut self, values: &[f64]) -> Result<(), String> {
-        self.sought = DVector::from_iterator(
-            values.len(),
-            values.iter().zip(&self.request.free).map(|(value, free)| free.sought(*value)),
-        );
-        let (computed, increments) = self.run(values, None)?;
-        self.take(values, &computed, increments);
-        Ok(())
-    }
-
-    /// Searches from the present place; the text is why it did not come to its end.
-    fn search(self) -> (Self, Option<String>) {
-        let max_runs = self.request.max_runs;
-        let method = LevenbergMarquardt::new().with_ftol(SMALLEST).with_xtol(SMALLEST).with_patience(max_runs);
-        let (problem, report) = method.minimize(self);
-        let trouble = match report.termination {
-            reason if reason.was_successful() => None,
-            // increments that runs choose are no finer
-            TerminationReason::NoImprovementPossible(_) => None,
-            TerminationReason::User(_) => problem
-                .trouble
-                .take()
-                .or_else(|| Some(format!("the search was not at its end after the {max_runs} runs of --max-runs"))),
-            other => Some(format!("the search ended with {other:?}")),
-        };
-        (problem, trouble)
-    }
-
-    /// The curve at the data's points, and the increments.
-    fn run(&self, values: &[f64], increments: Option<&Increments>) -> Result<(Vec<f64>, Option<Increments>), String> {
-        self.runs.set(self.runs.get() + 1);
-        let ((computed, warning), increments) = curve(self.request, self.data, values, increments)?;
-        self.warning.set(warning);
-        Ok((computed, increments))
-    }
-
-    fn take(&mut self, values: &[f64], computed: &[f64], increments: Option<Increments>) {
-        let new = Best { values: values.to_vec(), computed: computed.to_vec(), increments: increments.clone() };
-        let differences = DVector::from_vec(new.differences(self.data));
-        (self.progress)(self.runs.get(), root_mean_square(&differences));
-        let differences = differences / self.scale;
-        if self.best.as_ref().is_none_or(|best| new.rms(self.data) < best.rms(self.data)) {
-            self.best = Some(new);
+    /// What the case computes with other numbers.
+    fn computed(&self, values: &[f64], on: Option<&Increments>) -> Result<Computed, String> {
+        let CaseRequest { source, free, curve, .. } = self.request;
+        let mut source = source.clone();
+        source.overrides.extend(overrides(free, values));
+        let (outcome, increments) = search::outcome(source, on)?;
+        if !outcome.is_done() {
+            return Err(outcome.summary.message.unwrap_or_else(|| "the run did not come to its end".into()));
         }
-        (self.present, self.increments) = (Some(differences), increments);
+        let (curve, warning) = at_data(&outcome, curve, self.data)?;
+        Ok(Computed { curve, warning, increments })
     }
 
-    /// ∂curve/∂values on the increments of a run, in threads.
-    fn derivatives(
-        &self,
-        values: &[f64],
-        computed: &[f64],
-        increments: Option<&Increments>,
-    ) -> Result<DMatrix<f64>, String> {
-        self.runs.set(self.runs.get() + values.len());
-        let column = |k: usize, increments: Option<Increments>| -> Result<DVector<f64>, String> {
-            let mut moved = values.to_vec();
+    /// ∂curve/∂values.
+    fn slopes(&self, values: &[f64], run: &Computed) -> Result<DMatrix<f64>, String> {
+        let step = |k: usize| {
             let step = STEP * size(values[k]);
-            moved[k] += if moved[k] + step > self.request.free[k].bounds[1] { -step } else { step };
-            let ((curve, _), _) = curve(self.request, self.data, &moved, increments.as_ref())?;
-            let step = moved[k] - values[k];
-            Ok(DVector::from_iterator(
-                curve.len(),
-                curve.iter().zip(computed).map(|(there, here)| (there - here) / step),
-            ))
+            if values[k] + step > self.request.free[k].bounds[1] { -step } else { step }
         };
-        let count = values.len();
-        let (at_once, each) = match increments {
-            Some(Increments::Trail(along)) => (
-                count,
-                Along::together(&along.trail, count).into_iter().map(|along| Some(Increments::Trail(along))).collect(),
-            ),
-            others => (std::thread::available_parallelism().map_or(1, usize::from), vec![others.cloned(); count]),
-        };
-        let mut columns = Vec::new();
-        let mut sought = (0..).zip(each);
-        while columns.len() < count {
-            let some: Vec<Result<DVector<f64>, String>> = std::thread::scope(|scope| {
-                let spawn = |(k, increments): (usize, Option<Increments>)| {
-                    let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK);
-                    thread.spawn_scoped(scope, move || column(k, increments)).map_err(|error| error.to_string())
-                };
-                let threads: Vec<_> = sought.by_ref().take(at_once).map(spawn).collect();
-                let join = |thread: Result<std::thread::ScopedJoinHandle<'_, _>, String>| {
-                    thread?.join().unwrap_or_else(|_| Err("a run ended its thread".into()))
-                };
-                threads.into_iter().map(join).collect()
-            });
-            columns.extend(some);
+        let rows = DVector::from_column_slice(&run.curve);
+        search::derivatives(values, &rows, run.increments.as_ref(), step, |values, on| {
+            Ok(DVector::from_vec(self.computed(values, on)?.curve))
+        })
+    }
+}
+
+impl Simulation for Fitted<'_> {
+    type Run = Computed;
+
+    fn run(&self, sought: &[f64]) -> Result<Computed, String> {
+        self.computed(&self.values(sought), None)
+    }
+
+    fn differences(&self, run: &Computed) -> DVector<f64> {
+        let differences = run.curve.iter().zip(self.data).map(|(computed, row)| (computed - row[1]) / self.scale);
+        DVector::from_iterator(self.data.len(), differences)
+    }
+
+    fn derivatives(&self, sought: &[f64], run: &Computed) -> Result<DMatrix<f64>, String> {
+        let mut derivatives = self.slopes(&self.values(sought), run)?;
+        for ((mut column, free), sought) in derivatives.column_iter_mut().zip(&self.request.free).zip(sought) {
+            column *= 0.5 * (free.bounds[1] - free.bounds[0]) * sought.cos() / self.scale;
         }
-        let columns: Result<Vec<DVector<f64>>, String> = columns.into_iter().collect();
-        Ok(DMatrix::from_columns(&columns?))
+        Ok(derivatives)
+    }
+
+    fn rms(&self, run: &Computed) -> f64 {
+        self.scale * root_mean_square(&self.differences(run))
     }
 }
 
 /// Values at the points of the data, and what is to be said of these.
-type Computed = (Vec<f64>, Option<String>);
-
-/// The curve of a case with other numbers, at the points of the data, and the increments of the run.
-fn curve(
-    request: &CaseRequest,
-    data: &[[f64; 2]],
-    values: &[f64],
-    increments: Option<&Increments>,
-) -> Result<(Computed, Option<Increments>), String> {
-    let mut source = request.source.clone();
-    source.overrides.extend(overrides(&request.free, values));
-    let along = match increments {
-        Some(Increments::Recorded(recorded)) => {
-            source.overrides.push(format!("increments={}", json!({ "recorded": recorded })));
-            None
-        }
-        Some(Increments::Trail(along)) => Some(along.clone()),
-        None => None,
-    };
-    let prepared = source.read().map_err(|errors| {
-        errors.problems.first().map_or_else(|| "the case is wrong".to_owned(), ToString::to_string)
-    })?;
-    let settings = Settings { records: increments.is_none(), along, ..Settings::default() };
-    let outcome = prepared.run(settings).map_err(|error| error.to_string())?;
-    if !outcome.is_done() {
-        return Err(outcome.summary.message.unwrap_or_else(|| "the run did not come to its end".into()));
-    }
-    let computed = at_data(&outcome, &request.curve, data)?;
-    let trail = outcome.trail.map(|trail| Increments::Trail(trail.into()));
-    Ok((computed, trail.or_else(|| outcome.increments.map(Increments::Recorded))))
-}
+type AtData = (Vec<f64>, Option<String>);
 
 /// The second column where the first passes the data's values for the first time, on its way to the farthest of them; of data
 /// that turn back, branch by branch. Also returns what is to be said of the data.
-fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<Computed, String> {
+fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<AtData, String> {
     let column = |name: &String| {
         let columns = || outcome.history.columns().join(", ");
         outcome
@@ -537,7 +417,7 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
     curve_at(column(&names[0])?, column(&names[1])?, &names[0], data)
 }
 
-fn curve_at(x: &[f64], y: &[f64], name: &str, data: &[[f64; 2]]) -> Result<Computed, String> {
+fn curve_at(x: &[f64], y: &[f64], name: &str, data: &[[f64; 2]]) -> Result<AtData, String> {
     let turns = turns(x, data);
     let warning = turns.words(name);
     let Turns { of_data, of_run, .. } = turns;
@@ -629,60 +509,6 @@ fn branch_at([x, y]: [&[f64]; 2], data: &[[f64; 2]]) -> Result<Vec<f64>, Off> {
         }
     };
     data.iter().map(at).collect()
-}
-
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-    type ParameterStorage = Owned<f64, Dyn>;
-
-    fn set_params(&mut self, sought: &DVector<f64>) {
-        if *sought == self.sought && self.present.is_some() {
-            return;
-        }
-        self.sought.copy_from(sought);
-        self.present = None;
-        if !self.may_run(1) {
-            return;
-        }
-        let values = self.values();
-        match self.run(&values, None) {
-            Ok((computed, increments)) => self.take(&values, &computed, increments),
-            // so far off that the method turns back and takes a shorter step
-            Err(_) => self.present = Some(DVector::from_element(self.data.len(), NO_CURVE)),
-        }
-    }
-
-    fn params(&self) -> DVector<f64> {
-        self.sought.clone()
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        self.present.clone()
-    }
-
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let values = self.values();
-        if !self.may_run(values.len()) {
-            return None;
-        }
-        let here = self.present.as_ref()?;
-        let computed: Vec<f64> = here.iter().zip(self.data).map(|(part, row)| part * self.scale + row[1]).collect();
-        match self.derivatives(&values, &computed, self.increments.as_ref()) {
-            Ok(mut derivatives) => {
-                for ((mut column, free), sought) in
-                    derivatives.column_iter_mut().zip(&self.request.free).zip(&self.sought)
-                {
-                    column *= 0.5 * (free.bounds[1] - free.bounds[0]) * sought.cos() / self.scale;
-                }
-                Some(derivatives)
-            }
-            Err(message) => {
-                self.trouble.set(Some(message));
-                None
-            }
-        }
-    }
 }
 
 impl CaseFit {

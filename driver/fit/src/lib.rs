@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! CSV ─ curve ── mean traction against mean slip ── regression ── inverse finite elements ── law ± error ─ output
-//!                     (geometry)                     (6.23, 6.24)     (specimen, simulation, inverse)  (uncertainty)
+//!                     (geometry)                     (6.23, 6.24)     (specimen, simulation, search)   (uncertainty)
 //! ```
 //!
 //! The regressions of the thesis's section 6.2 take the bond as uniform along the fibre. The computed pull-out does not:
@@ -12,10 +12,10 @@ mod beam;
 mod case;
 mod curve;
 mod geometry;
-mod inverse;
 mod law;
 mod output;
 mod regression;
+mod search;
 mod simulation;
 mod specimen;
 #[cfg(test)]
@@ -26,17 +26,17 @@ pub use beam::{BeamColumns, BeamFit, describe as describe_beam, read_beam_test, 
 pub use case::{CaseFit, CaseRequest, Free, fit_case};
 pub use curve::LoadSlipCurve;
 pub use geometry::{Fibre, SlipAt};
-pub use inverse::Weights;
 pub use law::{BondLaw, Piecewise, Powers, Quantity};
 pub use output::{describe, write};
-pub use simulation::SimulatedCurve;
+pub use simulation::{SimulatedCurve, Weights};
 pub use specimen::{Materials, MatrixLaw};
 pub use uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
 
 use geometry::BondPoint;
-use inverse::{Target, root_mean_square};
+use levenberg_marquardt::LevenbergMarquardt;
 use pullout_case::CaseErrors;
 use pullout_run::isolation::Need;
+use search::{Search, Simulation as _};
 use serde_json::Value;
 use simulation::Simulator;
 use specimen::Specimen;
@@ -123,6 +123,13 @@ pub struct Quality {
     pub r_squared: f64,
 }
 
+/// The search ends when the sum of squares would fall by less than this part,
+const SMALLEST_GAIN: f64 = 1e-4;
+/// or the coordinates would move by less than this part.
+const SMALLEST_MOVE: f64 = 1e-4;
+/// The first step is at most this part of the coordinates: the regressions are near.
+const FIRST_STEP: f64 = 1.0;
+
 /// Name of the copy of the measured curve beside the cases.
 pub(crate) const CURVE_FILE: &str = "curve.csv";
 
@@ -139,18 +146,43 @@ pub fn fit(
     let specimen = specimen(curve, request)?;
     let starts: Result<Vec<[BondLaw; 2]>, FitError> =
         request.forms.iter().map(|form| start(*form, &bond, curve, &request.fibre)).collect();
-    let target = Target { curve, weights: request.weights.of(curve) };
+    let weights = request.weights.of(curve);
     let fit = |[regression, start]: [BondLaw; 2]| {
-        let simulator =
-            Simulator::new(specimen.clone(), request.slip_at, &request.plugin_paths, &start).map_err(FitError::Case)?;
+        let simulator = Simulator {
+            specimen: &specimen,
+            slip_at: request.slip_at,
+            plugin_paths: &request.plugin_paths,
+            form: &start,
+            curve,
+            weights: &weights,
+        };
+        // its problems are told in full
+        pullout_case::read_document(specimen.computed(&start), &specimen.file, &request.plugin_paths)
+            .map_err(FitError::Case)?;
+        let coordinates = start.coordinates();
         let report = |runs: usize, rms: f64| progress(start.form(), runs, rms);
-        let found =
-            inverse::search(&simulator, &target, &start, request.max_runs, &report).map_err(FitError::Failed)?;
-        let differences = target.differences(&found.curve);
-        let uncertainty = found
-            .jacobian
-            .as_ref()
-            .map(|jacobian| uncertainty::uncertainty(&found.law, &differences, jacobian, &target.weights));
+        // the derivatives at the end tell the uncertainty
+        let mut search = Search::new(&simulator, request.max_runs, coordinates.len(), &report);
+        let no_curve = |message| FitError::Failed(format!("the law of the regression gives no curve: {message}"));
+        search.begin(&coordinates).map_err(no_curve)?;
+        let first = search.best.clone();
+        if let Some(failure) = first.as_ref().and_then(|first| first.run.curve.failure_at_once()) {
+            return Err(FitError::Failed(format!("the simulation fails at once: {failure}")));
+        }
+        let method =
+            LevenbergMarquardt::new().with_ftol(SMALLEST_GAIN).with_xtol(SMALLEST_MOVE).with_stepbound(FIRST_STEP);
+        let (search, trouble) = search.search(method);
+        let Some((first, best)) = first.zip(search.best.as_ref()) else {
+            return Err(FitError::Failed("no law gives a curve".into()));
+        };
+        let found = best.run.clone();
+        let has_left = search.runs() + coordinates.len() <= request.max_runs;
+        let slopes = has_left.then(|| simulator.slopes(&best.coordinates, &found)).and_then(Result::ok);
+        if slopes.is_some() {
+            search.count_beside();
+        }
+        let differences = simulator.off(&found.curve);
+        let uncertainty = slopes.map(|slopes| uncertainty::uncertainty(&found.law, &differences, &slopes, &weights));
         let title = format!("Pull-out of a perpendicular fibre with the fitted bond law ({})", found.law.form());
         let column = request.slip_at.column();
         let compare =
@@ -158,12 +190,12 @@ pub fn fit(
         Ok(FittedLaw {
             regression,
             uncertainty,
-            quality: quality(curve, root_mean_square(&differences)),
-            regression_rms: found.start_rms,
-            runs: found.runs,
-            trouble: found.trouble.or_else(|| shortfall(curve, &found.curve)),
+            quality: quality(curve, simulator.rms(&found)),
+            regression_rms: simulator.rms(&first.run),
+            runs: search.runs(),
+            trouble: trouble.or_else(|| shortfall(curve, &found.curve)),
             residual: specimen.residual(),
-            case: simulator.specimen().kept(&found.law, &title, compare),
+            case: specimen.kept(&found.law, &title, compare),
             law: found.law,
             simulated: found.curve,
         })

@@ -1,19 +1,41 @@
-//! Curves of the case with trial laws, several at a time.
+//! Curves of the case with trial laws, and how far they are from the measured one.
 
+use super::curve::LoadSlipCurve;
 use super::geometry::SlipAt;
 use super::law::BondLaw;
+use super::search::{self, Increments, STEP, Simulation, root_mean_square};
 use super::specimen::Specimen;
-use pullout_case::{Case, CaseErrors};
-use pullout_run::PLUGIN_STACK;
-use pullout_run::columns::place_in_specimen;
-use pullout_run::path::{Observer, Row, Statistics, Stop};
-use pullout_run::pullout;
-use pullout_run::pullout::checkpoint::Checkpoints;
-use std::io;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use umat_abi::metadata::flags;
+use nalgebra::{DMatrix, DVector};
+use pullout_engine::{Outcome, Source};
+use std::path::PathBuf;
+
+/// The step of differences of runs that are not led by another, most of whose coordinates are logarithms: their curves are smooth to
+/// about 1e-4 of the peak.
+const STEP_OF_FREE_RUNS: f64 = 0.02;
+
+/// Weighting of the curve's rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Weights {
+    /// Rising and softening branch count the same, however many rows each has.
+    Balanced,
+    /// Every row counts the same.
+    Equal,
+}
+
+impl Weights {
+    /// Returns the weight of each row; their mean is 1.
+    pub fn of(self, curve: &LoadSlipCurve) -> Vec<f64> {
+        let peak = curve.peak().slip;
+        let rises = |slip: f64| slip <= peak;
+        let count = curve.slips.len() as f64;
+        let rising = curve.slips.iter().filter(|&&slip| rises(slip)).count() as f64;
+        let weight = |&slip: &f64| match self {
+            Self::Equal => 1.0,
+            Self::Balanced => 0.5 * count / if rises(slip) { rising } else { count - rising },
+        };
+        curve.slips.iter().map(weight).collect()
+    }
+}
 
 /// A computed load–slip curve.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,6 +49,24 @@ pub struct SimulatedCurve {
 }
 
 impl SimulatedCurve {
+    fn of(outcome: &Outcome, slip_at: SlipAt) -> Self {
+        let column = |name: &str| outcome.history.column(name).unwrap_or_default();
+        let failure = outcome.summary.message.clone().filter(|_| !outcome.is_done());
+        let mut curve = Self { failure, ..Self::default() };
+        for (&slip, &load) in column(slip_at.column()).iter().zip(column("load")) {
+            if curve.slips.last().is_none_or(|&last| slip > last) {
+                curve.slips.push(slip);
+                curve.loads.push(load);
+            }
+        }
+        curve
+    }
+
+    /// Reason why there is no more of it than a point.
+    pub fn failure_at_once(&self) -> Option<&String> {
+        self.failure.as_ref().filter(|_| self.slips.len() < 2)
+    }
+
     /// The load at a slip by linear interpolation; 0 before the first, that of the end beyond it.
     pub fn load_at(&self, slip: f64) -> f64 {
         let right = self.slips.partition_point(|&x| x < slip);
@@ -39,102 +79,85 @@ impl SimulatedCurve {
     }
 }
 
-/// Computes curves.
-#[derive(Clone, Debug)]
-pub struct Simulator {
-    specimen: Specimen,
-    slip_at: SlipAt,
-    plugin_paths: Vec<PathBuf>,
-    threads: usize,
+/// A law that was tried.
+#[derive(Clone)]
+pub struct Tried {
+    /// Law.
+    pub law: BondLaw,
+    /// Curve.
+    pub curve: SimulatedCurve,
+    increments: Option<Increments>,
 }
 
-impl Simulator {
-    /// Makes a simulator of a specimen; reads its case once, with a law.
+/// Computes the curves of laws of one form.
+pub struct Simulator<'c> {
+    /// Case without its law.
+    pub specimen: &'c Specimen,
+    /// Place where the slip is measured.
+    pub slip_at: SlipAt,
+    /// Folders where plugins are looked for first.
+    pub plugin_paths: &'c [PathBuf],
+    /// A law of the form.
+    pub form: &'c BondLaw,
+    /// The measured curve.
+    pub curve: &'c LoadSlipCurve,
+    /// Weights of its rows.
+    pub weights: &'c [f64],
+}
+
+impl Simulator<'_> {
+    fn tried(&self, coordinates: &[f64], on: Option<&Increments>) -> Result<Tried, String> {
+        let law = self.form.at(coordinates);
+        let source = Source {
+            file: self.specimen.file.clone(),
+            document: Some(self.specimen.computed(&law)),
+            overrides: Vec::new(),
+            plugin_paths: self.plugin_paths.to_vec(),
+        };
+        let (outcome, increments) = search::outcome(source, on)?;
+        Ok(Tried { law, curve: SimulatedCurve::of(&outcome, self.slip_at), increments })
+    }
+
+    /// Computed less measured loads, as parts of the measured peak.
+    pub fn off(&self, computed: &SimulatedCurve) -> DVector<f64> {
+        let peak = self.curve.peak().load;
+        let rows = self.curve.slips.iter().zip(&self.curve.loads);
+        let differences = rows.map(|(&slip, load)| (computed.load_at(slip) - load) / peak);
+        DVector::from_iterator(self.curve.slips.len(), differences)
+    }
+
+    /// The derivatives of [`Self::off`] by the law's coordinates.
     ///
     /// # Errors
-    /// Problems with the case.
-    pub fn new(
-        specimen: Specimen,
-        slip_at: SlipAt,
-        plugin_paths: &[PathBuf],
-        law: &BondLaw,
-    ) -> Result<Self, CaseErrors> {
-        let case = pullout_case::read_document(specimen.computed(law), &specimen.file, plugin_paths)?;
-        let is_shared = match &case {
-            Case::Pullout(program) => program
-                .laws()
-                .iter()
-                .all(|(_, law)| law.law.as_ref().is_some_and(|law| law.flags & flags::THREAD_SAFE != 0)),
-            Case::Path(_) | Case::Bridging(_) => false,
-        };
-        let threads = if is_shared { std::thread::available_parallelism().map_or(1, usize::from) } else { 1 };
-        Ok(Self { specimen, slip_at, plugin_paths: plugin_paths.to_vec(), threads })
-    }
-
-    /// The case.
-    pub fn specimen(&self) -> &Specimen {
-        &self.specimen
-    }
-
-    /// The curve with a law; `None` if the law cannot be.
-    pub fn curve(&self, law: &BondLaw) -> Option<SimulatedCurve> {
-        let read = pullout_case::read_document(self.specimen.computed(law), &self.specimen.file, &self.plugin_paths);
-        let Ok(Case::Pullout(program)) = read else { return None };
-        let mut recorder = CurveRecorder::new(self.slip_at);
-        let outcome = pullout::run(&program, Path::new(""), &Checkpoints::default(), &mut recorder);
-        let failure = match outcome.result {
-            Ok(()) => None,
-            Err(Stop::Failed(failure)) => Some(failure.message),
-            Err(Stop::Write(error)) => Some(error.to_string()),
-        };
-        Some(SimulatedCurve { failure, ..recorder.curve })
-    }
-
-    /// The curves with several laws, on all cores if the plugins allow it.
-    pub fn curves(&self, laws: &[BondLaw]) -> Vec<Option<SimulatedCurve>> {
-        let next = AtomicUsize::new(0);
-        let curves = Mutex::new(vec![None; laws.len()]);
-        let work = || {
-            while let Some((k, law)) = Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|k| Some((k, laws.get(k)?)))
-            {
-                let curve = self.curve(law);
-                curves.lock().unwrap_or_else(PoisonError::into_inner)[k] = curve;
-            }
-        };
-        std::thread::scope(|scope| {
-            // this thread works as well: it is there even if no other can be started
-            for _ in 1..self.threads.min(laws.len()) {
-                let _ = std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work);
-            }
-            work();
-        });
-        curves.into_inner().unwrap_or_else(PoisonError::into_inner)
+    /// A law beside it gives no curve.
+    pub fn slopes(&self, coordinates: &[f64], tried: &Tried) -> Result<DMatrix<f64>, String> {
+        let increments = tried.increments.as_ref();
+        let step = if increments.is_some() { STEP } else { STEP_OF_FREE_RUNS };
+        let run = |coordinates: &[f64], on: Option<&Increments>| Ok(self.off(&self.tried(coordinates, on)?.curve));
+        search::derivatives(coordinates, &self.off(&tried.curve), increments, |_| step, run)
     }
 }
 
-/// Keeps slip and load of each increment.
-struct CurveRecorder {
-    curve: SimulatedCurve,
-    /// Their places in a row.
-    places: [usize; 2],
-}
+impl Simulation for Simulator<'_> {
+    type Run = Tried;
 
-impl CurveRecorder {
-    fn new(slip_at: SlipAt) -> Self {
-        let place = |name: &str| place_in_specimen(name).unwrap_or_default();
-        Self { curve: SimulatedCurve::default(), places: [place(slip_at.column()), place("load")] }
-    }
-}
-
-impl Observer for CurveRecorder {
-    fn row(&mut self, row: Row<'_>) -> io::Result<()> {
-        let [slip, load] = self.places.map(|place| row.values[place]);
-        if self.curve.slips.last().is_none_or(|&last| slip > last) {
-            self.curve.slips.push(slip);
-            self.curve.loads.push(load);
-        }
-        Ok(())
+    fn run(&self, coordinates: &[f64]) -> Result<Tried, String> {
+        self.tried(coordinates, None)
     }
 
-    fn increment_done(&mut self, _row: Row<'_>, _so_far: Statistics) {}
+    fn differences(&self, tried: &Tried) -> DVector<f64> {
+        let mut differences = self.off(&tried.curve);
+        differences.iter_mut().zip(self.weights).for_each(|(difference, weight)| *difference *= weight.sqrt());
+        differences
+    }
+
+    fn derivatives(&self, coordinates: &[f64], tried: &Tried) -> Result<DMatrix<f64>, String> {
+        let mut slopes = self.slopes(coordinates, tried)?;
+        slopes.row_iter_mut().zip(self.weights).for_each(|(mut row, weight)| row *= weight.sqrt());
+        Ok(slopes)
+    }
+
+    fn rms(&self, tried: &Tried) -> f64 {
+        root_mean_square(&self.off(&tried.curve))
+    }
 }

@@ -2,8 +2,8 @@
 
 use super::curve::LoadSlipCurve;
 use super::geometry::{Fibre, SlipAt};
-use super::inverse::Weights;
 use super::law::{BondLaw, Piecewise, Powers};
+use super::simulation::Weights;
 use super::uncertainty::uncertainty;
 use approx::assert_relative_eq;
 use nalgebra::{DMatrix, DVector};

@@ -1,0 +1,257 @@
+//! Least squares over runs of a simulation by Levenberg and Marquardt's method (the crate `levenberg-marquardt`, after MINPACK).
+//!
+//! Derivatives are differences of runs beside the present one: along its states or on its increments where it has kept them, so that
+//! increments which a run chooses by itself make no steps in them.
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
+use nalgebra::storage::Owned;
+use nalgebra::{DMatrix, DVector, Dyn};
+use pullout_engine::{Along, Outcome, Settings, Source};
+use pullout_run::PLUGIN_STACK;
+use serde_json::{Value, json};
+use std::cell::Cell;
+
+/// Relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium.
+pub const STEP: f64 = 1e-6;
+/// The difference of every row of coordinates that give no curve, as a part of the greatest value: so far off that the method turns
+/// back and takes a shorter step. Along what a curve does not tell, a step may be of any length.
+const NO_CURVE: f64 = 10.0;
+
+/// The way of a run, which others go too.
+#[derive(Clone)]
+pub enum Increments {
+    /// Its increments.
+    Recorded(Value),
+    /// The states of a specimen.
+    Trail(Along),
+}
+
+/// Runs a case on the way of another run, if there is one; otherwise its own way is returned, if it came to its end.
+///
+/// # Errors
+/// The case is wrong, or cannot be run.
+pub fn outcome(mut source: Source, on: Option<&Increments>) -> Result<(Outcome, Option<Increments>), String> {
+    let along = match on {
+        Some(Increments::Recorded(recorded)) => {
+            source.overrides.push(format!("increments={}", json!({ "recorded": recorded })));
+            None
+        }
+        Some(Increments::Trail(along)) => Some(along.clone()),
+        None => None,
+    };
+    let prepared = source.read().map_err(|errors| {
+        errors.problems.first().map_or_else(|| "the case is wrong".to_owned(), ToString::to_string)
+    })?;
+    let settings = Settings { records: on.is_none(), along, ..Settings::default() };
+    let mut outcome = prepared.run(settings).map_err(|error| error.to_string())?;
+    let trail = outcome.trail.take().map(|trail| Increments::Trail(trail.into()));
+    let increments = trail.or_else(|| outcome.increments.take().map(Increments::Recorded));
+    Ok((outcome, increments))
+}
+
+/// ∂rows/∂coordinates by differences of runs in threads, each with one of the coordinates moved by its step.
+///
+/// # Errors
+/// A run beside gives no rows.
+pub fn derivatives(
+    coordinates: &[f64],
+    rows: &DVector<f64>,
+    increments: Option<&Increments>,
+    step: impl Fn(usize) -> f64,
+    run: impl Fn(&[f64], Option<&Increments>) -> Result<DVector<f64>, String> + Sync,
+) -> Result<DMatrix<f64>, String> {
+    let count = coordinates.len();
+    let (at_once, each) = match increments {
+        Some(Increments::Trail(along)) => (
+            count,
+            Along::together(&along.trail, count).into_iter().map(|along| Some(Increments::Trail(along))).collect(),
+        ),
+        others => (std::thread::available_parallelism().map_or(1, usize::from), vec![others.cloned(); count]),
+    };
+    let run = &run;
+    let mut columns = Vec::new();
+    let mut beside = each.into_iter().enumerate().map(|(k, increments)| {
+        let mut moved = coordinates.to_vec();
+        moved[k] += step(k);
+        (moved[k] - coordinates[k], moved, increments)
+    });
+    while columns.len() < count {
+        let some: Vec<Result<DVector<f64>, String>> = std::thread::scope(|scope| {
+            let spawn = |(step, moved, increments): (f64, Vec<f64>, Option<Increments>)| {
+                let column = move || Ok((run(&moved, increments.as_ref())? - rows) / step);
+                let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK);
+                thread.spawn_scoped(scope, column).map_err(|error| error.to_string())
+            };
+            let threads: Vec<_> = beside.by_ref().take(at_once).map(spawn).collect();
+            let join = |thread: Result<std::thread::ScopedJoinHandle<'_, _>, String>| {
+                thread?.join().unwrap_or_else(|_| Err("a run ended its thread".into()))
+            };
+            threads.into_iter().map(join).collect()
+        });
+        columns.extend(some);
+    }
+    let columns: Result<Vec<DVector<f64>>, String> = columns.into_iter().collect();
+    Ok(DMatrix::from_columns(&columns?))
+}
+
+/// A simulation whose coordinates are sought.
+pub trait Simulation {
+    /// Result of a run.
+    type Run: Clone;
+
+    /// Runs the simulation; the error is why there is no curve.
+    fn run(&self, coordinates: &[f64]) -> Result<Self::Run, String>;
+
+    /// Returns the differences whose squares shall be least, as parts of the greatest value.
+    fn differences(&self, run: &Self::Run) -> DVector<f64>;
+
+    /// Returns their derivatives by the coordinates.
+    fn derivatives(&self, coordinates: &[f64], run: &Self::Run) -> Result<DMatrix<f64>, String>;
+
+    /// Returns the root mean square of the differences as the user is told it.
+    fn rms(&self, run: &Self::Run) -> f64;
+}
+
+/// A run and its place.
+#[derive(Clone)]
+pub struct Best<R> {
+    /// Place.
+    pub coordinates: Vec<f64>,
+    /// Run.
+    pub run: R,
+    sum: f64,
+}
+
+/// A search for the coordinates of a simulation, as the method sees it.
+pub struct Search<'a, S: Simulation> {
+    simulation: &'a S,
+    /// Most runs, and how many of them are left for what follows.
+    budget: [usize; 2],
+    runs: Cell<usize>,
+    coordinates: DVector<f64>,
+    /// Differences at the coordinates.
+    present: Option<DVector<f64>>,
+    /// The run there, if it gave a curve.
+    here: Option<S::Run>,
+    /// The best run since the search began.
+    pub best: Option<Best<S::Run>>,
+    trouble: Cell<Option<String>>,
+    progress: &'a dyn Fn(usize, f64),
+}
+
+impl<'a, S: Simulation> Search<'a, S> {
+    /// Prepares searches with at most so many runs in all, `reserve` of which are left for what follows. `progress` is told the runs so
+    /// far and the root mean square of the differences of each place with a curve.
+    pub fn new(simulation: &'a S, max_runs: usize, reserve: usize, progress: &'a dyn Fn(usize, f64)) -> Self {
+        Self {
+            simulation,
+            budget: [max_runs, reserve],
+            runs: Cell::new(0),
+            coordinates: DVector::zeros(0),
+            present: None,
+            here: None,
+            best: None,
+            trouble: Cell::new(None),
+            progress,
+        }
+    }
+
+    /// Returns whether so many runs are left.
+    pub fn may_run(&self, count: usize) -> bool {
+        let [most, reserve] = self.budget;
+        self.runs.get() + count + reserve <= most
+    }
+
+    /// Returns how many runs were made.
+    pub fn runs(&self) -> usize {
+        self.runs.get()
+    }
+
+    /// Takes a place to search from.
+    ///
+    /// # Errors
+    /// Reason why it has no curve.
+    pub fn begin(&mut self, coordinates: &[f64]) -> Result<(), String> {
+        self.coordinates = DVector::from_column_slice(coordinates);
+        self.best = None;
+        self.evaluate()
+    }
+
+    /// Searches from the present place; the text is why it did not come to its end.
+    pub fn search(self, method: LevenbergMarquardt<f64>) -> (Self, Option<String>) {
+        let [most, _] = self.budget;
+        let (problem, report) = method.with_patience(most).minimize(self);
+        let trouble = match report.termination {
+            reason if reason.was_successful() => None,
+            // increments that runs choose are no finer
+            TerminationReason::NoImprovementPossible(_) => None,
+            TerminationReason::User(_) => problem
+                .trouble
+                .take()
+                .or_else(|| Some(format!("the search was not at its end after the {most} runs of --max-runs"))),
+            other => Some(format!("the search ended with {other:?}")),
+        };
+        (problem, trouble)
+    }
+
+    /// Counts the runs beside one that its derivatives take.
+    pub fn count_beside(&self) {
+        self.runs.set(self.runs.get() + self.coordinates.len());
+    }
+
+    fn evaluate(&mut self) -> Result<(), String> {
+        (self.present, self.here) = (None, None);
+        self.runs.set(self.runs.get() + 1);
+        let run = self.simulation.run(self.coordinates.as_slice())?;
+        (self.progress)(self.runs.get(), self.simulation.rms(&run));
+        let differences = self.simulation.differences(&run);
+        let sum = differences.norm_squared();
+        if self.best.as_ref().is_none_or(|best| sum < best.sum) {
+            self.best = Some(Best { coordinates: self.coordinates.as_slice().to_vec(), run: run.clone(), sum });
+        }
+        (self.present, self.here) = (Some(differences), Some(run));
+        Ok(())
+    }
+}
+
+impl<S: Simulation> LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, S> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
+
+    fn set_params(&mut self, coordinates: &DVector<f64>) {
+        if *coordinates == self.coordinates && self.present.is_some() {
+            return;
+        }
+        self.coordinates.copy_from(coordinates);
+        let rows = self.best.as_ref().map_or(0, |best| self.simulation.differences(&best.run).len());
+        if !self.may_run(1) {
+            (self.present, self.here) = (None, None);
+        } else if self.evaluate().is_err() {
+            self.present = Some(DVector::from_element(rows, NO_CURVE));
+        }
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.coordinates.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        self.present.clone()
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let run = self.here.as_ref()?;
+        if !self.may_run(self.coordinates.len()) {
+            return None;
+        }
+        self.count_beside();
+        let derivatives = self.simulation.derivatives(self.coordinates.as_slice(), run);
+        derivatives.map_err(|message| self.trouble.set(Some(message))).ok()
+    }
+}
+
+/// √(Σ x²/n).
+pub fn root_mean_square(values: &DVector<f64>) -> f64 {
+    (values.norm_squared() / values.len() as f64).sqrt()
+}
