@@ -60,6 +60,8 @@ const RESISTANCE: f64 = 1e-5;
 const GREATEST_RESISTANCE: f64 = 1e8;
 /// Factor by which the resistance falls after an easy increment.
 const EASING: f64 = 0.4;
+/// and after another one that stands.
+const SLOW_EASING: f64 = 0.7;
 /// Factor by which the resistance grows where an increment goes back on the way of the one before.
 const THICKENING_WHERE_TURNING: f64 = 10.0;
 /// Most increments through drag in a row.
@@ -362,8 +364,8 @@ impl StepRun {
             if converged.turns {
                 dragged.turns += 1;
                 dragged.resistance *= THICKENING_WHERE_TURNING;
-            } else if iterations <= EASY {
-                dragged.resistance *= EASING;
+            } else {
+                dragged.resistance *= if iterations <= EASY { EASING } else { SLOW_EASING };
             }
             let is_there = converged.drag <= 1.0 || dragged.turns >= MOST_TURNS;
             self.progress = self.aim();
