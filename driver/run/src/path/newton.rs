@@ -12,6 +12,9 @@ use nalgebra::{SMatrix, SVector};
 pub(super) const STRESS_TOLERANCE: f64 = 1e-8;
 /// Tolerance of relations that hold strains alone, relative to max(1e-6, largest strain).
 const STRAIN_TOLERANCE: f64 = 1e-10;
+/// A strain that is sought changes in a step by at most so many times what measures it: beyond is another equilibrium, as that of torn
+/// matter, whose stresses vanish however large its strains are.
+const LARGEST_CHANGE: f64 = 3.0;
 /// A full step should at least halve the residual, else the tangent is called poor.
 const POOR_REDUCTION: f64 = 0.5;
 /// Strain step of the finite-difference matrix relative to max(1e-6, largest strain).
@@ -39,6 +42,9 @@ pub(super) struct Targets<'a> {
     pub(super) constraints: &'a [Constraint],
     /// Total strain at the start.
     pub(super) strain: [f64; 6],
+    /// What measures the strains that are sought: the largest strain at the start of the step and of those that drive it, and the
+    /// strains at that start; `None` if something else drives it.
+    pub(super) measure: Option<(f64, [f64; 6])>,
 }
 
 /// The increment's strains were not found.
@@ -51,12 +57,31 @@ pub(super) enum Divergence<E> {
         /// Target minus stress (or relation), by component.
         residual: [f64; 6],
     },
+    /// The equilibrium that was found is not the next one.
+    Far {
+        /// A strain that changed too much since the start of the step.
+        component: usize,
+        /// Its change.
+        change: f64,
+    },
 }
 
 impl Targets<'_> {
     /// True if every component is given by its strain.
     pub(super) fn strain_only(&self) -> bool {
         self.components.iter().all(|&i| matches!(self.controls[i], Control::Strain(_)))
+    }
+
+    /// Refuses an equilibrium that is not the next one.
+    fn is_near<E>(&self, increment: &[f64; 6]) -> Result<(), Divergence<E>> {
+        let Some((size, start)) = self.measure else { return Ok(()) };
+        for &component in self.components.iter().filter(|&&i| !matches!(self.controls[i], Control::Strain(_))) {
+            let change = self.strain[component] + increment[component] - start[component];
+            if change.abs() > LARGEST_CHANGE * size {
+                return Err(Divergence::Far { component, change });
+            }
+        }
+        Ok(())
     }
 
     /// The strain at the end: exactly the prescribed values, not the sums of their increments.
@@ -178,7 +203,7 @@ impl Targets<'_> {
         for iteration in 1..=max_iterations {
             let tolerance = self.tolerance(increment, &here.stress);
             if residual.iter().zip(&tolerance).all(|(r, t)| r.abs() <= *t) {
-                return Ok(iteration);
+                return self.is_near(increment).map(|()| iteration);
             }
             if !residual.iter().all(|r| r.is_finite()) {
                 return Err(not_converged(&residual));
@@ -191,6 +216,9 @@ impl Targets<'_> {
                     self.solve(matrix, &residual).ok_or_else(|| not_converged(&residual))?
                 }
             };
+            // no further in one iteration than the strains are large
+            let bound = self.measure.map_or(1.0, |(size, _)| size / step.amax()).min(1.0);
+            let step = step * bound;
             let found = self.line_search(increment, &residual, &tolerance, &step, &mut evaluate)?;
             let Some((length, evaluation, new_residual)) = found else {
                 // no descent: a matrix from differences is the last resort, once per failure
@@ -206,7 +234,7 @@ impl Targets<'_> {
                 increment[i] += moved[i];
             }
             let weighted = |r: &Vector| r.component_div(&tolerance).norm();
-            let poor = length < 1.0 || weighted(&new_residual) > POOR_REDUCTION * weighted(&residual);
+            let poor = bound == 1.0 && (length < 1.0 || weighted(&new_residual) > POOR_REDUCTION * weighted(&residual));
             secant = secant || (poor && iteration > 1);
             if secant {
                 // Broyden: J += (Δr − J Δx) Δxᵀ / |Δx|²

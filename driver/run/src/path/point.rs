@@ -373,7 +373,8 @@ impl<'p> Runner<'p> {
     /// Returns what the increment must satisfy at a fraction of it, and the strain increment that an attempt begins with.
     fn first_increment<'r>(&self, to: f64, relations: &'r mut Vec<Constraint>) -> (Targets<'r>, [f64; 6]) {
         let controls = self.targets_at(to, relations);
-        let targets = Targets { components: self.components, controls, constraints: relations, strain: *self.strain() };
+        let (components, strain, measure) = (self.components, *self.strain(), self.plan.measure);
+        let targets = Targets { components, controls, constraints: relations, strain, measure };
         let mut increment = [0.0; 6];
         for &i in self.components {
             if let Control::Strain(end) = controls[i] {
@@ -532,7 +533,8 @@ impl Divisible for Runner<'_> {
             constraint.equals = *start;
         }
         let Committed { total_time: time, deformation_gradient: gradient, ref fields, .. } = self.committed;
-        self.plan = Plan { start, relations, constraints, time, gradient, fields: fields.clone() };
+        let measure = self.measure(step, &start);
+        self.plan = Plan { start, measure, relations, constraints, time, gradient, fields: fields.clone() };
         Ok(())
     }
 
@@ -631,6 +633,9 @@ impl Divisible for Runner<'_> {
             Err(Divergence::NotConverged { residual }) => {
                 return Err(Trouble::CutBack { fraction: 0.5, reason: self.not_converged(&residual) });
             }
+            Err(Divergence::Far { component, change }) => {
+                return Err(Trouble::CutBack { fraction: 0.5, reason: far(component, change) });
+            }
         };
         statistics.iterations += u64::from(iterations);
         self.trial.strain = targets.end(&increment);
@@ -714,6 +719,24 @@ impl Divisible for Runner<'_> {
 }
 
 impl Runner<'_> {
+    /// What measures the strains that a step seeks ([`Targets::measure`]); `start`: controlled quantities. Relations and fields drive
+    /// strains of any size, and so do stresses that grow.
+    fn measure(&self, step: &PointStep, start: &[f64; 6]) -> Option<(f64, [f64; 6])> {
+        let PointDrive::Components { controls, rows } = &step.goal.drive else { return None };
+        let strain = *self.strain();
+        let mut size = strain.iter().fold(0.0_f64, |largest, e| largest.max(e.abs()));
+        for &i in self.controllable {
+            let ends = |end: f64| rows.iter().map(|row| row[i]).chain(rows.is_empty().then_some(end)).map(f64::abs);
+            match controls[i] {
+                Control::Strain(end) => size = ends(end).fold(size, f64::max),
+                Control::Stress(end) if ends(end).any(|end| end > start[i].abs() + STRESS_TOLERANCE) => return None,
+                _ => {}
+            }
+        }
+        let drives_more = !step.goal.constraints.is_empty() || step.fields != crate::program::StepFields::default();
+        (size > 0.0 && !drives_more).then_some((size, strain))
+    }
+
     /// Makes the last call of a plugin that nobody vouches for again, to see whether it leaves its arrays.
     fn trespass(&mut self) -> Option<Trespass> {
         if !self.is_plain {
@@ -773,9 +796,8 @@ impl Runner<'_> {
         let worst = |i: &usize| residual[*i].abs();
         // a ramped stress is the culprit rather than the free components that it drags along; those may start as far
         // from their target as the last increment was allowed to leave them
-        let far = |from: f64, to: f64| (to - from).abs() > STRESS_TOLERANCE * to.abs().max(1.0);
         let ramped =
-            |i: &usize| matches!(self.goal.controls[*i], Control::Stress(end) if far(self.goal.start[*i], end));
+            |i: &usize| matches!(self.goal.controls[*i], Control::Stress(end) if is_far(self.goal.start[*i], end));
         let candidates: Vec<usize> = self.components.iter().copied().filter(ramped).collect();
         let by_residual = |a: &usize, b: &usize| worst(a).total_cmp(&worst(b));
         if let Some(i) = candidates.into_iter().max_by(by_residual) {
@@ -800,11 +822,27 @@ impl Runner<'_> {
     }
 }
 
+/// Returns whether stresses differ by more than equilibrium leaves.
+fn is_far(from: f64, to: f64) -> bool {
+    (to - from).abs() > STRESS_TOLERANCE * to.abs().max(1.0)
+}
+
+/// Words for an equilibrium that is not the next one.
+fn far(component: usize, change: f64) -> String {
+    let strain = STRAIN_NAMES[component];
+    format!(
+        "no equilibrium found near the last one: {strain} would change by {change:.3e} in the step; control {strain} by strain, or use \
+         smaller increments"
+    )
+}
+
 /// The point at the start of a step, and the relations with their right sides at its end.
 #[derive(Clone, Debug, Default)]
 struct Plan {
     /// Values of the controlled quantity, by component.
     start: [f64; 6],
+    /// What measures the strains that are sought ([`Targets::measure`]).
+    measure: Option<(f64, [f64; 6])>,
     /// Left sides of the relations.
     relations: Vec<f64>,
     constraints: Vec<Constraint>,

@@ -263,3 +263,29 @@ fn hypoelastic_stress_converges_to_the_logarithmic_law() {
     assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.05), "{errors:?}");
     assert!(errors[2] < 2e-6, "{errors:?}");
 }
+
+/// Torn matter is free of stress at any large strain, to all digits that count: that is not the equilibrium beside the last one.
+#[test]
+fn free_sides_do_not_jump_to_where_all_is_torn() {
+    let props = [31_800.0, 0.18, 5e3, 1.3, 1.905_077e-4, 31.474_79, 1.05, 3e-4, 0.172_27, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let sheared = |name: &str, props: &[f64], mode: Mode, increments: usize| {
+        let controls = [FREE, FREE, FREE, Control::Strain(6e-4), FREE, FREE];
+        let mut rows = Rows::default();
+        let (_, result) = run(&program(plugin(name, props), mode, false, vec![ramp(increments, controls)]), &mut rows);
+        let largest = rows.0.iter().flat_map(|row| &row[STRAIN..STRAIN + 6]).fold(0.0_f64, |most, e| most.max(e.abs()));
+        assert!(largest < 1e-2, "{name}, {mode:?}, {increments} increments: a strain of {largest}");
+        (rows.0.pop().expect("a row"), result)
+    };
+    for increments in [3, 5, 6, 10, 15, 50, 100] {
+        let (last, result) = sheared("concrete_damage", &props, Mode::ThreeD, increments);
+        assert!(result.is_ok(), "{increments} increments: {result:?}");
+        assert!((last[STRESS + 3] / 0.225_702_122_8 - 1.0).abs() < 1e-8, "{}", last[STRESS + 3]);
+        assert!((last[STRAIN] / 2.916_248_898e-4 - 1.0).abs() < 1e-8, "{}", last[STRAIN]);
+    }
+    // where there is no equilibrium near
+    for mode in [Mode::ThreeD, Mode::PlaneStrain, Mode::PlaneStress] {
+        for increments in [2, 3, 4, 5, 6, 7, 8, 20, 30, 200, 1000] {
+            sheared("concrete_damage", &props, mode, increments);
+        }
+    }
+}
