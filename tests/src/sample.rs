@@ -64,6 +64,13 @@ pub const LAWS: &[Sample] = &[
         inadmissible: (11, 0.3),
     },
     Sample {
+        name: "concrete_damage_fixed",
+        props: &[31800.0, 0.18, 5000.0, 1.3, 1.905_077e-4, 31.47479, 1.05, 3e-4, 0.17227, 0.0, 0.0, 0.0, 0.0, 0.0],
+        states: 20,
+        strain: 4e-4,
+        inadmissible: (11, 0.3),
+    },
+    Sample {
         name: "j2_plasticity",
         props: &[210_000.0, 0.3, 347.0, 0.0, 400.0, 0.02, 420.0, 0.1],
         states: 9,

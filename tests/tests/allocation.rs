@@ -3,7 +3,7 @@
 use end_to_end_tests::{LAWS, PointMemory, Sample, strain_path};
 use models::{
     biaxial_damage::BiaxialDamage,
-    concrete_damage::{ConcreteDamage, ConcreteDamageImplex},
+    concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex},
     drucker_prager::DruckerPrager,
     inelastic_damage::InelasticDamage,
     j2_plasticity::J2Plasticity,
@@ -73,6 +73,7 @@ const ENTRIES: &[(&str, Boundary)] = &[
     ("biaxial_damage", umat::<BiaxialDamage>),
     ("concrete_damage", umat::<ConcreteDamage>),
     ("concrete_damage_implex", umat::<ConcreteDamageImplex>),
+    ("concrete_damage_fixed", umat::<ConcreteDamageFixed>),
     ("j2_plasticity", umat::<J2Plasticity>),
     ("drucker_prager", umat::<DruckerPrager>),
 ];

@@ -18,6 +18,7 @@ const PLUGINS: [&str; 10] = [
     "biaxial_damage",
     "concrete_damage",
     "concrete_damage_implex",
+    "concrete_damage_fixed",
     "j2_plasticity",
     "drucker_prager",
     "bond_slip",

@@ -38,7 +38,7 @@ impl Criteria {
         let elastic_stress = principal_stress(&parameters.elasticity, strain);
         let split = Split::new(&parameters.elasticity, strain);
         let opening = elastic_stress[0].max(0.0);
-        let mut compression = degradable_energy(parameters, &split.minus);
+        let compression = degradable_energy(parameters, &split.minus);
         let mut criteria = Self {
             tension: opening * opening / (2.0 * parameters.elasticity.youngs_modulus),
             compression,
@@ -46,12 +46,18 @@ impl Criteria {
             elastic_stress,
             split,
         };
-        if parameters.zeta_c != 0.0 {
-            let divisor = 1.0 + parameters.zeta_c * criteria.confinement();
-            compression /= divisor * divisor;
-            criteria.compression = compression;
-        }
+        criteria.compression = criteria.confined(parameters, compression);
         criteria
+    }
+
+    /// Returns an energy that compression releases over (1 + ζ_c w_c)².
+    #[inline]
+    pub fn confined(&self, parameters: &Parameters, energy: f64) -> f64 {
+        if parameters.zeta_c == 0.0 {
+            return energy;
+        }
+        let divisor = 1.0 + parameters.zeta_c * self.confinement();
+        energy / (divisor * divisor)
     }
 
     /// Returns what rounding of the strain does to Y_t and Y_c: δY = √(2 Y/E) δs with a few units in the last

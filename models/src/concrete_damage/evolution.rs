@@ -18,6 +18,24 @@ pub(super) struct Branch {
     pub maximum: f64,
 }
 
+impl Branch {
+    /// Advances to the energy release rate Y: D = max(D_n, D̂(Y)); returns how D grows, if
+    /// it does. An excess over the maximum within `rounding` counts as 0.
+    #[inline]
+    pub fn advance(&mut self, softening: &Softening, energy: f64, rounding: f64) -> Option<Damage> {
+        if energy - rounding <= self.maximum.max(softening.curve.law.threshold) {
+            return None;
+        }
+        self.maximum = energy;
+        let damage = softening.damage(energy);
+        if damage.eta <= self.eta {
+            return None;
+        }
+        self.eta = damage.eta;
+        Some(damage)
+    }
+}
+
 /// History of both branches.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct History {
@@ -57,22 +75,6 @@ pub(super) struct Evolution {
     pub solid: Degraded,
 }
 
-/// Advances one branch to the energy release rate Y: D = max(D_n, D̂(Y)); returns how D grows, if
-/// it does. An excess over the maximum within `rounding` counts as 0.
-#[inline]
-fn advance(branch: &mut Branch, softening: &Softening, energy: f64, rounding: f64) -> Option<Damage> {
-    if energy - rounding <= branch.maximum.max(softening.curve.law.threshold) {
-        return None;
-    }
-    branch.maximum = energy;
-    let damage = softening.damage(energy);
-    if damage.eta <= branch.eta {
-        return None;
-    }
-    branch.eta = damage.eta;
-    Some(damage)
-}
-
 impl Evolution {
     /// Advances `history` to the principal trial strain (descending).
     #[inline(always)]
@@ -84,8 +86,8 @@ impl Evolution {
         // ε_e = ε − ε_p is recovered from the state with rounding: the same point must stay the same point
         let rounding = if parameters.has_inelastic_strain() { criteria.rounding(parameters) } else { [0.0; 2] };
         let growth = [
-            advance(&mut history.tension, &softening[0], criteria.tension, rounding[0]),
-            advance(&mut history.compression, &softening[1], criteria.compression, rounding[1]),
+            history.tension.advance(&softening[0], criteria.tension, rounding[0]),
+            history.compression.advance(&softening[1], criteria.compression, rounding[1]),
         ];
         let solid = Degraded::new(parameters, history.tension.eta, history.compression.eta, &elastic_strain);
         Self { criteria, flow, history, growth, solid }

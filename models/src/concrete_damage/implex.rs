@@ -1,12 +1,17 @@
 #![doc = include_str!("implex.md")]
 
+use super::crack_band::Softening;
+use super::criteria::Criteria;
 use super::evolution::{Evolution, History};
-use super::stress_and_tangent::{Degraded, Point};
+use super::fixed_crack::{FixedCracks, FreeCracks};
+use super::stress_and_tangent::{Degraded, Point, degraded_elasticity};
 use super::{ConcreteDamage, HISTORY, Parameters, State as ImplicitState, begin};
+use crate::bracketed_newton::bracketed_newton;
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33};
-use crate::tensor::work;
+use crate::tensor::{Spectral, condense_plane_stress, work};
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, OVERSTRESS_WORK, StateVariable, flags};
+use umat_abi::table::{StateField, States};
 
 /// The law.
 pub struct ConcreteDamageImplex;
@@ -17,6 +22,8 @@ const LARGEST_EXTRAPOLATED_ETA: f64 = 999_999.0;
 const FADING: f64 = 0.5;
 /// R: of the virgin stiffness of a crack against its opening.
 const RESISTANCE: f64 = 2e-5;
+/// |ε33| of plane stress in units of the largest component of strain: at most 2.5, with ν ≤ ½ and the slip of closed cracks.
+const LARGEST_STRAIN_33: f64 = 4.0;
 
 umat_abi::states! {
     /// The state variables.
@@ -68,7 +75,7 @@ impl State {
     #[inline(always)]
     fn follow(&mut self, implicit: &ImplicitState, stored_energy: f64) {
         let &ImplicitState { eta_t, eta_c, y_t_max, y_c_max, crack_band, strain_33, dissipated_energy, .. } = implicit;
-        let (rate, applied, lag_time, overstress_work) = (self.rate, self.applied, self.lag_time, self.overstress_work);
+        let &mut Self { rate, applied, lag_time, overstress_work, .. } = self;
         *self = Self {
             eta_t,
             eta_c,
@@ -135,51 +142,226 @@ impl Law for ConcreteDamageImplex {
         state: &mut State,
         request: Request,
     ) -> Result<Response, Failure> {
+        state.advance(parameters, increment, None, request)
+    }
+}
+
+/// Rows of [`State`].
+const ROWS: &[StateVariable] = State::TABLE;
+
+impl StateField<14> for State {
+    fn of(values: [f64; 14]) -> Self {
+        Self::read(&values)
+    }
+
+    fn values(&self) -> [f64; 14] {
+        let mut values = [0.0; 14];
+        self.write(&mut values);
+        values
+    }
+}
+
+umat_abi::states! {
+    /// The state variables of a law with cracks of fixed direction.
+    pub struct FixedState {
+        /// n_1 ⊗ n_1 + ½ n_2 ⊗ n_2.
+        pub crack: [f64; 6] =
+            StateVariable::new(c"crack_11", c"-", c"axes of cracks: n1 x n1 + n2 x n2/2").strain_component(1),
+            StateVariable::new(c"crack_22", c"-", c"axes of cracks: n1 x n1 + n2 x n2/2").strain_component(2),
+            StateVariable::new(c"crack_33", c"-", c"axes of cracks: n1 x n1 + n2 x n2/2").strain_component(3),
+            StateVariable::new(c"crack_12", c"-", c"axes of cracks: n1 x n1 + n2 x n2/2, twice").strain_component(4),
+            StateVariable::new(c"crack_13", c"-", c"axes of cracks: n1 x n1 + n2 x n2/2, twice").strain_component(5),
+            StateVariable::new(c"crack_23", c"-", c"axes of cracks: n1 x n1 + n2 x n2/2, twice").strain_component(6);
+        /// Those of cracks that turn.
+        pub turning: State =
+            ROWS[0], ROWS[1], ROWS[2], ROWS[3], ROWS[4], ROWS[5], ROWS[6], ROWS[7], ROWS[8], ROWS[9], ROWS[10], ROWS[11], ROWS[12],
+            ROWS[13];
+    }
+}
+
+/// The law with cracks of fixed direction.
+pub struct ConcreteDamageFixed;
+
+impl Law for ConcreteDamageFixed {
+    const INFO: LawInfo = LawInfo {
+        name: c"concrete_damage_fixed",
+        description: c"Concrete: concrete_damage_implex with cracks of fixed direction",
+        derived: &const { [DerivedOutput::damage(c"D_t", 6), DerivedOutput::damage(c"D_c", 7)] },
+        flags: ConcreteDamageImplex::INFO.flags,
+        ..LawInfo::of::<Parameters, FixedState>()
+    };
+    type Parameters<'p> = Parameters;
+    type State = FixedState;
+
+    #[inline(always)]
+    fn check(parameters: &Parameters) -> Result<(), ConfigurationError> {
+        ConcreteDamageImplex::check(parameters)
+    }
+
+    fn check_characteristic_length(parameters: &Parameters, length: Option<f64>) -> Result<(), ConfigurationError> {
+        parameters.check_characteristic_length(length)
+    }
+
+    #[inline(always)]
+    fn elastic(
+        parameters: &Parameters,
+        increment: &Increment,
+        state: &mut FixedState,
+        request: Request,
+    ) -> Option<Response> {
+        ConcreteDamageImplex::elastic(parameters, increment, &mut state.turning, request)
+    }
+
+    #[inline(never)]
+    fn update(
+        parameters: &Parameters,
+        increment: &Increment,
+        state: &mut FixedState,
+        request: Request,
+    ) -> Result<Response, Failure> {
+        state.turning.advance(parameters, increment, Some(&mut state.crack), request)
+    }
+}
+
+impl State {
+    /// Advances to the end of an increment; a `crack` keeps its direction.
+    #[inline(always)]
+    fn advance(
+        &mut self,
+        parameters: &Parameters,
+        increment: &Increment,
+        crack: Option<&mut [f64; 6]>,
+        request: Request,
+    ) -> Result<Response, Failure> {
+        let state = self;
         let mut implicit = state.implicit();
         if let Some(response) = begin(parameters, increment, &mut implicit, request)? {
             state.follow(&implicit, response.stored_energy);
             return Ok(response);
         }
-        let history = History::of(&implicit);
         let lag_time = increment.time_increment.max(state.lag_time - FADING * increment.time_increment);
         let share = increment.time_increment / lag_time;
-        let reached = [history.tension.eta, history.compression.eta];
+        let reached = [state.eta_t, state.eta_c];
         let applied: [f64; 2] = std::array::from_fn(|i| {
             let eta = extrapolated(reached[i], state.rate[i], increment.time_increment);
             if share < 1.0 { approached(state.applied[i], eta, share) } else { eta }
         });
         let softening = parameters.softening(increment.characteristic_length);
-        let evolve = |strain: &[f64; 3]| Evolution::at_given_damage(parameters, &softening, &history, applied, strain);
-        let point = Point::solve(parameters, evolve, &history, increment, &implicit)?;
+        let end = match &crack {
+            Some(crack) if **crack != [0.0; 6] => {
+                let axes = Spectral::of_strain(crack);
+                End::with_fixed_cracks(parameters, &softening, increment, &implicit, applied, &axes, request)
+            }
+            _ => End::with_turning_crack(parameters, &softening, increment, &implicit, applied, request)?,
+        };
         let resistance = resistance(parameters, increment.stress_state, applied[0], share);
         let resisting = resistance.map(|row| work(&row, &increment.strain_increment));
-        let stress: [f64; 6] = {
-            let stress = point.stress(parameters);
-            std::array::from_fn(|i| stress[i] + resisting[i])
-        };
-        let stored_energy = point.evolution.solid.energy();
+        let stress: [f64; 6] = std::array::from_fn(|i| end.stress[i] + resisting[i]);
         let mean = std::array::from_fn(|i| 0.5 * (increment.stress[i] + stress[i]));
-        let dissipation = work(&mean, &increment.strain_increment) - (stored_energy - state.stored_energy);
+        let dissipation = work(&mean, &increment.strain_increment) - (end.stored_energy - state.stored_energy);
         let tangent = if request.wants_tangent() {
-            let tangent = point.tangent(parameters);
-            std::array::from_fn(|i| std::array::from_fn(|j| tangent[i][j] + resistance[i][j]))
+            std::array::from_fn(|i| std::array::from_fn(|j| end.tangent[i][j] + resistance[i][j]))
         } else {
             [[0.0; 6]; 6]
         };
-        let History { tension, compression } = point.evolution.history;
-        let end = Degraded::new(parameters, tension.eta, compression.eta, &point.axes.values);
-        let overstress: [f64; 6] = {
-            let implicit = point.axes.stress(&end.stress);
-            std::array::from_fn(|i| stress[i] - implicit[i])
-        };
-        point.commit(parameters, increment, &mut implicit, dissipation)?;
-        state.follow(&implicit, stored_energy);
-        let end = [tension.eta, compression.eta];
-        state.rate = std::array::from_fn(|i| (end[i] - reached[i]) / increment.time_increment);
+        let overstress: [f64; 6] = std::array::from_fn(|i| stress[i] - end.implicit_stress[i]);
+        implicit.commit(parameters, increment, &end.history, end.strain_33, dissipation)?;
+        state.follow(&implicit, end.stored_energy);
+        if let Some(crack) = crack
+            && *crack == [0.0; 6]
+            && state.eta_t > 0.0
+        {
+            *crack = end.axes.strain(&[1.0, 0.5, 0.0]);
+        }
+        let grown = [state.eta_t, state.eta_c];
+        state.rate = std::array::from_fn(|i| (grown[i] - reached[i]) / increment.time_increment);
         state.applied = applied;
         state.lag_time = lag_time;
         state.overstress_work += work(&overstress, &increment.strain_increment).abs();
-        Ok(Response { stress, tangent, stored_energy, dissipated_energy: state.dissipated_energy })
+        Ok(Response { stress, tangent, stored_energy: end.stored_energy, dissipated_energy: state.dissipated_energy })
+    }
+}
+
+/// The end of an increment at the applied damage.
+struct End {
+    stress: [f64; 6],
+    tangent: [[f64; 6]; 6],
+    stored_energy: f64,
+    /// Damage that the strain calls for, and the stress with it.
+    history: History,
+    implicit_stress: [f64; 6],
+    strain_33: f64,
+    /// Directions of the cracks.
+    axes: Spectral,
+}
+
+impl End {
+    fn with_turning_crack(
+        parameters: &Parameters,
+        softening: &[Softening; 2],
+        increment: &Increment,
+        state: &ImplicitState,
+        applied: [f64; 2],
+        request: Request,
+    ) -> Result<Self, Failure> {
+        let history = History::of(state);
+        let evolve = |strain: &[f64; 3]| Evolution::at_given_damage(parameters, softening, &history, applied, strain);
+        let point = Point::solve(parameters, evolve, &history, increment, state)?;
+        let history = point.evolution.history;
+        let implicit = Degraded::new(parameters, history.tension.eta, history.compression.eta, &point.axes.values);
+        Ok(Self {
+            stress: point.stress(parameters),
+            tangent: if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] },
+            stored_energy: point.evolution.solid.energy(),
+            history,
+            implicit_stress: point.axes.stress(&implicit.stress),
+            strain_33: point.trial[2],
+            axes: point.axes,
+        })
+    }
+
+    fn with_fixed_cracks(
+        parameters: &Parameters,
+        softening: &[Softening; 2],
+        increment: &Increment,
+        state: &ImplicitState,
+        [eta_t, eta_c]: [f64; 2],
+        axes: &Spectral,
+        request: Request,
+    ) -> Self {
+        let is_plane_stress = increment.stress_state == StressState::PlaneStress;
+        let elasticity = degraded_elasticity(parameters, eta_c);
+        let mut strain = increment.strain;
+        if is_plane_stress {
+            strain[2] = state.strain_33;
+            let size = strain.iter().fold(0.0_f64, |size, e| size.max(e.abs()));
+            let largest = LARGEST_STRAIN_33 * size;
+            strain[2] = bracketed_newton([-largest, largest], state.strain_33, f64::EPSILON * size, |strain_33| {
+                let mut strain = strain;
+                strain[2] = strain_33;
+                let solid = FixedCracks::new(&elasticity, eta_t, axes, &strain);
+                (solid.stress[2], solid.stiffness()[2][2])
+            });
+        }
+        let solid = FixedCracks::new(&elasticity, eta_t, axes, &strain);
+        let mut stress = solid.stress;
+        let tangent = match (request.wants_tangent(), is_plane_stress) {
+            (false, _) => [[0.0; 6]; 6],
+            (true, false) => solid.stiffness(),
+            (true, true) => condense_plane_stress(&solid.stiffness()),
+        };
+        if is_plane_stress {
+            stress[2] = 0.0;
+        }
+        let criteria = Criteria::new(parameters, &Spectral::of_strain(&strain).values);
+        let compressed = FreeCracks::new(&parameters.elasticity, axes, &strain).degradable_energy(parameters);
+        let mut history = History::of(state);
+        history.tension.advance(&softening[0], criteria.tension, 0.0);
+        history.compression.advance(&softening[1], criteria.confined(parameters, compressed), 0.0);
+        let end = degraded_elasticity(parameters, history.compression.eta);
+        let implicit_stress = FixedCracks::new(&end, history.tension.eta, axes, &strain).stress;
+        let (stored_energy, strain_33) = (solid.energy(), strain[2]);
+        Self { stress, tangent, stored_energy, history, implicit_stress, strain_33, axes: *axes }
     }
 }
 

@@ -5,6 +5,7 @@ mod crack_band;
 mod criteria;
 mod dissipation;
 mod evolution;
+mod fixed_crack;
 mod implex;
 mod inelastic;
 mod plane_stress;
@@ -23,7 +24,7 @@ use stress_and_tangent::Point;
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response};
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
 
-pub use implex::ConcreteDamageImplex;
+pub use implex::{ConcreteDamageFixed, ConcreteDamageImplex};
 
 umat_abi::parameters! {
     /// The parameters.

@@ -195,7 +195,7 @@ pub(super) fn elastic_response(
 /// The end of an increment, in the principal axes of the trial strain.
 pub(super) struct Point {
     /// ε − ε_p,n, ε33 found.
-    trial: [f64; 6],
+    pub trial: [f64; 6],
     pub axes: Spectral,
     /// Position of direction 3 among the axes, in plane stress.
     pub normal: Option<usize>,
@@ -264,14 +264,8 @@ impl Point {
         state: &mut State,
         dissipation: f64,
     ) -> Result<(), Failure> {
-        let History { tension, compression } = self.evolution.history;
-        if !(tension.eta + compression.eta + dissipation).is_finite() {
-            parameters.check_characteristic_length(increment.characteristic_length)?;
-        }
-        (state.eta_t, state.eta_c) = (tension.eta, compression.eta);
-        (state.y_t_max, state.y_c_max) = (tension.maximum, compression.maximum);
-        state.crack_band = f64::from(u8::from(parameters.wants_crack_band()));
-        state.strain_33 = self.trial[2] + state.inelastic_strain[2];
+        let strain_33 = self.trial[2] + state.inelastic_strain[2];
+        state.commit(parameters, increment, &self.evolution.history, strain_33, dissipation)?;
         if let Some(flow) = &self.evolution.flow {
             let principal = std::array::from_fn(|i| flow.tension[i] + flow.compression[i]);
             let inelastic = self.axes.strain(&principal);
@@ -279,7 +273,33 @@ impl Point {
                 state.inelastic_strain[i] += inelastic[i];
             }
         }
-        state.dissipated_energy += dissipation;
+        Ok(())
+    }
+}
+
+impl State {
+    /// Takes over a history, ε33 and what an increment dissipated.
+    ///
+    /// # Errors
+    /// A characteristic length that grew beyond its limit behind the first call: damage is NaN there.
+    #[inline]
+    pub(super) fn commit(
+        &mut self,
+        parameters: &Parameters,
+        increment: &Increment,
+        history: &History,
+        strain_33: f64,
+        dissipation: f64,
+    ) -> Result<(), Failure> {
+        let History { tension, compression } = history;
+        if !(tension.eta + compression.eta + dissipation).is_finite() {
+            parameters.check_characteristic_length(increment.characteristic_length)?;
+        }
+        (self.eta_t, self.eta_c) = (tension.eta, compression.eta);
+        (self.y_t_max, self.y_c_max) = (tension.maximum, compression.maximum);
+        self.crack_band = f64::from(u8::from(parameters.wants_crack_band()));
+        self.strain_33 = strain_33;
+        self.dissipated_energy += dissipation;
         Ok(())
     }
 }

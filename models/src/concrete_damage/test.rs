@@ -4,6 +4,7 @@
 mod crack_band;
 mod energy;
 mod extremes;
+mod fixed_crack;
 mod implex;
 mod strength;
 

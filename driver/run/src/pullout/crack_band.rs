@@ -48,7 +48,8 @@ pub fn warnings(model: &Model, solids: &Solids) -> Vec<String> {
     let across = told(share(&|_, crack| crack.angle > ALONG)).map(|share| {
         format!(
             "crack band: {share} % of the damage is in elements that cracks cross at more than {ALONG}° to their edges, where they \
-             lock: T6 dissipate up to 1.5 times the fracture energy, others up to twice (with edges along the crack they do not)"
+             lock: T6 dissipate up to 1.5 times the fracture energy, others up to twice (with edges along the crack they do not; \
+             T6 stay within 15 % with concrete_damage_fixed)"
         )
     });
     let in_part = told(share(&|kind, crack| kind == ElementKind::Q8 && crack.open < OPEN_IN_PART)).map(|share| {

@@ -3,7 +3,7 @@
 
 use models::biaxial_damage::BiaxialDamage;
 use models::bond_slip::BondSlip;
-use models::concrete_damage::{ConcreteDamage, ConcreteDamageImplex};
+use models::concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex};
 use models::drucker_prager::DruckerPrager;
 use models::inelastic_damage::InelasticDamage;
 use models::j2_plasticity::J2Plasticity;
@@ -20,6 +20,7 @@ umat_abi::export_library!(
         BiaxialDamage => "biaxial_damage",
         ConcreteDamage => "concrete_damage",
         ConcreteDamageImplex => "concrete_damage_implex",
+        ConcreteDamageFixed => "concrete_damage_fixed",
         J2Plasticity => "j2_plasticity",
         DruckerPrager => "drucker_prager",
     ],
