@@ -60,11 +60,6 @@ def _text(value: Any, place: str = "$") -> str:
         raise CaseError(list(_wrong_numbers(value, place)) or str(error)) from None
 
 
-def dotted(path: str) -> str:
-    """A place as changes name it, ``steps.0.increments``, also of ``$.steps[0].increments``."""
-    return path.removeprefix("$.").replace("[", ".").replace("]", "")
-
-
 class Case:
     """A case file, or a case as a dictionary as `the case format <case-format>` has it. A file is read once, here; files that it names
     are read by each run.
@@ -102,7 +97,7 @@ class Case:
     def with_(self, changes: Mapping[str, Any]) -> Case:
         """The same case with other values: ``{"material.props.E": 2e5, "steps[0].increments": 10}``."""
         changed = Case(self)
-        changed._overrides += [f"{dotted(path)}={_text(value, path)}" for path, value in changes.items()]
+        changed._overrides += [f"{_core.dotted(path)}={_text(value, path)}" for path, value in changes.items()]
         return changed
 
     @property
@@ -118,15 +113,6 @@ class Case:
         of their own is checked there when it runs.
         """
         return list(_core.check(self._parts()))
-
-    def _is_on_file(self) -> bool:
-        """Whether it has a file, and that still has the document."""
-        if self._file is None:
-            return False
-        try:
-            return _core.document((self._file, None, self._folder, [], [])) == self._document
-        except CaseError:
-            return False
 
     def _parts(self) -> tuple[Path | None, str | None, Path, list[str], list[Path]]:
         return self._file, self._document, self._folder, self._overrides, self._plugin_paths

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .case import Case, CaseLike, array_of, dotted
+from .case import Case, CaseLike, array_of
 from .errors import CaseError, PulloutError, RunFailed
 from .run import Run, run
 
@@ -83,7 +83,7 @@ class Model:
         self.case = Case(case)
         self.names = list(parameters)
         self._paths = [free if isinstance(free, str) else free[0] for free in parameters.values()]
-        places = [dotted(path) for path in self._paths]
+        places = [_core.dotted(path) for path in self._paths]
         twice = [(f"parameters[{name!r}]", f"has the place of {self.names[places.index(place)]!r}") for k, (name, place) in
                  enumerate(zip(self.names, places)) if place in places[:k]]
         if twice:
@@ -242,8 +242,10 @@ class Model:
             return f"the run begins at {name} {begin:g}, the data also have {wanted:g}"
         return f"the run ends at {name} {end:g}, the data go on to {wanted:g}"
 
-    def fit(self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, **options: Any) -> Fit:
+    def fit(self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, *, starts: int = 1, **options: Any) -> Fit:
         """The parameters that fit data best, by ``scipy.optimize.least_squares`` (``options`` are its own).
+
+        ``starts``: places to search from, ``x0`` and others between the ``bounds``, those of ``pullout fit``; the best end counts.
 
         The covariance is that of errors of ``sigma`` each; without it, of errors as large as the differences that are left, as
         ``pullout fit`` has it.
@@ -291,7 +293,24 @@ class Model:
         with np.errstate(divide="ignore"):
             # of what is positive
             limits = [inner(np.where(logarithmic, np.maximum(lower, 0.0), lower)), inner(upper)]
-        found = least_squares(residual, inner(start), derivatives, bounds=(limits[0], limits[1]), x_scale="jac", **options)
+        unbounded = [name for name, bound in zip(self.names, self.bounds) if not np.all(np.isfinite(bound))]
+        if starts > 1 and unbounded:
+            raise CaseError([("starts", f"lie between bounds: give those of {', '.join(unbounded)}")])
+
+        def search(begin: Array) -> Any:
+            return least_squares(residual, inner(begin), derivatives, bounds=(limits[0], limits[1]), x_scale="jac", **options)
+
+        found = search(start)
+        of_derivatives = int(found.njev or 0)
+        for number in range(1, starts):
+            begin = np.array(_core.place_between(np.transpose([outer(limit) for limit in limits]).tolist(), number))
+            try:
+                other = search(begin)
+            except (PulloutError, ValueError):
+                # the case does not run there
+                continue
+            of_derivatives += int(other.njev or 0)
+            found = min(found, other, key=lambda end: float(end.cost))
         values = outer(found.x)
         jacobian = np.asarray(found.jac) / np.where(logarithmic, values, 1.0)
         scatter = 1.0 if sigma is not None else float(np.sqrt(2.0 * found.cost / freedom))
@@ -309,7 +328,7 @@ class Model:
             correlations,
             [name for name, is_unknown in zip(self.names, unknown) if is_unknown],
             float(found.cost),
-            runs + int(found.njev or 0) * (1 + len(self.names)),
+            runs + of_derivatives * (1 + len(self.names)),
             on_bound,
         )
 
@@ -407,7 +426,7 @@ def _covariance(jacobian: Array, values: Array, scatter: float) -> tuple[Array, 
 
 def _number(document: Any, path: str) -> float:
     """The number at a place of a case: ``steps[0].target.e11``."""
-    for part in dotted(path).split("."):
+    for part in _core.dotted(path).split("."):
         try:
             document = document[int(part)] if isinstance(document, list) else document[part]
         except (KeyError, IndexError, ValueError, TypeError):

@@ -84,7 +84,7 @@ def sweep(
     paths = [f"--plugin-path={path}" for path in made._plugin_paths]
     text = _text({"title": folder.name, **document})
     # names of files are relative to the folder of the case
-    _call("plan", STREAM, "--out", os.fspath(folder), *paths, document=text, place=made._folder)
+    _call("plan", STREAM, "--out", os.fspath(folder), *paths, document=text, of=made)
     planned = Sweep(out)
     if executor is not None:
         planned.work(executor, workers=workers, chunk_runs=chunk_runs, progress=progress)
@@ -194,8 +194,8 @@ def _document(
     work_to: float | None,
 ) -> dict[str, Any]:
     """The sweep file."""
-    file, text, _, overrides, _ = case._parts()
-    document: dict[str, Any] = {"kind": "sweep", "base": os.fspath(file) if file is not None and case._is_on_file() else json.loads(text or "{}")}
+    _, text, _, overrides, _ = case._parts()
+    document: dict[str, Any] = {"kind": "sweep", "base": json.loads(text or "{}")}
     changes = (override.split("=", 1) for override in overrides)
     if overrides:
         document["set"] = {path: json.loads(value) for path, value in changes}
@@ -244,8 +244,8 @@ def _work(folder: str, part: int, parts: int, options: list[str]) -> None:
     _call("work", folder, f"--chunk={part}/{parts}", "--jobs=1", "--quiet", *options)
 
 
-def _call(*arguments: str, shown: bool = False, document: str = "", place: Path | None = None) -> str:
-    """What `pullout sweep` says; a document is what it reads from :data:`STREAM`, in the folder ``place``."""
+def _call(*arguments: str, shown: bool = False, document: str = "", of: Case | None = None) -> str:
+    """What `pullout sweep` says; a document, ``of`` a case, is what it reads from :data:`STREAM`, in the case's folder."""
     from . import program
 
     executable = program()
@@ -254,13 +254,14 @@ def _call(*arguments: str, shown: bool = False, document: str = "", place: Path 
     done = subprocess.run(
         [executable, "sweep", *arguments],
         input=document,
-        cwd=place,
+        cwd=of and of._folder,
         stdout=None if shown else subprocess.PIPE,
         stderr=subprocess.PIPE,
         encoding="utf-8",
     )
     # nobody knows the document by this name
-    words = done.stderr.replace(f"{STREAM}: ", "").strip()
+    name = f"{of._file}: " if of is not None and of._file is not None else ""
+    words = done.stderr.replace(f"{STREAM}: ", name).strip()
     if done.returncode == 2:
         raise CaseError(words)
     if done.returncode != 0:

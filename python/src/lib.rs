@@ -11,7 +11,7 @@ mod _core {
     #[pymodule_export]
     use super::law::{Plugin, find, is_shipped, plugins, sha256};
     #[pymodule_export]
-    use super::run::{Trail, check, document, main, program, run, schema, set_program, unit};
+    use super::run::{Trail, check, document, dotted, main, place_between, program, run, schema, set_program, unit};
 
     /// The package's version.
     #[pymodule_export]

@@ -93,6 +93,18 @@ pub fn document(case: Parts) -> PyResult<String> {
     })
 }
 
+/// A place as changes name it, `steps.0.increments`, also of `$.steps[0].increments`.
+#[pyfunction]
+pub fn dotted(path: &str) -> String {
+    pullout_case::dotted(path)
+}
+
+/// Place `number`, from 1, of those between bounds from which a fit is searched.
+#[pyfunction]
+pub fn place_between(bounds: Vec<[f64; 2]>, number: usize) -> Vec<f64> {
+    pullout_fit::place_between(&bounds, number)
+}
+
 /// The schema of cases, as JSON.
 #[pyfunction]
 pub fn schema() -> PyResult<String> {

@@ -172,6 +172,27 @@ def test_a_fit_finds_what_was_put_in_and_says_what_it_cannot_know() -> None:
     assert set(model().fit(target, sigma=0.01).not_identifiable) == {"E", "nu"}
 
 
+def test_a_fit_from_several_places_takes_the_best_end() -> None:
+    pytest.importorskip("scipy")
+    made = po.Model(BAR, {"nu": "material.props.nu"}, ("e11", "s11"), GRID, bounds={"nu": (-0.6, 0.45)})
+    # (1 - nu)/(1 + nu)/(1 - 2 nu) is least at 0: from below, the way leads to the lower bound
+    target = oedometer(100.0, 0.4)
+    one = made.fit(target, sigma=1.0, x0=[-0.3])
+    four = made.fit(target, sigma=1.0, x0=[-0.3], starts=4)
+    assert one.on_bound == {"nu": -0.6} and four.values["nu"] == pytest.approx(0.4, rel=1e-6)
+    assert four.evaluations > one.evaluations
+    with pytest.raises(po.CaseError, match="starts: lie between bounds: give those of E"):
+        po.Model(BAR, PARAMETERS, ("e11", "s11"), GRID, bounds={"nu": (0.0, 0.4)}).fit(target, starts=2)
+
+
+def test_places_have_one_meaning() -> None:
+    from pullout_fe import _core
+
+    # as the program reads them: what is no index is a key
+    for path, dotted in [("$.steps[0].target", "steps.0.target"), ("a[-1]", "a[-1]"), ("a['b']", "a['b']")]:
+        assert _core.dotted(path) == dotted
+
+
 @pytest.mark.slow
 def test_the_program_fits_to_the_same_values(tmp_path: Path) -> None:
     pytest.importorskip("scipy")

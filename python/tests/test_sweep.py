@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 from concurrent.futures import ThreadPoolExecutor
@@ -31,6 +32,17 @@ def test_a_plan_refuses_what_is_wrong_with_it(tmp_path: Path) -> None:
         po.sweep(BASE, [], out=tmp_path / "sweep")
     with pytest.raises(po.CaseError, match="no column 's1'"):
         po.sweep(BASE, DESIGN, out=tmp_path / "sweep", quantities={"q": {"column": "s1"}})
+
+
+def test_a_plan_names_the_file_of_its_case(tmp_path: Path) -> None:
+    file = tmp_path / "bar.json"
+    file.write_text(json.dumps(BASE.document))
+    case = po.Case(file)
+    with pytest.raises(po.CaseError, match="bar.json: .*props.EE"):
+        po.sweep(case, {"material.props.EE": [1.0]}, out=tmp_path / "sweep")
+    # what is written into it from now on changes nothing
+    file.write_text("{}")
+    assert po.sweep(case, {"material.props.E": [3e4]}, out=tmp_path / "sweep").status()["done"] == 1
 
 
 def test_a_sweep_is_planned_and_worked_off_later(tmp_path: Path) -> None:

@@ -53,7 +53,7 @@ fn uinter() -> Maker {
         call.rdisp = [0.0, 0.01, 0.0];
         call.drdisp = call.rdisp;
         Box::new(move || {
-            call.traction_mut().fill(0.0);
+            call.stress_mut().fill(0.0);
             call.statev_mut().fill(0.0);
             black_box(call.call()).expect("no overrun");
         })

@@ -1,9 +1,10 @@
 //! `libpullout_laws.so`: one `umat_` for all laws; CMNAME tells them apart.
 
 use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, sample, strain_path};
+use umat_abi::batch::UmatBatch;
 use umat_abi::host::Library;
 use umat_abi::law::StressState;
-use umat_abi::metadata::{Plugin, UmatBatch};
+use umat_abi::metadata::Plugin;
 
 fn library() -> Library {
     end_to_end_tests::open(&plugin("pullout_laws"))

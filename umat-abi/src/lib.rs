@@ -1,6 +1,6 @@
 //! The contract between constitutive laws and the programs that call them.
 //!
-//! - [`umat`], [`fric`], [`uinter`]: the three entry points exactly as gfortran passes them.
+//! - [`umat`], [`fric`], [`uinter`]: the three entry points exactly as gfortran passes them; [`batch`]: UMAT for many points.
 //! - [`law`]: what a law is in Rust: pure functions and one table.
 //! - [`table`]: the macros that make its parameters and states of one table.
 //! - [`metadata`]: the optional self-description of a plugin, `pullout_plugin_v1`.
@@ -8,6 +8,7 @@
 //!   [`export_library!`]).
 //! - `host` (feature `host`): finding, loading and calling any such library.
 
+pub mod batch;
 pub mod export;
 mod floating_point;
 pub mod fric;

@@ -432,7 +432,7 @@ pub type Validate = unsafe extern "C" fn(
     capacity: usize,
 ) -> i32;
 
-/// Symbol of the function that updates many points in one call, in libraries of one law of solids: [`UmatBatch`]. Under the unique name
+/// Symbol of the function that updates many points in one call, in libraries of one law of solids: `UmatBatch`. Under the unique name
 /// `<law>_umat_batch_v1` it is in these and in the library of all laws.
 pub const BATCH_SYMBOL: &str = "pullout_umat_batch_v1";
 
@@ -445,28 +445,6 @@ pub mod batch_results {
     /// Parameters, counts or characteristic length are wrong: STRESS and DDSDDE are NaN.
     pub const REFUSED: i32 = 2;
 }
-
-/// `pullout_umat_batch_v1`: UMAT for `n` points with the same parameters, to the same bits as `n` calls of `umat_` with
-/// DROT = 1. Arrays hold `n` values of the first component, then `n` of the second, and so on: `strain` (at the start),
-/// `dstrain` and `stress` for `ntens` components, `statev` for `nstatv`, `ddsdde` for `ntens`·`ntens` (column by column; NULL:
-/// stress only). `celent` has `n` values or is NULL; `status` has `n`: [`batch_results`]. No allocation; any thread.
-///
-/// In libraries of one law; where several are linked, or the library of all laws, `<law>_umat_batch_v1` is the name.
-pub type UmatBatch = unsafe extern "C" fn(
-    n: usize,
-    ntens: i32,
-    ndi: i32,
-    props: *const f64,
-    nprops: i32,
-    strain: *const f64,
-    dstrain: *const f64,
-    stress: *mut f64,
-    statev: *mut f64,
-    nstatv: i32,
-    ddsdde: *mut f64,
-    celent: *const f64,
-    status: *mut i32,
-);
 
 /// The description of one law in a library.
 #[repr(C)]

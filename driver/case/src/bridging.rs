@@ -318,7 +318,7 @@ fn sampled(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre) -> Opt
             return Some(BondLaw { points });
         }
         if points.len() + middles.len() > MOST_SLIPS {
-            reader.warnings.push(format!(
+            reader.warn(format!(
                 "{}: the law turns more often than {MOST_SLIPS} slips can follow: straight lines between {} stand for it",
                 law_place().in_words(),
                 points.len(),

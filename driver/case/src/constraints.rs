@@ -49,7 +49,7 @@ pub fn assign(
         chosen = set;
         if regular.len() > 1 && count == constraints.len() {
             let names: Vec<&str> = members(set).map(|i| STRESS_NAMES[i]).collect();
-            reader.warnings.push(format!(
+            reader.warn(format!(
                 "{place}: the constraints could take the place of different stress-free components; chosen: {}",
                 names.join(", ")
             ));

@@ -228,7 +228,6 @@ pub struct Material {
     pub entry: Option<Entry>,
     /// Run the case in a process of its own, so that a plugin that ends or blocks it is reported from outside. Default:
     /// unless all plugins were built with the program; false is granted by --in-process only.
-    #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub isolate: Option<bool>,
     /// Components with which the UMAT is called in a plane: "3d" with NTENS 6 (in plane stress the program finds e33),
     /// "plane" with NTENS 4 or 3. Default: as the law needs; for a library without metadata, calls at a virgin point
@@ -241,7 +240,6 @@ pub struct Material {
     /// A library without metadata may be called by several threads at once.
     pub thread_safe: Option<bool>,
     /// Longest time of one call of an isolated plugin, s (default 60).
-    #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub call_time_limit_s: Option<Positive>,
 }
 

@@ -4,6 +4,7 @@ use crate::document::{CalledAs, Entry, Material, Piece, Positive, Props, Tangent
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;
 use crate::reader::Reader;
+use pullout_run::isolation::worker;
 use pullout_run::program::Mode;
 use std::path::{Path, PathBuf};
 use umat_abi::host::{self, Found, Law, Library, LoadError, Manner, Plugin, TangentSource, Validation};
@@ -86,9 +87,15 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
     }
     let path = locate(reader, &material.plugin, &place_of_plugin)?;
     let mut library = open(reader, &path, place_of_plugin.clone())?;
-    if material.thread_safe == Some(true) {
+    if material.thread_safe.is_some() && library.is_thread_safe() {
+        reader.warn_no_effect(&place.key("thread_safe"), "the library says itself that several threads may call it");
+    } else if material.thread_safe == Some(true) {
         // SAFETY: the case vouches for it.
         library = unsafe { library.thread_safe() };
+    }
+    if material.call_time_limit_s.is_some() && material.isolate != Some(true) && !worker::is_this_process() {
+        let reason = "the plugin runs in the program's own process; \"isolate\": true gives it one of its own";
+        reader.warn_no_effect(&place.key("call_time_limit_s"), reason);
     }
     let law = choose_law(reader, &library, material, place)?;
     let manner = manner(reader, material, place, &purpose);
@@ -127,27 +134,26 @@ pub fn tell_initial_values(reader: &mut Reader<'_>, library: &Library, given: [b
             _ => continue,
         };
         let warning = format!("{}: its {} {what}", library.path().display(), routine.symbol.to_uppercase());
-        if !reader.warnings.contains(&warning) {
-            reader.warnings.push(warning);
-        }
+        reader.warn(warning);
     }
 }
 
 /// Loads a library, each file once in a case.
 fn open(reader: &mut Reader<'_>, path: &Path, place: Place) -> Option<Library> {
-    if let Some(library) = reader.libraries.get(path) {
+    let file = host::real_path(path);
+    if let Some(library) = reader.libraries.get(&file) {
         return Some(library.clone());
     }
     let library = pullout_run::isolation::load(path)
         .map_err(|error| reader.problems.push(Problem::plugin(place, error.to_string())))
         .ok()?;
     if library.changes_floating_point() {
-        reader.warnings.push(format!(
+        reader.warn(format!(
             "{}: loading it switched the processor's floating-point modes (flush to zero); they were restored",
             path.display()
         ));
     }
-    reader.libraries.insert(path.to_owned(), library.clone());
+    reader.libraries.insert(file, library.clone());
     Some(library)
 }
 
@@ -303,7 +309,14 @@ fn nstatv(reader: &mut Reader<'_>, law: Option<&Law>, material: &Material, place
             reader.problem(&place.key("nstatv"), format!("{name} needs {needed} state variables, {given} given"));
             Some(needed)
         }
-        (Some((needed, _)), given) => Some(given.unwrap_or(needed)),
+        (Some((needed, name)), Some(given)) => {
+            if given > needed {
+                let reason = format!("{name} has {needed} state variables; the others stay as they are");
+                reader.warn_no_effect(&place.key("nstatv"), reason);
+            }
+            Some(given)
+        }
+        (Some((needed, _)), None) => Some(needed),
         (None, given) => given,
     }
 }
@@ -361,7 +374,7 @@ fn properties(
 
 fn note_filling(reader: &mut Reader<'_>, law: &Law, k: usize, value: f64) {
     let name = &law.parameters[k].name;
-    reader.warnings.push(format!(
+    reader.warn(format!(
         "material.props.{name} is 0, which leaves it to the host: {value} MPa/mm is used (where the law has a use for it)"
     ));
 }

@@ -116,7 +116,7 @@ fn check_thickness(reader: &mut Reader<'_>, plugin: &Plugin, measure: Measure) {
     match (measure, goes_through_six) {
         (_, None) => {}
         (Measure::Nominal, _) => reader.problem(&Place::root().key("measure"), untold_nominal(&plugin.name)),
-        (Measure::Logarithmic, _) => reader.warnings.push(untold_thickness(&plugin.name)),
+        (Measure::Logarithmic, _) => reader.warn(untold_thickness(&plugin.name)),
     }
 }
 
@@ -264,9 +264,7 @@ pub fn read_table(reader: &mut Reader<'_>, path: &std::path::Path, names: &[&str
     let table = reader.without_problems(Table::read(path, names), place)?;
     if table.starts_at_zero {
         let message = format!("{}: the first row is at time 0: its increment takes no time", path.display());
-        if !reader.warnings.contains(&message) {
-            reader.warnings.push(message);
-        }
+        reader.warn(message);
     }
     Some(table)
 }

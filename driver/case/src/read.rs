@@ -356,7 +356,7 @@ fn finish<S>(
     let about = history::about(reader, path, head, course.until.as_ref(), resolved.columns.as_deref());
     let output = reader.optional(given.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
     if output.vtu == Some(true) {
-        reader.warnings.push("output.vtu: a case of this kind has no mesh; no VTU file is written".into());
+        reader.warn("output.vtu: a case of this kind has no mesh; no VTU file is written".into());
     }
     let limits = reader.optional(given.controls.as_ref(), &root.key("controls")).cloned().unwrap_or_default();
     let default = program::Controls::default();

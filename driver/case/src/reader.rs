@@ -4,6 +4,7 @@ use crate::document::Piece;
 use crate::problem::{Place, Problem};
 use crate::structure::Structure;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use umat_abi::host::Library;
 
@@ -61,15 +62,27 @@ impl<'a> Reader<'a> {
         let warning = format!(
             "{what} = {value}{unit} is outside the usual range, {lower} to {upper}{unit}: is it in units of N, mm, MPa?"
         );
+        self.warn(warning);
+    }
+
+    /// Warns of something, once: what several places have in common is told at each of them.
+    pub(crate) fn warn(&mut self, warning: String) {
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
     }
 
+    /// Warns of a key without effect.
+    pub(crate) fn warn_no_effect(&mut self, place: &Place, reason: impl Display) {
+        self.warn(format!("{place}: has no effect: {reason}"));
+    }
+
     /// Notes the names and values that a place of the case leaves to defaults.
     pub(crate) fn note_defaults(&mut self, place: &Place, taken: &[String]) {
-        if !taken.is_empty() {
-            self.defaults.push(format!("{}: {}", place.in_words(), taken.join(", ")));
+        let line = format!("{}: {}", place.in_words(), taken.join(", "));
+        // a law of contact is read for each kind of surface
+        if !taken.is_empty() && !self.defaults.contains(&line) {
+            self.defaults.push(line);
         }
     }
 

@@ -7,7 +7,7 @@ use crate::reader::Reader;
 use crate::{history, increments};
 use boundary::Boundary;
 use fe_core::mesh::{Element, Mesh};
-use fe_core::model::{Controls, Model, Skipping, Spalling};
+use fe_core::model::{Controls, Model, PluginLaw, Skipping, Spalling};
 use fe_core::stepping::Analysis;
 use fe_core::threads::Threads;
 use mesh::Ground;
@@ -59,7 +59,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     }
     let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
     if output.pictures_at.is_some() && output.plots == Some(false) {
-        reader.warnings.push("$.output.pictures_at: has no effect: the case has \"plots\": false".into());
+        reader.warn_no_effect(&root.key("output").key("pictures_at"), "the case has \"plots\": false");
     }
     let number = |n: crate::document::Increments| usize::try_from(n.0).unwrap_or(usize::MAX);
     let controls = controls(reader, case);
@@ -72,7 +72,6 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         |node: usize| mesh.elements().iter().find(|element| element.nodes().contains(&node)).map(Element::part);
     measured.part = measured.tail_node.and_then(part_at);
     for fibre in &mut measured.fibres {
-        fibre.part = part_at(fibre.tail_node);
         let prefix = format!("fibre.{}.", fibre.name);
         let own = lines.keys().enumerate().filter(|(_, master)| master.starts_with(&prefix));
         fibre.lines = own.map(|(line, _)| line).collect();
@@ -82,7 +81,20 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let yields = |part: Option<usize>| part.is_some_and(|part| parts.laws[part].equivalent_plastic_strain().is_some());
     let mut pulled = measured.fibres.iter().map(|fibre| fibre.part).chain([measured.part]);
     if output.rupture_strain.is_some() && !pulled.any(yields) {
-        reader.warnings.push("$.output.rupture_strain: has no effect: no law of a fibre has the state 'peeq'".into());
+        let reason = "no law of a fibre has the state 'peeq'";
+        reader.warn_no_effect(&root.key("output").key("rupture_strain"), reason);
+    }
+    let stabilises = controls.relaxation_time > 0.0 || parts.laws.iter().any(|law| law.overstress_work().is_some());
+    if controls.max_stabilisation_share.is_finite() && !stabilises {
+        let reason = "nothing is stabilised: there is no relaxation_time, and no law extrapolates";
+        reader.warn_no_effect(&root.key("controls").key("max_stabilisation_share"), reason);
+    }
+    if controls.relaxation_time > 0.0 && !parts.laws.iter().any(PluginLaw::may_lose_stability) {
+        let reason = "no law of a part may soften, and all tangents are symmetric";
+        reader.warn_no_effect(&root.key("controls").key("relaxation_time"), reason);
+    }
+    if controls.spalling.is_some() && !parts.laws.iter().any(PluginLaw::damages) {
+        reader.warn_no_effect(&root.key("spalling"), "no law of a part has damage");
     }
     let nlgeom: Vec<bool> = parts.nlgeom.into_iter().map(|of_part| of_part.unwrap_or(nlgeom)).collect();
     for pair in &mut contacts {
@@ -242,7 +254,7 @@ fn skipping(reader: &mut Reader<'_>, case: &PulloutCase) -> Skipping {
     if let Some(document::Skip::Items(items)) = skip {
         let gone = [("unused_tangents", items.unused_tangents), ("symmetric_solver", items.symmetric_solver)];
         for (name, _) in gone.iter().filter(|(_, given)| given.is_some()) {
-            reader.warnings.push(format!("{}: has no effect any more", place.key(name)));
+            reader.warn(format!("{}: has no effect any more", place.key(name)));
         }
     }
     match skip {

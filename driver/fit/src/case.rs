@@ -106,10 +106,11 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
     let scale = data.iter().fold(0.0_f64, |greatest, row| greatest.max(row[1].abs()));
     let fitted = Fitted { request, data: &data, scale };
     let mut problem = Search::new(&fitted, request.max_runs, 0, progress);
+    let bounds: Vec<[f64; 2]> = request.free.iter().map(|free| free.bounds).collect();
     let mut ends: Vec<(Best<Computed>, Option<String>)> = Vec::new();
     let mut searches = 0;
     while searches < request.starts.max(1) && (searches == 0 || problem.may_run(1 + starts.len())) {
-        let start = if searches == 0 { starts.clone() } else { between(&request.free, searches) };
+        let start = if searches == 0 { starts.clone() } else { place_between(&bounds, searches) };
         searches += 1;
         let sought: Vec<f64> = start.iter().zip(&request.free).map(|(value, free)| free.sought(*value)).collect();
         match problem.begin(&sought) {
@@ -163,14 +164,13 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
 
 /// Place `number`, from 1, of a sequence that fills what lies between the bounds evenly: multiples of powers of 1/φ with
 /// φ^(n + 1) = φ + 1 for n numbers, the golden ratio of one (M. Roberts, 2018).
-fn between(free: &[Free], number: usize) -> Vec<f64> {
-    let ratio = (0..64).fold(2.0_f64, |ratio, _| (1.0 + ratio).powf(1.0 / (free.len() as f64 + 1.0)));
-    let place = |(k, free): (usize, &Free)| {
+pub fn place_between(bounds: &[[f64; 2]], number: usize) -> Vec<f64> {
+    let ratio = (0..64).fold(2.0_f64, |ratio, _| (1.0 + ratio).powf(1.0 / (bounds.len() as f64 + 1.0)));
+    let place = |(k, &[low, high]): (usize, &[f64; 2])| {
         let part = (0.5 + number as f64 * ratio.powi(-(k as i32 + 1))).fract();
-        let [low, high] = free.bounds;
         if low > 0.0 && high > WIDE * low { low * (high / low).powf(part) } else { low + part * (high - low) }
     };
-    free.iter().enumerate().map(place).collect()
+    bounds.iter().enumerate().map(place).collect()
 }
 
 fn size(value: f64) -> f64 {

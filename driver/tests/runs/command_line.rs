@@ -288,6 +288,16 @@ fn every_shipped_law_passes_the_check() {
     let arguments = ["plugin", "check", "concrete_damage", "--states", "60", "--case", case.to_str().expect("UTF-8")];
     desk.pullout(arguments).expect(0);
     desk.pullout(["plugin", "check", "pure_damage", "--case", case.to_str().expect("UTF-8")]).expect(2);
+    // the case's library, spelled in another way
+    let library = end_to_end_tests::plugin("linear_elastic");
+    std::fs::create_dir(desk.path("lib")).expect("a folder");
+    std::fs::copy(&library, desk.path("lib").join(library.file_name().expect("a name"))).expect("a copy");
+    let [name, other] = ["./lib", "./lib/../lib"]
+        .map(|folder| format!("{folder}/{}", library.file_name().expect("a name").to_string_lossy()));
+    let mut case = elastic();
+    case["material"]["plugin"] = json!(name);
+    desk.case("spelled.json", &case);
+    desk.pullout(["plugin", "check", &other, "--states", "20", "--case", "spelled.json"]).expect(0);
 }
 
 #[test]

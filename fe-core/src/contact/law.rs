@@ -241,7 +241,7 @@ fn uinter(
     let penetration = shift(&end.normal) - situation.gap;
     call.rdisp = [penetration, situation.slip, 0.0];
     call.drdisp = [penetration - (shift(&start.normal) - start.gap), situation.slip - start.slip, 0.0];
-    call.traction_mut().copy_from_slice(&[start.pressure, start.shear]);
+    call.stress_mut().copy_from_slice(&[start.pressure, start.shear]);
     call.statev_mut().copy_from_slice(situation.start_statev);
     call.energies = start.plugin_energies;
     call.flags = start.flags;
@@ -256,7 +256,7 @@ fn uinter(
     call.node = number_of(situation.index);
     let outcome = call.call();
     judge(outcome, call.not_finite().or_else(|| call.moduli_not_finite())).map_err(failed)?;
-    [end.pressure, end.shear] = [call.traction()[0], call.traction()[1]];
+    [end.pressure, end.shear] = [call.stress()[0], call.stress()[1]];
     statev.copy_from_slice(call.statev());
     (end.plugin_energies, end.flags) = (call.energies, call.flags);
     let tangent = [0, 1].map(|row| [0, 1].map(|column| call.tangent(row, column)));
@@ -306,7 +306,7 @@ fn fric(
     call.dgam = [slip_increment, 0.0];
     call.slip = [start.inelastic_slip, 0.0];
     call.pressure = [normal.pressure, normal.pressure - start.pressure];
-    call.traction_mut()[0] = start.shear;
+    call.stress_mut()[0] = start.shear;
     call.statev_mut().copy_from_slice(situation.start_statev);
     call.energies = [start.plugin_energies[0], start.plugin_energies[1]];
     call.time = end_times(context);
@@ -324,7 +324,7 @@ fn fric(
     let answer = call.answer().map_err(|reason| Setback { reason, fraction: None })?;
     let (by_slip, by_pressure) = match answer {
         FricAnswer::Tractions => {
-            end.shear = call.traction()[0];
+            end.shear = call.stress()[0];
             end.inelastic_slip = start.inelastic_slip + call.dslip[0];
             (call.tangent(0, 0), call.pressure_tangent[0])
         }

@@ -59,6 +59,36 @@ impl PluginLaw {
         self.law.as_ref().is_some_and(|law| law.has(flags::SYMMETRIC_TANGENT))
     }
 
+    /// Returns which of its states are damage by their names, or by those of outputs that are made of them.
+    pub(crate) fn damage_states(&self) -> Vec<usize> {
+        let is_damage = |name: &str| {
+            name.eq_ignore_ascii_case("d")
+                || name.starts_with("D_")
+                || name.starts_with("d_")
+                || name.contains("damage")
+        };
+        let Some(law) = &self.law else { return Vec::new() };
+        let derived = law.derived.iter().filter(|derived| is_damage(&derived.name)).map(|derived| derived.state);
+        let states = law.states.iter().enumerate().filter(|(_, state)| is_damage(&state.name));
+        derived.chain(states.map(|(index, _)| index)).collect()
+    }
+
+    /// Returns whether it has damage, as far as it says.
+    pub fn damages(&self) -> bool {
+        !self.damage_states().is_empty()
+    }
+
+    /// Returns whether its tangent may be negative: it has damage, or no metadata on that; not if it extrapolates.
+    pub(crate) fn softens(&self) -> bool {
+        (self.law.is_none() || self.damages()) && self.overstress_work().is_none()
+    }
+
+    /// Returns whether equilibrium with it may lose its stability: it softens, or its tangent is unsymmetric, so that bands may
+    /// form while it still hardens (Rudnicki and Rice 1975).
+    pub fn may_lose_stability(&self) -> bool {
+        self.softens() || !self.has_symmetric_tangent()
+    }
+
     /// Returns which of its states is the work of the overstress of a law that extrapolates, if it does.
     pub fn overstress_work(&self) -> Option<usize> {
         self.law.as_ref()?.state_index(OVERSTRESS_WORK)

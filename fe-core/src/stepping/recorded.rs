@@ -130,6 +130,13 @@ impl Recorded {
     }
 }
 
+/// Returns the time of a step of these increments if they came to its end.
+fn whole_time(increments: &[Vec<Tried>]) -> Option<f64> {
+    let standing = || increments.iter().filter_map(|attempts| attempts.last());
+    let is_whole = standing().next_back().is_some_and(|tried| tried.to == Way::Drives(1.0));
+    is_whole.then(|| standing().map(|tried| tried.time).sum())
+}
+
 impl StepRun {
     /// Returns where a recorded attempt leads.
     fn recorded_target(&self, to: Way) -> Target {
@@ -148,13 +155,16 @@ impl StepRun {
 impl Analysis<'_> {
     /// Repeats the increments of another run, whatever the steps say of theirs; those of a step that came to its end take the time of
     /// the step. No checkpoints are made.
-    pub fn repeat(&mut self, mut recorded: Recorded) {
-        for (increments, step) in recorded.steps.iter_mut().zip(&self.model.steps) {
-            let standing = || increments.iter().filter_map(|attempts| attempts.last());
-            let taken: f64 = standing().map(|tried| tried.time).sum();
-            let is_whole = standing().next_back().is_some_and(|tried| tried.to == Way::Drives(1.0));
-            if is_whole && (step.time - taken).abs() > SAME_TIME * taken {
-                increments.iter_mut().flatten().for_each(|tried| tried.time *= step.time / taken);
+    pub fn repeat(&mut self, recorded: Recorded) {
+        let times: Vec<Option<f64>> = recorded.steps.iter().map(|increments| whole_time(increments)).collect();
+        self.repeat_in_own_times(recorded, times);
+    }
+
+    /// Repeats increments of steps that took these times, where they are known, in the times of the model's steps.
+    fn repeat_in_own_times(&mut self, mut recorded: Recorded, times: impl IntoIterator<Item = Option<f64>>) {
+        for ((increments, step), time) in recorded.steps.iter_mut().zip(&self.model.steps).zip(times) {
+            if let Some(time) = time.filter(|time| (step.time - time).abs() > SAME_TIME * time) {
+                increments.iter_mut().flatten().for_each(|tried| tried.time *= step.time / time);
             }
         }
         self.repeats = Some(recorded);
@@ -179,7 +189,7 @@ impl Analysis<'_> {
             along.leave();
             return;
         }
-        self.repeats = Some(along.trail.recorded_in(&self.model.steps));
+        self.repeat_in_own_times(along.trail.recorded.clone(), along.trail.times());
         self.along = Some(Arc::clone(&along.trail)).filter(|trail| trail.fits(self.model));
         self.equilibrium.turn = along.take_turn().filter(|_| self.along.is_some());
     }

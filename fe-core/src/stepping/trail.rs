@@ -74,13 +74,9 @@ impl Trail {
         self.asked.iter().map(|step| step.control).eq(model.steps.iter().map(|step| step.control))
     }
 
-    /// Returns the increments in the times that other steps take.
-    pub(super) fn recorded_in(&self, steps: &[Step]) -> Recorded {
-        let mut recorded = self.recorded.clone();
-        for ((increments, step), asked) in recorded.steps.iter_mut().zip(steps).zip(&self.asked) {
-            increments.iter_mut().flatten().for_each(|tried| tried.time *= step.time / asked.time);
-        }
-        recorded
+    /// The times of the steps.
+    pub(super) fn times(&self) -> impl Iterator<Item = Option<f64>> {
+        self.asked.iter().map(|step| Some(step.time))
     }
 
     /// Returns whether the states can be those of a model.

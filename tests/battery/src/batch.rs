@@ -1,8 +1,8 @@
 //! A safe call of `pullout_umat_batch_v1`.
 
+use umat_abi::batch::UmatBatch;
 use umat_abi::host::Library;
 use umat_abi::law::{Request, StressState};
-use umat_abi::metadata::UmatBatch;
 
 /// Many points of one material, component by component: `n` values of the first component, then `n` of the second.
 #[derive(Debug)]

@@ -73,7 +73,8 @@ fn documentation(attributes: &[Attribute]) -> Vec<String> {
 
 /// The body of `entry_point! { … }`.
 struct Declaration {
-    doc: Vec<String>,
+    /// Of the function's type, and of the arguments.
+    attributes: [Vec<Attribute>; 2],
     fields: Vec<Argument>,
 }
 
@@ -82,19 +83,31 @@ impl Parse for Declaration {
         // ($) and the module, which the macro needs
         input.parse::<proc_macro2::Group>()?;
         input.parse::<Ident>()?;
-        let mut doc = documentation(&input.call(Attribute::parse_outer)?);
+        let of_type = input.call(Attribute::parse_outer)?;
         input.parse::<syn::Token![type]>()?;
         input.parse::<Ident>()?;
         input.parse::<syn::Token![,]>()?;
         input.parse::<Ident>()?;
         input.parse::<syn::Token![;]>()?;
-        doc.extend(documentation(&input.call(Attribute::parse_outer)?));
+        let of_arguments = input.call(Attribute::parse_outer)?;
         input.parse::<syn::Token![struct]>()?;
         input.parse::<Ident>()?;
         let body;
         syn::braced!(body in input);
         let fields = body.parse_terminated(Field::parse_named, syn::Token![,])?;
-        Ok(Self { doc, fields: fields.iter().map(Argument::new).collect() })
+        Ok(Self { attributes: [of_type, of_arguments], fields: fields.iter().map(Argument::new).collect() })
+    }
+}
+
+impl Declaration {
+    /// The `entry_point!` of a file.
+    fn of(name: &str) -> Self {
+        let file = parse_source(&format!("{name}.rs"));
+        let declaration = file.items.iter().find_map(|item| match item {
+            Item::Macro(item) if item.mac.path.is_ident("entry_point") => Some(&item.mac),
+            _ => None,
+        });
+        declaration.expect("an entry_point! in the file").parse_body().expect("the form of entry_point!")
     }
 }
 
@@ -111,25 +124,14 @@ impl EntryPoint {
     }
 
     fn read(name: &str) -> Self {
-        let file = parse_source(&format!("{name}.rs"));
-        let declaration = file.items.iter().find_map(|item| match item {
-            Item::Macro(item) if item.mac.path.is_ident("entry_point") => Some(&item.mac),
-            _ => None,
-        });
-        let declaration: Declaration =
-            declaration.expect("an entry_point! in the file").parse_body().expect("the form of entry_point!");
-        Self { name: name.into(), doc: declaration.doc, arguments: declaration.fields }
+        let Declaration { attributes, fields } = Declaration::of(name);
+        Self { name: name.into(), doc: documentation(&attributes.concat()), arguments: fields }
     }
 }
 
 /// The arguments of the function for many points.
 pub fn batch_arguments() -> Vec<Argument> {
-    let file = parse_source("export/batch.rs");
-    let fields = file.items.iter().find_map(|item| match item {
-        Item::Struct(item) if item.ident == "BatchArguments" => Some(&item.fields),
-        _ => None,
-    });
-    fields.expect("BatchArguments").iter().map(Argument::new).collect()
+    Declaration::of("batch").fields
 }
 
 /// Returns the parts of `metadata.rs` that a C reader needs, under names that C can hold.
@@ -145,6 +147,9 @@ pub fn metadata() -> TokenStream {
                     let Item::Const(item) = item else { continue };
                     output.extend(constant(&prefix, item));
                 }
+                if prefix == "BATCH_RESULT_" {
+                    output.extend(batch_function());
+                }
             }
             Item::Struct(mut item) if item.generics.params.is_empty() && is_repr_c(&item.attrs) => {
                 let mut names = CNames::default();
@@ -153,7 +158,6 @@ pub fn metadata() -> TokenStream {
                 output.extend(names.tables.iter().map(table));
                 output.extend(quote!(#item));
             }
-            Item::Type(item) if item.ident == "UmatBatch" => output.extend(batch_function(item)),
             Item::Type(mut item) => {
                 CNames::default().visit_item_type_mut(&mut item);
                 item.ident = c_name(&item.ident);
@@ -214,21 +218,24 @@ fn plugin_function(symbol: &Expr) -> TokenStream {
     }
 }
 
-/// The function for many points, whose type this is, and the type.
-fn batch_function(mut item: syn::ItemType) -> TokenStream {
-    CNames::default().visit_item_type_mut(&mut item);
-    item.ident = c_name(&item.ident);
+/// The function for many points, and its type.
+fn batch_function() -> TokenStream {
+    let Declaration { attributes: [mut documentation, _], fields } = Declaration::of("batch");
+    documentation.iter_mut().for_each(|line| CNames::default().visit_attribute_mut(line));
+    let inputs = fields.iter().map(|Argument { name, rust_type, .. }| {
+        let name = quote::format_ident!("{name}");
+        quote!(#name: #rust_type)
+    });
+    let inputs = quote!(#(#inputs),*);
     let symbol = quote::format_ident!("{}", umat_abi::metadata::BATCH_SYMBOL);
-    let Type::BareFn(function) = &*item.ty else { panic!("a function type") };
-    let (documentation, inputs) = (&item.attrs, &function.inputs);
-    let declaration = quote! {
+    let pointer_doc = format!(" A pointer to `{symbol}`.");
+    quote! {
         #(#documentation)*
         #[unsafe(no_mangle)]
         pub extern "C" fn #symbol(#inputs) {}
-    };
-    item.attrs.clear();
-    let pointer_doc = format!(" A pointer to `{symbol}`.");
-    quote!(#declaration #[doc = #pointer_doc] #item)
+        #[doc = #pointer_doc]
+        pub type pullout_umat_batch = unsafe extern "C" fn(#inputs);
+    }
 }
 
 /// `StateVariable` → `pullout_state_variable`.

@@ -2,41 +2,10 @@
 
 use super::solid::{Arguments, update};
 use super::{Refusal, fill_nan, guarded, report};
+use crate::batch::BatchArguments;
 use crate::law::{Law, MAX_STATES};
 use crate::metadata::batch_results;
 use std::ptr::{null, null_mut};
-
-/// The arguments of a batch; arrays of `n` values for each component, one component after the other. `status`:
-/// [`batch_results`].
-#[derive(Clone, Copy, Debug)]
-pub struct BatchArguments {
-    /// number of points.
-    pub n: usize,
-    /// number of components.
-    pub ntens: i32,
-    /// number of direct components.
-    pub ndi: i32,
-    /// `(nprops)` parameters.
-    pub props: *const f64,
-    /// number of parameters.
-    pub nprops: i32,
-    /// `(n,ntens)` total strain at the start.
-    pub strain: *const f64,
-    /// `(n,ntens)` strain increment.
-    pub dstrain: *const f64,
-    /// `(n,ntens)` stress at the start, and at the end.
-    pub stress: *mut f64,
-    /// `(n,nstatv)` state variables.
-    pub statev: *mut f64,
-    /// number of state variables.
-    pub nstatv: i32,
-    /// `(n,ntens,ntens)` out: tangent, column by column; or NULL.
-    pub ddsdde: *mut f64,
-    /// `(n)` characteristic length; or NULL.
-    pub celent: *const f64,
-    /// `(n)` out: 0 done, 1 a smaller increment is wanted, 2 refused.
-    pub status: *mut i32,
-}
 
 /// Runs law `L` on many points. Those that fail keep their states.
 ///

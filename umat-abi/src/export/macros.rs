@@ -29,51 +29,15 @@ macro_rules! plugin_symbol {
     };
 }
 
-/// Defines a symbol of UMAT for many points.
+/// Defines an entry point under its three usual spellings.
 #[doc(hidden)]
 #[macro_export]
-macro_rules! batch_symbol {
-    ($symbol:expr, $law:ty) => {
+macro_rules! usual_symbols {
+    ($symbol:ident, $name:ident: [$fortran:literal, $plain:literal, $upper:literal], $body:expr) => {
+        $crate::$symbol!($fortran, $name, $body);
         const _: () = {
-            /// UMAT for many points; see the C header.
-            ///
-            /// # Safety
-            /// Every pointer is NULL or valid for as many values as the counts give.
-            #[allow(clippy::too_many_arguments, reason = "the argument list is the contract's")]
-            #[unsafe(export_name = $symbol)]
-            pub unsafe extern "C" fn batch(
-                n: usize,
-                ntens: i32,
-                ndi: i32,
-                props: *const f64,
-                nprops: i32,
-                strain: *const f64,
-                dstrain: *const f64,
-                stress: *mut f64,
-                statev: *mut f64,
-                nstatv: i32,
-                ddsdde: *mut f64,
-                celent: *const f64,
-                status: *mut i32,
-            ) {
-                let arguments = $crate::export::BatchArguments {
-                    n,
-                    ntens,
-                    ndi,
-                    props,
-                    nprops,
-                    strain,
-                    dstrain,
-                    stress,
-                    statev,
-                    nstatv,
-                    ddsdde,
-                    celent,
-                    status,
-                };
-                // SAFETY: forwarded to the caller.
-                unsafe { $crate::export::batch::<$law>(&arguments) }
-            }
+            $crate::$symbol!($plain, plain, $body);
+            $crate::$symbol!($upper, upper, $body);
         };
     };
 }
@@ -141,7 +105,9 @@ macro_rules! own_umat_symbols {
             $crate::umat_symbol!(concat!($name, "_umat_"), umat_unique, $crate::export::umat::<$law>);
             $crate::kratos_symbol!(concat!($name, "_umat_kratos_"), umat_unique);
         };
-        $crate::batch_symbol!(concat!($name, "_umat_batch_v1"), $law);
+        const _: () = {
+            $crate::batch_symbol!(concat!($name, "_umat_batch_v1"), batch, $crate::export::batch::<$law>);
+        };
         $crate::plugin_symbol!(concat!($name, "_plugin_v1"), $crate::law_plugin!((umat $law)));
     };
 }
@@ -186,10 +152,8 @@ macro_rules! own_interface_symbols {
 macro_rules! export_umat {
     ($law:ty, $name:literal) => {
         $crate::silence_panics_on_load!();
-        $crate::umat_symbol!("umat_", umat_fortran, $crate::export::umat::<$law>);
-        $crate::umat_symbol!("umat", umat_plain, $crate::export::umat::<$law>);
-        $crate::umat_symbol!("UMAT", umat_upper, $crate::export::umat::<$law>);
-        $crate::batch_symbol!("pullout_umat_batch_v1", $law);
+        $crate::usual_symbols!(umat_symbol, umat_fortran: ["umat_", "umat", "UMAT"], $crate::export::umat::<$law>);
+        $crate::batch_symbol!("pullout_umat_batch_v1", umat_batch, $crate::export::batch::<$law>);
         $crate::plugin_symbol!("pullout_plugin_v1", $crate::law_plugin!((umat $law)));
         $crate::own_umat_symbols!($law, $name);
     };
@@ -222,12 +186,8 @@ macro_rules! export_umat_for_kratos {
 macro_rules! export_interface {
     ($law:ty, $name:literal) => {
         $crate::silence_panics_on_load!();
-        $crate::uinter_symbol!("uinter_", uinter_fortran, $crate::export::uinter::<$law>);
-        $crate::uinter_symbol!("uinter", uinter_plain, $crate::export::uinter::<$law>);
-        $crate::uinter_symbol!("UINTER", uinter_upper, $crate::export::uinter::<$law>);
-        $crate::fric_symbol!("fric_", fric_fortran, $crate::export::fric::<$law>);
-        $crate::fric_symbol!("fric", fric_plain, $crate::export::fric::<$law>);
-        $crate::fric_symbol!("FRIC", fric_upper, $crate::export::fric::<$law>);
+        $crate::usual_symbols!(uinter_symbol, uinter_fortran: ["uinter_", "uinter", "UINTER"], $crate::export::uinter::<$law>);
+        $crate::usual_symbols!(fric_symbol, fric_fortran: ["fric_", "fric", "FRIC"], $crate::export::fric::<$law>);
         $crate::plugin_symbol!("pullout_plugin_v1", $crate::law_plugin!((interface $law)));
         $crate::own_interface_symbols!($law, $name);
     };
@@ -239,9 +199,7 @@ macro_rules! export_interface {
 macro_rules! library_umat_symbols {
     ($($law:ty),+) => {
         $crate::run_by_name!(umat_by_name, UmatArguments, Law, umat, $($law),+);
-        $crate::umat_symbol!("umat_", umat_fortran, umat_by_name);
-        $crate::umat_symbol!("umat", umat_plain, umat_by_name);
-        $crate::umat_symbol!("UMAT", umat_upper, umat_by_name);
+        $crate::usual_symbols!(umat_symbol, umat_fortran: ["umat_", "umat", "UMAT"], umat_by_name);
         $crate::kratos_symbol!("umat_kratos_", umat_fortran);
     };
 }
@@ -254,12 +212,8 @@ macro_rules! library_interface_symbols {
     ($($law:ty),+) => {
         $crate::run_by_name!(uinter_by_name, UinterArguments, InterfaceLaw, uinter, $($law),+);
         $crate::run_by_name!(fric_by_name, FricArguments, InterfaceLaw, fric, $($law),+);
-        $crate::uinter_symbol!("uinter_", uinter_fortran, uinter_by_name);
-        $crate::uinter_symbol!("uinter", uinter_plain, uinter_by_name);
-        $crate::uinter_symbol!("UINTER", uinter_upper, uinter_by_name);
-        $crate::fric_symbol!("fric_", fric_fortran, fric_by_name);
-        $crate::fric_symbol!("fric", fric_plain, fric_by_name);
-        $crate::fric_symbol!("FRIC", fric_upper, fric_by_name);
+        $crate::usual_symbols!(uinter_symbol, uinter_fortran: ["uinter_", "uinter", "UINTER"], uinter_by_name);
+        $crate::usual_symbols!(fric_symbol, fric_fortran: ["fric_", "fric", "FRIC"], fric_by_name);
     };
 }
 

@@ -18,7 +18,7 @@ mod validate;
 pub use crate::fric::FricArguments;
 pub use crate::uinter::UinterArguments;
 pub use crate::umat::UmatArguments;
-pub use batch::{BatchArguments, batch};
+pub use batch::batch;
 pub use dispatch::{NamedEntry, by_name};
 pub use interface::{fric, uinter};
 pub use kratos::umat_kratos;

@@ -4,7 +4,7 @@ use super::guarded;
 use crate::law::{ConfigurationError, InterfaceLaw, Law, parameters_of, read_parameters};
 use crate::metadata::validation;
 use std::ffi::c_char;
-use std::fmt::Write;
+use std::io::Write;
 
 /// The validate function of a [`Law`].
 ///
@@ -56,58 +56,44 @@ unsafe fn answer(
     check: impl FnOnce(&[f64]) -> Result<i32, ConfigurationError>,
 ) -> i32 {
     let mut status = validation::INVALID;
-    let mut text = MessageBuffer { bytes: [0; 512], length: 0 };
+    let mut text = [0_u8; 512];
+    let mut room = &mut text[..];
     let outcome = guarded(|| {
         let Ok(count) = usize::try_from(nprops) else {
-            let _ = write!(text, "NPROPS is negative");
+            let _ = write!(room, "NPROPS is negative");
             return Ok(());
         };
         // SAFETY: the caller's promise.
         match unsafe { super::slice(props, count, "PROPS") }.map(check) {
             Ok(Ok(validation::NEEDS_LENGTH)) => {
                 status = validation::NEEDS_LENGTH;
-                let _ = write!(text, "these parameters need a characteristic length (CELENT) > 0");
+                let _ = write!(room, "these parameters need a characteristic length (CELENT) > 0");
             }
             Ok(Ok(_)) => status = validation::OK,
             Ok(Err(error)) => {
-                let _ = write!(text, "{error}");
+                let _ = write!(room, "{error}");
             }
             Err(refusal) => {
-                let _ = write!(text, "{refusal}");
+                let _ = write!(room, "{refusal}");
             }
         }
         Ok(())
     });
     if let Err(refusal) = outcome {
         status = validation::INVALID;
-        let _ = write!(text, "{refusal}");
+        let _ = write!(room, "{refusal}");
     }
+    let free = room.len();
     if !message.is_null() && capacity > 0 {
-        let length = text.length.min(capacity - 1);
+        let written = &text[..text.len() - free];
+        // a character that did not fit is left out
+        let whole = std::str::from_utf8(written).map_or_else(|error| error.valid_up_to(), str::len);
+        let length = whole.min(text.len() - 1).min(capacity - 1);
         // SAFETY: `message` is valid for `capacity` > length writes.
         unsafe {
-            std::ptr::copy_nonoverlapping(text.bytes.as_ptr().cast(), message, length);
+            std::ptr::copy_nonoverlapping(text.as_ptr().cast(), message, length);
             message.add(length).write(0);
         }
     }
     status
-}
-
-/// Text of at most 511 bytes without allocation; what does not fit is cut.
-struct MessageBuffer {
-    bytes: [u8; 512],
-    length: usize,
-}
-
-impl Write for MessageBuffer {
-    fn write_str(&mut self, text: &str) -> std::fmt::Result {
-        let room = self.bytes.len() - 1 - self.length;
-        let mut end = text.len().min(room);
-        while !text.is_char_boundary(end) {
-            end -= 1;
-        }
-        self.bytes[self.length..self.length + end].copy_from_slice(&text.as_bytes()[..end]);
-        self.length += end;
-        Ok(())
-    }
 }

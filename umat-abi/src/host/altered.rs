@@ -24,101 +24,60 @@ pub enum Alteration<'a> {
     PropertyCount(i32),
 }
 
-/// The list of names and the function that makes one NULL, from one list.
-macro_rules! nullable {
-    ($call:ident, $arguments:ident, $tangent:ident, $($name:ident)+) => {
+impl Alteration<'_> {
+    /// The counts that are passed, none greater than the memory behind it: of a call with as many components, states and
+    /// properties.
+    fn counts(self, [components, states, properties]: [usize; 3]) -> [i32; 3] {
+        let at_most = |count: i32, length: usize| count.min(i32::try_from(length).unwrap_or(i32::MAX));
+        match self {
+            Self::None | Self::Null(_) => [0; 3],
+            Self::Components([count, direct, shear]) => [at_most(count, components), direct, shear],
+            Self::StateCount(count) => [at_most(count, states); 3],
+            Self::PropertyCount(count) => [at_most(count, properties + CANARIES); 3],
+        }
+    }
+}
+
+/// Makes altered calls: the tangent, what a call has besides the filling and the alteration, the counts of components, and what may
+/// be NULL.
+macro_rules! altered {
+    ($call:ident, $arguments:ident, $tangent:ident, ($($own:expr)?), [$($count:ident)+], $($name:ident)+) => {
         impl $call {
             /// Arguments that a plugin with metadata does not need (docs/reference/abi.md).
             pub const OPTIONAL_ARGUMENTS: &'static [&'static str] = &[$(stringify!($name)),+];
             /// The tangent's name: NULL means "stress only" to plugins that declare it.
             pub const TANGENT_ARGUMENT: &'static str = stringify!($tangent);
 
-            fn without(arguments: &mut $arguments, name: &str) {
-                match name {
-                    $(stringify!($name) => arguments.$name = std::ptr::null_mut(),)+
-                    stringify!($tangent) => arguments.$tangent = std::ptr::null_mut(),
-                    _ => {}
-                }
-            }
-        }
-    };
-}
-
-nullable!(UmatCall, UmatArguments, ddsdde, rpl ddsddt drplde drpldt temp dtemp predef dpred coords drot pnewdt celent
-    dfgrd0 dfgrd1 layer kspt cmname);
-nullable!(UinterCall, UinterArguments, ddsddr, dviscous dstructural flux ddfddt ddsddt ddfddr pnewdt temp dtemp predef
-    dpred freqr ciname slname msname coords alocaldir drot area chrlngth node npred mcrd kit linper lprint);
-nullable!(FricCall, FricArguments, ddtddg, ddtddt pnewdt taulm dpress ddpddh ciname slname msname npt node npatch coords
-    rcoord drot temp predef mcrd npred chrlngth);
-
-/// A count as large as the memory allows.
-fn at_most(count: i32, length: usize) -> i32 {
-    count.min(i32::try_from(length).unwrap_or(i32::MAX))
-}
-
-impl UmatCall {
-    /// A call with DDSDDE filled as by [`Self::call_with_tangent_filled`] and one thing wrong.
-    ///
-    /// # Errors
-    /// [`Overrun`] if the plugin wrote behind an array.
-    pub fn call_altered(&mut self, filling: f64, alteration: Alteration<'_>) -> Result<CallOutcome, Overrun> {
-        let (ntens, states, properties) = (self.ntens(), self.statev().len(), self.props().len());
-        let mut counts = [0; 3];
-        let counts_address = counts.as_mut_ptr();
-        // SAFETY: pointers become NULL or point to counts that are alive and not greater than the memory behind.
-        let alter = |a: &mut UmatArguments| match alteration {
-            Alteration::None => {}
-            Alteration::Null(name) => Self::without(a, name),
-            Alteration::Components([n, ndi, nshr]) => {
-                // SAFETY: three values.
-                unsafe {
-                    counts_address.write(at_most(n, ntens));
-                    counts_address.add(1).write(ndi);
-                    counts_address.add(2).write(nshr);
-                    (a.ntens, a.ndi, a.nshr) = (counts_address, counts_address.add(1), counts_address.add(2));
-                }
-            }
-            Alteration::StateCount(n) => a.nstatv = store(counts_address, at_most(n, states)),
-            Alteration::PropertyCount(n) => a.nprops = store(counts_address, at_most(n, properties + CANARIES)),
-        };
-        // SAFETY: as said at `alter`.
-        unsafe { self.call_with(false, filling, alter) }
-    }
-}
-
-/// Writes a count and hands its address on.
-fn store(address: *mut i32, value: i32) -> *const i32 {
-    // SAFETY: `address` is the first of three counts on the caller's stack.
-    unsafe { address.write(value) };
-    address
-}
-
-/// The same for both interface calls, whose count of components differs in name only.
-macro_rules! interface_altered {
-    ($call:ident, $arguments:ident, $directions:ident) => {
-        impl $call {
             /// A call with the tangents set to `filling` before, and one thing wrong.
             ///
             /// # Errors
             /// [`Overrun`] if the plugin wrote behind an array.
             pub fn call_altered(&mut self, filling: f64, alteration: Alteration<'_>) -> Result<CallOutcome, Overrun> {
-                let (directions, states, properties) = (self.traction().len(), self.statev().len(), self.props().len());
-                let mut counts = [0; 3];
-                let address = counts.as_mut_ptr();
-                let alter = |a: &mut $arguments| match alteration {
+                let counts = alteration.counts([self.stress().len(), self.statev().len(), self.props().len()]);
+                let alter = |arguments: &mut $arguments| match alteration {
                     Alteration::None => {}
-                    Alteration::Null(name) => Self::without(a, name),
-                    Alteration::Components([n, ..]) => a.$directions = store(address, at_most(n, directions)),
-                    Alteration::StateCount(n) => a.nstatv = store(address, at_most(n, states)),
-                    Alteration::PropertyCount(n) => a.nprops = store(address, at_most(n, properties + CANARIES)),
+                    Alteration::Null(name) => match name {
+                        $(stringify!($name) => arguments.$name = std::ptr::null_mut(),)+
+                        stringify!($tangent) => arguments.$tangent = std::ptr::null_mut(),
+                        _ => {}
+                    },
+                    Alteration::Components(_) => {
+                        let mut counts = counts.iter();
+                        $(arguments.$count = counts.next().map_or(std::ptr::null(), std::ptr::from_ref);)+
+                    }
+                    Alteration::StateCount(_) => arguments.nstatv = &raw const counts[0],
+                    Alteration::PropertyCount(_) => arguments.nprops = &raw const counts[0],
                 };
-                // SAFETY: pointers became NULL or point to counts that are alive and not greater than the memory
-                // behind them.
-                unsafe { self.call_with(filling, alter) }
+                // SAFETY: pointers became NULL or point to counts that are alive and not greater than the memory behind.
+                unsafe { self.call_with($($own,)? filling, alter) }
             }
         }
     };
 }
 
-interface_altered!(UinterCall, UinterArguments, ndir);
-interface_altered!(FricCall, FricArguments, nfdir);
+altered!(UmatCall, UmatArguments, ddsdde, (false), [ntens ndi nshr], rpl ddsddt drplde drpldt temp dtemp predef dpred coords
+    drot pnewdt celent dfgrd0 dfgrd1 layer kspt cmname);
+altered!(UinterCall, UinterArguments, ddsddr, (), [ndir], dviscous dstructural flux ddfddt ddsddt ddfddr pnewdt temp dtemp
+    predef dpred freqr ciname slname msname coords alocaldir drot area chrlngth node npred mcrd kit linper lprint);
+altered!(FricCall, FricArguments, ddtddg, (), [nfdir], ddtddt pnewdt taulm dpress ddpddh ciname slname msname npt node npatch
+    coords rcoord drot temp predef mcrd npred chrlngth);

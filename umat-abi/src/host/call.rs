@@ -1,6 +1,6 @@
 //! A safe call of a UMAT: every argument valid, buffers reused, memory that it must not write checked.
 
-use super::exchange::{Numbers, arguments, inputs, outputs, zeros};
+use super::exchange::{Numbers, arguments, inputs, outputs};
 use super::guard::run;
 use super::library::{Library, LoadError};
 use super::manner::Detour;
@@ -170,7 +170,7 @@ impl UmatCall {
             layer: 1,
             kspt: 1,
             cmname: fortran_name(name),
-            ..zeros()
+            ..UmatInputs::default()
         };
         let sizes = (stress_state.components().len(), nstatv, props);
         let described = !library.laws().is_empty();
@@ -208,11 +208,6 @@ impl UmatCall {
     /// The stress state it was made for.
     pub fn stress_state(&self) -> StressState {
         self.stress_state
-    }
-
-    /// STRESS.
-    pub fn stress(&self) -> &[f64] {
-        self.common.stress.as_slice()
     }
 
     /// Sets the point before a call: STRAN, DSTRAN, STRESS, STATEV and the energies. The first three are given in the NTENS
@@ -266,11 +261,6 @@ impl UmatCall {
                 given(k)
             )
         }))
-    }
-
-    /// STRESS, to be set before a call.
-    pub fn stress_mut(&mut self) -> &mut [f64] {
-        self.common.stress.as_mut_slice()
     }
 
     /// DDSDDE, column-major.

@@ -38,6 +38,11 @@ pub fn library_path(folder: &Path, file: &str) -> PathBuf {
     if path.is_absolute() || path.starts_with(".") { path } else { Path::new(".").join(path) }
 }
 
+/// The place of a file, links followed: a path may be spelled in several ways.
+pub fn real_path(file: &Path) -> PathBuf {
+    file.canonicalize().unwrap_or_else(|_| file.to_owned())
+}
+
 /// The folders in which plugins are looked for, in order: the given ones, `PULLOUT_PLUGIN_PATH`, and the program's own:
 /// `deps/` beside the executable (or its folder if that is `deps/`), the executable's folder, and `<prefix>/lib/pullout`.
 /// Folders that do not exist are listed as well.

@@ -11,7 +11,7 @@ use super::memory::{CANARY, Guarded, Overrun};
 ///
 /// # Safety
 /// A plain structure without padding, a multiple of eight bytes long.
-pub unsafe trait Inputs: Copy {
+pub unsafe trait Inputs: Copy + Default {
     /// Names of the arguments with their offsets, bytes, in order; the last one is of characters.
     const PLACES: &'static [(&'static str, usize)];
 }
@@ -30,8 +30,16 @@ macro_rules! inputs {
     ) => {
         $(#[$doc])*
         #[repr(C)]
-        #[derive(Clone, Copy, Debug)]
+        #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct $name { $($(#[$field_doc])* $visibility $field: $type,)+ }
+
+        impl Default for $name {
+            /// All are 0.
+            fn default() -> Self {
+                // SAFETY: plain values, of which any bits are some.
+                unsafe { std::mem::zeroed() }
+            }
+        }
 
         const _: () = assert!(size_of::<$name>() == 0 $(+ size_of::<$type>())+, "padding");
         const _: () = assert!(size_of::<$name>() % size_of::<u64>() == 0, "words");
@@ -82,80 +90,74 @@ macro_rules! arguments {
 }
 pub(super) use {arguments, inputs, outputs};
 
+/// What a plugin writes one of, or several.
+pub trait Number: Copy + Default {
+    /// Stands in front of numbers and behind them.
+    const CANARY: Self;
+    /// Returns whether it is that, to the last bit.
+    fn is_canary(&self) -> bool;
+}
+
+impl Number for f64 {
+    const CANARY: Self = Self::from_bits(CANARY);
+
+    #[inline]
+    fn is_canary(&self) -> bool {
+        self.to_bits() == CANARY
+    }
+}
+
+impl Number for i32 {
+    const CANARY: Self = CANARY as Self;
+
+    #[inline]
+    fn is_canary(&self) -> bool {
+        *self == Self::CANARY
+    }
+}
+
 /// Numbers between canaries.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub struct Numbers<const N: usize> {
-    front: u64,
-    pub(super) values: [f64; N],
-    canary: u64,
+pub struct Between<T, const N: usize> {
+    front: T,
+    pub(super) values: [T; N],
+    behind: T,
 }
 
-impl<const N: usize> Default for Numbers<N> {
-    fn default() -> Self {
-        [0.0; N].into()
-    }
-}
-
+/// Doubles between canaries.
+pub type Numbers<const N: usize> = Between<f64, N>;
 /// An integer between canaries.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct Integer {
-    front: i32,
-    pub(super) values: [i32; 1],
-    canary: i32,
-}
+pub type Integer = Between<i32, 1>;
 
-impl Integer {
-    const CANARY: i32 = CANARY as i32;
-}
-
-impl Default for Integer {
+impl<T: Number, const N: usize> Default for Between<T, N> {
     fn default() -> Self {
-        0.into()
+        [T::default(); N].into()
     }
 }
 
-impl From<f64> for Numbers<1> {
+impl<T: Number> From<T> for Between<T, 1> {
     #[inline]
-    fn from(value: f64) -> Self {
+    fn from(value: T) -> Self {
         [value].into()
     }
 }
 
-impl<const N: usize> From<[f64; N]> for Numbers<N> {
+impl<T: Number, const N: usize> From<[T; N]> for Between<T, N> {
     #[inline]
-    fn from(values: [f64; N]) -> Self {
-        Self { front: CANARY, values, canary: CANARY }
+    fn from(values: [T; N]) -> Self {
+        Self { front: T::CANARY, values, behind: T::CANARY }
     }
 }
 
-impl From<i32> for Integer {
-    #[inline]
-    fn from(value: i32) -> Self {
-        Self { front: Self::CANARY, values: [value], canary: Self::CANARY }
-    }
-}
-
-impl<const N: usize> Numbers<N> {
+impl<T: Number, const N: usize> Between<T, N> {
     #[inline]
     pub(super) fn is_intact(&self) -> bool {
-        self.front == CANARY && self.canary == CANARY
+        self.front.is_canary() && self.behind.is_canary()
     }
 
     pub(super) fn check(&self, array: &'static str) -> Result<(), Overrun> {
-        overrun([self.front == CANARY, self.canary == CANARY], array, N)
-    }
-}
-
-impl Integer {
-    #[inline]
-    pub(super) fn is_intact(&self) -> bool {
-        self.front == Self::CANARY && self.canary == Self::CANARY
-    }
-
-    pub(super) fn check(&self, array: &'static str) -> Result<(), Overrun> {
-        overrun([self.front == Self::CANARY, self.canary == Self::CANARY], array, 1)
+        overrun([self.front.is_canary(), self.behind.is_canary()], array, N)
     }
 }
 
@@ -263,7 +265,7 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
         let first = I::PLACES.first().map_or("", |(name, _)| name);
         let length = I::PLACES.get(1).map_or(0, |(_, end)| end / size_of::<f64>());
         overrun([lent.front == CANARY, true], first, length)?;
-        Ok(words(&lent.inputs) == words(&self.inputs))
+        Ok(bytes(&lent.inputs) == bytes(&self.inputs))
     }
 
     /// What the plugin got.
@@ -301,12 +303,6 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
     }
 }
 
-/// Inputs that are all 0.
-pub(super) fn zeros<I: Inputs>() -> I {
-    // SAFETY: plain values, of which any bits are some.
-    unsafe { std::mem::zeroed() }
-}
-
 /// Inputs as the recorder notes them: in one piece.
 #[inline]
 pub(super) fn noted<I: Inputs>(inputs: &I) -> &[f64] {
@@ -320,12 +316,7 @@ pub(super) fn from_noted<I: Inputs>(noted: &[f64]) -> Option<I> {
     (noted.len() == size_of::<I>() / size_of::<f64>()).then(|| unsafe { noted.as_ptr().cast::<I>().read() })
 }
 
-fn words<I: Inputs>(inputs: &I) -> &[u64] {
-    // SAFETY: plain values without padding, aligned like doubles.
-    unsafe { std::slice::from_raw_parts((&raw const *inputs).cast(), size_of::<I>() / size_of::<u64>()) }
-}
-
 fn bytes<I: Inputs>(inputs: &I) -> &[u8] {
-    // SAFETY: as above.
+    // SAFETY: plain values without padding.
     unsafe { std::slice::from_raw_parts((&raw const *inputs).cast(), size_of::<I>()) }
 }

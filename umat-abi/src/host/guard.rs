@@ -1,5 +1,6 @@
 //! Calls of libraries that describe nothing: what is not known of them is made sure of.
 
+use super::discovery::real_path;
 use crate::floating_point;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -32,7 +33,7 @@ static TURNS: Mutex<Vec<(PathBuf, Weak<Mutex<()>>)>> = Mutex::new(Vec::new());
 
 /// The lock of a file.
 fn turn_of(path: &Path) -> Arc<Mutex<()>> {
-    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let path = real_path(path);
     let mut turns = locked(&TURNS);
     turns.retain(|(_, turn)| turn.strong_count() > 0);
     if let Some(turn) = turns.iter().find(|(known, _)| *known == path).and_then(|(_, turn)| turn.upgrade()) {
@@ -78,6 +79,11 @@ impl Guard {
     /// The same without waiting for other threads.
     pub(super) fn of_thread_safe(&self) -> Self {
         Self { turn: None, ..self.clone() }
+    }
+
+    /// Returns whether calls do not wait for other threads.
+    pub(super) fn is_of_thread_safe(&self) -> bool {
+        self.turn.is_none()
     }
 
     /// Returns whether invalid operations, divisions by zero and overflow trap during a call.

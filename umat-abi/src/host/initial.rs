@@ -1,17 +1,17 @@
 //! SDVINI and SIGINI: initial states and stresses of points, where the library sets them and the case does not.
 
-use super::guard::{Guard, run};
 use super::library::Library;
 use super::memory::{Guarded, fortran_name};
-use super::recorder::{self, Arguments, InitialStateRecord, Slot};
+use super::recorder::{self, Arguments};
+use super::routines::Routine;
 use std::ffi::c_char;
 
 /// STATEV(NSTATV), COORDS(NCRDS), NSTATV, NCRDS, NOEL, NPT, LAYER, KSPT.
-type StateFunction =
+pub type StateFunction =
     unsafe extern "C" fn(*mut f64, *const f64, *const i32, *const i32, *const i32, *const i32, *const i32, *const i32);
 
 /// SIGMA(NTENS), COORDS(NCRDS), NTENS, NCRDS, NOEL, NPT, LAYER, KSPT, LREBAR, NAMES(2)*80 and its hidden length.
-type StressFunction = unsafe extern "C" fn(
+pub type StressFunction = unsafe extern "C" fn(
     *mut f64,
     *const f64,
     *const i32,
@@ -46,16 +46,13 @@ pub struct InitialPoint {
 }
 
 /// STATEV of points at the start.
-#[derive(Debug)]
-pub struct InitialStates(Initial<StateFunction>);
-
+pub type InitialStates = Initial<StateFunction>;
 /// STRESS of points at the start.
-#[derive(Debug)]
-pub struct InitialStresses(Initial<StressFunction>);
+pub type InitialStresses = Initial<StressFunction>;
 
 /// `count` values of each point.
 #[derive(Debug)]
-struct Initial<F> {
+pub struct Initial<F> {
     count: usize,
     source: Source<F>,
 }
@@ -64,17 +61,7 @@ struct Initial<F> {
 enum Source<F> {
     Zero,
     Given(Vec<f64>),
-    Routine(Box<Routine<F>>),
-}
-
-#[derive(Debug)]
-struct Routine<F> {
-    function: F,
-    values: Guarded,
-    guard: Option<Guard>,
-    slot: Option<Slot>,
-    /// Keeps the function's code loaded.
-    _library: Library,
+    Routine(Box<(Routine<F>, Guarded)>),
 }
 
 impl<F: Copy> Initial<F> {
@@ -82,54 +69,36 @@ impl<F: Copy> Initial<F> {
     ///
     /// # Safety
     /// `F` is the type of the routine.
-    unsafe fn new(
-        library: &Library,
-        (routine, array): (&str, &'static str),
-        given: Option<&[f64]>,
-        count: usize,
-    ) -> Self {
-        let source = match given {
-            Some(given) => Source::Given(given.to_vec()),
-            // SAFETY: forwarded to the caller; the library is kept.
-            None => match unsafe { library.find(routine) } {
-                Some(function) => {
-                    let slot = Slot::of_routine(library);
-                    let mut values = Guarded::new(array, count);
-                    if recorder::fences_arrays() {
-                        values.fence();
-                    }
-                    let guard = library.guard();
-                    Source::Routine(Box::new(Routine { function, values, guard, slot, _library: library.clone() }))
-                }
-                None => Source::Zero,
-            },
-        };
+    unsafe fn of(library: &Library, (name, array): (&str, &'static str), given: Option<&[f64]>, count: usize) -> Self {
+        if let Some(given) = given {
+            return Self { count, source: Source::Given(given.to_vec()) };
+        }
+        // SAFETY: forwarded to the caller.
+        let routine = unsafe { Routine::find(library, name) };
+        let source = routine.map_or(Source::Zero, |routine| {
+            let mut values = Guarded::new(array, count);
+            if recorder::fences_arrays() {
+                values.fence();
+            }
+            Source::Routine(Box::new((routine, values)))
+        });
         Self { count, source }
     }
 
     /// The values of a point; `call` makes the call of the routine with room for them.
-    fn of_point(
+    fn values(
         &mut self,
         (name, number): (&str, i32),
         point: &InitialPoint,
         call: impl FnOnce(F, &mut Guarded),
     ) -> Result<Vec<f64>, String> {
-        let Routine { function, values, guard, slot, .. } = &mut **match &mut self.source {
+        let (routine, values) = &mut **match &mut self.source {
             Source::Zero => return Ok(vec![0.0; self.count]),
             Source::Given(given) => return Ok(given.clone()),
             Source::Routine(routine) => routine,
         };
-        if let Some(slot) = slot {
-            slot.enter(|to| {
-                to.put_integers([number, 0]);
-                InitialStateRecord::write(&[point.element, point.point], to);
-            });
-        }
         values.as_mut_slice().fill(0.0);
-        run(guard.as_ref(), || call(*function, values));
-        if let Some(slot) = slot {
-            slot.leave();
-        }
+        routine.call(number, [point.element, point.point], |function| call(function, values));
         values.check().map_err(|overrun| format!("{name}: {overrun}"))?;
         match values.as_slice().iter().position(|value| !value.is_finite()) {
             Some(k) => Err(format!("{name} set {}({}) to {}", values.name(), k + 1, values.as_slice()[k])),
@@ -137,7 +106,8 @@ impl<F: Copy> Initial<F> {
         }
     }
 
-    fn is_zero(&self) -> bool {
+    /// Returns whether all are 0 at every point, because nobody says otherwise.
+    pub fn are_zero(&self) -> bool {
         matches!(self.source, Source::Zero)
     }
 }
@@ -146,12 +116,7 @@ impl InitialStates {
     /// Returns the initial states of a law with `count` states: those given, NSTATV values; otherwise what SDVINI of its library sets, or zeros.
     pub fn new(library: &Library, given: Option<&[f64]>, count: usize) -> Self {
         // SAFETY: a function of this name has the signature of the manual; no check is possible.
-        Self(unsafe { Initial::new(library, ("sdvini", "STATEV"), given, count) })
-    }
-
-    /// Returns whether all are 0 at every point, because nobody says otherwise.
-    pub fn are_zero(&self) -> bool {
-        self.0.is_zero()
+        unsafe { Self::of(library, ("sdvini", "STATEV"), given, count) }
     }
 
     /// STATEV of a point.
@@ -160,7 +125,7 @@ impl InitialStates {
     /// In words, if SDVINI wrote behind STATEV, or left a value that is not finite.
     pub fn of_point(&mut self, at: &InitialPoint) -> Result<Vec<f64>, String> {
         let InitialPoint { coordinates, element, point } = at;
-        self.0.of_point(("SDVINI", Arguments::INITIAL_STATE), at, |function, values| {
+        self.values(("SDVINI", Arguments::INITIAL_STATE), at, |function, values| {
             let (states, count) = (values.as_mut_ptr(), values.count());
             // SAFETY: every pointer is valid for the sizes that the counts tell.
             unsafe { function(states, coordinates.as_ptr(), count, &DIMENSIONS, element, point, &ONE, &ONE) }
@@ -172,12 +137,7 @@ impl InitialStresses {
     /// Returns the initial stresses of a law with `count` stress components: those given; otherwise what SIGINI of its library sets, or zeros.
     pub fn new(library: &Library, given: Option<&[f64]>, count: usize) -> Self {
         // SAFETY: as for SDVINI.
-        Self(unsafe { Initial::new(library, ("sigini", "SIGMA"), given, count) })
-    }
-
-    /// Returns whether all are 0 at every point, because nobody says otherwise.
-    pub fn are_zero(&self) -> bool {
-        self.0.is_zero()
+        unsafe { Self::of(library, ("sigini", "SIGMA"), given, count) }
     }
 
     /// STRESS of a point, in the order of UMAT; `element_type` as ABAQUS calls it.
@@ -188,7 +148,7 @@ impl InitialStresses {
         let InitialPoint { coordinates, element, point } = at;
         // the rebar's name, which is blank, and the type of the element
         let names = [fortran_name(""), fortran_name(element_type)].concat();
-        self.0.of_point(("SIGINI", Arguments::INITIAL_STRESS), at, |function, values| {
+        self.values(("SIGINI", Arguments::INITIAL_STRESS), at, |function, values| {
             let (stress, count) = (values.as_mut_ptr(), values.count());
             let names = names.as_ptr().cast::<c_char>();
             // SAFETY: every pointer is valid for the sizes that the counts tell.

@@ -1,11 +1,9 @@
 //! Safe calls of UINTER and FRIC.
 
 use super::call::CallOutcome;
-use super::exchange::{Inputs, Integer, Numbers, Outputs, arguments, inputs, outputs, zeros};
+use super::exchange::{Inputs, Integer, Numbers, Outputs, arguments, inputs, outputs};
 use super::guard::run;
 use super::library::{Library, LoadError};
-#[cfg(not(unix))]
-use super::memory::Trespass;
 use super::memory::{NotFinite, Overrun, fortran_name};
 use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
 use super::recorder::{Arguments, FricRecord, UinterRecord};
@@ -230,16 +228,6 @@ impl<I: Inputs, O: Outputs + Default> Contact<I, O> {
         self.fields.predef()
     }
 
-    /// STRESS (UINTER: \[0\] > 0 is compression) or TAU (FRIC).
-    pub fn traction(&self) -> &[f64] {
-        self.common.stress.as_slice()
-    }
-
-    /// The traction, to be set before a call.
-    pub fn traction_mut(&mut self) -> &mut [f64] {
-        self.common.stress.as_mut_slice()
-    }
-
     /// Calls so far.
     pub fn calls(&self) -> u64 {
         self.calls
@@ -318,7 +306,7 @@ impl UinterCall {
                 ciname: fortran_name(name),
                 slname,
                 msname,
-                ..zeros()
+                ..UinterInputs::default()
             }
         };
         Ok(Self {
@@ -363,13 +351,13 @@ impl UinterCall {
     /// Returns a result of the last call that a host cannot go on with, DDSDDR aside, which not every host needs.
     pub fn not_finite(&self) -> Option<NotFinite> {
         let energies = ["SED", "SFD", "SPD", "SVD", "SCD"].into_iter().zip(self.energies.chunks(1));
-        NotFinite::among([("STRESS", self.traction()), ("STATEV", self.statev())].into_iter().chain(energies))
+        NotFinite::among([("STRESS", self.stress()), ("STATEV", self.statev())].into_iter().chain(energies))
     }
 
     /// Returns an entry of DDSDDR of the last call that is not finite.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
         let found = NotFinite::among([("DDSDDR", self.contact.common.tangent.as_slice())]);
-        found.map(|found| found.of_matrix(self.traction().len()))
+        found.map(|found| found.of_matrix(self.stress().len()))
     }
 
     pub(super) fn arguments(&mut self) -> UinterArguments {
@@ -470,7 +458,7 @@ impl FricCall {
                 ciname: fortran_name(name),
                 slname,
                 msname,
-                ..zeros()
+                ..FricInputs::default()
             }
         };
         Ok(Self {
@@ -509,15 +497,15 @@ impl FricCall {
     /// Returns a result of the last call that a host cannot go on with, DDTDDG and DDTDDP aside, which not every host needs.
     pub fn not_finite(&self) -> Option<NotFinite> {
         let [sed, sfd] = self.energies.each_ref().map(std::slice::from_ref);
-        let shear = self.given([("TAU", self.traction()), ("DSLIP", &self.dslip[..self.traction().len()])]);
+        let shear = self.given([("TAU", self.stress()), ("DSLIP", &self.dslip[..self.stress().len()])]);
         NotFinite::among(shear.chain([("STATEV", self.statev()), ("SED", sed), ("SFD", sfd)]))
     }
 
     /// Returns an entry of DDTDDG or DDTDDP of the last call that is not finite.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
-        let by_pressure = &self.pressure_tangent[..self.traction().len()];
+        let by_pressure = &self.pressure_tangent[..self.stress().len()];
         let matrix = NotFinite::among(self.given([("DDTDDG", self.contact.common.tangent.as_slice())]));
-        let matrix = matrix.map(|found| found.of_matrix(self.traction().len()));
+        let matrix = matrix.map(|found| found.of_matrix(self.stress().len()));
         matrix.or_else(|| NotFinite::among(self.given([("DDTDDP", by_pressure)])))
     }
 
@@ -649,17 +637,4 @@ macro_rules! contact {
 contact! {
     UinterCall: UinterInputs, UinterOutputs, UinterFunction, UinterRecord, UINTER;
     FricCall: FricInputs, FricOutputs, FricFunction, FricRecord, FRIC;
-}
-#[cfg(not(unix))]
-impl UinterCall {
-    pub fn trespass(&mut self) -> Option<Trespass> {
-        None
-    }
-}
-
-#[cfg(not(unix))]
-impl FricCall {
-    pub fn trespass(&mut self) -> Option<Trespass> {
-        None
-    }
 }

@@ -4,11 +4,13 @@ use super::description::Law;
 use super::discovery::library_name;
 use super::guard::{Guard, WrittenInput};
 use super::{prints, recorder, utilities};
+use crate::batch::UmatBatch;
 use crate::floating_point;
 use crate::fric::FricFunction;
-use crate::metadata::{BATCH_SYMBOL, PLUGIN_SYMBOL, Plugin, UmatBatch};
+use crate::metadata::{BATCH_SYMBOL, PLUGIN_SYMBOL, Plugin};
 use crate::uinter::UinterFunction;
 use crate::umat::UmatFunction;
+use libloading::os::unix as os;
 use std::collections::BTreeMap;
 use std::ffi::{CStr, OsStr, c_void};
 use std::fmt;
@@ -19,9 +21,10 @@ use std::sync::Arc;
 const DEBUG_SYMBOL: &str = "pullout_debug_v1";
 
 /// A shared library that can be loaded is no plugin, or no library.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum LoadError {
     /// The dynamic loader refused it.
+    #[error("{}: cannot be loaded: {message}", path.display())]
     Open {
         /// The file.
         path: PathBuf,
@@ -29,6 +32,7 @@ pub enum LoadError {
         message: String,
     },
     /// The library defines none of the symbols tried; what other libraries that it loads define does not count.
+    #[error("{}: has none of the symbols {}", path.display(), tried.join(", "))]
     Symbol {
         /// The file.
         path: PathBuf,
@@ -36,11 +40,16 @@ pub enum LoadError {
         tried: Vec<String>,
     },
     /// A case names a symbol that is not called like an entry point.
+    #[error(
+        "'{symbol}' is not the name of an entry point: that contains umat, uinter or fric in lower or upper case, or is the \
+         library's own name with an underscore"
+    )]
     NoEntryPoint {
         /// The symbol.
         symbol: String,
     },
     /// Metadata is of another version or inconsistent.
+    #[error("{}: {message}", path.display())]
     Metadata {
         /// The file.
         path: PathBuf,
@@ -48,25 +57,6 @@ pub enum LoadError {
         message: String,
     },
 }
-
-impl fmt::Display for LoadError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Open { path, message } => write!(f, "{}: cannot be loaded: {message}", path.display()),
-            Self::Symbol { path, tried } => {
-                write!(f, "{}: has none of the symbols {}", path.display(), tried.join(", "))
-            }
-            Self::NoEntryPoint { symbol } => write!(
-                f,
-                "'{symbol}' is not the name of an entry point: that contains umat, uinter or fric in lower or upper case, or \
-                 is the library's own name with an underscore"
-            ),
-            Self::Metadata { path, message } => write!(f, "{}: {message}", path.display()),
-        }
-    }
-}
-
-impl std::error::Error for LoadError {}
 
 /// A user subroutine beside UMAT, UINTER and FRIC that a library may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -206,6 +196,11 @@ impl Library {
         self
     }
 
+    /// Returns whether several threads may call it at once, as far as it or its user says.
+    pub fn is_thread_safe(&self) -> bool {
+        self.guard.as_ref().is_none_or(Guard::is_of_thread_safe)
+    }
+
     /// Returns how it is called; `None`: its metadata vouch for it.
     pub(super) fn guard(&self) -> Option<Guard> {
         self.guard.clone()
@@ -321,7 +316,6 @@ unsafe fn own_symbol<F: Copy>(handle: &libloading::Library, path: &Path, symbol:
 }
 
 /// Returns whether an address that the loader found lies in the library of this path.
-#[cfg(unix)]
 fn is_own(path: &Path, address: *const c_void) -> bool {
     use std::os::unix::fs::MetadataExt;
     // a library that was loaded before has the name that it had then
@@ -330,7 +324,6 @@ fn is_own(path: &Path, address: *const c_void) -> bool {
 }
 
 /// The file of the library that an address lies in, as the loader names it.
-#[cfg(unix)]
 fn owner_of(address: *const c_void) -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt;
     let mut place = std::mem::MaybeUninit::<libc::Dl_info>::uninit();
@@ -342,11 +335,6 @@ fn owner_of(address: *const c_void) -> Option<PathBuf> {
         CStr::from_ptr((*place.as_ptr()).dli_fname)
     };
     Some(PathBuf::from(OsStr::from_bytes(name.to_bytes())))
-}
-
-#[cfg(not(unix))]
-fn is_own(_path: &Path, _address: *const c_void) -> bool {
-    true
 }
 
 /// Returns why the loader refused a file; without the file's name, which the reader knows.
@@ -366,18 +354,13 @@ fn spellings(name: &str) -> [String; 3] {
 ///
 /// # Safety
 /// As of [`Library::open`].
-#[cfg(target_os = "linux")]
 unsafe fn open_locally(path: &Path) -> Result<libloading::Library, libloading::Error> {
-    use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+    #[cfg(target_os = "linux")]
     let deep = if binds_deeply() { libc::RTLD_DEEPBIND } else { 0 };
+    #[cfg(not(target_os = "linux"))]
+    let deep = 0;
     // SAFETY: forwarded to the caller.
-    unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL | deep) }.map(Into::into)
-}
-
-#[cfg(not(target_os = "linux"))]
-unsafe fn open_locally(path: &Path) -> Result<libloading::Library, libloading::Error> {
-    // SAFETY: forwarded to the caller.
-    unsafe { libloading::Library::new(path) }
+    unsafe { os::Library::open(Some(path), os::RTLD_NOW | os::RTLD_LOCAL | deep) }.map(Into::into)
 }
 
 /// Returns whether plugins are bound to their own symbols first. Not where `malloc` is another library's than the C

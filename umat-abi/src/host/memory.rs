@@ -1,9 +1,7 @@
 //! Arrays that a plugin writes, with canaries on both sides of each: an overrun is reported by name instead of crashing
 //! something later. In the arrays of a worker a write outside ends the process at the very store.
 
-#[cfg(unix)]
 use super::fence::{Fenced, Outside, Watched, watch};
-#[cfg(unix)]
 use super::probe::Alignment;
 use crate::table::all_finite;
 use std::borrow::Cow;
@@ -18,7 +16,8 @@ pub(super) const CANARIES: usize = 4;
 const SLACK: usize = 27;
 
 /// A plugin wrote outside one of its arrays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("it wrote {array}({element}), which has {length} elements")]
 pub struct Overrun {
     /// The argument's name.
     pub array: &'static str,
@@ -27,15 +26,6 @@ pub struct Overrun {
     /// Elements that the array has.
     pub length: usize,
 }
-
-impl fmt::Display for Overrun {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { array, element, length } = self;
-        write!(f, "it wrote {array}({element}), which has {length} elements")
-    }
-}
-
-impl std::error::Error for Overrun {}
 
 /// A result that is NaN or infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +111,6 @@ pub(super) struct Guarded {
 #[derive(Debug)]
 enum Memory {
     Canaries(#[allow(dead_code, reason = "owns what is written through a pointer")] Vec<f64>),
-    #[cfg(unix)]
     Fenced(#[allow(dead_code, reason = "owns what is written through a pointer")] Watched),
 }
 
@@ -147,7 +136,6 @@ impl Guarded {
 
     /// Moves the array so that it ends where a page begins that cannot be written. Where the system does not give that, the
     /// canaries stay.
-    #[cfg(unix)]
     pub(super) fn fence(&mut self) {
         let make = || {
             let shape = [1 + self.length, size_of::<f64>()];
@@ -168,9 +156,6 @@ impl Guarded {
         };
         (self.first, self.behind, self._memory) = (first, 0, Memory::Fenced(watched));
     }
-
-    #[cfg(not(unix))]
-    pub(super) fn fence(&mut self) {}
 
     #[inline]
     pub(super) fn as_slice(&self) -> &[f64] {

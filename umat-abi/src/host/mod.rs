@@ -6,7 +6,6 @@ mod data;
 mod description;
 mod discovery;
 mod exchange;
-#[cfg(unix)]
 mod fence;
 mod guard;
 mod initial;
@@ -17,7 +16,6 @@ mod memory;
 mod plugin;
 mod plugin_call;
 mod prints;
-#[cfg(unix)]
 mod probe;
 pub mod recorder;
 mod routines;
@@ -32,7 +30,8 @@ pub use call::{CallOutcome, UmatCall, UmatInputs};
 pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};
 pub use discovery::{
-    Found, library_file_name, library_name, library_path, names_a_file, search_also, search_beside, search_paths,
+    Found, library_file_name, library_name, library_path, names_a_file, real_path, search_also, search_beside,
+    search_paths,
 };
 pub use guard::WrittenInput;
 pub use initial::{InitialPoint, InitialStates, InitialStresses};
@@ -43,7 +42,6 @@ pub use memory::{NotFinite, Overrun, Trespass};
 pub use plugin::Plugin;
 pub use plugin_call::PluginCall;
 pub use prints::{flush_prints, print_by_lines, write_messages_to};
-#[cfg(unix)]
 pub use probe::{Alignment, Probed};
 pub use routines::{Clock, ExternalDatabases};
 pub use utilities::{UTILITIES, UnavailableUtilities, announce_job, utilities_path};

@@ -134,6 +134,16 @@ impl<I, O> PluginCall<I, O> {
         &self.plugin
     }
 
+    /// STRESS (UINTER: \[0\] > 0 is compression) or TAU.
+    pub fn stress(&self) -> &[f64] {
+        self.stress.as_slice()
+    }
+
+    /// The same, to be set before a call.
+    pub fn stress_mut(&mut self) -> &mut [f64] {
+        self.stress.as_mut_slice()
+    }
+
     /// STATEV.
     pub fn statev(&self) -> &[f64] {
         self.statev.as_slice()

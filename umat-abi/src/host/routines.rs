@@ -1,9 +1,8 @@
-//! UEXTERNALDB, called where a library exports it.
+//! Routines beside the entry points, called where a library exports them: UEXTERNALDB here, SDVINI and SIGINI in `initial`.
 
 use super::guard::{Guard, run};
 use super::library::Library;
-use super::recorder::{Arguments, ExternalDatabaseRecord, Slot};
-use std::path::Path;
+use super::recorder::{Arguments, Slot};
 
 /// LOP, LRESTART, TIME(2), DTIME, KSTEP, KINC.
 type ExternalDatabaseFunction =
@@ -37,12 +36,40 @@ pub struct Clock {
     pub increment: i32,
 }
 
+/// A routine of a library, ready to be called.
 #[derive(Debug)]
-struct ExternalDatabase {
-    function: ExternalDatabaseFunction,
+pub(super) struct Routine<F> {
+    function: F,
     guard: Option<Guard>,
     slot: Option<Slot>,
+    /// Keeps the function's code loaded.
     library: Library,
+}
+
+impl<F: Copy> Routine<F> {
+    /// Finds a routine, if the library has it.
+    ///
+    /// # Safety
+    /// `F` is the type of the function with that name.
+    pub(super) unsafe fn find(library: &Library, name: &str) -> Option<Self> {
+        // SAFETY: forwarded to the caller; the library is kept.
+        let function = unsafe { library.find(name) }?;
+        Some(Self { function, guard: library.guard(), slot: Slot::of_routine(library), library: library.clone() })
+    }
+
+    /// Makes a call, for which the recorder notes the routine's number and some of its arguments.
+    pub(super) fn call<const N: usize>(&mut self, number: i32, noted: [i32; N], call: impl FnOnce(F)) {
+        if let Some(slot) = &mut self.slot {
+            slot.enter(|to| {
+                to.put_integers([number, 0]);
+                to.put_integers(noted);
+            });
+        }
+        run(self.guard.as_ref(), || call(self.function));
+        if let Some(slot) = &mut self.slot {
+            slot.leave();
+        }
+    }
 }
 
 /// UEXTERNALDB of the libraries of an analysis, in the order of ABAQUS's manual: LOP = 0 when this is made (and 4 where a
@@ -53,24 +80,18 @@ struct ExternalDatabase {
 /// a restart is told by both.
 #[derive(Debug, Default)]
 pub struct ExternalDatabases {
-    databases: Vec<ExternalDatabase>,
+    databases: Vec<Routine<ExternalDatabaseFunction>>,
     last: (Option<Occasion>, Clock),
 }
 
 impl ExternalDatabases {
     /// Begins an analysis with these libraries, each called once.
     pub fn begin<'l>(libraries: impl IntoIterator<Item = &'l Library>) -> Self {
-        let mut databases: Vec<ExternalDatabase> = Vec::new();
+        let mut databases: Vec<Routine<_>> = Vec::new();
         for library in libraries {
-            let is_known = |path: &Path| databases.iter().any(|other| other.library.path() == path);
-            if is_known(library.path()) {
-                continue;
-            }
-            // SAFETY: a function of this name has the signature of the manual; no check is possible. The library is
-            // kept.
-            if let Some(function) = unsafe { library.find(SYMBOL) } {
-                let (guard, slot) = (library.guard(), Slot::of_routine(library));
-                databases.push(ExternalDatabase { function, guard, slot, library: library.clone() });
+            if !databases.iter().any(|other| other.library.path() == library.path()) {
+                // SAFETY: a function of this name has the signature of the manual; no check is possible.
+                databases.extend(unsafe { Routine::find(library, SYMBOL) });
             }
         }
         let start = Clock { step: 1, ..Clock::default() };
@@ -125,20 +146,11 @@ impl ExternalDatabases {
         self.last = (Some(occasion), clock);
         let (lop, restart) = (occasion as i32, 0);
         let Clock { time, time_increment, step, increment } = clock;
-        for ExternalDatabase { function, guard, slot, .. } in &mut self.databases {
-            if let Some(slot) = slot {
-                slot.enter(|to| {
-                    to.put_integers([Arguments::EXTERNAL_DATABASE, 0]);
-                    ExternalDatabaseRecord::write(&[lop, step, increment], to);
-                });
-            }
-            // SAFETY: every pointer is valid for what the manual says.
-            run(guard.as_ref(), || unsafe {
-                function(&lop, &restart, time.as_ptr(), &time_increment, &step, &increment);
+        for database in &mut self.databases {
+            database.call(Arguments::EXTERNAL_DATABASE, [lop, step, increment], |function| {
+                // SAFETY: every pointer is valid for what the manual says.
+                unsafe { function(&lop, &restart, time.as_ptr(), &time_increment, &step, &increment) };
             });
-            if let Some(slot) = slot {
-                slot.leave();
-            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::discovery::{Found, installed_paths};
 use super::library::loaders_words;
-use std::fmt;
+use libloading::os::unix as os;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -13,30 +13,24 @@ const JOB_SYMBOL: &str = "pullout_utilities_job_v1";
 type JobFunction = unsafe extern "C" fn(name: *const u8, name_length: usize, folder: *const u8, folder_length: usize);
 
 /// Reason why SINV, ROTSIG, XIT and the like are not available to plugins that call them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum UnavailableUtilities {
     /// Library is not there.
+    #[error("the library {UTILITIES} with the utility routines is in none of {}", listed(searched))]
     Missing {
         /// The folders where it was looked for.
         searched: Vec<PathBuf>,
     },
     /// The loader refused it.
+    #[error("the library {UTILITIES} with the utility routines: {message}")]
     Refused {
         /// The loader's words.
         message: String,
     },
 }
 
-impl fmt::Display for UnavailableUtilities {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Missing { searched } => {
-                let folders: Vec<_> = searched.iter().map(|folder| folder.display().to_string()).collect();
-                write!(f, "the library {UTILITIES} with the utility routines is in none of {}", folders.join(", "))
-            }
-            Self::Refused { message } => write!(f, "the library {UTILITIES} with the utility routines: {message}"),
-        }
-    }
+fn listed(folders: &[PathBuf]) -> String {
+    folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// The library of the utility routines: beside the plugins that were installed with the program, whose process it is loaded
@@ -58,24 +52,14 @@ pub(super) fn load() -> Result<&'static libloading::Library, &'static Unavailabl
     LIBRARY_OR_REASON
         .get_or_init(|| {
             let path = utilities_path()?;
-            open_globally(&path)
+            // RTLD_GLOBAL: what plugins leave undefined is found here
+            // SAFETY: the library is our own and has no initialisers.
+            let opened = unsafe { os::Library::open(Some(&path), os::RTLD_NOW | os::RTLD_GLOBAL) };
+            opened
+                .map(Into::into)
                 .map_err(|error| UnavailableUtilities::Refused { message: loaders_words(&path, &error) })
         })
         .as_ref()
-}
-
-/// RTLD_GLOBAL: what plugins leave undefined is found here.
-#[cfg(unix)]
-fn open_globally(path: &Path) -> Result<libloading::Library, libloading::Error> {
-    use libloading::os::unix::{Library, RTLD_GLOBAL, RTLD_NOW};
-    // SAFETY: the library is our own and has no initialisers.
-    unsafe { Library::open(Some(path), RTLD_NOW | RTLD_GLOBAL) }.map(Into::into)
-}
-
-#[cfg(not(unix))]
-fn open_globally(path: &Path) -> Result<libloading::Library, libloading::Error> {
-    // SAFETY: the library is our own and has no initialisers.
-    unsafe { libloading::Library::new(path) }
 }
 
 /// Sets the answers of GETJOBNAME and GETOUTDIR from now on. Has no effect without the library of the utility routines.

@@ -174,7 +174,7 @@ impl Boundary {
             let Some(nodes) = scene.node_set(reader, grip, &place) else { continue };
             let slip = drives[index.min(drives.len() - 1)];
             let support = pull(grip, nodes, slip);
-            let &PulledFibre { direction: axis, exit_node, tail_node, .. } = fibre;
+            let &PulledFibre { part, direction: axis, exit_node, tail_node, .. } = fibre;
             let name = fibre.name.clone().unwrap_or_default();
             self.measured.fibres.push(MeasuredFibre {
                 name,
@@ -183,7 +183,7 @@ impl Boundary {
                 axis,
                 exit_node,
                 tail_node,
-                part: None,
+                part: Some(part),
                 lines: Vec::new(),
             });
         }

@@ -1,13 +1,13 @@
 //! Contact pairs.
 
-use super::mesh::DefaultPair;
+use super::mesh::{DefaultPair, MATRIX};
 use super::{Scene, chain};
 use crate::document::pullout as document;
 use crate::document::{Entry, PropValue, Props, PulloutCase};
 use crate::plugin::{self, Length, Subject, Use};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use fe_core::mesh::specimen::{SurfaceRole, width_note};
+use fe_core::mesh::specimen::SurfaceRole;
 use fe_core::mesh::{ElementEdge, Mesh};
 use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width};
 use indexmap::IndexMap;
@@ -70,20 +70,29 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         for (key, ..) in
             roles.iter().filter(|(_, given, role)| *given && defaults.iter().all(|pair| pair.role != *role))
         {
-            reader.warnings.push(format!("{}: has no effect: the specimen has no such surfaces", place.key(key)));
+            reader.warn_no_effect(&place.key(key), "the specimen has no such surfaces");
         }
     }
-    let note_on = |width| width_note(if let Width::Given(width) = width { Some(width) } else { None });
-    for default in defaults {
-        let Some(pair) = pairs.iter().flatten().find(|pair| pair.name == default.name) else { continue };
-        let [usual, present] = [default.width, pair.width].map(note_on);
-        reader.warnings.iter_mut().for_each(|note| {
-            if let Some(rest) = note.strip_prefix(&usual) {
-                *note = format!("{present}{rest}");
-            }
-        });
-    }
+    note_widths(reader, pairs.as_deref().unwrap_or_default(), defaults, scene);
     pairs
+}
+
+/// Tells the widths of the lines of contact of round fibres in the plane.
+fn note_widths(reader: &mut Reader<'_>, pairs: &[ContactPair], defaults: &[DefaultPair], scene: Scene<'_>) {
+    let mut parts = scene.mesh.into_iter().flat_map(|mesh| mesh.parts());
+    let Some(matrix) = parts.find(|part| part.name == MATRIX) else { return };
+    let is_line = |default: &&DefaultPair| matches!(default.width, Width::Given(_)) && !default.is_on_request();
+    for default in defaults.iter().filter(is_line) {
+        let Some(pair) = pairs.iter().find(|pair| pair.name == default.name) else { continue };
+        let width = match pair.width {
+            Width::Given(width) => format!("contact width {width:.4} mm per line"),
+            Width::OfPart => "contact as wide as the slave's part is thick".into(),
+        };
+        reader.warn(format!(
+            "{width} on a matrix of thickness {} mm: the pressure of the contact is not the traction of the matrix",
+            matrix.thickness
+        ));
+    }
 }
 
 /// The pairs that bond fibres, line by line: those of a specimen that share a master, which names the line, and any other pair
@@ -150,14 +159,17 @@ fn law_of_role(
 ) -> Option<ContactLaw> {
     let (given, key, default) = match role {
         SurfaceRole::Bonded => return Some(bonded.clone()),
-        SurfaceRole::Exit => (&pair.exit, "exit", ("law", PropValue::Choice("none".into()))),
-        SurfaceRole::Separation => (&pair.separation, "separation", ("p_0", PropValue::Number(SEPARATION_TENSION))),
-        SurfaceRole::End => (&pair.end, "end", ("law", PropValue::Choice("none".into()))),
+        SurfaceRole::Exit => (&pair.exit, "exit", Some(("law", PropValue::Choice("none".into())))),
+        SurfaceRole::Separation => {
+            (&pair.separation, "separation", Some(("p_0", PropValue::Number(SEPARATION_TENSION))))
+        }
+        // it is there where the case gives it
+        SurfaceRole::End => (&pair.end, "end", None),
     };
-    let other = match given {
-        Some(given) => reader.piece(given, &place.key(key))?.clone(),
-        None if has_default(bonded, &default) => BTreeMap::from([(default.0.to_owned(), default.1)]),
-        None => {
+    let other = match (given, default.filter(|default| has_default(bonded, default))) {
+        (Some(given), _) => reader.piece(given, &place.key(key))?.clone(),
+        (None, Some((name, value))) => BTreeMap::from([(name.to_owned(), value)]),
+        (None, None) => {
             let message =
                 "is missing: the specimen has such surfaces; give the parameters of the law that are different there";
             reader.problem(&place.key(key), message);

@@ -97,7 +97,7 @@ fn from_tie(reader: &mut Reader<'_>, tie: &document::Tie, scene: Scene<'_>, plac
     }
     if let Some([long, short]) = finer_edge(mesh, nodes, edges) {
         let [x, y] = middle(mesh, long);
-        reader.warnings.push(format!(
+        reader.warn(format!(
             "{place}: '{}' is coarser than '{}', which it follows: an edge near ({x:.6}, {y:.6}) spans more than one \
              of its edges (element {}); the stresses there are wrong: tie the finer side to the coarser one",
             tie.tie,

@@ -329,8 +329,6 @@ fn pulled_fibre(
     };
     let named = made.fibres.iter().filter_map(|fibre| Some((fibre.clone(), format!("grip.{}", fibre.name.as_ref()?))));
     let fibres = named.filter(|_| alone.is_none());
-    let diameter = made.fibres[0].diameter;
-    let alike = made.fibres.iter().all(|fibre| fibre.diameter == diameter);
     let exists = |set: &&&str| made.definition.node_sets.contains_key(**set);
     let held = |set: &'static str| [&[(set, BOTH)], also].concat();
     let supports = ways.iter().filter(exists).map(|&set| DefaultSupports { name: set, supports: held(set) }).collect();
@@ -348,7 +346,7 @@ fn pulled_fibre(
             couplings: made.couplings,
         },
         definition: made.definition,
-        diameter: alike.then_some(diameter),
+        fibres: made.fibres,
         notes: made.notes,
         taken: Vec::new(),
     }

@@ -10,7 +10,9 @@ use crate::document::pullout::{
 use fe_core::element::ElementKind;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::MeshDefinition;
-use fe_core::mesh::specimen::{self, BodyChoice, CylinderSection, ParameterProblem, SpecimenError, SurfaceRole};
+use fe_core::mesh::specimen::{
+    self, BodyChoice, CylinderSection, ParameterProblem, PulledFibre, SpecimenError, SurfaceRole,
+};
 use fe_core::model::Width;
 
 pub(super) const X: &[[f64; 2]] = &[[1.0, 0.0]];
@@ -21,8 +23,8 @@ pub struct Generated {
     pub name: &'static str,
     pub definition: MeshDefinition,
     pub defaults: Defaults,
-    /// Diameter of the round fibre, mm.
-    pub diameter: Option<f64>,
+    /// Its fibres.
+    pub fibres: Vec<PulledFibre>,
     /// Notes on the model for the user.
     pub notes: Vec<String>,
     /// Names and values of what the case leaves to defaults.
@@ -161,7 +163,7 @@ fn one_body(
 ) -> Generated {
     let supports = vec![DefaultSupports { name: "standard", supports: supports.to_vec() }];
     let defaults = Defaults { supports, ..Defaults::default() };
-    Generated { name, definition, defaults, diameter: None, notes: Vec::new(), taken: Vec::new() }
+    Generated { name, definition, defaults, fibres: Vec::new(), notes: Vec::new(), taken: Vec::new() }
 }
 
 fn in_contact(

@@ -8,12 +8,17 @@ use crate::reader::Reader;
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::gmsh::{self, PartProperties};
-use fe_core::mesh::specimen::{NodeCoupling, PulledFibre, SpecimenError, SurfaceRole, section_note};
+use fe_core::mesh::specimen::{NodeCoupling, PulledFibre, SpecimenError, SurfaceRole};
 use fe_core::mesh::{Mesh, MeshDefinition, Part};
 use fe_core::model::Width;
 use pullout_run::input::{self, Input};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
+
+/// Thickness of a plane fibre over its height, the diameter, for the area of the circle.
+const EQUAL_AREA: f64 = PI / 4.0;
+/// The same for its bending inertia.
+const EQUAL_INERTIA: f64 = 3.0 * PI / 16.0;
 
 /// The part around a fibre.
 pub const MATRIX: &str = "matrix";
@@ -87,9 +92,16 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
             let place = place.key("specimen");
             let specimen = reader.piece(&source.specimen, &place)?;
             match generate(specimen, thickness_of_matrix(case), super::steps::greatest_slip(case)) {
-                Ok(Generated { name, mut definition, defaults, diameter, mut notes, taken }) => {
-                    adapt_parts(reader, case, &mut definition, diameter, &mut notes);
-                    reader.warnings.extend(notes);
+                Ok(Generated { name, mut definition, defaults, fibres, notes, taken }) => {
+                    let diameter = common_diameter(&fibres);
+                    adapt_parts(reader, case, &mut definition, diameter);
+                    for fibre in &fibres {
+                        let part = &definition.parts[fibre.part];
+                        if part.model != PlaneModel::Axisymmetric {
+                            reader.warn(section_note(fibre.diameter, part.thickness));
+                        }
+                    }
+                    notes.into_iter().for_each(|note| reader.warn(note));
                     reader.note_defaults(&place, &taken);
                     Some(Ground { definition, words: format!("specimen {name}"), diameter, defaults })
                 }
@@ -125,12 +137,26 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                     1 => format!("element {first} has"),
                     count => format!("{count} elements (the first is {first}) have"),
                 };
-                reader.warnings.push(format!("{}: {which} clockwise nodes: turned round", file.display()));
+                reader.warn(format!("{}: {which} clockwise nodes: turned round", file.display()));
             }
             let words = format!("file {}", source.file);
             Some(Ground { definition, words, diameter: None, defaults: Defaults::default() })
         }
     }
+}
+
+/// The diameter of all fibres, if it is one.
+fn common_diameter(fibres: &[PulledFibre]) -> Option<f64> {
+    let diameter = fibres.first()?.diameter;
+    fibres.iter().all(|fibre| fibre.diameter == diameter).then_some(diameter)
+}
+
+/// Returns the note for reports on the section of a round fibre in the plane.
+fn section_note(diameter: f64, thickness: f64) -> String {
+    let [area, inertia] = [EQUAL_AREA, EQUAL_INERTIA].map(|equal| thickness / (equal * diameter));
+    format!(
+        "fibre: height {diameter} mm, thickness {thickness:.4} mm; area {area:.3} and bending inertia {inertia:.3} of the round one"
+    )
 }
 
 /// Usual thicknesses of plane parts, mm.
@@ -213,8 +239,8 @@ pub fn thickness(given: document::Thickness, diameter: Option<f64>) -> Result<f6
     };
     let diameter = diameter.ok_or("the mesh has no round fibre: give the thickness in mm")?;
     Ok(match section {
-        document::Section::EqualArea => PI * diameter / 4.0,
-        document::Section::EqualInertia => 3.0 * PI * diameter / 16.0,
+        document::Section::EqualArea => EQUAL_AREA * diameter,
+        document::Section::EqualInertia => EQUAL_INERTIA * diameter,
     })
 }
 
@@ -250,14 +276,8 @@ pub fn called(part: &str, is_listed: impl Fn(&str) -> bool) -> &str {
     }
 }
 
-/// Changes a specimen's parts, and the notes on them, to what the case says.
-fn adapt_parts(
-    reader: &mut Reader<'_>,
-    case: &PulloutCase,
-    definition: &mut MeshDefinition,
-    diameter: Option<f64>,
-    notes: &mut [String],
-) {
+/// Changes a specimen's parts to what the case says.
+fn adapt_parts(reader: &mut Reader<'_>, case: &PulloutCase, definition: &mut MeshDefinition, diameter: Option<f64>) {
     let Some(given) = given_parts(reader, case) else { return };
     let root = Place::root().key("parts");
     let names: Vec<String> = definition.parts.iter().map(|part| part.name.clone()).collect();
@@ -283,13 +303,7 @@ fn adapt_parts(
         check_thickness(reader, part.model, given, &root.key(&name));
         part.integration = given.integration.or(part.integration);
         match given.thickness.filter(|_| part.name != COVER).map(|given| thickness(given, diameter)) {
-            Some(Ok(value)) => {
-                if let Some(diameter) = diameter {
-                    let [usual, present] = [part.thickness, value].map(|thickness| section_note(diameter, thickness));
-                    notes.iter_mut().filter(|note| **note == usual).for_each(|note| note.clone_from(&present));
-                }
-                part.thickness = value;
-            }
+            Some(Ok(value)) => part.thickness = value,
             Some(Err(message)) => reader.problem(&root.key(&name).key("thickness"), message),
             None => {}
         }

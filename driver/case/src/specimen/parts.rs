@@ -41,9 +41,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
             if mesh.parts()[index].model == PlaneModel::PlaneStress
                 || !elements.any(|element| element.kind() == ElementKind::Q4)
             {
-                let place = place.key("average_dilatation");
-                let message = "has no effect: it is for Q4 elements in plane strain or axial symmetry";
-                reader.warnings.push(format!("{place}: {message}"));
+                let reason = "it is for Q4 elements in plane strain or axial symmetry";
+                reader.warn_no_effect(&place.key("average_dilatation"), reason);
             }
         }
         let nlgeom = reader.optional(part.nlgeom.as_ref(), &place.key("nlgeom")).copied();

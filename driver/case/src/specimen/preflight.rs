@@ -16,7 +16,7 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
         if finding.is_fault() && !is_end_of_cover(&model.mesh, &behind, &finding) {
             reader.problem(&Place::root().key("mesh"), finding.to_string());
         } else {
-            reader.warnings.push(format!("mesh: {finding}"));
+            reader.warn(format!("mesh: {finding}"));
         }
     }
     let mut told: Vec<&str> = Vec::new();
@@ -27,7 +27,7 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
             told.push(&support.name);
             let message =
                 "holds elements of graded thickness: they are thinner than what it stands on; give a smaller extent";
-            reader.warnings.push(format!("support '{}' {message}", support.name));
+            reader.warn(format!("support '{}' {message}", support.name));
         }
     }
     let held: Vec<(usize, [f64; 2])> =

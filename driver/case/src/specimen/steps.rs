@@ -46,7 +46,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bound
         StepDocument::Cycles(wrapper) => Found::Cycles(&wrapper.cycles),
     });
     for (name, place) in drives.idle() {
-        reader.warnings.push(format!("{}: no step moves the drive '{name}': it stays 0", place.in_words()));
+        reader.warn(format!("{}: no step moves the drive '{name}': it stays 0", place.in_words()));
     }
     steps
 }

@@ -318,6 +318,9 @@ fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
         let supports: Vec<&str> = model.supports.iter().map(|support| support.name.as_str()).collect();
         assert_eq!(supports, ["grip", "grip, lateral", way, way]);
     }
+    let notes = accepted(&case, &[]).about.warnings;
+    let round = "fibre: height 0.406 mm, thickness 0.3189 mm; area 1.000 and bending inertia 1.333 of the round one";
+    assert_eq!(notes[0], round);
     for (width, words) in
         [("0.5", "contact width 0.5000 mm per line on"), ("part", "contact as wide as the slave's part")]
     {
@@ -335,6 +338,38 @@ fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
     assert_eq!((round.contacts.len(), round.contacts[0].width), (1, Width::OfPart));
     assert_eq!((round.measured.axis, round.measured.bearing_factor), (Some([0.0, 1.0]), 1.0));
     assert!(round.mesh.parts().iter().all(|part| part.model == PlaneModel::Axisymmetric));
+}
+
+#[test]
+fn what_contact_leaves_to_defaults_is_told_once() {
+    let defaults = accepted(&inclined_case(), &[]).about.defaults;
+    let of_contact: Vec<&String> = defaults.iter().filter(|line| line.starts_with("contact.law.props")).collect();
+    let different: std::collections::BTreeSet<&&String> = of_contact.iter().collect();
+    assert!(!of_contact.is_empty() && of_contact.len() == different.len(), "{of_contact:?}");
+}
+
+#[test]
+fn notes_on_fibres_and_lines_tell_each_of_them() {
+    let fibre = |name: &str, diameter: f64, exit: f64| json!({ "name": name, "diameter": diameter, "exit": exit, "embedded": 6, "path": [{ "straight": 9 }] });
+    let unlike = json!({ "type": "fibres", "mesh_size": 2, "cover": false,
+                         "fibres": [fibre("a", 0.4, -3.0), fibre("b", 0.5, 3.0)] });
+    let mut case = specimen_case(unlike, &["fibre", "matrix"]);
+    case["contact"] = json!({ "law": { "plugin": "bond_slip" } });
+    case["steps"] = json!([{ "slip": 1 }]);
+    let notes = |overrides: &[&str], of: &str| -> Vec<String> {
+        let notes = accepted(&case, overrides).about.warnings.into_iter();
+        notes
+            .filter(|note| note.starts_with(of))
+            .map(|note| note.split(';').next().unwrap_or_default().into())
+            .collect()
+    };
+    let thick = ["parts.fibre.thickness=0.3"];
+    assert_eq!(
+        notes(&thick, "fibre: "),
+        ["fibre: height 0.4 mm, thickness 0.3000 mm", "fibre: height 0.5 mm, thickness 0.3000 mm"]
+    );
+    let widths = notes(&[], "contact width ");
+    assert!(widths.len() == 2 && widths[0].contains("0.6283") && widths[1].contains("0.7854"), "{widths:?}");
 }
 
 /// A minimal case of an inclined fibre.
@@ -515,6 +550,12 @@ fn keys_without_effect_are_told() {
         (&plane, &["parts.matrix.average_dilatation=false"], "$.parts.matrix.average_dilatation"),
         (&plane, &["output.rupture_strain=0.1"], "$.output.rupture_strain"),
         (&plane, &["output.plots=false", "output.pictures_at=[0.1]"], "$.output.pictures_at"),
+        (&plane, &[r#"spalling={"opening": 0.2, "stress": 0.03}"#], "$.spalling"),
+        (&plane, &["controls.relaxation_time=1"], "$.controls.relaxation_time"),
+        (&plane, &["controls.max_stabilisation_share=0.1"], "$.controls.max_stabilisation_share"),
+        (&plane, &["parts.fibre.material.nstatv=3"], "$.parts.fibre.material.nstatv"),
+        (&plane, &["parts.fibre.material.thread_safe=true"], "$.parts.fibre.material.thread_safe"),
+        (&plane, &["contact.law.call_time_limit_s=5"], "$.contact.law.call_time_limit_s"),
     ] {
         let warnings = accepted(case, overrides).about.warnings;
         let told = warnings.iter().filter(|warning| warning.contains("has no effect")).collect::<Vec<_>>();

@@ -25,7 +25,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use symbols::Symbols;
-use umat_abi::host::{library_file_name, utilities_path};
+use umat_abi::host::{library_file_name, real_path, utilities_path};
 
 /// Sources to build, and the library to make of them.
 #[derive(Clone, Debug)]
@@ -158,7 +158,7 @@ fn may_be_written(output: &Path, sources: &[Source]) -> Result<(), Refusal> {
 
 /// Puts a library in its place at once: a process that has the old one loaded keeps it.
 fn put(made: &Path, output: &Path) -> io::Result<()> {
-    let output = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());
+    let output = real_path(output);
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let beside = tempfile::Builder::new().prefix(".pullout-build-").tempfile_in(folder)?;
     std::fs::copy(made, &beside)?;

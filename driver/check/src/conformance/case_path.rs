@@ -155,20 +155,16 @@ impl Observer for Keeper {
 }
 
 fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
-    let Entry::Umat(stress_state) = entry else {
-        return Increment { from: Committed::zero(entry, 0), step: Vec::new() };
-    };
     let called = call.solid().unwrap_or(call);
     let mut gradient = before.deformation_gradient;
     if call.is_through_solid() {
         // in plane stress the thickness is found by the call
         gradient[(2, 2)] = called.dfgrd0[2][2];
     }
-    let of_components = |six: &[f64; 6]| stress_state.components().iter().map(|&i| six[i]).collect::<Vec<f64>>();
     let [stored, plastic, creep] = before.energies;
     let from = Committed {
-        input: of_components(&before.strain),
-        output: of_components(&before.stress),
+        input: entry.of_six(&before.strain),
+        output: entry.of_six(&before.stress),
         statev: before.statev.clone(),
         energies: [stored, plastic, creep, 0.0, 0.0],
         time: call.time,
@@ -185,7 +181,7 @@ fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
 }
 
 fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
-    let directions = call.traction().len();
+    let directions = call.stress().len();
     let entry = Entry::Uinter(directions);
     let from = Committed {
         input: [-before.gap, before.slip[0], before.slip[1]][..directions].to_vec(),
@@ -202,7 +198,7 @@ fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
 }
 
 fn of_fric(before: &ContactPoint, call: &FricCall) -> Increment {
-    let directions = call.traction().len();
+    let directions = call.stress().len();
     let entry = Entry::Fric(directions);
     let [stored, dissipated, ..] = before.energies;
     let from = Committed {

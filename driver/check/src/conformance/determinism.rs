@@ -1,6 +1,6 @@
 //! Same input, same output: repeated, in another order, from several threads, with and without tangent.
 
-use super::Options;
+use super::random::SEED;
 use super::report::{Ledger, Verdict};
 use super::sample::State;
 use super::subject::{Answer, Subject, distance, largest};
@@ -56,7 +56,7 @@ pub(super) fn call_order(subject: &mut Subject<'_>, sample: &[State], ledger: &m
 }
 
 /// All threads at once on different states, against the answers of one.
-pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], options: &Options, ledger: &mut Ledger<'_>) {
+pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     ledger.begin("thread safety");
     if !subject.claims(flags::THREAD_SAFE) {
         return ledger.skip("not claimed");
@@ -89,7 +89,7 @@ pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], options: &Opt
         None if wrong.len() > 1 => ledger.add(Verdict::Pass, calls, format!("{} threads", wrong.len())),
         None => ledger.skip("the system gives no threads"),
         Some(number) => {
-            let detail = format!("state {number} (seed {}) differs from the single thread's answer", options.seed);
+            let detail = format!("state {number} (seed {SEED}) differs from the single thread's answer");
             ledger.add(Verdict::Fail, calls, detail);
         }
     }

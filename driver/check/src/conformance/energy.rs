@@ -6,7 +6,7 @@ use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::sample::target;
 use super::subject::{INSTANT, Subject, Trouble};
-use super::{Options, tolerances};
+use super::tolerances;
 
 /// Increments per leg at first, and how often they are halved before anything is said.
 const INCREMENTS: u32 = 40;
@@ -69,7 +69,7 @@ fn dissipated(energies: &[f64; 5]) -> f64 {
 }
 
 /// The rows "energy balance" and "dissipation".
-pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     ledger.begin("energy balance");
     if subject.reads_gradient {
         return ledger.skip("finite strain: which volume its energies belong to is the law's choice");
@@ -79,7 +79,7 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
     if subject.path.as_deref().is_some_and(is_heated) {
         return ledger.skip("the case changes the temperature: heat is energy as well");
     }
-    let mut random = Random::new(options.seed ^ 0xE4E6);
+    let mut random = Random::of_check(0xE4E6);
     let calls = LEGS * (INCREMENTS << (HALVINGS + 1)) as usize;
     let wanted = subject.affordable(PATHS, calls, TIME);
     let mut paths: Vec<Path> = (0..wanted)

@@ -3,7 +3,9 @@
 use super::subject::{Answer, Committed, INSTANT, Setting};
 use nalgebra::Matrix3;
 use pullout_run::deformation::columns;
-use umat_abi::host::{Alteration, FricAnswer, FricCall, Overrun, SurfaceFields, UinterCall, UmatCall};
+use umat_abi::host::{
+    Alteration, FricAnswer, FricCall, NotFinite, Overrun, PluginCall, SurfaceFields, UinterCall, UmatCall,
+};
 
 /// The answer, and whether it wrote behind an array: the answer counts all the same, the overrun has a row of its own.
 pub(super) type Called = (Answer, Result<(), Overrun>);
@@ -36,22 +38,27 @@ fn set_fields(fields: &mut SurfaceFields, setting: &Setting, share: f64) {
     fields.set(temperature, [&starts, &ends]);
 }
 
+/// The answer that all three give alike.
+fn answer<I, O>(call: &PluginCall<I, O>, [rows, columns]: [usize; 2], not_finite: Option<NotFinite>) -> Answer {
+    Answer {
+        outcome: call.outcome(),
+        output: call.stress().to_vec(),
+        tangent: (0..rows * columns).map(|k| call.tangent(k / columns, k % columns)).collect(),
+        statev: call.statev().to_vec(),
+        energies: [0.0; 5],
+        slip_increment: [0.0; 2],
+        flags: [0; 2],
+        not_finite,
+        given: Ok(FricAnswer::Tractions),
+    }
+}
+
 pub(super) fn umat(call: &mut UmatCall, from: &Committed, filling: f64, alteration: Alteration<'_>) -> Called {
     let n = call.ntens();
     let result = call.call_altered(filling, alteration).map(|_| ());
     let [stored, plastic, creep] = call.energies;
-    let answer = Answer {
-        outcome: call.outcome(),
-        output: call.stress().to_vec(),
-        tangent: (0..n * n).map(|k| call.tangent(k / n, k % n)).collect(),
-        statev: call.statev().to_vec(),
-        energies: [stored, plastic, creep, 0.0, 0.0],
-        slip_increment: [0.0; 2],
-        flags: from.flags,
-        not_finite: call.not_finite().or_else(|| call.moduli_not_finite()),
-        given: Ok(FricAnswer::Tractions),
-    };
-    (answer, result)
+    let answer = answer(call, [n, n], call.not_finite().or_else(|| call.moduli_not_finite()));
+    (Answer { energies: [stored, plastic, creep, 0.0, 0.0], flags: from.flags, ..answer }, result)
 }
 
 /// The arguments of a UINTER.
@@ -63,7 +70,7 @@ pub(super) fn prepare_uinter(call: &mut UinterCall, from: &Committed, step: &[f6
         call.rdisp[k] = from.input[k] + step[k];
     }
     call.drdisp[..n].copy_from_slice(step);
-    call.traction_mut().copy_from_slice(&from.output);
+    call.stress_mut().copy_from_slice(&from.output);
     let states = call.statev().len();
     call.statev_mut().copy_from_slice(&from.statev[..states]);
     call.energies = from.energies;
@@ -73,20 +80,10 @@ pub(super) fn prepare_uinter(call: &mut UinterCall, from: &Committed, step: &[f6
 }
 
 pub(super) fn uinter(call: &mut UinterCall, filling: f64, alteration: Alteration<'_>) -> Called {
-    let n = call.traction().len();
+    let n = call.stress().len();
     let result = call.call_altered(filling, alteration).map(|_| ());
-    let answer = Answer {
-        outcome: call.outcome(),
-        output: call.traction().to_vec(),
-        tangent: (0..n * n).map(|k| call.tangent(k / n, k % n)).collect(),
-        statev: call.statev().to_vec(),
-        energies: call.energies,
-        slip_increment: [0.0; 2],
-        flags: call.flags,
-        not_finite: call.not_finite().or_else(|| call.moduli_not_finite()),
-        given: Ok(FricAnswer::Tractions),
-    };
-    (answer, result)
+    let answer = answer(call, [n, n], call.not_finite().or_else(|| call.moduli_not_finite()));
+    (Answer { energies: call.energies, flags: call.flags, ..answer }, result)
 }
 
 /// The arguments of a FRIC.
@@ -98,7 +95,7 @@ pub(super) fn prepare_fric(call: &mut FricCall, from: &Committed, step: &[f64], 
     call.dgam[..n].copy_from_slice(&step[..n]);
     call.pressure = [from.input[n] + step[n], step[n]];
     call.slip = from.slip;
-    call.traction_mut().copy_from_slice(&from.output);
+    call.stress_mut().copy_from_slice(&from.output);
     let states = call.statev().len();
     call.statev_mut().copy_from_slice(&from.statev[..states]);
     call.energies.copy_from_slice(&from.energies[..2]);
@@ -107,22 +104,19 @@ pub(super) fn prepare_fric(call: &mut FricCall, from: &Committed, step: &[f64], 
 }
 
 pub(super) fn fric(call: &mut FricCall, filling: f64, alteration: Alteration<'_>) -> Called {
-    let n = call.traction().len();
+    let n = call.stress().len();
     let result = call.call_altered(filling, alteration).map(|_| ());
     let is_closed = call.pressure[0] > 0.0;
     let entry = |row: usize, column: usize| {
         if column < n { call.tangent(row, column) } else { call.pressure_tangent[row] }
     };
     let answer = Answer {
-        outcome: call.outcome(),
-        output: call.traction().to_vec(),
         tangent: (0..n * (n + 1)).map(|k| entry(k / (n + 1), k % (n + 1))).collect(),
-        statev: call.statev().to_vec(),
         energies: [call.energies[0], call.energies[1], 0.0, 0.0, 0.0],
         slip_increment: call.dslip,
         flags: [if is_closed { call.next_lm() } else { FricCall::OPEN }, 0],
-        not_finite: call.not_finite().or_else(|| call.moduli_not_finite()),
         given: call.answer(),
+        ..answer(call, [n, n], call.not_finite().or_else(|| call.moduli_not_finite()))
     };
     (answer, result)
 }

@@ -52,18 +52,10 @@ pub struct Options {
     pub props: Option<Vec<f64>>,
     /// CELENT, mm; `None`: one that the law accepts.
     pub characteristic_length: Option<f64>,
-    /// Seed of the random histories.
-    pub seed: u64,
     /// Number of random histories per stress state.
     pub states: usize,
-    /// Size of the strains (slips, mm); `None`: found from the response.
-    pub strain_size: Option<f64>,
-    /// NSTATV of a library without metadata; `None`: the plugin's.
-    pub nstatv: Option<usize>,
     /// The case whose path tells the law's scale.
     pub program: Option<Arc<Program>>,
-    /// Entry points by which a library without metadata is called if there is no case: it cannot tell.
-    pub plain_entries: Vec<Entry>,
     /// Makes the rows of one group only.
     pub group: Option<Group>,
     /// States of the sample that are left out, because a plugin did not survive them.
@@ -83,12 +75,8 @@ impl Default for Options {
         Self {
             props: None,
             characteristic_length: None,
-            seed: 0x5EED,
             states: 200,
-            strain_size: None,
-            nstatv: None,
             program: None,
-            plain_entries: vec![Entry::Umat(StressState::ThreeD)],
             group: None,
             skipped: Vec::new(),
             longest_path: None,
@@ -186,7 +174,7 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
         check_subject(subject, options, &mut Ledger::new(&mut report, subject.entry.label()));
     }
     if options.wants(Group::Paths) {
-        virgin::agreement_with_three_d(&mut subjects, options, &mut report);
+        virgin::agreement_with_three_d(&mut subjects, &mut report);
     }
     for subject in &subjects {
         memory::overruns(subject, &mut Ledger::new(&mut report, subject.entry.label()));
@@ -199,7 +187,7 @@ fn entries(law: Option<&Law>, path: Option<&CasePath>, options: &Options) -> Vec
     const SOLID: [StressState; 3] =
         [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
     let Some(law) = law else {
-        return path.map_or_else(|| options.plain_entries.clone(), |path| vec![path.entry]);
+        return vec![path.map_or(Entry::Umat(StressState::ThreeD), |path| path.entry)];
     };
     let mut entries = Vec::new();
     if law.kinds & kinds::UMAT != 0 {
@@ -230,13 +218,13 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
             "not tested: the plugin does not survive the case's first increment: only the virgin state was judged";
         return ledger.row("answers", Verdict::NotTested, "none", detail);
     }
-    scale::find(subject, options, ledger);
+    scale::find(subject, ledger);
     let sample = sample::draw(subject, options, ledger);
     if sample.is_empty() {
         ledger.is_muted = !options.wants(Group::Memory);
         if !ledger.is_muted {
             // a law that answers nowhere may do so for what it reads outside its arrays
-            bounds::check(subject, &sample::unanswered(subject, options), ledger);
+            bounds::check(subject, &sample::unanswered(subject), ledger);
         }
         return;
     }
@@ -257,18 +245,18 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
         hidden_data::check(subject, &sample, ledger);
         bounds::check(subject, &sample, ledger);
         precision::check(subject, &sample, ledger);
-        determinism::threads(subject, &sample, options, ledger);
+        determinism::threads(subject, &sample, ledger);
         determinism::stress_only(subject, &sample, ledger);
     }
     if options.wants(Group::Paths) {
         virgin::zero_increment(subject, &sample, ledger);
         virgin::strain_33(subject, &sample, ledger);
-        virgin::thickness(subject, options, ledger);
-        rotation::check(subject, options, ledger);
-        rotation::incremental_rotation(subject, &sample, options, ledger);
-        rotation::objectivity(subject, &sample, options, ledger);
-        step_size::check(subject, options, ledger);
-        energy::check(subject, options, ledger);
+        virgin::thickness(subject, ledger);
+        rotation::check(subject, options.states, ledger);
+        rotation::incremental_rotation(subject, &sample, ledger);
+        rotation::objectivity(subject, &sample, ledger);
+        step_size::check(subject, ledger);
+        energy::check(subject, ledger);
     }
     if options.wants(Group::BadInput) {
         bad_input::not_finite(subject, &sample, ledger);

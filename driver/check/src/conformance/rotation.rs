@@ -4,22 +4,20 @@ use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::sample::{State, step_to, target};
 use super::subject::{Committed, Entry, INSTANT, Subject, distance, largest};
-use super::{Options, tolerances};
+use super::tolerances;
 use nalgebra::Matrix3;
 use pullout_run::deformation;
 use umat_abi::host::Alteration;
 use umat_abi::law::StressState;
 use umat_abi::metadata::flags;
 
-type Rotation = [[f64; 3]; 3];
-
 /// Inputs (or outputs) in the rotated frame. Slips turn in the plane of the interface; a single one changes sign.
-fn rotated(entry: Entry, values: &[f64], rotation: &Rotation, shear: f64) -> Vec<f64> {
+fn rotated(entry: Entry, values: &[f64], rotation: &Matrix3<f64>, shear: f64) -> Vec<f64> {
     let turn = |first: usize| {
         let mut values = values.to_vec();
         let (a, b) = (values[first], values[first + 1]);
-        values[first] = rotation[0][0] * a + rotation[0][1] * b;
-        values[first + 1] = rotation[1][0] * a + rotation[1][1] * b;
+        values[first] = rotation[(0, 0)] * a + rotation[(0, 1)] * b;
+        values[first + 1] = rotation[(1, 0)] * a + rotation[(1, 1)] * b;
         values
     };
     let flip = |k: usize| {
@@ -28,15 +26,7 @@ fn rotated(entry: Entry, values: &[f64], rotation: &Rotation, shear: f64) -> Vec
         values
     };
     match entry {
-        Entry::Umat(stress_state) => {
-            let components = stress_state.components();
-            let mut six = [0.0; 6];
-            for (value, &i) in values.iter().zip(components) {
-                six[i] = *value;
-            }
-            let six = deformation::rotated(&six, &deformation::matrix(rotation), shear);
-            components.iter().map(|&i| six[i]).collect()
-        }
+        Entry::Umat(_) => entry.of_six(&deformation::rotated(&entry.six(values), rotation, shear)),
         Entry::Uinter(3) => turn(1),
         Entry::Fric(2) => turn(0),
         Entry::Uinter(_) => flip(1),
@@ -44,7 +34,7 @@ fn rotated(entry: Entry, values: &[f64], rotation: &Rotation, shear: f64) -> Vec
     }
 }
 
-fn random_rotation(subject: &Subject<'_>, random: &mut Random) -> Rotation {
+fn random_rotation(subject: &Subject<'_>, random: &mut Random) -> Matrix3<f64> {
     random.rotation(subject.entry != Entry::Umat(StressState::ThreeD))
 }
 
@@ -56,7 +46,7 @@ fn relative_error(subject: &Subject<'_>, input: &[f64], output: &[f64], expected
 
 /// Random paths of three legs, and the same rotated. Where isotropy is not claimed the result is only reported; a law
 /// that is isotropic as long as it is elastic and not beyond has axes, or takes shear strains for something else.
-pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+pub(super) fn check(subject: &mut Subject<'_>, paths: usize, ledger: &mut Ledger<'_>) {
     /// More than what an iteration leaves.
     const CLEAR: f64 = 1e-3;
     ledger.begin("isotropy");
@@ -64,11 +54,11 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
     if !claimed && (subject.described() || subject.finite) {
         return ledger.skip("not claimed");
     }
-    let mut random = Random::new(options.seed ^ 0x707);
+    let mut random = Random::of_check(0x707);
     let entry = subject.entry;
     let start = if claimed { subject.blank() } else { subject.virgin() };
     let (mut worst, mut elastic, mut refused) = (0.0_f64, 0.0_f64, 0);
-    for _ in 0..options.states {
+    for _ in 0..paths {
         let rotation = random_rotation(subject, &mut random);
         let (mut point, mut turned) = (start.clone(), start.clone());
         for leg in 0..3 {
@@ -107,7 +97,12 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
 }
 
 /// Returns how far a small first step and the same rotated differ, relative to the stress that it adds.
-fn elastic_anisotropy(subject: &mut Subject<'_>, start: &Committed, step: &[f64], rotation: &Rotation) -> Option<f64> {
+fn elastic_anisotropy(
+    subject: &mut Subject<'_>,
+    start: &Committed,
+    step: &[f64],
+    rotation: &Matrix3<f64>,
+) -> Option<f64> {
     const SMALL: f64 = 1e-4;
     let step: Vec<f64> = step.iter().map(|d| SMALL * d).collect();
     let entry = subject.entry;
@@ -121,12 +116,7 @@ fn elastic_anisotropy(subject: &mut Subject<'_>, start: &Committed, step: &[f64]
 }
 
 /// DROT: the host has turned stress and strain; states that are tensors turn in the plugin, scalars do not.
-pub(super) fn incremental_rotation(
-    subject: &mut Subject<'_>,
-    sample: &[State],
-    options: &Options,
-    ledger: &mut Ledger<'_>,
-) {
+pub(super) fn incremental_rotation(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     ledger.begin("DROT");
     if !matches!(subject.entry, Entry::Umat(_)) {
         return;
@@ -134,7 +124,7 @@ pub(super) fn incremental_rotation(
     if !subject.described() {
         return ledger.skip("no metadata: which states are tensors is unknown");
     }
-    let mut random = Random::new(options.seed ^ 0xD407);
+    let mut random = Random::of_check(0xD407);
     let identity = subject.rotation;
     let mut worst = (0.0_f64, 0);
     for state in sample {
@@ -146,8 +136,7 @@ pub(super) fn incremental_rotation(
         let mut turned_before = from.clone();
         turned_before.statev = rotated_states(subject, &from.statev, &rotation);
         let expected = subject.call(&turned_before, &step, 0.0, Alteration::None);
-        // Column-major: entry [j] of the array is column j.
-        subject.rotation = std::array::from_fn(|j| std::array::from_fn(|i| rotation[i][j]));
+        subject.rotation = deformation::columns(&rotation);
         let found = subject.call(&from, &step, 0.0, Alteration::None);
         subject.rotation = identity;
         let end: Vec<f64> = from.input.iter().zip(&step).map(|(x, d)| x + d).collect();
@@ -162,29 +151,27 @@ pub(super) fn incremental_rotation(
 }
 
 /// NLGEOM: a point that turns as a rigid body, F₁ = Q F₀, and is then strained answers like one that does not turn, turned.
-pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], options: &Options, ledger: &mut Ledger<'_>) {
+pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     ledger.begin("objectivity");
     const STATES: usize = 100;
     if !subject.finite {
         return;
     }
-    let mut random = Random::new(options.seed ^ 0x0B7E);
+    let mut random = Random::of_check(0x0B7E);
     let entry = subject.entry;
     let (mut worst, mut tried) = ((0.0_f64, String::new()), 0);
     for state in sample.iter().take(STATES) {
         let rotation = random_rotation(subject, &mut random);
-        let trace: f64 = (0..3).map(|i| rotation[i][i]).sum();
         // (Q + I)⁻¹ in DROT amplifies rounding near half a turn
-        if trace < 0.0 {
+        if rotation.trace() < 0.0 {
             continue;
         }
         let Ok(answer) = subject.evaluate(&state.from, &state.step) else { continue };
         let point = subject.advanced(&state.from, &state.step, &answer);
-        let matrix = Matrix3::from_fn(|i, j| rotation[i][j]);
         let zero = vec![0.0; state.step.len()];
         subject.share = INSTANT;
         let still = subject.evaluate(&point, &zero).map(|answer| subject.advanced(&point, &zero, &answer));
-        let end = matrix * point.gradient;
+        let end = rotation * point.gradient;
         let turned = subject.deform(&point, &end).map(|answer| Committed {
             input: rotated(entry, &point.input, &rotation, 2.0),
             gradient: end,
@@ -222,13 +209,13 @@ pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], options: 
 }
 
 /// STATEV with its strain-like tensors turned.
-fn rotated_states(subject: &Subject<'_>, statev: &[f64], rotation: &Rotation) -> Vec<f64> {
+fn rotated_states(subject: &Subject<'_>, statev: &[f64], rotation: &Matrix3<f64>) -> Vec<f64> {
     let mut states = statev.to_vec();
     let table = subject.plugin.law.as_ref().map_or(&[][..], |law| &law.states);
     for start in (0..table.len()).filter(|&k| table[k].tensor_component == 1) {
         if let Some(six) = states.get_mut(start..start + 6) {
             let tensor: [f64; 6] = std::array::from_fn(|i| six[i]);
-            six.copy_from_slice(&deformation::rotated(&tensor, &deformation::matrix(rotation), 2.0));
+            six.copy_from_slice(&deformation::rotated(&tensor, rotation, 2.0));
         }
     }
     states

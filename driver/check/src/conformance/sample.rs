@@ -92,7 +92,7 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
             left_out += 1;
             continue;
         }
-        let mut random = random_of(options, number);
+        let mut random = Random::of_state(number);
         let (origin, mut point, ways) = origin(subject, path.as_deref(), number, &mut random);
         ledger.draw(number, matches!(origin, Origin::Excursion(_)));
         match state(subject, &mut random, origin, ways, &mut point, &mut cut_backs) {
@@ -138,17 +138,12 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
     sample
 }
 
-/// A random number generator of its own for each state.
-fn random_of(options: &Options, number: usize) -> Random {
-    Random::new(options.seed.wrapping_add(number as u64).wrapping_mul(0xD134_2543_DE82_EF95))
-}
-
 /// Draws a few states without a call: of a law that answers none.
-pub(super) fn unanswered(subject: &Subject<'_>, options: &Options) -> Vec<State> {
+pub(super) fn unanswered(subject: &Subject<'_>) -> Vec<State> {
     let path = subject.path.clone().filter(|path| !path.increments.is_empty());
     (0..FEWEST)
         .map(|number| {
-            let mut random = random_of(options, number);
+            let mut random = Random::of_state(number);
             let (origin, from, increment) = origin(subject, path.as_deref(), number, &mut random);
             let end = match increment {
                 Some(increment) => end_of(&from, &like(subject, increment, &mut random)),

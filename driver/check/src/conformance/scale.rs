@@ -1,6 +1,5 @@
 //! Scale on which a strain, a slip or a gap is "large" for this law: found from its own response.
 
-use super::Options;
 use super::report::{Ledger, Verdict};
 use super::subject::{Entry, Subject, largest};
 
@@ -16,7 +15,7 @@ const LINEAR_SLIP: f64 = 1e-2;
 const PRESSURE: f64 = 10.0;
 
 /// Sets [`Subject::size`] and [`Subject::output_size`].
-pub(super) fn find(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+pub(super) fn find(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     ledger.begin("typical size");
     let is_of_path = of_path(subject);
     match subject.entry {
@@ -28,8 +27,7 @@ pub(super) fn find(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
                 .into_iter()
                 .filter_map(|(component, sign)| nonlinearity(subject, &base, component, sign, 1e-7, 10.0))
                 .fold(f64::INFINITY, f64::min);
-            let size = options.strain_size.unwrap_or(if found.is_finite() { found } else { LINEAR_STRAIN });
-            subject.size.fill(size);
+            subject.size.fill(if found.is_finite() { found } else { LINEAR_STRAIN });
         }
         Entry::Uinter(n) => {
             let mut press = vec![0.0; n];
@@ -39,14 +37,14 @@ pub(super) fn find(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
             let closing = if stiffness > 0.0 { (PRESSURE / stiffness).clamp(1e-8, 1.0) } else { LINEAR_SLIP };
             let opening = nonlinearity(subject, &vec![0.0; n], 0, -1.0, 1e-8, 10.0).unwrap_or(f64::INFINITY);
             press[0] = closing;
-            let slip = slip_size(subject, options, &press, 1);
+            let slip = slip_size(subject, &press, 1);
             subject.size.fill(slip);
             subject.size[0] = closing.min(opening);
         }
         Entry::Fric(n) => {
             let mut press = vec![0.0; n + 1];
             press[n] = PRESSURE;
-            let slip = slip_size(subject, options, &press, 0);
+            let slip = slip_size(subject, &press, 0);
             subject.size.fill(slip);
             subject.size[n] = PRESSURE;
         }
@@ -89,8 +87,8 @@ fn of_path(subject: &mut Subject<'_>) -> bool {
     true
 }
 
-fn slip_size(subject: &mut Subject<'_>, options: &Options, base: &[f64], component: usize) -> f64 {
-    options.strain_size.or_else(|| nonlinearity(subject, base, component, 1.0, 1e-7, 1e2)).unwrap_or(LINEAR_SLIP)
+fn slip_size(subject: &mut Subject<'_>, base: &[f64], component: usize) -> f64 {
+    nonlinearity(subject, base, component, 1.0, 1e-7, 1e2).unwrap_or(LINEAR_SLIP)
 }
 
 /// The input at the peak of the response to one step in one direction, or twice the one at which it

@@ -4,7 +4,7 @@ use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::sample::target;
 use super::subject::{Subject, distance, largest};
-use super::{Options, tolerances};
+use super::tolerances;
 use pullout_run::deformation::exponential;
 use umat_abi::metadata::flags;
 
@@ -18,7 +18,7 @@ const TIME: f64 = 2.0;
 fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Option<Vec<f64>> {
     let mut point = subject.virgin();
     let virgin = point.gradient;
-    let gradient = if subject.finite { Some(exponential(&subject.six(end)) * virgin) } else { None };
+    let gradient = if subject.finite { Some(exponential(&subject.entry.six(end)) * virgin) } else { None };
     subject.share = subject.path_length() / f64::from(count);
     for k in 1..=count {
         // From the fraction itself, so that rounding does not add up.
@@ -36,9 +36,9 @@ fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Option<Vec<
 }
 
 /// Errors against 1000 increments; a law that claims to be exact must be.
-pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     ledger.begin("increment size");
-    let mut random = Random::new(options.seed ^ 0x57E9);
+    let mut random = Random::of_check(0x57E9);
     let (mut errors, mut paths) = ([0.0_f64; 3], 0);
     let calls: u32 = COUNTS.iter().sum();
     for _ in 0..subject.affordable(PATHS, calls as usize, TIME) {

@@ -16,7 +16,6 @@ use pullout_run::deformation::{columns, incremental_motion, of_constant_volume, 
 use pullout_run::isolation::worker;
 use pullout_run::program::Kind;
 use std::collections::BTreeMap;
-use std::fmt;
 use std::sync::Arc;
 use umat_abi::host::{
     Alignment, Alteration, CallFailure, CallOutcome, FricAnswer, FricCall, LoadError, NotFinite, Plugin, Probed,
@@ -66,6 +65,21 @@ impl Entry {
             Self::Uinter(_) => format!("tau{k}"),
             Self::Fric(_) => format!("tau{}", k + 1),
         }
+    }
+
+    /// Six components of a tensor of a UMAT from those that it has; 0 for contact.
+    pub(super) fn six(self, values: &[f64]) -> [f64; 6] {
+        let mut six = [0.0; 6];
+        if let Self::Umat(stress_state) = self {
+            stress_state.components().iter().zip(values).for_each(|(&i, value)| six[i] = *value);
+        }
+        six
+    }
+
+    /// The components that a UMAT has of a tensor; none for contact.
+    pub(super) fn of_six(self, six: &[f64; 6]) -> Vec<f64> {
+        let Self::Umat(stress_state) = self else { return Vec::new() };
+        stress_state.components().iter().map(|&i| six[i]).collect()
     }
 
     /// Number of outputs.
@@ -215,21 +229,14 @@ pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Reason why a call gave no result.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum Trouble {
     /// Failure that any host recognises; a cut-back request left the arrays as they were.
+    #[error("{0}")]
     Call(CallFailure),
     /// A refusal, or no tractions, in words.
+    #[error("{0}")]
     Refused(String),
-}
-
-impl fmt::Display for Trouble {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Call(failure) => failure.fmt(f),
-            Self::Refused(why) => f.write_str(why),
-        }
-    }
 }
 
 #[derive(Debug)]
@@ -322,7 +329,7 @@ impl<'p> Subject<'p> {
         path: Option<Arc<CasePath>>,
     ) -> Result<Self, LoadError> {
         let law = plugin.law.as_ref();
-        let nstatv = law.map_or(options.nstatv.unwrap_or(plugin.nstatv), |law| law.states.len());
+        let nstatv = law.map_or(plugin.nstatv, |law| law.states.len());
         let mut props = props.to_vec();
         for (value, parameter) in props.iter_mut().zip(law.map_or(&[][..], |law| &law.parameters)) {
             if *value == 0.0 && !parameter.role.is_empty() && parameter.admits(PENALTY) {
@@ -495,18 +502,9 @@ impl<'p> Subject<'p> {
         }
     }
 
-    /// The strains of an input in six components; 0 for contact.
-    pub(super) fn six(&self, input: &[f64]) -> [f64; 6] {
-        let mut six = [0.0; 6];
-        if let Entry::Umat(stress_state) = self.entry {
-            stress_state.components().iter().zip(input).for_each(|(&i, d)| six[i] = *d);
-        }
-        six
-    }
-
-    /// The same as a tensor.
+    /// The strains of an input as a tensor; 0 for contact.
     pub(super) fn tensor(&self, input: &[f64]) -> Matrix3<f64> {
-        symmetric(&self.six(input), 2.0)
+        symmetric(&self.entry.six(input), 2.0)
     }
 
     /// The response to F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.
@@ -517,17 +515,11 @@ impl<'p> Subject<'p> {
 
     /// [`Self::deform`], with the point after it.
     pub(super) fn deformed(&mut self, from: &Committed, end: &Matrix3<f64>) -> Option<(Answer, Committed)> {
-        let Entry::Umat(stress_state) = self.entry else { return None };
-        let motion = incremental_motion(&from.gradient, end)?;
-        let components = stress_state.components();
-        let turned = |values: &[f64], shear: f64| -> Vec<f64> {
-            let mut six = [0.0; 6];
-            components.iter().zip(values).for_each(|(&i, value)| six[i] = *value);
-            let six = rotated(&six, &motion.rotation, shear);
-            components.iter().map(|&i| six[i]).collect()
-        };
+        let entry = self.entry;
+        let motion = incremental_motion(&from.gradient, end).filter(|_| matches!(entry, Entry::Umat(_)))?;
+        let turned = |values: &[f64], shear: f64| entry.of_six(&rotated(&entry.six(values), &motion.rotation, shear));
         let before = Committed { input: turned(&from.input, 2.0), output: turned(&from.output, 1.0), ..from.clone() };
-        let step: Vec<f64> = components.iter().map(|&i| motion.strain_increment[i]).collect();
+        let step = entry.of_six(&motion.strain_increment);
         self.rotation = columns(&motion.rotation);
         self.end = Some(*end);
         let result = self.evaluate(&before, &step).ok().map(|answer| {

@@ -4,8 +4,8 @@
 use super::random::Random;
 use super::report::{Ledger, Report, Verdict};
 use super::sample::{State, end_of, step_to, target};
-use super::subject::{Committed, Entry, INSTANT, Subject, distance, largest};
-use super::{Options, tolerances};
+use super::subject::{Entry, INSTANT, Subject, distance, largest};
+use super::tolerances;
 use umat_abi::law::StressState;
 use umat_abi::metadata::OVERSTRESS_WORK;
 
@@ -116,7 +116,7 @@ pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[State], ledger: &mu
 
 /// Checks plane stress against the response in space with the ε33 for which σ33 is 0: where a law tells ε33 it is this one, and at
 /// finite strain, where the thickness counts, the stresses are the same.
-pub(super) fn thickness(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     const STEPS: usize = 20;
     /// Part of a step that is a small strain.
     const SMALL: f64 = 1e-4;
@@ -133,7 +133,7 @@ pub(super) fn thickness(subject: &mut Subject<'_>, options: &Options, ledger: &m
         ledger.add(verdict, "", format!("{why}: nothing to compare plane stress at finite strain with"));
     };
     let Some(mut space) = subject.through_six() else { return unseen(ledger, "it does not serve NTENS 6") };
-    let mut random = Random::new(options.seed ^ 0x7417);
+    let mut random = Random::of_check(0x7417);
     let increments = subject.path.as_ref().map_or(&[][..], |path| &path.increments);
     let every = increments.len().div_ceil(STEPS).max(1);
     let ends = increments.iter().rev().step_by(every).map(|increment| end_of(&increment.from, &increment.step));
@@ -179,7 +179,7 @@ pub(super) fn thickness(subject: &mut Subject<'_>, options: &Options, ledger: &m
 }
 
 /// Plane strain, and plane stress with the ε33 that it found, give the stresses of the 3D response.
-pub(super) fn agreement_with_three_d(subjects: &mut [Subject<'_>], options: &Options, report: &mut Report) {
+pub(super) fn agreement_with_three_d(subjects: &mut [Subject<'_>], report: &mut Report) {
     let Some(solid) = subjects.iter().position(|s| s.entry == Entry::Umat(StressState::ThreeD)) else { return };
     for k in (0..subjects.len()).filter(|&k| k != solid) {
         let Entry::Umat(stress_state) = subjects[k].entry else { continue };
@@ -191,17 +191,11 @@ pub(super) fn agreement_with_three_d(subjects: &mut [Subject<'_>], options: &Opt
             (&mut high[0], &mut low[solid])
         };
         let mut ledger = Ledger::new(report, plane.entry.label());
-        agreement(plane, solid, stress_state, options, &mut ledger);
+        agreement(plane, solid, stress_state, &mut ledger);
     }
 }
 
-fn agreement(
-    plane: &mut Subject<'_>,
-    solid: &mut Subject<'_>,
-    stress_state: StressState,
-    options: &Options,
-    ledger: &mut Ledger<'_>,
-) {
+fn agreement(plane: &mut Subject<'_>, solid: &mut Subject<'_>, stress_state: StressState, ledger: &mut Ledger<'_>) {
     ledger.begin("agrees with 3D");
     const PATHS: usize = 20;
     let condensed = stress_state == StressState::PlaneStress;
@@ -209,7 +203,7 @@ fn agreement(
     if condensed && index.is_none() {
         return ledger.skip("no state strain_33");
     }
-    let mut random = Random::new(options.seed ^ 0x33);
+    let mut random = Random::of_check(0x33);
     let mut worst = (0.0_f64, String::from("stress on random paths"));
     for path in 0..PATHS {
         let (mut point, mut whole) = (plane.blank(), solid.blank());
@@ -217,14 +211,14 @@ fn agreement(
             let step = step_to(&point, &target(plane, &mut random));
             let Ok(answer) = plane.evaluate(&point, &step) else { break };
             point = plane.advanced(&point, &step, &answer);
-            let end = embedded(&point, stress_state, index.filter(|_| condensed));
+            let mut end = plane.entry.six(&point.input);
+            if let Some(index) = index.filter(|_| condensed) {
+                end[2] = point.statev[index];
+            }
             let step = step_to(&whole, &end);
             let Ok(answer) = solid.evaluate(&whole, &step) else { break };
             whole = solid.advanced(&whole, &step, &answer);
-            let mut expected = [0.0; 6];
-            for (k, &i) in stress_state.components().iter().enumerate() {
-                expected[i] = point.output[k];
-            }
+            let expected = plane.entry.six(&point.output);
             let floor = tolerances::PLANE_STRESS_ITERATION / tolerances::AGREEMENT * solid.elastic_size(&end);
             let error = distance(&expected, &whole.output) / (largest(&expected) + floor).max(f64::MIN_POSITIVE);
             if error > worst.0 {
@@ -246,16 +240,4 @@ fn agreement(
         false => blame(plane),
     };
     ledger.add(verdict, format!("{:.1e}", worst.0), worst.1);
-}
-
-/// Six strain components of a point.
-fn embedded(point: &Committed, stress_state: StressState, strain_33: Option<usize>) -> Vec<f64> {
-    let mut strain = vec![0.0; 6];
-    for (k, &i) in stress_state.components().iter().enumerate() {
-        strain[i] = point.input[k];
-    }
-    if let Some(index) = strain_33 {
-        strain[2] = point.statev[index];
-    }
-    strain
 }

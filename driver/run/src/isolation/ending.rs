@@ -109,43 +109,33 @@ impl Report {
 fn place(call: &CallRecord, need: &Need) -> String {
     let [step, increment] = call.arguments.place();
     let plugin = format!("plugin '{}'", call.name);
+    let material_point = |[element, point]: [i32; 2]| format!(", element {element}, integration point {point}");
+    let contact_point = |node: i32| format!(", contact point {node}");
     let place = match &call.arguments {
-        Arguments::InitialState(state) => return format!("{plugin}, SDVINI{}", material_point(&state.noel_npt)),
-        Arguments::InitialStress(state) => return format!("{plugin}, SIGINI{}", material_point(&state.noel_npt)),
-        Arguments::ExternalDatabase(database) => {
-            let occasion = occasion(&database.counters);
-            return format!("{plugin}, UEXTERNALDB {occasion}, step {step}, increment {increment}");
+        Arguments::InitialState(point) => return format!("{plugin}, SDVINI{}", material_point(*point)),
+        Arguments::InitialStress(point) => return format!("{plugin}, SIGINI{}", material_point(*point)),
+        Arguments::ExternalDatabase([lop, ..]) => {
+            return format!("{plugin}, UEXTERNALDB {}, step {step}, increment {increment}", occasion(*lop));
         }
         _ if !need.specimen => String::new(),
-        Arguments::Umat(umat) => material_point(&umat.noel_npt),
-        Arguments::Uinter(uinter) => contact_point(&uinter.node),
-        Arguments::Fric(fric) => contact_point(&fric.node),
+        Arguments::Umat(umat) => material_point([umat.noel, umat.npt]),
+        Arguments::Uinter(uinter) => contact_point(uinter.node),
+        Arguments::Fric(fric) => contact_point(fric.node),
     };
     format!("{plugin}, step {step}, increment {increment}{place}")
 }
 
 /// LOP in words.
-fn occasion(counters: &[f64]) -> &'static str {
-    match counters.first().map(|lop| *lop as i32) {
-        Some(0) => "at the start of the analysis (LOP = 0)",
-        Some(1) => "at the start of an increment (LOP = 1)",
-        Some(2) => "at the end of an increment (LOP = 2)",
-        Some(4) => "at a restart (LOP = 4)",
-        Some(5) => "at the start of a step (LOP = 5)",
-        Some(6) => "at the end of a step (LOP = 6)",
+fn occasion(lop: i32) -> &'static str {
+    match lop {
+        0 => "at the start of the analysis (LOP = 0)",
+        1 => "at the start of an increment (LOP = 1)",
+        2 => "at the end of an increment (LOP = 2)",
+        4 => "at a restart (LOP = 4)",
+        5 => "at the start of a step (LOP = 5)",
+        6 => "at the end of a step (LOP = 6)",
         _ => "at the end of the analysis (LOP = 3)",
     }
-}
-
-fn material_point(noel_npt: &[f64]) -> String {
-    match noel_npt {
-        [element, point] => format!(", element {element}, integration point {point}"),
-        _ => String::new(),
-    }
-}
-
-fn contact_point(node: &[f64]) -> String {
-    node.first().map_or_else(String::new, |node| format!(", contact point {node}"))
 }
 
 /// Returns the message about an end behind the done-mark, `None` if it was the usual one, or hurried by a signal: the results

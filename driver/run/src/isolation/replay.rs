@@ -61,16 +61,13 @@ fn at(values: &[f64], k: usize) -> f64 {
     values.get(k).copied().unwrap_or_default()
 }
 
-fn integer(values: &[f64], k: usize) -> i32 {
-    at(values, k) as i32
-}
-
-fn integers<const N: usize>(values: &[f64]) -> [i32; N] {
-    std::array::from_fn(|k| integer(values, k))
-}
-
 fn array<const N: usize>(values: &[f64]) -> [f64; N] {
     std::array::from_fn(|k| at(values, k))
+}
+
+/// The first values of an input, as many as the call has components.
+fn first<'a, const N: usize>(input: &'a [f64; N], components: &[f64]) -> &'a [f64] {
+    &input[..components.len().min(N)]
 }
 
 /// A duration of a step, s, which takes some time; equilibrium before the first step takes none.
@@ -82,19 +79,19 @@ fn duration(time_increment: f64) -> f64 {
 /// but for rounding.
 fn umat_arguments(call: &UmatRecord, wants_tangent: bool) -> Value {
     let mut arguments = json!({
-        "dstran": call.dstran,
-        "dtime": at(&call.dtime, 0),
-        "dtemp": at(&call.temp, 1),
+        "dstran": first(&call.dstran, &call.stress),
+        "dtime": call.dtime,
+        "dtemp": call.dtemp,
         "energies": array::<3>(&call.energies),
-        "step_time": at(&call.time, 0),
-        "coords": array::<3>(&call.coords),
-        "drot": rows(&call.drot),
-        "dfgrd0": rows(&call.dfgrd0),
-        "dfgrd1": rows(&call.dfgrd1),
-        "noel": integer(&call.noel_npt, 0),
-        "npt": integer(&call.noel_npt, 1),
-        "jstep": integers::<4>(&call.jstep),
-        "kinc": integer(&call.kinc, 0),
+        "step_time": call.time[0],
+        "coords": call.coords,
+        "drot": rows(call.drot.as_flattened()),
+        "dfgrd0": rows(call.dfgrd0.as_flattened()),
+        "dfgrd1": rows(call.dfgrd1.as_flattened()),
+        "noel": call.noel,
+        "npt": call.npt,
+        "jstep": call.jstep,
+        "kinc": call.kinc,
         "ddsdde": wants_tangent,
     });
     if !is_no_variable([&call.predef, &call.dpred]) {
@@ -104,13 +101,14 @@ fn umat_arguments(call: &UmatRecord, wants_tangent: bool) -> Value {
 }
 
 fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
-    let stress_state = match call.stran.len() {
+    let stress_state = match call.stress.len() {
         6 => StressState::ThreeD,
         3 => StressState::PlaneStress,
         _ => StressState::PlaneStrainOrAxisymmetric,
     };
     let components = stress_state.components();
-    let has_strain_33 = at(&call.stran, 2) != 0.0 || at(&call.dstran, 2) != 0.0;
+    let (stran, dstran) = (&call.stran, &call.dstran);
+    let has_strain_33 = stran[2] != 0.0 || dstran[2] != 0.0;
     // the components whose strains are targets; the others are 0, or the law's business
     let (mode, driven): (_, &[usize]) = match stress_state {
         StressState::ThreeD => ("3d", &[0, 1, 2, 3, 4, 5]),
@@ -126,24 +124,23 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
     };
     let step = json!({
         "increments": 1,
-        "time": duration(at(&call.dtime, 0)),
-        "target": named(&STRAIN_NAMES, driven, &six(&|k| at(&call.stran, k) + at(&call.dstran, k))),
+        "time": duration(call.dtime),
+        "target": named(&STRAIN_NAMES, driven, &six(&|k| stran[k] + dstran[k])),
     });
     let mut case = json!({
         "kind": "point",
         "mode": mode,
         "initial": {
-            "strain": named(&STRAIN_NAMES, components, &six(&|k| at(&call.stran, k))),
+            "strain": named(&STRAIN_NAMES, components, &six(&|k| stran[k])),
             "stress": named(&STRESS_NAMES, components, &six(&|k| at(&call.stress, k))),
             "statev": call.statev,
-            "time": at(&call.time, 1).max(0.0),
+            "time": call.time[1].max(0.0),
         },
         "arguments": umat_arguments(call, wants_tangent),
     });
-    set_length(&mut case, &call.celent);
+    set_length(&mut case, call.celent);
     case["steps"] = json!([step]);
-    let [temperature, increment] = array(&call.temp);
-    set_fields(&mut case, [temperature, temperature + increment], {
+    set_fields(&mut case, [call.temp, call.temp + call.dtemp], {
         let ends = call.predef.iter().zip(&call.dpred).map(|(start, increment)| start + increment);
         [call.predef.clone(), ends.collect()]
     });
@@ -165,25 +162,24 @@ fn set_fields(case: &mut Value, temperature: [f64; 2], mut variables: [Vec<f64>;
     replay::set_fields(case, &start, &FieldValues { temperature: end, variables: last });
 }
 
-fn set_length(case: &mut Value, length: &[f64]) {
-    if at(length, 0) > 0.0 {
-        case["characteristic_length"] = json!(at(length, 0));
+fn set_length(case: &mut Value, length: f64) {
+    if length > 0.0 {
+        case["characteristic_length"] = json!(length);
     }
 }
 
 /// A case of kind "interface". TIME is that of the increment's end, a case's of its start.
-fn interface(end: &[f64], dtime: &[f64], statev: &[f64], mut arguments: Value, counters: &[f64]) -> Value {
-    arguments["time"] = json!(array::<2>(end));
-    arguments["dtime"] = json!(at(dtime, 0));
-    let time = [0, 1].map(|k| at(end, k) - at(dtime, 0));
-    arguments["step_time"] = json!(time[0]);
-    arguments["kstep"] = json!(integer(counters, 0));
-    arguments["kinc"] = json!(integer(counters, 1));
+fn interface(time: [f64; 2], dtime: f64, statev: &[f64], mut arguments: Value, [step, increment]: [i32; 2]) -> Value {
+    let start = time.map(|end| end - dtime);
+    for (name, value) in [("time", json!(time)), ("dtime", json!(dtime)), ("step_time", json!(start[0]))] {
+        arguments[name] = value;
+    }
+    [arguments["kstep"], arguments["kinc"]] = [step, increment].map(|number| json!(number));
     json!({
         "kind": "interface",
-        "initial": { "statev": statev, "time": time[1].max(0.0) },
+        "initial": { "statev": statev, "time": start[1].max(0.0) },
         "arguments": arguments,
-        "steps": [{ "increments": 1, "time": duration(at(dtime, 0)), "target": {} }],
+        "steps": [{ "increments": 1, "time": duration(dtime), "target": {} }],
     })
 }
 
@@ -211,46 +207,48 @@ fn set_slips(case: &mut Value, ends: &[[f64; 2]]) {
 }
 
 fn uinter_case(call: &UinterRecord) -> Value {
+    let [step, increment, iteration] = call.counters;
+    let increments = first(&call.drdisp, &call.stress);
     let arguments = json!({
         "traction": array::<3>(&call.stress),
         "energies": array::<5>(&call.energies),
-        "flags": integers::<2>(&call.flags),
-        "coords": array::<3>(&call.coords),
-        "alocaldir": array::<9>(&call.alocaldir),
-        "area": at(&call.area, 0),
-        "node": integer(&call.node, 0),
-        "kit": integer(&call.counters, 2),
-        "drdisp": array::<3>(&call.drdisp),
+        "flags": array::<2>(&call.flags).map(|flag| flag as i32),
+        "coords": call.coords,
+        "alocaldir": call.local_directions,
+        "area": call.area,
+        "node": call.node,
+        "kit": iteration,
+        "drdisp": array::<3>(increments),
     });
-    let mut case = interface(&call.time, &call.dtime, &call.statev, arguments, &call.counters);
-    let ends: Vec<[f64; 2]> = call.rdisp.iter().zip(&call.drdisp).map(|(end, by)| [end - by, *end]).collect();
+    let mut case = interface(call.time, call.dtime, &call.statev, arguments, [step, increment]);
+    let ends: Vec<[f64; 2]> = call.rdisp.iter().zip(increments).map(|(end, by)| [end - by, *end]).collect();
     let [normal, slips @ ..] = ends.as_slice() else { return case };
     // RDISP(1) > 0 is penetration
     [case["initial"]["gap"], case["steps"][0]["target"]["gap"]] = normal.map(|penetration| json!(-penetration));
     set_slips(&mut case, slips);
     set_contact_fields(&mut case, &call.temp, &call.predef, &call.dpred);
-    set_length(&mut case, &call.chrlngth);
+    set_length(&mut case, call.chrlngth);
     case
 }
 
 fn fric_case(call: &FricRecord) -> Value {
-    let [pressure, increment] = array(&call.press);
+    let [pressure, increment] = call.pressure;
     let arguments = json!({
         "traction": [pressure - increment, at(&call.tau, 0), at(&call.tau, 1)],
         "energies": [at(&call.energies, 0), at(&call.energies, 1), 0.0, 0.0, 0.0],
-        "lm": integer(&call.lm, 0),
+        "lm": at(&call.lm, 0) as i32,
         "dpress": increment,
-        "slip": array::<2>(&call.slip),
-        "coords": array::<3>(&call.coords),
-        "rcoord": array::<3>(&call.rcoord),
-        "node": integer(&call.node, 0),
+        "slip": array::<2>(first(&call.slip, &call.tau)),
+        "coords": call.coords,
+        "rcoord": call.rcoord,
+        "node": call.node,
     });
-    let mut case = interface(&call.time, &call.dtime, &call.statev, arguments, &call.counters);
+    let mut case = interface(call.time, call.dtime, &call.statev, arguments, call.counters);
     // only the increment of the slip is an argument
-    let slips: Vec<[f64; 2]> = call.dgam.iter().map(|by| [0.0, *by]).collect();
+    let slips: Vec<[f64; 2]> = first(&call.dgam, &call.tau).iter().map(|by| [0.0, *by]).collect();
     set_slips(&mut case, &slips);
     case["steps"][0]["target"]["p"] = json!(pressure);
     set_contact_fields(&mut case, &call.temp, &call.predef, &call.dpred);
-    set_length(&mut case, &call.chrlngth);
+    set_length(&mut case, call.chrlngth);
     case
 }

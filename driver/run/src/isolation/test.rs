@@ -3,6 +3,7 @@ use super::{replay, trust};
 use end_to_end_tests::{plugin, shipped_laws};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use umat_abi::host::UmatInputs;
 use umat_abi::host::recorder::{Arguments, CallRecord, UmatRecord};
 use umat_abi::metadata::PLUGIN_SYMBOL;
 
@@ -94,6 +95,8 @@ fn what_cannot_be_read_is_not_isolated() {
 
 #[test]
 fn a_replay_has_numbers_only() {
+    let mut inputs = UmatInputs::default();
+    inputs.stran[1] = 1e-3;
     let call = |state: f64| CallRecord {
         name: "foreign".into(),
         library: "/somewhere/libforeign.so".into(),
@@ -101,7 +104,8 @@ fn a_replay_has_numbers_only() {
         cmname: "FOREIGN".into(),
         wants_tangent: true,
         arguments: Arguments::Umat(UmatRecord {
-            stran: vec![0.0, 1e-3, 0.0, 0.0],
+            stress: vec![0.0; 4],
+            inputs,
             statev: vec![1.0, state],
             ..UmatRecord::default()
         }),

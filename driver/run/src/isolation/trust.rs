@@ -32,16 +32,12 @@ static LET_IN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// Lets a library run in this process from now on: the user answers for it.
 pub fn let_in(library: &Path) {
-    LET_IN.lock().unwrap_or_else(PoisonError::into_inner).insert(real(library));
+    LET_IN.lock().unwrap_or_else(PoisonError::into_inner).insert(host::real_path(library));
 }
 
 /// Returns whether the user answers for a library.
 pub(super) fn is_let_in(library: &Path) -> bool {
-    all_are_let_in() || LET_IN.lock().unwrap_or_else(PoisonError::into_inner).contains(&real(library))
-}
-
-fn real(library: &Path) -> PathBuf {
-    library.canonicalize().unwrap_or_else(|_| library.to_owned())
+    all_are_let_in() || LET_IN.lock().unwrap_or_else(PoisonError::into_inner).contains(&host::real_path(library))
 }
 
 /// Returns whether a library was built with this program.

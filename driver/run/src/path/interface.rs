@@ -44,14 +44,14 @@ impl Call {
         match self {
             Self::Uinter(call) => {
                 let tractions = [start.pressure, start.shear[0], start.shear[1]];
-                call.traction_mut().copy_from_slice(&tractions[..=directions]);
+                call.stress_mut().copy_from_slice(&tractions[..=directions]);
                 call.statev_mut().copy_from_slice(&start.statev);
                 call.energies = start.energies;
                 call.flags = start.flags;
             }
             Self::Fric(call) => {
                 call.lm = start.flags[0];
-                call.traction_mut().copy_from_slice(&start.shear[..directions]);
+                call.stress_mut().copy_from_slice(&start.shear[..directions]);
                 call.statev_mut().copy_from_slice(&start.statev);
                 call.energies = [start.energies[0], start.energies[1]];
             }
@@ -234,8 +234,8 @@ impl<'p> Runner<'p> {
                 call.time = given.time.unwrap_or([self.arguments.start() + trial.step_time, trial.total_time]);
                 let outcome = call.call();
                 trial.gap = -place[NORMAL];
-                trial.pressure = call.traction()[0];
-                trial.shear[..self.directions].copy_from_slice(&call.traction()[1..]);
+                trial.pressure = call.stress()[0];
+                trial.shear[..self.directions].copy_from_slice(&call.stress()[1..]);
                 trial.statev.copy_from_slice(call.statev());
                 trial.energies = call.energies;
                 trial.flags = call.flags;
@@ -252,7 +252,7 @@ impl<'p> Runner<'p> {
                 trial.pressure = place[NORMAL];
                 trial.shear = [0.0; 2];
                 match call.answer() {
-                    Ok(FricAnswer::Tractions) => trial.shear[..self.directions].copy_from_slice(call.traction()),
+                    Ok(FricAnswer::Tractions) => trial.shear[..self.directions].copy_from_slice(call.stress()),
                     Ok(FricAnswer::Sticks) => {
                         return Err(Trouble::Fatal(
                             "it returned LM = 1 (the host enforces stick): under a prescribed slip the \

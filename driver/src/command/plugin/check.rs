@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock};
-use umat_abi::host::{Library, Plugin};
+use umat_abi::host::{Library, Plugin, real_path};
 use umat_abi::law::StressState;
 
 mod children;
@@ -269,7 +269,7 @@ fn plugins(arguments: &Arguments, library: &Library, options: &mut Options) -> R
         return wrong(format!("{}: give a case of kind point or interface: it has one plugin", file.display()));
     };
     let plugin = program.plugin.clone();
-    if plugin.library.path() != path {
+    if real_path(plugin.library.path()) != real_path(path) {
         let other = plugin.library.path().display();
         return wrong(format!("{}: uses the plugin {other}, not {}", file.display(), path.display()));
     }

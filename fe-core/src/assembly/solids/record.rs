@@ -156,10 +156,9 @@ pub(super) struct Part {
     pub(super) overstress_work: Option<usize>,
     /// The state of its law that is the equivalent plastic strain.
     pub(super) plastic_strain: Option<usize>,
-    /// Whether its tangent may be negative: the law damages, or has no metadata on that; not if it extrapolates.
+    /// Whether its tangent may be negative.
     pub(super) softens: bool,
-    /// Equilibrium with it may lose its stability: it softens, or its tangent is unsymmetric, so that bands may form
-    /// while it still hardens (Rudnicki and Rice 1975).
+    /// Whether equilibrium with it may lose its stability.
     pub(super) may_lose_stability: bool,
     /// Whether it has large displacements.
     pub(super) nlgeom: bool,
@@ -330,8 +329,7 @@ fn checked_part(mesh: &Mesh, part: usize, law: &PluginLaw, [average, nlgeom]: [b
     let definition = &mesh.parts()[part];
     check_law(mesh, part, law)?;
     let overstress_work = law.overstress_work();
-    let damage = law.law.as_ref().map(damage_states).unwrap_or_default();
-    let softens = (law.law.is_none() || !damage.is_empty()) && overstress_work.is_none();
+    let damage = law.damage_states();
     Ok(Part {
         name: definition.name.clone(),
         axisymmetric: definition.model == PlaneModel::Axisymmetric,
@@ -341,8 +339,8 @@ fn checked_part(mesh: &Mesh, part: usize, law: &PluginLaw, [average, nlgeom]: [b
         damage,
         overstress_work,
         plastic_strain: law.equivalent_plastic_strain(),
-        softens,
-        may_lose_stability: softens || !law.has_symmetric_tangent(),
+        softens: law.softens(),
+        may_lose_stability: law.may_lose_stability(),
         nlgeom,
         values: std::array::from_fn(|kind| {
             let kind = ElementKind::ALL[kind];
@@ -435,16 +433,6 @@ pub(super) fn number_of(index: usize) -> i32 {
 
 fn padded(values: &[f64]) -> [f64; MAX_NODES] {
     std::array::from_fn(|node| values.get(node).copied().unwrap_or(0.0))
-}
-
-/// The states that are a law's damage by their names, or by those of outputs that are made of them.
-fn damage_states(law: &umat_abi::host::Law) -> Vec<usize> {
-    let is_damage = |name: &str| {
-        name.eq_ignore_ascii_case("d") || name.starts_with("D_") || name.starts_with("d_") || name.contains("damage")
-    };
-    let derived = law.derived.iter().filter(|derived| is_damage(&derived.name)).map(|derived| derived.state);
-    let states = law.states.iter().enumerate().filter(|(_, state)| is_damage(&state.name));
-    derived.chain(states.map(|(index, _)| index)).collect()
 }
 
 fn largest_element(mesh: &Mesh, part: usize) -> Option<usize> {

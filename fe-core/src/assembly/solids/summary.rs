@@ -137,16 +137,14 @@ impl Solids {
             let turned = rotated(tensor, rotation, shear);
             call.stress_state().components().iter().map(|&component| turned[component]).collect()
         };
-        Some(PointCall {
-            arguments: UmatRecord {
-                stress: turned(&stress, 1.0),
-                stran: turned(&strain, 2.0),
-                statev: statev.to_vec(),
-                energies: energies.to_vec(),
-                ..UmatRecord::of(call)
-            },
-            strain_33: call.is_through_solid().then_some(strain[2]),
-        })
+        let mut arguments = UmatRecord {
+            stress: turned(&stress, 1.0),
+            statev: statev.to_vec(),
+            energies: energies.to_vec(),
+            ..UmatRecord::of(call)
+        };
+        arguments.inputs.stran[..call.ntens()].copy_from_slice(&turned(&strain, 2.0));
+        Some(PointCall { arguments, strain_33: call.is_through_solid().then_some(strain[2]) })
     }
 
     /// Energies of each part.

@@ -453,7 +453,7 @@ fn the_last_call_of_a_law_tells_the_increment_of_its_point_only() {
                 close(-call.rdisp[0], end.1);
             }
             Arguments::Fric(call) => {
-                assert_eq!((call.statev, call.press[0]), (start.2, end.2));
+                assert_eq!((&call.statev, call.pressure[0]), (&start.2, end.2));
                 close(call.dgam[0], end.0 - start.0);
                 assert!(!is_uinter);
             }

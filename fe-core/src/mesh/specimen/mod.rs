@@ -19,9 +19,7 @@ pub use bodies_in_contact::*;
 pub use curved_channel::{CurvedChannel, curved_channel};
 pub use fibres::{FINE_DIAMETERS, Fibre, Fibres, FibresMesh, Segment, fibres};
 pub use one_body::*;
-pub use perpendicular_fibre::{
-    Configuration, FibreMesh, PartMesh, PerpendicularFibre, perpendicular_fibre, section_note, width_note,
-};
+pub use perpendicular_fibre::{Configuration, FibreMesh, PartMesh, PerpendicularFibre, perpendicular_fibre};
 pub use requirement::{ParameterProblem, SpecimenError};
 pub use thickness::GradedThickness;
 
@@ -89,6 +87,8 @@ pub struct Specimen {
 pub struct PulledFibre {
     /// Name; `None` of a fibre that is alone.
     pub name: Option<String>,
+    /// Index of its part.
+    pub part: usize,
     /// Diameter, mm.
     pub diameter: f64,
     /// The direction of its axis where it leaves the block, unit length.

@@ -9,7 +9,7 @@ use super::pull_out::{bond_with, fibre};
 use super::*;
 use crate::mesh::specimen::Configuration;
 use crate::model::{FieldValues, Fields as ModelFields};
-use umat_abi::host::recorder::UmatRecord;
+use umat_abi::host::UmatInputs;
 
 /// The softening quarter.
 pub(super) const MODULUS: f64 = 31800.0;
@@ -100,10 +100,10 @@ fn time_and_temperature_go_on_through_a_snap_back_and_end_with_the_step() {
         let solids = snapshot.solids();
         let calls = (0..model.mesh.elements().len()).flat_map(|element| (0..4).map(move |point| (element, point)));
         for call in calls.filter_map(|(element, point)| solids.last_call(element, point)) {
-            let UmatRecord { time, dtime, temp, .. } = call.arguments;
-            approx::assert_relative_eq!(time[1], record.time - dtime[0], epsilon = 1e-14);
-            approx::assert_relative_eq!(temp[0], told[1], epsilon = 1e-12);
-            approx::assert_relative_eq!(temp[0] + temp[1], 10.0 + 20.0 * record.time, epsilon = 1e-12);
+            let UmatInputs { time, dtime, temp, dtemp, .. } = *call.arguments;
+            approx::assert_relative_eq!(time[1], record.time - dtime, epsilon = 1e-14);
+            approx::assert_relative_eq!(temp, told[1], epsilon = 1e-12);
+            approx::assert_relative_eq!(temp + dtemp, 10.0 + 20.0 * record.time, epsilon = 1e-12);
         }
         told = [told[1], 10.0 + 20.0 * record.time];
     };

@@ -7,10 +7,10 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use std::sync::LazyLock;
-use umat_abi::export::BatchArguments;
+use umat_abi::batch::{BatchArguments, UmatBatch};
 use umat_abi::host::{Library, Validation};
 use umat_abi::law::StressState;
-use umat_abi::metadata::{BATCH_SYMBOL, UmatBatch, batch_results};
+use umat_abi::metadata::{BATCH_SYMBOL, batch_results};
 
 /// Points of a small batch.
 const FEW: usize = 8;

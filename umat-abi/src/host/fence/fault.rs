@@ -6,37 +6,9 @@ use std::ptr;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicPtr, Ordering};
 
-/// Kind of access to an address.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub(in crate::host) enum Access {
-    Read,
-    Write,
-    /// The processor does not tell.
-    Unknown,
-}
-
-impl Access {
-    pub(in crate::host) fn writes(self) -> Option<bool> {
-        match self {
-            Self::Read => Some(false),
-            Self::Write => Some(true),
-            Self::Unknown => None,
-        }
-    }
-
-    /// Reads an access from its number.
-    pub(in crate::host) fn of(number: u8) -> Self {
-        match number {
-            0 => Self::Read,
-            1 => Self::Write,
-            _ => Self::Unknown,
-        }
-    }
-}
-
-/// Takes an address that was touched. Does only what a signal handler may.
-pub(in crate::host) type Sink = fn(address: usize, access: Access);
+/// Takes an address that was touched, and whether it was written; `None`: the processor does not tell. Does only what a
+/// signal handler may.
+pub(in crate::host) type Sink = fn(address: usize, writes: Option<bool>);
 
 const SIGNALS: [i32; 2] = [libc::SIGSEGV, libc::SIGBUS];
 
@@ -81,7 +53,7 @@ extern "C" fn handler(signal: i32, info: *const libc::siginfo_t, context: *const
         // a signal that was sent, not caused, tells no address
         let is_sent = (*info).si_code <= 0;
         if !is_sent && !sink.is_null() {
-            std::mem::transmute::<*mut (), Sink>(sink)((*info).si_addr() as usize, access(context));
+            std::mem::transmute::<*mut (), Sink>(sink)((*info).si_addr() as usize, writes(context));
         }
         for (number, former) in SIGNALS.into_iter().zip(FORMER.get().into_iter().flatten()) {
             libc::sigaction(number, former, ptr::null_mut());
@@ -94,16 +66,17 @@ extern "C" fn handler(signal: i32, info: *const libc::siginfo_t, context: *const
     }
 }
 
+/// Returns whether the access was a write; `None`: the processor does not tell.
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-unsafe fn access(context: *const libc::c_void) -> Access {
+unsafe fn writes(context: *const libc::c_void) -> Option<bool> {
     /// Bit of the page fault's error code.
     const WRITE: i64 = 2;
     // SAFETY: the third argument of a handler is the context.
     let error = unsafe { (*context.cast::<libc::ucontext_t>()).uc_mcontext.gregs[libc::REG_ERR as usize] };
-    if error & WRITE != 0 { Access::Write } else { Access::Read }
+    Some(error & WRITE != 0)
 }
 
 #[cfg(not(all(target_arch = "x86_64", target_os = "linux")))]
-unsafe fn access(_context: *const libc::c_void) -> Access {
-    Access::Unknown
+unsafe fn writes(_context: *const libc::c_void) -> Option<bool> {
+    None
 }

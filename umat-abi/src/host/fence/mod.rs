@@ -3,7 +3,7 @@
 mod fault;
 mod watch;
 
-pub(super) use fault::{Access, listen};
+pub(super) use fault::listen;
 pub(super) use watch::{Watched, watch};
 
 use super::memory::Trespass;
@@ -41,10 +41,10 @@ pub(super) struct Extent {
 
 impl Extent {
     /// Returns what an access to an address is, if that lies within this mapping.
-    pub(super) fn trespass(&self, address: usize, access: Access) -> Option<Trespass> {
+    pub(super) fn trespass(&self, address: usize, writes: Option<bool>) -> Option<Trespass> {
         let element = self.element_at(address)?;
         let argument = Cow::Borrowed(self.argument);
-        Some(Trespass { argument, element, length: self.length, writes: access.writes() })
+        Some(Trespass { argument, element, length: self.length, writes })
     }
 
     /// The element (from 1) at an address within this mapping.

@@ -1,7 +1,7 @@
 //! Fences whose violation is noted in the recorder of this process.
 
 use super::super::recorder;
-use super::fault::{Access, listen};
+use super::fault::listen;
 use super::{Extent, Fenced};
 use std::ptr;
 use std::sync::OnceLock;
@@ -71,12 +71,12 @@ impl Drop for Watched {
 }
 
 /// Runs in the signal handler.
-fn note(address: usize, access: Access) {
+fn note(address: usize, writes: Option<bool>) {
     let mut next: *const Entry = NEWEST.load(Ordering::Acquire);
     // SAFETY: entries of the list live for ever.
     while let Some(entry) = unsafe { next.as_ref() } {
         if entry.is_alive.load(Ordering::Acquire)
-            && let Some(trespass) = entry.extent.trespass(address, access)
+            && let Some(trespass) = entry.extent.trespass(address, writes)
         {
             if let Some(recorder) = recorder::installed() {
                 recorder.note_trespass(&trespass);

@@ -1,7 +1,6 @@
 //! Trial calls that find out whether a plugin without metadata handles the components of a plane call.
 
 use super::super::call::{CallOutcome, UmatCall};
-#[cfg(unix)]
 use super::super::probe::{Alignment, Probed};
 use super::super::{Law, LoadError, Plugin, Trespass};
 use super::Manner;
@@ -68,18 +67,6 @@ impl Manner {
     }
 }
 
-#[cfg(not(unix))]
-impl UmatCall {
-    fn why_not_plane(&mut self, _solid: &mut Self) -> Option<String> {
-        None
-    }
-
-    pub fn trespass_again(&mut self) -> Option<Trespass> {
-        None
-    }
-}
-
-#[cfg(unix)]
 impl UmatCall {
     /// Returns why the plugin is better called with six components: it fails with those of the plane, or gives another stress, and
     /// six serve.

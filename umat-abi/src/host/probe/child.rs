@@ -1,6 +1,6 @@
 //! The child process, and its report on its end.
 
-use super::super::fence::{Access, Fenced, listen};
+use super::super::fence::{Fenced, listen};
 use super::Probed;
 use std::fs::File;
 use std::io::{self, Read};
@@ -10,9 +10,11 @@ use std::sync::atomic::{AtomicI32, Ordering};
 
 /// A call that takes longer does not come back, s.
 const TIME_LIMIT: u32 = 10;
-/// Bytes that the child writes: an address and whether it was written.
+/// Bytes that the child writes: an address and what happened there.
 const MESSAGE: usize = 9;
-/// The second byte group of a call that came back.
+/// The last byte where the processor does not tell whether the address was written; otherwise 0 or 1.
+const TOUCHED: u8 = 2;
+/// The last byte of a call that came back.
 const RETURNED: u8 = 3;
 /// Stack of the handler.
 const HANDLER_STACK: usize = 1 << 16;
@@ -70,16 +72,16 @@ fn prepare() {
         libc::dup2(nowhere, libc::STDERR_FILENO);
     }
     // without a handler the signal is told by its number
-    let _ = listen(|address, access| {
-        tell(address, access as u8);
+    let _ = listen(|address, writes| {
+        tell(address, writes.map_or(TOUCHED, u8::from));
         // SAFETY: ends the child.
         unsafe { libc::_exit(1) }
     });
 }
 
 /// Writes the message. Only what a signal handler may call.
-fn tell(address: usize, access: u8) {
-    let mut message = [access; MESSAGE];
+fn tell(address: usize, what: u8) {
+    let mut message = [what; MESSAGE];
     message[..MESSAGE - 1].copy_from_slice(&(address as u64).to_ne_bytes());
     // SAFETY: writes bytes of this frame.
     unsafe { libc::write(CHANNEL.load(Ordering::SeqCst), message.as_ptr().cast(), MESSAGE) };
@@ -87,12 +89,13 @@ fn tell(address: usize, access: u8) {
 
 /// Returns the result that the child's message and status give.
 fn judge(fenced: &[Fenced], message: &[u8], status: i32) -> Probed {
-    let told = message.first_chunk::<8>().zip(message.get(8)).map(|(address, access)| (*address, *access));
+    let told = message.first_chunk::<8>().zip(message.get(8)).map(|(address, what)| (*address, *what));
     match told {
         Some((_, RETURNED)) => Probed::Clean,
-        Some((address, access)) => {
+        Some((address, what)) => {
             let address = usize::try_from(u64::from_ne_bytes(address)).unwrap_or(0);
-            let found = fenced.iter().find_map(|array| array.extent().trespass(address, Access::of(access)));
+            let writes = (what != TOUCHED).then_some(what == u8::from(true));
+            let found = fenced.iter().find_map(|array| array.extent().trespass(address, writes));
             match found {
                 Some(trespass) => Probed::Trespass(trespass),
                 None => Probed::Ended("it touches memory that is not its own (a segmentation fault)".into()),

@@ -59,18 +59,18 @@ probed!(UmatCall, |call| call.arguments(false), {
 });
 
 probed!(UinterCall, |call| call.arguments(), {
-    stress: call.traction().len(), ddsddr: call.traction().len().pow(2), dviscous: call.traction().len().pow(2),
-    dstructural: call.traction().len().pow(2), flux: 2, ddfddt: 4, ddsddt: 2 * call.traction().len(),
-    ddfddr: 2 * call.traction().len(), statev: call.statev().len(), rdisp: call.traction().len(),
-    drdisp: call.traction().len(), temp: SURFACES, dtemp: SURFACES, predef: call.predef()[0].len(),
+    stress: call.stress().len(), ddsddr: call.stress().len().pow(2), dviscous: call.stress().len().pow(2),
+    dstructural: call.stress().len().pow(2), flux: 2, ddfddt: 4, ddsddt: 2 * call.stress().len(),
+    ddfddr: 2 * call.stress().len(), statev: call.statev().len(), rdisp: call.stress().len(),
+    drdisp: call.stress().len(), temp: SURFACES, dtemp: SURFACES, predef: call.predef()[0].len(),
     dpred: call.predef()[1].len(), time: 2,
     ciname: NAME, slname: NAME, msname: NAME, props: call.props().len(), coords: 3, alocaldir: 9, drot: 4,
 });
 
 probed!(FricCall, |call| call.arguments(), {
-    tau: call.traction().len(), ddtddg: call.traction().len().pow(2), ddtddp: call.traction().len(),
-    dslip: call.traction().len(), ddtddt: 2 * call.traction().len(), statev: call.statev().len(),
-    dgam: call.traction().len(), taulm: call.traction().len(), slip: call.traction().len(), time: 2, ciname: NAME,
+    tau: call.stress().len(), ddtddg: call.stress().len().pow(2), ddtddp: call.stress().len(),
+    dslip: call.stress().len(), ddtddt: 2 * call.stress().len(), statev: call.statev().len(),
+    dgam: call.stress().len(), taulm: call.stress().len(), slip: call.stress().len(), time: 2, ciname: NAME,
     slname: NAME, msname: NAME, coords: 3, rcoord: 3, drot: 4, temp: SURFACES,
     predef: call.predef()[0].len(),
     props: call.props().len(),

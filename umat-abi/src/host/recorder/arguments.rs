@@ -5,20 +5,29 @@ use super::super::exchange::{from_noted, noted};
 use super::super::interface_call::{FricCall, FricInputs, UinterCall, UinterInputs};
 use super::recording::Reader;
 use super::slot::{Writer, written};
+use std::ops::Deref;
 
-/// Declares a record, how it is written from a call, and how it is read: arguments that are noted one by one, and those
-/// that the inputs hold, which are noted in one piece.
+/// Declares a record, how it is written from a call, and how it is read: arguments that are noted one by one, and the
+/// inputs, which are noted in one piece.
 macro_rules! record {
     (
         $(#[$struct_doc:meta])*
         $name:ident of $call:ty: $object:ident, $writer:ident => { $($(#[$doc:meta])* $field:ident $put:expr;)+ }
-        $($inputs:ident: $inputs_type:ty, $record:ident => { $($(#[$input_doc:meta])* $input:ident $value:expr;)+ })?
+        $(#[$inputs_doc:meta])* $inputs:ident: $inputs_type:ty;
     ) => {
         $(#[$struct_doc])*
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct $name {
             $($(#[$doc])* pub $field: Vec<f64>,)+
-            $($($(#[$input_doc])* pub $input: Vec<f64>,)+)?
+            $(#[$inputs_doc])* pub $inputs: $inputs_type,
+        }
+
+        impl Deref for $name {
+            type Target = $inputs_type;
+
+            fn deref(&self) -> &Self::Target {
+                &self.$inputs
+            }
         }
 
         impl $name {
@@ -26,7 +35,7 @@ macro_rules! record {
             #[inline]
             pub(in crate::host) fn write($object: &$call, $writer: &mut Writer) {
                 $($put;)+
-                $($writer.put(noted::<$inputs_type>($object));)?
+                $writer.put(noted::<$inputs_type>($object));
             }
 
             /// The arguments of a call as they are now.
@@ -36,22 +45,15 @@ macro_rules! record {
             }
 
             /// Reads them in the same order.
-            #[allow(clippy::needless_update, reason = "not all records have inputs")]
             pub(super) fn read(reader: &mut Reader<'_>) -> Option<Self> {
-                let record = Self { $($field: reader.take()?,)+ ..Self::default() };
-                $(
-                    let $inputs: $inputs_type = from_noted(&reader.take()?)?;
-                    let $record = &record;
-                    let record = Self { $($input: $value.to_vec(),)+ ..record.clone() };
-                )?
-                Some(record)
+                Some(Self { $($field: reader.take()?,)+ $inputs: from_noted(&reader.take()?)? })
             }
         }
     };
 }
 
 record! {
-    /// UMAT. Integers are doubles here; the names are those of the arguments.
+    /// UMAT. The names are those of the arguments.
     UmatRecord of UmatCall: call, to => {
     /// Value at the start.
     stress to.put(call.stress());
@@ -66,43 +68,15 @@ record! {
     /// PROPS.
     props to.put(call.props());
     }
-    inputs: UmatInputs, record => {
-    /// Value at the start.
-    stran inputs.stran.get(..record.stress.len())?;
-    /// The increment.
-    dstran inputs.dstran.get(..record.stress.len())?;
-    /// Step time and total time at the start.
-    time inputs.time;
-    /// DTIME.
-    dtime [inputs.dtime];
-    /// TEMP and DTEMP.
-    temp [inputs.temp, inputs.dtemp];
-    /// NDI.
-    ndi [inputs.ndi].map(f64::from);
-    /// COORDS.
-    coords inputs.coords;
-    /// DROT, column-major.
-    drot inputs.drot.as_flattened();
-    /// CELENT.
-    celent [inputs.celent];
-    /// DFGRD0, column-major.
-    dfgrd0 inputs.dfgrd0.as_flattened();
-    /// DFGRD1, column-major.
-    dfgrd1 inputs.dfgrd1.as_flattened();
-    /// NOEL and NPT.
-    noel_npt [inputs.noel, inputs.npt].map(f64::from);
-    /// JSTEP.
-    jstep inputs.jstep.map(f64::from);
-    /// KINC.
-    kinc [inputs.kinc].map(f64::from);
-    }
+    /// What it must not change.
+    inputs: UmatInputs;
 }
 
 record! {
-    /// UINTER. Integers are doubles here; the names are those of the arguments.
+    /// UINTER. The names are those of the arguments.
     UinterRecord of UinterCall: call, to => {
     /// Value at the start.
-    stress to.put(call.traction());
+    stress to.put(call.stress());
     /// Value at the start.
     statev to.put(call.statev());
     /// SED, SFD, SPD, SVD, SCD at the start.
@@ -118,37 +92,17 @@ record! {
     /// PROPS.
     props to.put(call.props());
     }
-    inputs: UinterInputs, record => {
-    /// RDISP at the end.
-    rdisp inputs.rdisp.get(..record.stress.len())?;
-    /// DRDISP.
-    drdisp inputs.drdisp.get(..record.stress.len())?;
-    /// Step time and total time at the end.
-    time inputs.time;
-    /// DTIME.
-    dtime [inputs.dtime];
-    /// COORDS.
-    coords inputs.coords;
-    /// ALOCALDIR, column-major.
-    alocaldir inputs.local_directions;
-    /// AREA.
-    area [inputs.area];
-    /// CHRLNGTH.
-    chrlngth [inputs.chrlngth];
-    /// NODE.
-    node [inputs.node].map(f64::from);
-    /// KSTEP, KINC, KIT.
-    counters inputs.counters.map(f64::from);
-    }
+    /// What it must not change.
+    inputs: UinterInputs;
 }
 
 record! {
-    /// FRIC. Integers are doubles here; the names are those of the arguments.
+    /// FRIC. The names are those of the arguments.
     FricRecord of FricCall: call, to => {
     /// LM on entry.
     lm to.put_integers([call.lm]);
     /// Value at the start.
-    tau to.put(call.traction());
+    tau to.put(call.stress());
     /// Value at the start.
     statev to.put(call.statev());
     /// SED, SFD at the start.
@@ -162,44 +116,8 @@ record! {
     /// PROPS.
     props to.put(call.props());
     }
-    inputs: FricInputs, record => {
-    /// DGAM.
-    dgam inputs.dgam.get(..record.tau.len())?;
-    /// PRESS and DPRESS.
-    press inputs.pressure;
-    /// SLIP.
-    slip inputs.slip.get(..record.tau.len())?;
-    /// Step time and total time at the end.
-    time inputs.time;
-    /// DTIME.
-    dtime [inputs.dtime];
-    /// COORDS.
-    coords inputs.coords;
-    /// RCOORD.
-    rcoord inputs.rcoord;
-    /// CHRLNGTH.
-    chrlngth [inputs.chrlngth];
-    /// NODE.
-    node [inputs.node].map(f64::from);
-    /// KSTEP, KINC.
-    counters inputs.counters.map(f64::from);
-    }
-}
-
-record! {
-    /// UEXTERNALDB.
-    ExternalDatabaseRecord of [i32; 3]: call, to => {
-    /// LOP, KSTEP and KINC.
-    counters to.put_integers(*call);
-    }
-}
-
-record! {
-    /// SDVINI and SIGINI.
-    InitialStateRecord of [i32; 2]: call, to => {
-    /// NOEL and NPT.
-    noel_npt to.put_integers(*call);
-    }
+    /// What it must not change.
+    inputs: FricInputs;
 }
 
 /// The arguments of a call by its entry point or routine.
@@ -211,12 +129,12 @@ pub enum Arguments {
     Uinter(UinterRecord),
     /// FRIC.
     Fric(FricRecord),
-    /// UEXTERNALDB.
-    ExternalDatabase(ExternalDatabaseRecord),
-    /// SDVINI.
-    InitialState(InitialStateRecord),
-    /// SIGINI.
-    InitialStress(InitialStateRecord),
+    /// UEXTERNALDB: LOP, KSTEP and KINC.
+    ExternalDatabase([i32; 3]),
+    /// SDVINI: NOEL and NPT.
+    InitialState([i32; 2]),
+    /// SIGINI: NOEL and NPT.
+    InitialStress([i32; 2]),
 }
 
 impl Arguments {
@@ -230,20 +148,14 @@ impl Arguments {
 
     /// Reads the arguments behind an entry point's number.
     pub(super) fn read(entry: f64, reader: &mut Reader<'_>) -> Option<Self> {
-        if entry == f64::from(Self::UMAT) {
-            UmatRecord::read(reader).map(Self::Umat)
-        } else if entry == f64::from(Self::UINTER) {
-            UinterRecord::read(reader).map(Self::Uinter)
-        } else if entry == f64::from(Self::FRIC) {
-            FricRecord::read(reader).map(Self::Fric)
-        } else if entry == f64::from(Self::EXTERNAL_DATABASE) {
-            ExternalDatabaseRecord::read(reader).map(Self::ExternalDatabase)
-        } else if entry == f64::from(Self::INITIAL_STATE) {
-            InitialStateRecord::read(reader).map(Self::InitialState)
-        } else if entry == f64::from(Self::INITIAL_STRESS) {
-            InitialStateRecord::read(reader).map(Self::InitialStress)
-        } else {
-            None
+        match entry as i32 {
+            Self::UMAT => UmatRecord::read(reader).map(Self::Umat),
+            Self::UINTER => UinterRecord::read(reader).map(Self::Uinter),
+            Self::FRIC => FricRecord::read(reader).map(Self::Fric),
+            Self::EXTERNAL_DATABASE => reader.integers().map(Self::ExternalDatabase),
+            Self::INITIAL_STATE => reader.integers().map(Self::InitialState),
+            Self::INITIAL_STRESS => reader.integers().map(Self::InitialStress),
+            _ => None,
         }
     }
 
@@ -255,13 +167,12 @@ impl Arguments {
     /// Step and increment, from 1; SDVINI and SIGINI are called before the first.
     pub fn place(&self) -> [u32; 2] {
         let [step, increment] = match self {
-            Self::Umat(umat) => [umat.jstep.first(), umat.kinc.first()],
-            Self::Uinter(UinterRecord { counters, .. }) | Self::Fric(FricRecord { counters, .. }) => {
-                [counters.first(), counters.get(1)]
-            }
-            Self::ExternalDatabase(database) => [database.counters.get(1), database.counters.get(2)],
-            Self::InitialState(_) | Self::InitialStress(_) => [None, None],
+            Self::Umat(umat) => [umat.jstep[0], umat.kinc],
+            Self::Uinter(uinter) => [uinter.counters[0], uinter.counters[1]],
+            Self::Fric(fric) => fric.counters,
+            &Self::ExternalDatabase([_, step, increment]) => [step, increment],
+            Self::InitialState(_) | Self::InitialStress(_) => [0; 2],
         };
-        [step, increment].map(|number| number.copied().unwrap_or_default() as u32)
+        [step, increment].map(|number| u32::try_from(number).unwrap_or_default())
     }
 }

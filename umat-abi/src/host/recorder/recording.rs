@@ -195,6 +195,12 @@ impl<'a> Reader<'a> {
         Some(text)
     }
 
+    /// The next argument, of so many integers.
+    pub(super) fn integers<const N: usize>(&mut self) -> Option<[i32; N]> {
+        let values: [f64; N] = self.take()?.try_into().ok()?;
+        Some(values.map(|value| value as i32))
+    }
+
     /// The next argument.
     pub(super) fn take(&mut self) -> Option<Vec<f64>> {
         let length = f64::from_ne_bytes(self.word()?);

@@ -47,7 +47,7 @@ fn what_is_noted_is_read() {
     assert_eq!(call.library, PathBuf::from("/somewhere/liblaw.so"));
     assert_eq!(call.arguments.place(), [2, 5]);
     let Arguments::Fric(arguments) = &call.arguments else { panic!("{call:?}") };
-    assert_eq!((arguments.dgam[..] == [0.25], arguments.statev[..] == [7.0; 3]), (true, true));
+    assert_eq!((arguments.dgam == [0.25, 0.0], arguments.statev[..] == [7.0; 3]), (true, true));
     slot.leave();
     assert_eq!((recording.pending().count(), recording.unfinished_call()), (0, None));
     assert_eq!((recording.calls(), recording.last_call()), (1, Some(call)));

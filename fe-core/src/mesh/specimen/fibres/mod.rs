@@ -10,7 +10,7 @@ mod test;
 
 use std::collections::BTreeSet;
 
-use super::perpendicular_fibre::{PartMesh, fibre_thickness, section_notes};
+use super::perpendicular_fibre::{PartMesh, fibre_thickness};
 use super::thickness::{Exit, GradedThickness, Thickness};
 use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole, uniform};
 use crate::element::ElementKind;
@@ -274,6 +274,7 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
         let direction = path.lean(0.0).sin_cos().into();
         pulled.push(PulledFibre {
             name: fibre.name.clone(),
+            part,
             diameter: fibre.diameter,
             direction,
             exit_node,
@@ -314,10 +315,7 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
         }
     }
     thickness.assign(&mut definition, matrix_part, &covers);
-    let sections = parameters.fibres.iter();
-    let sections = sections.flat_map(|fibre| section_notes(fibre.diameter, parameters.matrix_thickness));
-    let mut notes: Vec<String> = sections.collect();
-    notes.extend(thickness.notes(parameters.cover));
+    let mut notes = thickness.notes(parameters.cover);
     notes.extend(sets::name_supports(&mut definition, parameters, &laid, &edges));
     // fibres that are alike have the same notes
     let mut told = BTreeSet::new();

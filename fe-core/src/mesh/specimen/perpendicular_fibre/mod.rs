@@ -187,7 +187,10 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     mesh.node_set("tail", [tail_node]);
     sets::name_outer_sets(&mut mesh, parameters, &fibre, &matrix, &lines);
     let contact_pairs = sets::name_surfaces(&mut mesh, parameters, &fibre, &matrix, &lines);
-    let mut notes = parameters.notes();
+    let mut notes = Vec::new();
+    if parameters.is_axisymmetric() {
+        notes.push(format!("outer radius {:.4} mm", parameters.half_width()));
+    }
     notes.extend(sets::name_supports_of_face(&mut mesh, parameters, &matrix));
     notes.extend(thickness.notes(parameters.cover));
     thickness.assign(&mut mesh, matrix_part, &cover);
@@ -196,6 +199,7 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
         pull_direction: [0.0, 1.0],
         fibres: vec![PulledFibre {
             name: None,
+            part: fibre_part,
             diameter: parameters.fibre_diameter,
             direction: [0.0, 1.0],
             exit_node,
@@ -212,33 +216,6 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
         couplings: Vec::new(),
         notes,
     })
-}
-
-/// Returns the note for reports on the section of a round fibre in the plane.
-pub fn section_note(phi: f64, thickness: f64) -> String {
-    let (area, inertia) = (thickness / (PI / 4.0 * phi), thickness / (3.0 * PI / 16.0 * phi));
-    format!(
-        "fibre: height {phi} mm, thickness {thickness:.4} mm; area {area:.3} and bending inertia {inertia:.3} of the round one"
-    )
-}
-
-/// Returns the beginning of the note on the width of a round fibre's contact; `None`: that of the slave's part.
-pub fn width_note(width: Option<f64>) -> String {
-    match width {
-        Some(width) => format!("contact width {width:.4} mm per line"),
-        None => "contact as wide as the slave's part is thick".into(),
-    }
-}
-
-/// Returns the notes for reports on a round fibre in the plane.
-pub(super) fn section_notes(phi: f64, matrix_thickness: f64) -> Vec<String> {
-    vec![
-        section_note(phi, fibre_thickness(phi)),
-        format!(
-            "{} on a matrix of thickness {matrix_thickness} mm: the pressure of the contact is not the traction of the matrix",
-            width_note(Some(PI / 2.0 * phi))
-        ),
-    ]
 }
 
 /// Diagonals that are the mirror image of each other on both sides of the axis.
@@ -302,14 +279,6 @@ impl PerpendicularFibre {
         let nodes: Vec<usize> = matrix.nodes().collect();
         mesh.glued_block(&block.cut(&|column, _| mirrored(x, column)), &nodes)?;
         Ok(())
-    }
-
-    fn notes(&self) -> Vec<String> {
-        let phi = self.fibre_diameter;
-        match self.configuration {
-            Configuration::Plane { .. } => section_notes(phi, self.matrix_thickness),
-            Configuration::Axisymmetric { .. } => vec![format!("outer radius {:.4} mm", self.half_width())],
-        }
     }
 
     /// Returns where supports (b) and (c) begin, if the block is wide enough for them.
