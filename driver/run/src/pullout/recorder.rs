@@ -139,9 +139,9 @@ pub fn run<'p>(
     });
     findings.stabilisation_share = analysis.stabilisation_share();
     if findings.stabilisation_share > STABILISATION_BUDGET {
+        let shorter = if model.controls.relaxation_time > 0.0 { "a shorter relaxation_time or " } else { "" };
         recorder.observer.warn(format!(
-            "stabilisation took {:.2} % of the work: beyond 1 % it may govern the result (a shorter relaxation_time or smaller \
-             increments take less)",
+            "stabilisation took {:.2} % of the work: beyond 1 % it may govern the result ({shorter}smaller increments take less)",
             100.0 * findings.stabilisation_share
         ));
     }
