@@ -529,7 +529,7 @@ fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
         }
     }
     for curve in &curves {
-        if let Some([before, after]) = curve.slip.array_windows().find(|[before, after]| after <= before) {
+        if let Some([before, after]) = curve.slip.windows(2).map(|pair| [pair[0], pair[1]]).find(|[a, b]| b <= a) {
             let message = format!(
                 "{}: at {}°, {} mm the slip {after} mm comes behind {before} mm: slips of a curve must rise",
                 path.display(),

@@ -15,7 +15,7 @@ pub(crate) fn doubts<'a>(data: &[Usual<'_>], fits: impl IntoIterator<Item = (&'a
     let is_outside = |(_, value, _, [lower, upper]): &&Usual<'_>| value < lower || value > upper;
     let units =
         data.iter().filter(is_outside).map(|&(what, value, unit, range)| outside_usual(what, value, unit, range));
-    let poor = fits.into_iter().filter(|(_, rms)| !(*rms <= POOR)).map(|(name, rms)| {
+    let poor = fits.into_iter().filter(|(_, rms)| rms.is_nan() || *rms > POOR).map(|(name, rms)| {
         let of = if name.is_empty() { String::new() } else { format!("{name}: ") };
         let rms = significant(100.0 * rms, 2);
         format!("{of}the fit misses the data by {rms} % of their greatest value (RMS): its numbers say little")
