@@ -50,7 +50,7 @@ impl Page {
         let mut pictures = Vec::new();
         for figure in &self.figures {
             let name = format!("{prefix}{}.svg", figure.name);
-            write(name.clone(), &figure.svg()?)?;
+            write(name.clone(), &figure.svg().map_err(io::Error::other)?)?;
             pictures.push((name, figure.title.clone()));
         }
         write(format!("{stem}.csv"), &self.data.csv())?;

@@ -5,7 +5,9 @@ use crate::history;
 use crate::problem::{Place, Problem};
 use crate::reader::Reader;
 use crate::table::CsvFile;
-use pullout_bridging::{Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, Orientation, ShearLag, Softening};
+use pullout_bridging::{
+    Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, Orientation, Scatter, ShearLag, Softening,
+};
 use pullout_run::bridging::{OPENINGS, Program, Simulation, Simulations, Source};
 use pullout_run::columns::{self, LEADING};
 use pullout_run::input::is_stream;
@@ -98,6 +100,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
     ];
     checks.into_iter().flatten().for_each(|checked| tell(reader, checked));
     if reader.problems.is_empty() {
+        warn_of_effect(reader, fibre.as_ref(), matrix.as_ref(), scatter, beam.is_some());
         warn_of_units(reader, fibre.as_ref(), matrix.as_ref());
     }
     let program = program_of(case, fibre, volume_fraction, matrix, orientation);
@@ -122,6 +125,29 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
         tell(reader, checked.map(drop));
     }
     Some(program)
+}
+
+/// Warns of numbers that nothing asks for.
+fn warn_of_effect(
+    reader: &mut Reader<'_>,
+    fibre: Option<&(Fibre, Source)>,
+    matrix: Option<&pullout_bridging::Matrix>,
+    scatter: Option<Scatter>,
+    has_beam: bool,
+) {
+    let unbroken = fibre.is_some_and(|(fibre, _)| fibre.strength.is_none());
+    let rupture = fibre.is_some_and(|(fibre, _)| fibre.rupture_f != 0.0);
+    let varied = scatter.is_some_and(|scatter| scatter.strength_cv != 0.0);
+    let crushed = matrix.is_some_and(|matrix| matrix.fc.is_some());
+    for (is_idle, what, why) in [
+        (unbroken && rupture, "$.fibre.rupture_f", "without \"strength\" the fibre does not break"),
+        (unbroken && varied, "$.scatter.strength_cv", "without \"strength\" the fibre does not break"),
+        (crushed && !has_beam, "$.matrix.fc", "it is the compressive strength of a beam, and there is no \"beam\""),
+    ] {
+        if is_idle {
+            reader.warnings.push(format!("{what}: has no effect: {why}"));
+        }
+    }
 }
 
 /// Warns of numbers that are hardly meant.
@@ -500,6 +526,18 @@ fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
                 curve.load.push(load);
             }
             None => curves.push(Curve { angle_deg, embedded, slip: vec![slip], load: vec![load] }),
+        }
+    }
+    for curve in &curves {
+        if let Some([before, after]) = curve.slip.windows(2).map(|pair| [pair[0], pair[1]]).find(|[a, b]| b <= a) {
+            let message = format!(
+                "{}: at {}°, {} mm the slip {after} mm comes behind {before} mm: slips of a curve must rise",
+                path.display(),
+                curve.angle_deg,
+                curve.embedded
+            );
+            reader.problem(&place, message);
+            return None;
         }
     }
     let widest = curves.iter().map(|curve| curve.angle_deg).fold(0.0, f64::max);

@@ -1,6 +1,6 @@
 //! Kind "interface": slips, gap or pressure.
 
-use crate::document::{EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
+use crate::document::{ContactArguments, EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
 use crate::document::{InterfaceTable, Piece};
 use crate::plugin::{self, Length, Subject, Use};
 use crate::point::Resolved;
@@ -67,6 +67,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let initial_fields = fields::initial(reader, &case.course);
     let place_of_arguments = root.key("arguments");
     let arguments = reader.optional(case.arguments.as_ref(), &place_of_arguments);
+    warn_of_effect(reader, arguments, entry, &place_of_arguments);
     let dpred = arguments.and_then(|given| given.dpred.as_deref());
     fields::check_increments(reader, dpred, initial_fields.variables.len(), &place_of_arguments);
     let setting = Setting { entry, field_variables: initial_fields.variables.len(), columns: columns.as_deref() };
@@ -87,6 +88,27 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
         steps: close(open, entry),
     });
     Resolved { plugin, kind: Some(kind), columns, characteristic_length }
+}
+
+/// Warns of arguments that the entry point does not have.
+fn warn_of_effect(reader: &mut Reader<'_>, given: Option<&ContactArguments>, entry: Entry, place: &Place) {
+    let Some(given) = given else { return };
+    let (fric, uinter) = (Entry::Fric, Entry::Uinter);
+    for (is_given, key, of) in [
+        (given.lm.is_some(), "lm", fric),
+        (given.slip.is_some(), "slip", fric),
+        (given.dpress.is_some(), "dpress", fric),
+        (given.rcoord.is_some(), "rcoord", fric),
+        (given.flags.is_some(), "flags", uinter),
+        (given.alocaldir.is_some(), "alocaldir", uinter),
+        (given.area.is_some(), "area", uinter),
+        (given.drdisp.is_some(), "drdisp", uinter),
+    ] {
+        if is_given && of != entry {
+            let name = if of == fric { "fric" } else { "uinter" };
+            reader.warn_no_effect(&place.key(key), format_args!("it is an argument of {name} alone"));
+        }
+    }
 }
 
 /// A step that says nothing of the normal direction goes on with the control of the step before it.

@@ -181,7 +181,11 @@ pub fn set(document: &mut Value, text: &str) -> Result<(), Problem> {
     if segments.iter().any(|segment| segment.is_empty()) {
         return Err(wrong("an empty name in the path: write a.b.c=VALUE".into()));
     }
-    let value = serde_json::from_str(value).unwrap_or_else(|_| Value::String(value.into()));
+    // what is no JSON is a text
+    let (value, repeated) = parse(value).unwrap_or_else(|_| (Value::String(value.into()), Vec::new()));
+    if let Some(problem) = repeated.first() {
+        return Err(wrong(format!("in its value, {problem}")));
+    }
     let mut place = Place::root();
     let mut target = document;
     for segment in segments {

@@ -35,6 +35,6 @@ pub use read::{
     Case, document, inputs, is_study, need, overridden, read, read_document, read_study, read_sweep, read_text,
     read_untrusted,
 };
-pub use reader::Reader;
+pub use reader::{Reader, outside_usual};
 pub use structure::schema;
 pub use table::CsvFile;

@@ -56,13 +56,8 @@ impl<'a> Reader<'a> {
     }
 
     /// Warns of a value that is hardly meant, a slip of units perhaps.
-    pub(crate) fn warn_unusual(&mut self, what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2]) {
-        let [value, lower, upper] = [value, lower, upper].map(pullout_run::number::rounded);
-        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-        let warning = format!(
-            "{what} = {value}{unit} is outside the usual range, {lower} to {upper}{unit}: is it in units of N, mm, MPa?"
-        );
-        self.warn(warning);
+    pub(crate) fn warn_unusual(&mut self, what: &str, value: f64, unit: &str, range: [f64; 2]) {
+        self.warn(outside_usual(what, value, unit, range));
     }
 
     /// Warns of something, once: what several places have in common is told at each of them.
@@ -133,6 +128,15 @@ impl<'a> Reader<'a> {
     pub fn optional<'p, T>(&mut self, piece: Option<&'p Piece<T>>, place: &Place) -> Option<&'p T> {
         piece.and_then(|piece| self.piece(piece, place))
     }
+}
+
+/// Returns the warning of a value that is hardly meant, a slip of units perhaps.
+pub fn outside_usual(what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2]) -> String {
+    let [value, lower, upper] = [value, lower, upper].map(pullout_run::number::rounded);
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    format!(
+        "{what} = {value}{unit} is outside the usual range, {lower} to {upper}{unit}: is it in units of N, mm, MPa?"
+    )
 }
 
 /// A file in a folder, links followed.

@@ -43,6 +43,7 @@ impl Bench {
             ("no_rows.csv", "time,e11\n"),
             ("empty.csv", ""),
             ("fixed.csv", "e33\n1e-4\n"),
+            ("falling.csv", "theta_deg,embedded,slip,load\n30,15,0,0\n30,15,0.2,3\n30,15,0.1,2\n"),
             ("bins.csv", "from_deg,to_deg,count\n0,20,3\n30,90,4\n"),
             ("nothing-counted.csv", "from_deg,to_deg,count\n0,90,0\n"),
             ("counted.csv", "from_deg,to_deg,count\n0,20,3\n20,90,4\n"),

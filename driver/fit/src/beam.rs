@@ -5,6 +5,7 @@
 //! ```
 
 use crate::IDENTIFIABLE;
+use crate::doubt::doubts;
 use pullout_bridging::{
     Beam, Bond, BridgingFit, Estimate, Fitted, Inclination, Invalid, Measured, NotchedBeam, Polyline, RESIDUAL_CMOD,
     Residual, SectionLaw, bond_from_bridging, fast_inverse, full_inverse,
@@ -106,6 +107,20 @@ impl BeamFit {
             _ => Err("sought for model \"closed\" with inclination \"exp\" alone".into()),
         };
         Ok(Self { geometry, fast, full, predicted, bond })
+    }
+
+    /// Warns of data in other units, and of a σ(w) that misses them.
+    fn doubts(&self, test: &Measured) -> Vec<String> {
+        let greatest = match test {
+            Measured::Curve(rows) => self.geometry.flexural_strength(rows.iter().map(|row| row[1]).fold(0.0, f64::max)),
+            Measured::Strengths(strengths) => strengths.residual.iter().copied().fold(strengths.limit, f64::max),
+        };
+        let mut data = vec![("flexural strength at the greatest load", greatest, "MPa", [0.5, 60.0])];
+        if let Measured::Curve(rows) = test {
+            let last = rows.iter().map(|row| row[0]).fold(0.0, f64::max);
+            data.push(("greatest CMOD", last, "mm", [0.1, 50.0]));
+        }
+        doubts(&data, [("", self.full.fitted.rms)])
     }
 
     /// The computed test at CMODs.

@@ -3,6 +3,7 @@
 //! Least squares ([`search`]) from the values of the case and from others between the bounds: the best end counts. Bounds are kept
 //! by what is sought instead of the numbers: z with x = lo + (hi − lo)(1 + sin z)/2.
 
+use super::doubt::doubts;
 use super::output::rows_of;
 use super::search::{self, Best, Increments, STEP, Search, Simulation, root_mean_square};
 use super::uncertainty::{IDENTIFIABLE, spread};
@@ -82,7 +83,7 @@ pub struct CaseFit {
     /// Reason why it is not the best.
     pub trouble: Option<String>,
     /// What the user should know although nothing is wrong.
-    pub warning: Option<String>,
+    pub warnings: Vec<String>,
     /// The case with these numbers.
     pub case: Value,
     /// Data: both columns, and what the case computes.
@@ -145,6 +146,7 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         Ok(derivatives) => spread(&residuals, &(derivatives * &sizes), &vec![1.0; data.len()], &sizes),
         Err(_) => (vec![f64::INFINITY; count], DMatrix::identity(count, count)),
     };
+    let doubts = doubts(&[], [("", root_mean_square(&residuals) / scale.max(f64::MIN_POSITIVE))]);
     let rows = data.iter().zip(&best.run.curve).map(|(row, computed)| [row[0], row[1], *computed]).collect();
     Ok(CaseFit {
         free: request.free.clone(),
@@ -155,7 +157,7 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         searches,
         runs: problem.runs(),
         trouble,
-        warning: best.run.warning,
+        warnings: best.run.warning.into_iter().chain(doubts).collect(),
         case: kept(request, document, &values),
         values,
         rows,
@@ -556,7 +558,9 @@ impl CaseFit {
         let summary = json!({
             "status": if self.trouble.is_none() { "done" } else { "failed" },
             "message": self.trouble,
-            "warning": self.warning,
+            // the first by itself, as it was
+            "warning": self.warnings.first(),
+            "warnings": self.warnings,
             "case": request.source.file,
             "data": request.data,
             "curve": request.curve,

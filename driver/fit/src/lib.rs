@@ -11,6 +11,7 @@
 mod beam;
 mod case;
 mod curve;
+mod doubt;
 mod geometry;
 mod law;
 mod output;

@@ -4,6 +4,7 @@ use super::curve::LoadSlipCurve;
 use super::law::Quantity;
 use super::uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
 use super::{CURVE_FILE, FittedLaw, Request, specimen};
+use crate::doubt::doubts;
 use crate::regression::thinned;
 use nalgebra::DMatrix;
 use pullout_report::directory::ResultDirectory;
@@ -13,6 +14,7 @@ use pullout_report::plots::quantity::Quantity as AxisQuantity;
 use pullout_run::number::significant;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::io;
 
@@ -25,7 +27,7 @@ const PEAK_VIEW: f64 = 4.0;
 /// Points of a law's curve.
 const LAW_POINTS: usize = 400;
 
-/// Writes everything into a result directory.
+/// Writes everything into a result directory. The result is what the user should be warned of.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -35,7 +37,8 @@ pub fn write(
     curve: &LoadSlipCurve,
     request: &Request,
     laws: &[FittedLaw],
-) -> io::Result<()> {
+) -> io::Result<Vec<String>> {
+    let mut warnings = doubts_of(curve, request, laws);
     let mut file = |name: &str, content: &str| directory.write(name, content).map(|_| ());
     file(CURVE_FILE, &table(["slip", "load"], &curve.slips, &curve.loads))?;
     for law in laws {
@@ -45,9 +48,23 @@ pub fn write(
         let simulated = &law.simulated;
         file(&format!("{form}-curve.csv"), &table(["slip", "load"], &simulated.slips, &simulated.loads))?;
     }
-    file("fit.json", &format!("{:#}\n", summary(source, request, laws)))?;
-    let pictures = plots::write_all(directory, "plots", &figures(curve, request, laws))?;
-    directory.write("report.html", report::page(source, curve, request, laws, &pictures).into_string()).map(|_| ())
+    file("fit.json", &format!("{:#}\n", summary(source, request, laws, &warnings)))?;
+    let drawings = plots::write_all(directory, "plots", &figures(curve, request, laws))?;
+    warnings.extend(drawings.warnings);
+    let page = report::page(source, curve, request, laws, (&drawings.pictures, &warnings));
+    directory.write("report.html", page.into_string())?;
+    Ok(warnings)
+}
+
+/// Warns of data in other units, and of laws that miss them.
+fn doubts_of(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<String> {
+    let fibre = &request.fibre;
+    let traction = curve.peak().load / (PI * fibre.diameter * fibre.embedded_length);
+    let data = [
+        ("mean traction at the greatest load", traction, "MPa", [0.05, 100.0]),
+        ("greatest slip", curve.largest_slip(), "mm", [0.05, 100.0]),
+    ];
+    doubts(&data, laws.iter().map(|law| (law.law.form(), law.quality.rms)))
 }
 
 fn table(header: [&str; 2], x: &[f64], y: &[f64]) -> String {
@@ -103,7 +120,7 @@ fn percent(part: f64) -> String {
     if part.is_finite() { format!("{} %", significant(100.0 * part, 2)) } else { "infinite".into() }
 }
 
-fn summary(source: &str, request: &Request, laws: &[FittedLaw]) -> Value {
+fn summary(source: &str, request: &Request, laws: &[FittedLaw], warnings: &[String]) -> Value {
     let forms: Map<String, Value> = laws.iter().map(|law| (law.law.form().to_owned(), form(law))).collect();
     let fibre = &request.fibre;
     json!({
@@ -115,6 +132,7 @@ fn summary(source: &str, request: &Request, laws: &[FittedLaw]) -> Value {
             "free_length": fibre.free_length,
             "E": fibre.youngs_modulus,
         },
+        "warnings": warnings,
         "forms": forms,
     })
 }

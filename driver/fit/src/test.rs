@@ -131,3 +131,14 @@ fn curves_are_read_by_name_by_habit_or_by_place() {
         assert!(problems.concat().contains(problem), "{problems:?}");
     }
 }
+
+/// Data in kN and metres, and fits that miss them, are told.
+#[test]
+fn other_units_and_poor_fits_are_doubted() {
+    let data = [("traction", 0.003, "MPa", [0.05, 100.0]), ("slip", 2.0, "mm", [0.05, 100.0])];
+    let told = super::doubt::doubts(&data, [("powers", 0.02), ("piecewise", 0.62)]);
+    let [units, poor] = &told[..] else { panic!("{told:?}") };
+    assert!(units.starts_with("traction = 0.003 MPa is outside") && units.ends_with("N, mm, MPa?"), "{units}");
+    assert!(poor.starts_with("piecewise: the fit misses the data by 62 %"), "{poor}");
+    assert_eq!(super::doubt::doubts(&data[1..], [("", 0.2)]), Vec::<String>::new());
+}

@@ -6,7 +6,7 @@ use crate::history::{BRIDGING_TABLES, History};
 use crate::page::{self, Account};
 use crate::plots::figure::{Figure, Line, Style};
 use crate::plots::quantity::Quantity;
-use crate::plots::{self, Picture, Spec};
+use crate::plots::{self, Drawings, Spec};
 use crate::summary::{self, Status, Summary};
 use pullout_bridging::{Composite, Curve};
 use pullout_case::Case;
@@ -77,13 +77,15 @@ pub fn conclude(
     summary.take_comparisons(compared.as_ref().map(Vec::clone).unwrap_or_default());
     let text = summary.text()?;
     let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
-        let pictures = match &done {
+        let drawn = match &done {
             Ok(done) if case.about().plots => draw(case, directory, &history, done),
-            _ => Ok(Vec::new()),
+            _ => Ok(Drawings::default()),
         };
-        page::write(directory, &Account::of(case), &summary, pictures.as_deref().unwrap_or_default(), None)?;
+        let drawings = drawn.as_ref().map_or(Default::default(), Clone::clone);
+        summary.take_undrawn(directory, &drawings)?;
+        page::write(directory, &Account::of(case), &summary, &drawings.pictures, None)?;
         directory.finish()?;
-        pictures.and(compared.map(|_| ()))
+        drawn.and(compared.map(|_| ()))
     });
     Ok((summary, written))
 }
@@ -129,11 +131,11 @@ fn draw(
     directory: &mut ResultDirectory,
     history: &History,
     (program, composite, _): &Done<'_>,
-) -> io::Result<Vec<Picture>> {
-    let mut pictures = plots::draw(directory, "plots", history, &Spec::of(case))?;
+) -> io::Result<Drawings> {
+    let mut drawings = plots::draw(directory, "plots", history, &Spec::of(case))?;
     let figures = [family(program, composite), directions(composite)];
-    pictures.extend(plots::write_all(directory, "plots", &figures)?);
-    Ok(pictures)
+    drawings.append(plots::write_all(directory, "plots", &figures)?);
+    Ok(drawings)
 }
 
 /// P(w; L_e, θ): a colour for each angle, a dash for each length.

@@ -5,7 +5,7 @@ use crate::directory::ResultDirectory;
 use crate::history::{HistoryFile, Rows};
 use crate::page::{self, Account};
 use crate::pictures;
-use crate::plots::{self, Picture, Spec};
+use crate::plots::{self, Drawings, Spec};
 use crate::record::Record;
 use crate::summary::{self, PeakRecorder, PluginFile, PluginOf, Status, Summary};
 use crate::viewer::States;
@@ -97,9 +97,9 @@ pub fn conclude(
     let text = summary.text()?;
     let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
         let drawn = draw(case, directory, specimen.as_ref(), &end.states);
-        let (pictures, viewer) =
-            drawn.as_ref().map_or((&[][..], None), |(pictures, viewer)| (pictures, viewer.as_ref()));
-        page::write(directory, &Account::of(case), &summary, pictures, viewer)?;
+        let (drawings, viewer) = drawn.as_ref().map_or(Default::default(), Clone::clone);
+        summary.take_undrawn(directory, &drawings)?;
+        page::write(directory, &Account::of(case), &summary, &drawings.pictures, viewer.as_ref())?;
         directory.finish()?;
         drawn.and(compared.map(|_| ()))
     });
@@ -124,16 +124,16 @@ fn draw(
     directory: &mut ResultDirectory,
     specimen: Option<&Specimen<'_>>,
     states: &States,
-) -> io::Result<(Vec<Picture>, Option<Markup>)> {
+) -> io::Result<(Drawings, Option<Markup>)> {
     if !case.about().plots {
         return Ok(Default::default());
     }
     let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
-    let mut pictures = plots::draw(directory, "plots", &history, &Spec::of(case))?;
-    let Some((program, outcome)) = specimen else { return Ok((pictures, None)) };
-    pictures.extend(pictures::draw(directory, "plots", program, outcome)?);
+    let mut drawings = plots::draw(directory, "plots", &history, &Spec::of(case))?;
+    let Some((program, outcome)) = specimen else { return Ok((drawings, None)) };
+    drawings.append(pictures::draw(directory, "plots", program, outcome)?);
     let curve = ["slip", "load"].map(|name| history.column(name).unwrap_or_default().to_vec());
-    Ok((pictures, states.page(program, curve)?))
+    Ok((drawings, states.page(program, curve)?))
 }
 
 /// Says what came out, but for comparisons with curves.

@@ -7,13 +7,13 @@
 //! `output.pictures_at`. `axial_stress`, `interface_shear` and `interface_pressure` show all of them.
 
 use crate::directory::ResultDirectory;
+use crate::plots::Drawings;
 use crate::plots::field::{
     Class, FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, crosses, deformed_mesh,
     interface_profiles, zones,
 };
 use crate::plots::figure::{Figure, Line, Style};
 use crate::plots::quantity::{Quantity, capital, group_of};
-use crate::plots::{self, Picture};
 use fe_core::mesh::Mesh;
 use fe_core::model::Model;
 use fe_core::output::{Activity, FieldsError, Principal, Recovery, axial_stress};
@@ -44,13 +44,13 @@ const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 /// Draws everything into a folder of the result directory.
 ///
 /// # Errors
-/// A file that cannot be written, or fields that cannot be drawn.
+/// A file that cannot be written, or fields that do not fit the mesh.
 pub fn draw(
     directory: &mut ResultDirectory,
     folder: &str,
     program: &Program,
     outcome: &Outcome<'_>,
-) -> io::Result<Vec<Picture>> {
+) -> io::Result<Drawings> {
     let mut album = Album::new(directory, folder, program);
     let asked = || outcome.moments.iter().map(|(_, state)| state);
     let states = || outcome.peak.iter().chain(&outcome.end).chain(asked());
@@ -74,7 +74,7 @@ pub fn draw(
     }
     album.axial_stress(&moments)?;
     album.interface(&moments)?;
-    Ok(album.pictures)
+    Ok(album.drawings)
 }
 
 /// A state with its name.
@@ -112,7 +112,7 @@ struct Album<'a> {
     matrix: BTreeSet<usize>,
     /// The greatest principal stress so far, MPa.
     greatest_stress: f64,
-    pictures: Vec<Picture>,
+    drawings: Drawings,
 }
 
 impl<'a> Album<'a> {
@@ -128,7 +128,7 @@ impl<'a> Album<'a> {
             fibre,
             matrix: matrix(&program.model),
             greatest_stress: 0.0,
-            pictures: Vec::new(),
+            drawings: Drawings::default(),
         }
     }
 
@@ -272,22 +272,15 @@ impl<'a> Album<'a> {
         if figure.lines.is_empty() {
             return Ok(());
         }
-        let svg = figure.svg()?;
-        self.write(&figure.name, svg)
+        self.drawings.keep(self.directory, self.folder, &figure.name, figure.svg())
     }
 
-    /// Writes a picture, unless there was nothing to draw.
+    /// Keeps a picture, unless there was nothing to draw.
     fn keep(&mut self, name: &str, drawn: Result<String, PictureError>) -> io::Result<()> {
         match drawn {
-            Ok(svg) => self.write(name, svg),
             Err(PictureError::Nothing) => Ok(()),
-            Err(error) => Err(io::Error::other(format!("{name}: {error}"))),
+            drawn => self.drawings.keep(self.directory, self.folder, name, drawn),
         }
-    }
-
-    fn write(&mut self, name: &str, svg: String) -> io::Result<()> {
-        self.pictures.push(plots::write(self.directory, self.folder, name, svg)?);
-        Ok(())
     }
 }
 

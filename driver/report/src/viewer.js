@@ -83,6 +83,8 @@
   const choice = part("field"), slider = part("state"), magnification = part("magnification"), withEdges = part("edges");
   head.fields.forEach((field, k) => choice.add(new Option(field.name, k)));
   slider.max = frames.length - 1;
+  // colours mean the same on either background
+  const dark = matchMedia("(prefers-color-scheme: dark)");
   const number = (value) => value === null ? "–" : +value.toPrecision(4) + "";
   const size = (target) => {
     const ratio = devicePixelRatio || 1, box = target.getBoundingClientRect();
@@ -97,6 +99,9 @@
     return [unit * width, unit * height];
   };
 
+  // whether values go beyond the least (0) or the greatest (1) colour
+  const isBeyond = (field, end) => end ? field.values[1] > field.range[1] : field.values[0] < field.range[0];
+
   const draw = () => {
     const state = displacements[at], shown = fields[choice.value][at], field = head.fields[choice.value];
     for (let i = 0; i < state.length; i++) moved[i] = between(head.displacement, state[i]);
@@ -105,7 +110,7 @@
     setValues(values);
     const [x, y] = reach();
     gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.clearColor(1, 1, 1, 1);
+    gl.clearColor(...(dark.matches ? [0.086, 0.094, 0.106] : [1, 1, 1]), 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
     gl.uniform2f(uniform("middle"), view.x, view.y);
     gl.uniform2f(uniform("reach"), x, y);
@@ -123,7 +128,9 @@
     const frame = frames[at];
     part("told").textContent = `slip ${number(frame.slip)} mm, load ${number(frame.load)} N`;
     part("least").textContent = number(field.range[0]);
-    part("most").textContent = `${number(field.range[1])} ${field.unit}`;
+    const beyond = isBeyond(field, 0) || isBeyond(field, 1);
+    const ends = beyond ? `; values from ${number(field.values[0])} to ${number(field.values[1])}` : "";
+    part("most").textContent = `${number(field.range[1])} ${field.unit}${ends}`;
     plot(part("curve"), [{ x: head.curve[0], y: head.curve[1], color: "#0072b2" }], "slip, mm", "load, N", [frame.slip, frame.load]);
     contact();
   };
@@ -134,15 +141,18 @@
     const all = (key) => lines.flatMap((line) => line[key]).filter(Number.isFinite);
     const span = (list) => list.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [0, 0]);
     const [rangeX, rangeY] = ranges || [span(all("x")), span(all("y"))];
-    const [left, bottom, top] = [46 * ratio, 30 * ratio, 14 * ratio];
+    pen.font = `${11 * ratio}px system-ui, sans-serif`;
+    // what rounding leaves is 0
+    const texts = rangeY.map((value) => number(Math.abs(value) < 1e-9 * (rangeY[1] - rangeY[0]) ? 0 : value));
+    const widest = Math.max(...texts.map((text) => pen.measureText(text).width));
+    const [left, bottom, top] = [Math.max(46 * ratio, widest + 8 * ratio), 30 * ratio, 14 * ratio];
     const toX = (x) => left + (width - left - 10 * ratio) * (x - rangeX[0]) / (rangeX[1] - rangeX[0] || 1);
     const toY = (y) => height - bottom - (height - bottom - top) * (y - rangeY[0]) / (rangeY[1] - rangeY[0] || 1);
     pen.clearRect(0, 0, width, height);
-    pen.font = `${11 * ratio}px system-ui, sans-serif`;
     [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = ["#444", "#bbb", ratio];
     pen.strokeRect(left, top, toX(rangeX[1]) - left, height - bottom - top);
     pen.textAlign = "right";
-    rangeY.forEach((value) => pen.fillText(number(value), left - 4 * ratio, toY(value) + 4 * ratio));
+    rangeY.forEach((value, k) => pen.fillText(texts[k], left - 4 * ratio, toY(value) + 4 * ratio));
     pen.textAlign = "center";
     pen.fillText(nameX, (left + width) / 2, height - 4 * ratio);
     rangeX.forEach((value, k) => { pen.textAlign = k ? "right" : "left"; pen.fillText(number(value), toX(value), height - bottom + 12 * ratio); });
@@ -232,9 +242,11 @@
       if (x * x + y * y < least) [least, nearest] = [x * x + y * y, i];
     }
     const field = head.fields[choice.value], value = fields[choice.value][at][nearest];
-    part("here").textContent = value === 65535 ? "" : `${field.name} ${number(between(field.range, value))} ${field.unit}`;
+    const sign = value === 0 && isBeyond(field, 0) ? "≤ " : value === 65534 && isBeyond(field, 1) ? "≥ " : "";
+    part("here").textContent = value === 65535 ? "" : `${field.name} ${sign}${number(between(field.range, value))} ${field.unit}`;
   };
   canvas.ondblclick = () => { view = whole(); show(at); };
+  dark.onchange = () => show(at);
   new ResizeObserver(() => show(at)).observe(canvas);
   show(at);
 })();

@@ -166,7 +166,8 @@ impl States {
                     &mut data,
                     recovered.iter().map(|state| state.iter().map(|values| step(values[k] as f32, own)).collect()),
                 );
-                fields.push(json!({ "name": quantity.name, "unit": quantity.unit, "range": own }));
+                let all = range(recovered.iter().flatten().map(|values| values[k] as f32));
+                fields.push(json!({ "name": quantity.name, "unit": quantity.unit, "range": own, "values": all }));
             }
         }
         let frames = self.kept.iter().enumerate().map(|(k, state)| {

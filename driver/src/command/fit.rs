@@ -175,10 +175,13 @@ fn act_on_bond(bond: &Bond, line: &[OsString]) -> Result<u8, Refusal> {
         FitError::Failed(message) => Refusal::failed(format!("{}: {message}", bond.curve.display())),
     })?;
     directory.begin(&[])?;
-    pullout_fit::write(&mut directory, &bond.curve.display().to_string(), &curve, &request, &laws)?;
+    let source = bond.curve.display().to_string();
+    let warnings = pullout_fit::write(&mut directory, &source, &curve, &request, &laws)?;
     directory.remove_earlier()?;
     directory.finish()?;
-    Ok(bond.tell(&laws))
+    let code = bond.tell(&laws);
+    warnings.iter().for_each(|warning| complain(format!("{source}: warning: {warning}")));
+    Ok(code)
 }
 
 impl Bond {

@@ -87,8 +87,9 @@ fn draw(
     if !foreign.is_empty() {
         complain(format!("{}: --overwrite replaces {}", directory.path().display(), foreign.join(", ")));
     }
-    let pictures = plots::write_all(&mut directory, folder, &figures)?;
-    let mut paths: Vec<PathBuf> = pictures.into_iter().map(|picture| picture.path).collect();
+    let drawings = plots::write_all(&mut directory, folder, &figures)?;
+    drawings.warnings.iter().for_each(|warning| complain(format!("warning: {warning}")));
+    let mut paths: Vec<PathBuf> = drawings.pictures.into_iter().map(|picture| picture.path).collect();
     for (drawing, name, export) in &exports {
         let svg = input::text(&directory.path().join(drawing), Input::Result)?;
         paths.push(directory.write(name, export(&svg)?)?);

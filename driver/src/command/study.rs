@@ -224,12 +224,13 @@ fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &Arguments)
     pullout_study::write_csv(&mut directory, study, &results)?;
     pullout_study::write_json(&mut directory, study, &results, &findings)?;
     directory.remove_earlier()?;
-    let pictures = pullout_study::pictures::draw(&mut directory, study, &results)?;
-    pullout_study::write_report(&mut directory, study, &results, &findings, &pictures)?;
+    let drawings = pullout_study::pictures::draw(&mut directory, study, &results)?;
+    pullout_study::write_report(&mut directory, study, &results, &findings, &drawings.pictures)?;
     directory.finish()?;
     if !arguments.quiet {
         say(&outcome(study, &results, &findings, folder));
     }
+    drawings.warnings.iter().for_each(|warning| complain(format!("{}: warning: {warning}", study.file.display())));
     for (run, result) in study.runs.iter().zip(&results.runs) {
         if let Some(message) = &result.message {
             complain(format!("{}: {message}", study.name_of(run)));

@@ -7,7 +7,7 @@ use pullout_report::directory::ResultDirectory;
 use pullout_report::plots::export;
 use pullout_report::plots::figure::{Figure, Key, Line, Scale, Style};
 use pullout_report::plots::quantity::Quantity;
-use pullout_report::plots::{self, Picture};
+use pullout_report::plots::{self, Drawings};
 use pullout_run::number::significant;
 use std::io;
 
@@ -15,13 +15,13 @@ use std::io;
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn draw(directory: &mut ResultDirectory, study: &Study, results: &Results) -> io::Result<Vec<Picture>> {
-    let pictures = plots::write_all(directory, "plots", &figures(study, results))?;
-    for picture in &pictures {
+pub fn draw(directory: &mut ResultDirectory, study: &Study, results: &Results) -> io::Result<Drawings> {
+    let drawings = plots::write_all(directory, "plots", &figures(study, results))?;
+    for picture in &drawings.pictures {
         let name = picture.path.file_stem().unwrap_or_default().to_string_lossy();
         directory.write(&format!("plots/{name}.png"), export::png(&picture.svg)?)?;
     }
-    Ok(pictures)
+    Ok(drawings)
 }
 
 /// All pictures; those with nothing to show are left out.

@@ -68,7 +68,7 @@ fn a_loop_of_a_fiftieth_of_the_data_tells_the_stiffness_of_unloading() {
     case["material"]["props"]["k_u"] = json!(500.0);
     case["steps"] = [0.005, 0.0048, 0.01].map(|slip| json!({ "increments": 20, "target": { "slip": slip } })).into();
     let result = found(&case, &[("material.props.k_u", 300.0, [100.0, 900.0])], "slip,tau", 1e-6);
-    assert_eq!((&result["parameters"][0]["identifiable"], &result["warning"]), (&json!(true), &json!(null)));
+    assert_eq!((&result["parameters"][0]["identifiable"], &result["warnings"]), (&json!(true), &json!([])));
 }
 
 fn bar() -> Value {

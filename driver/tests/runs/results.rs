@@ -224,6 +224,15 @@ fn a_contact_that_does_not_carry_is_refused_and_replayed() {
 }
 
 #[test]
+fn too_few_iterations_for_a_pressure_are_named() {
+    let desk = Desk::new();
+    let material = json!({ "plugin": "bond_slip", "props": { "normal_law": "soft", "normal_stiffness": 1e5 } });
+    let mut case = interface(material, json!([{ "increments": 5, "target": { "slip": 0.1, "p": 3.0 } }]));
+    case["controls"] = json!({ "max_iterations": 1 });
+    fails_and_replays(&desk, &case, &["no gap found for p", "in 1 iterations, max_iterations"], false);
+}
+
+#[test]
 fn a_killed_run_leaves_all_finished_lines() {
     const LINES: usize = 20_000;
     let desk = Desk::new();

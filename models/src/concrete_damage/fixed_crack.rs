@@ -140,7 +140,8 @@ impl FreeCracks {
                 }
             }
         }
-        tangent
+        // symmetric but for rounding
+        std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (tangent[i][j] + tangent[j][i])))
     }
 
     /// μ e⁻ : e⁻ + ½ βk (θ⁻)², from σ_C of the virgin stiffness.

@@ -75,7 +75,10 @@ fn a_quarter_turn_in_the_plane_swaps_the_plastic_strains() {
             for increment in &strain_path(3, point.ntens(), law.strain, 5) {
                 point.advance(loaded.umat, increment);
             }
-            let before = point.clone();
+            // what a law that extrapolates settles in an increment of zero is settled in both
+            let mut before = point.clone();
+            before.dstran = [0.0; 6];
+            before.call(loaded.umat);
             let swap = |values: &mut [f64], shear: usize| {
                 values.swap(0, 1);
                 values[shear] = -values[shear];
@@ -85,9 +88,9 @@ fn a_quarter_turn_in_the_plane_swaps_the_plastic_strains() {
             swap(&mut point.stran, shear);
             point.dstran = [0.0; 6];
             point.drot = [0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-            let turned_stress = point.stress;
             point.call(loaded.umat);
-            assert!(difference(&point.stress, &turned_stress) < 1e-13, "{}", law.name);
+            swap(&mut before.stress, shear);
+            assert!(difference(&point.stress, &before.stress) < 1e-13, "{}", law.name);
             let mut expected = before.statev[start..start + 6].to_vec();
             swap(&mut expected, 3);
             assert!(difference(&point.statev[start..start + 6], &expected) < 1e-13, "{}", law.name);

@@ -2,7 +2,7 @@
 
 use crate::problem::Place;
 use crate::reader::Reader;
-use fe_core::mesh::preflight::{self, Body, Finding};
+use fe_core::mesh::preflight::{self, Body, Finding, RigidMode};
 use fe_core::mesh::{Element, Mesh};
 use fe_core::model::Model;
 use std::collections::BTreeSet;
@@ -43,6 +43,28 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
                 modes.join(" and ")
             );
             reader.problem(&Place::root().key("supports"), message);
+        } else if model.loads.is_empty() {
+            warn_of_free_ride(reader, model, &group);
+        }
+    }
+}
+
+/// Warns of bodies that only one drive holds along some direction: they go along with it, and nothing resists.
+fn warn_of_free_ride(reader: &mut Reader<'_>, model: &Model, group: &Body) {
+    let drives: BTreeSet<usize> = model.supports.iter().filter_map(|support| support.drive).collect();
+    for drive in drives {
+        let others = model.supports.iter().filter(|support| support.drive != Some(drive));
+        let held: Vec<(usize, [f64; 2])> =
+            others.flat_map(|support| support.nodes.iter().map(|&node| (node, support.direction))).collect();
+        let free = preflight::rigid_body_freedom(&model.mesh, group, &held);
+        if let Some(mode @ RigidMode::Translation { .. }) = free.first() {
+            let part = &model.mesh.parts()[model.mesh.elements()[group.elements[0]].part()].name;
+            reader.warnings.push(format!(
+                "supports: the body with element {} (part '{part}') and what it touches {mode} with the drive '{}': nothing holds it \
+                 back",
+                group.elements[0] + 1,
+                model.drives[drive]
+            ));
         }
     }
 }

@@ -23,6 +23,12 @@ const COUNTED: &str = r#"orientation={"type": "histogram", "file": "path.csv"}"#
 const RUNS: &str = r#"fibre={"diameter": 0.406, "length": 24.4, "E": 210000, "model": "fe", "base": "fibre.json"}"#;
 
 const MALFORMED: &[Sample] = &[
+    (
+        &[TABLE, "fibre.file=falling.csv"],
+        "$.fibre.file",
+        "at 30°, 15 mm the slip 0.1 mm comes behind 0.2 mm",
+        ByMeaning,
+    ),
     (&["fibre.model=close"], "$.fibre.model", "nearest valid name: 'closed'", BySchema),
     (&["fibre.tua=3"], "$.fibre.tua", "unknown key", BySchema),
     (&[r#"fibre={"diameter": 0.5, "length": 30, "E": 2e5, "model": "closed"}"#], "$.fibre.tau", "is missing", BySchema),
@@ -276,6 +282,25 @@ fn numbers_that_are_hardly_meant_are_warned_of() {
         let told = warnings(&[entry]);
         let [warning] = &told[..] else { panic!("{entry}: {told:?}") };
         assert!(warning.starts_with(what) && warning.ends_with("is it in units of N, mm, MPa?"), "{warning}");
+    }
+}
+
+/// Numbers that nothing asks for.
+#[test]
+fn numbers_without_effect_are_told() {
+    for (overrides, what) in [
+        (&["fibre.rupture_f=0.3"][..], "$.fibre.rupture_f"),
+        (&[r#"scatter={"strength_cv": 0.1}"#], "$.scatter.strength_cv"),
+        (&["matrix.fc=40", "beam=null"], "$.matrix.fc"),
+    ] {
+        let warnings = |overrides: &[&str]| {
+            let Ok(Case::Bridging(program)) = Bench::new().read(&case(), overrides) else { panic!("a case") };
+            program.about.warnings
+        };
+        let told = warnings(overrides);
+        assert!(told.len() == 1 && told[0].starts_with(&format!("{what}: has no effect")), "{told:?}");
+        let used = [overrides, &["fibre.strength=1000", "beam={}"]].concat();
+        assert_eq!(warnings(&used), Vec::<String>::new(), "{used:?}");
     }
 }
 

@@ -491,6 +491,13 @@ fn a_component_twice_in_the_text_is_an_error() {
 }
 
 #[test]
+fn a_component_twice_in_an_override_is_an_error() {
+    let errors =
+        Bench::new().read(&point_case(), &[r#"material.props={"E": 5, "E": 7, "nu": 0}"#]).expect_err("malformed");
+    assert!(errors.to_string().contains("in its value, $.E: the key is given twice; give it once"), "{errors}");
+}
+
+#[test]
 fn a_missing_or_unreadable_case_file_is_an_error() {
     let bench = Bench::new();
     let errors = super::read(&bench.path(), &[], &[]).expect_err("no file");

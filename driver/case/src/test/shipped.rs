@@ -32,6 +32,15 @@ fn value(program: &Program, name: &str) -> f64 {
 }
 
 #[test]
+fn arguments_of_the_other_entry_point_are_told() {
+    let mut case = bond(json!({ "normal_law": "hard", "normal_stiffness": 4e4 }));
+    case["arguments"] = json!({ "lm": 1, "dpress": 0.1, "slip": [0, 0], "flags": [1, 1], "area": 2 });
+    let warnings = accepted(&case).about.warnings;
+    let told: Vec<&str> = warnings.iter().filter_map(|warning| warning.split(": has no effect").next()).collect();
+    assert_eq!(told, ["$.arguments.lm", "$.arguments.slip", "$.arguments.dpress"]);
+}
+
+#[test]
 fn a_normal_penalty_of_zero_is_filled_and_said() {
     let program = accepted(&bond(json!({ "law": "B", "normal_law": "hard" })));
     assert_eq!((value(&program, "law"), value(&program, "normal_law")), (1.0, 0.0));

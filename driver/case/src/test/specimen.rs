@@ -564,6 +564,19 @@ fn keys_without_effect_are_told() {
 }
 
 #[test]
+fn a_body_that_only_its_drive_holds_is_told() {
+    let mut case = pullout_case();
+    let told = |case: &Value| -> Vec<String> {
+        let warnings = accepted(case, &[]).about.warnings;
+        warnings.into_iter().filter(|warning| warning.contains("nothing holds it back")).collect()
+    };
+    assert_eq!(told(&case), Vec::<String>::new());
+    case["supports"] = json!({});
+    let told = told(&case);
+    assert!(told.len() == 1 && told[0].contains("can move along y with the drive 'slip'"), "{told:?}");
+}
+
+#[test]
 fn every_specimen_has_a_smallest_case() {
     for (name, parts) in [
         ("plate_with_hole", &["plate"][..]),
@@ -1054,10 +1067,12 @@ fn impossible_fibres_are_told_with_their_place() {
         (fibre("exit", "20"), "$.mesh.specimen.fibres[0]", "width"),
         (fibre("diameter", "-1"), "$.mesh.specimen.fibres[0].diameter", "-1"),
         (fibre("embedded", "30"), "$.mesh.specimen.fibres[0].embedded", "length of the path"),
+        (fibre("exit_radius", "0.001"), "$.mesh.specimen.fibres[0].exit_radius", "size of elements at the exit"),
         (fibre("exit_radius", "11"), "$.mesh.specimen.fibres[0].exit_radius", "exit"),
         (fibre("separation_length", "11"), "$.mesh.specimen.fibres[0].separation_length", "less than the embedded"),
         (fibre("fine_length", "11"), "$.mesh.specimen.fibres[0].fine_length", "embedded"),
         (fibre("tail_gap", "-1"), "$.mesh.specimen.fibres[0].tail_gap", "-1"),
+        (fibre("width_profile", "[[0, 0.5]]"), "$.mesh.specimen.fibres[0].width_profile", "two points"),
         (fibre("width_profile", "[[2, 0.5], [1, 0.4]]"), "$.mesh.specimen.fibres[0].width_profile", "ascending"),
         (fibre("radius", "1"), "$.mesh.specimen.fibres[0].radius", "unknown key"),
         (set(path, "[]"), "$.mesh.specimen.fibres[0].path", "1"),

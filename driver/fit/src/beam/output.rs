@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 use std::io;
 
 /// Writes everything into a result directory. `case` is the document of the case; with the bond that was found it becomes
-/// a case of its own.
+/// a case of its own. The result is what the user should be warned of.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -26,7 +26,8 @@ pub fn write(
     case: &Value,
     test: &Measured,
     fit: &BeamFit,
-) -> io::Result<()> {
+) -> io::Result<Vec<String>> {
+    let mut warnings = fit.doubts(test);
     let measured = measured_points(&fit.geometry, test);
     let computed = fit.forces(measured.iter().map(|point| point.0));
     let rows = measured.iter().zip(&computed);
@@ -37,11 +38,12 @@ pub fn write(
         .map(|(w, estimate)| format!("{w},{},{},{}\n", estimate.value, estimate.standard_error, fit.fast.at(*w)));
     let header = ["w,sigma,standard_error,sigma_fast\n".to_owned()].into_iter();
     directory.write("sigma.csv", header.chain(sigma).collect::<String>())?;
-    directory.write("fit.json", format!("{:#}\n", summary(source, fit)))?;
+    directory.write("fit.json", format!("{:#}\n", summary(source, fit, &warnings)))?;
     if let Some(case) = with_bond(case, fit) {
         directory.write("bond-case.json", format!("{case:#}\n"))?;
     }
-    let pictures = plots::write_all(directory, "plots", &figures(&measured, fit))?;
+    let drawings = plots::write_all(directory, "plots", &figures(&measured, fit))?;
+    warnings.extend(drawings.warnings);
     let rows = fit.numbers();
     let page = page::page(
         "σ(w) from the test of a notched beam",
@@ -49,8 +51,9 @@ pub fn write(
             h2 { "What was fitted" }
             p { code { (source) } ", " (measured.len()) " points. RMS difference " (percent(fit.full.fitted.rms))
                 " of the greatest strength. σ(w) by a rigid hinge was the start." }
+            (page::warnings(&warnings))
             h2 { "Pictures" }
-            div.pictures { @for picture in &pictures { figure { (PreEscaped(&picture.svg)) } } }
+            div.pictures { @for picture in &drawings.pictures { figure { (PreEscaped(&picture.svg)) } } }
             h2 { "Numbers" }
             div.scroll { table {
                 tr { th { "Number" } th { "Unit" } th.number { "Value" } th.number { "Standard error" } th { } }
@@ -67,7 +70,8 @@ pub fn write(
                 (significant(100.0 * IDENTIFIABLE, 2)) " % of its value is not identifiable: the test does not tell it." }
         },
     );
-    directory.write("report.html", page.into_string()).map(|_| ())
+    directory.write("report.html", page.into_string())?;
+    Ok(warnings)
 }
 
 fn error(estimate: &Estimate) -> String {
@@ -97,7 +101,7 @@ pub fn describe(fit: &BeamFit) -> String {
     text
 }
 
-fn summary(source: &str, fit: &BeamFit) -> Value {
+fn summary(source: &str, fit: &BeamFit, warnings: &[String]) -> Value {
     let numbers = fit.numbers().into_iter().map(|(name, unit, estimate)| {
         // JSON has no infinity: an error of which nothing is known is null
         let entry = json!({
@@ -110,6 +114,7 @@ fn summary(source: &str, fit: &BeamFit) -> Value {
     json!({
         "test": source,
         "rms_of_greatest": fit.full.fitted.rms,
+        "warnings": warnings,
         "penalty_weight": fit.full.weight,
         "numbers": numbers,
         "correlation": rows_of(&fit.full.fitted.correlation),

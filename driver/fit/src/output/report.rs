@@ -13,12 +13,13 @@ pub fn page(
     curve: &LoadSlipCurve,
     request: &Request,
     laws: &[FittedLaw],
-    pictures: &[Picture],
+    (pictures, warnings): (&[Picture], &[String]),
 ) -> Markup {
     page::page(
         "Bond law from a load–slip curve",
         &html! {
             (what_was_fitted(source, curve, request))
+            (page::warnings(warnings))
             h2 { "Pictures" }
             div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
             @for law in laws { (fitted(law)) }

@@ -95,7 +95,8 @@ fn status(summary: &Summary, effort: &str) -> Markup {
     }
 }
 
-fn warnings(warnings: &[String]) -> Markup {
+/// Warnings as a list, if there are any.
+pub fn warnings(warnings: &[String]) -> Markup {
     html! {
         @if !warnings.is_empty() {
             h2 { "Warnings" }

@@ -130,6 +130,8 @@ fn widened(least: f64, greatest: f64, least_span: f64) -> (f64, f64) {
 pub(super) fn exponent(largest: f64) -> i32 {
     match largest.log10() {
         _ if (0.011..1e5).contains(&largest) => 0,
+        // of nothing, and of what has no power of ten to divide by
+        power if power.is_nan() || power.abs() > 290.0 => 0,
         power if power < 0.0 => 3 * ((power + 1.0) / 3.0).floor() as i32,
         power => 3 * (power / 3.0).floor() as i32,
     }

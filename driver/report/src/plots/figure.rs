@@ -2,12 +2,12 @@
 
 use super::axis::{Axis, drawable};
 use super::decimation::{MOST_POINTS, decimate, drawable_stretches};
+use super::guarded;
 use super::inset::Inset;
 use super::legend::{Entry, Legend, Sample};
 use super::markup;
 use super::quantity::Quantity;
 use plotters::prelude::*;
-use std::io;
 
 /// The picture is drawn this much larger, because the SVG backend rounds to whole units.
 pub(super) const UNIT: i32 = 20;
@@ -139,7 +139,14 @@ type Corners = [(f64, f64); 2];
 
 impl Figure {
     /// The picture as SVG.
-    pub fn svg(&self) -> io::Result<String> {
+    ///
+    /// # Errors
+    /// It cannot be drawn.
+    pub fn svg(&self) -> Result<String, String> {
+        guarded(|| self.draw_whole())
+    }
+
+    fn draw_whole(&self) -> Result<String, String> {
         let (x, y) = self.axes();
         let mut occupied = self.occupied(&x, &y);
         let inset = (self.scale == Scale::Linear).then(|| Inset::place(self, &occupied, (&x, &y))).flatten();
@@ -152,8 +159,8 @@ impl Figure {
         {
             let root = SVGBackend::with_string(&mut svg, pixels(size)).into_drawing_area();
             self.draw(&root, (&x, &y), (&title, title_height), inset.as_ref(), &legend)
-                .map_err(|error| io::Error::other(error.to_string()))?;
-            root.present().map_err(|error| io::Error::other(error.to_string()))?;
+                .map_err(|error| error.to_string())?;
+            root.present().map_err(|error| error.to_string())?;
         }
         Ok(finish(&svg, size, &markup::plain(&format!("{} {}: {} – {}", self.title, self.name, y.label, x.label))))
     }

@@ -13,6 +13,8 @@ const TEXT_SIZE: i32 = 11;
 const TICKS: usize = 4;
 /// A spike stands above three quarters of its height along less than this part of what the picture shows along x.
 const NARROW: f64 = 0.03;
+/// Narrower windows, relative to the greatest abscissa, have no numbers that tell their ticks apart.
+const LEAST_WIDTH: f64 = 1e-6;
 /// Fewer points up there are no spike to look at.
 const FEWEST: usize = 6;
 /// Margin before and after the spike, in widths of it.
@@ -37,7 +39,10 @@ impl Inset {
         let spikes = curves().filter_map(|points| spike(points, NARROW * span));
         let (start, end) = spikes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
         let window = start.max(least)..=end.min(greatest);
-        if window.end() - window.start() > AROUND.1 * 2.0 * NARROW * span {
+        let width = window.end() - window.start();
+        // a jump at one abscissa stays one line however large it is drawn
+        let least_width = LEAST_WIDTH * least.abs().max(greatest.abs());
+        if !(least_width..=AROUND.1 * 2.0 * NARROW * span).contains(&width) || width == 0.0 {
             return None;
         }
         let shown = curves().flat_map(|points| clipped(points, &window)).flatten().map(|point| point.1);

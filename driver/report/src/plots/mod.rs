@@ -14,6 +14,7 @@ use pullout_run::program::{Compare, Control, Kind, PointDrive, PointStep, Progra
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 mod axis;
@@ -96,32 +97,73 @@ pub struct Picture {
     pub svg: String,
 }
 
+/// Pictures in their files, and why others are missing.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Drawings {
+    /// Pictures, in the order of the report.
+    pub pictures: Vec<Picture>,
+    /// A warning of each picture that could not be drawn.
+    pub warnings: Vec<String>,
+}
+
+impl Drawings {
+    /// Writes a picture into a folder of a result directory, or notes why there is none.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn keep(
+        &mut self,
+        directory: &mut ResultDirectory,
+        folder: &str,
+        name: &str,
+        drawn: Result<String, impl std::fmt::Display>,
+    ) -> io::Result<()> {
+        match drawn {
+            Ok(svg) => {
+                let path = directory.write(&within(folder, &format!("{name}.svg")), &svg)?;
+                self.pictures.push(Picture { path, svg });
+            }
+            Err(reason) => self.warnings.push(format!("the picture {name} could not be drawn: {reason}")),
+        }
+        Ok(())
+    }
+
+    /// Adds others behind these.
+    pub fn append(&mut self, others: Self) {
+        self.pictures.extend(others.pictures);
+        self.warnings.extend(others.warnings);
+    }
+}
+
+/// Draws: where the drawing library panics, its message is the error.
+fn guarded<T>(draw: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(draw)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<&str>().map(ToString::to_string);
+        Err(text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "the drawing failed".into()))
+    })
+}
+
 /// Draws a run into a folder of a result directory and leaves the spec there.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn draw(directory: &mut ResultDirectory, folder: &str, history: &History, spec: &Spec) -> io::Result<Vec<Picture>> {
-    let pictures = write_all(directory, folder, &selection::figures(&[Run { history, spec }]))?;
+pub fn draw(directory: &mut ResultDirectory, folder: &str, history: &History, spec: &Spec) -> io::Result<Drawings> {
+    let drawings = write_all(directory, folder, &selection::figures(&[Run { history, spec }]))?;
     let text = serde_json::to_string(spec).map_err(io::Error::other)?;
     directory.write(&within(folder, SPEC_FILE), text)?;
-    Ok(pictures)
+    Ok(drawings)
 }
 
 /// Writes figures into a folder of a result directory (`""`: the directory itself).
 ///
 /// # Errors
-/// A figure that cannot be drawn, a file that cannot be written.
-pub fn write_all(directory: &mut ResultDirectory, folder: &str, figures: &[Figure]) -> io::Result<Vec<Picture>> {
-    figures.iter().map(|figure| write(directory, folder, &figure.name, figure.svg()?)).collect()
-}
-
-/// Writes a picture into a folder of a result directory.
-///
-/// # Errors
 /// A file that cannot be written.
-pub fn write(directory: &mut ResultDirectory, folder: &str, name: &str, svg: String) -> io::Result<Picture> {
-    let path = directory.write(&within(folder, &format!("{name}.svg")), &svg)?;
-    Ok(Picture { path, svg })
+pub fn write_all(directory: &mut ResultDirectory, folder: &str, figures: &[Figure]) -> io::Result<Drawings> {
+    let mut drawings = Drawings::default();
+    for figure in figures {
+        drawings.keep(directory, folder, &figure.name, figure.svg())?;
+    }
+    Ok(drawings)
 }
 
 /// The name of a file in a folder of a result directory.

@@ -3,7 +3,7 @@ use super::decimation::{Coordinate, decimate, drawable_stretches};
 use super::figure::{Figure, Line, Marks, Scale, Style, UNIT};
 use super::quantity::{Quantity, group_of};
 use super::*;
-use crate::directory::{Kind, ResultDirectory};
+use crate::directory::{Access, Kind, ResultDirectory};
 use pullout_run::columns::Group;
 
 fn line(label: &str, points: Vec<(f64, f64)>) -> Line {
@@ -109,6 +109,35 @@ fn anything_can_be_drawn() {
     }
 }
 
+/// Of a jump at one abscissa nothing can be enlarged along x.
+#[test]
+fn a_jump_has_no_inset() {
+    let jump = (1..=10).map(|k| (0.0, 1e7 * f64::from(k)));
+    let tail = (1..=10).map(|k| (f64::from(k), 0.1));
+    for shift in [0.0, 1.0, -1.0] {
+        let points: Vec<_> = jump.clone().chain(tail.clone()).map(|(x, y)| (x + shift, y)).collect();
+        let svg = figure(vec![line("jump", points)], vec![]).svg().unwrap();
+        assert_eq!(data_lines(&roxmltree::Document::parse(&svg).unwrap()).len(), 1, "{shift}");
+    }
+}
+
+/// What cannot be drawn takes nothing else away.
+#[test]
+fn a_picture_that_cannot_be_drawn_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut directory = ResultDirectory::open(folder.path(), Kind::Run, Access::default()).unwrap();
+    directory.begin(&[]).unwrap();
+    let mut drawings = Drawings::default();
+    let panics = guarded::<String>(|| panic!("no range {}", 1));
+    drawings.keep(&mut directory, "plots", "first", panics).unwrap();
+    drawings.keep(&mut directory, "plots", "second", guarded(|| Ok("<svg/>".into()))).unwrap();
+    assert_eq!(drawings.warnings, ["the picture first could not be drawn: no range 1"]);
+    assert_eq!(drawings.pictures.len(), 1);
+    let mut summary = crate::summary::Summary::default();
+    summary.take_undrawn(&mut directory, &drawings).unwrap();
+    assert_eq!(crate::summary::Summary::read(&folder.path().join("summary.json")).unwrap().warnings, drawings.warnings);
+}
+
 #[test]
 fn decimation_keeps_order_ends_and_extremes() {
     let points: Vec<(f64, f64)> = (0..100_000)
@@ -184,7 +213,7 @@ fn the_spec_survives_its_file_and_errors_name_theirs() {
         curves: vec![Curve { label: "m".into(), x: "e11".into(), y: "s11".into(), points: vec![(0.1 + 0.2, -1e-9)] }],
     };
     let mut directory = ResultDirectory::join(folder.path(), Kind::Run).unwrap();
-    let pictures = draw(&mut directory, "plots", &history, &spec).unwrap();
+    let pictures = draw(&mut directory, "plots", &history, &spec).unwrap().pictures;
     assert_eq!(std::fs::read_to_string(&pictures[0].path).unwrap(), pictures[0].svg);
     assert_eq!(Spec::read(&folder.path().join("plots").join(SPEC_FILE)).unwrap(), spec);
     std::fs::write(folder.path().join("file"), "").unwrap();

@@ -305,6 +305,7 @@ impl<'p> Runner<'p> {
         let tolerance = STRESS_TOLERANCE * pressure.abs().max(1.0);
         let mut penetration = -self.committed.gap;
         let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut is_lost = false;
         for iteration in 1..=self.max_iterations {
             self.evaluate([slip[0], slip[1], penetration], dtime, is_first && iteration == 1, statistics)?;
             let residual = self.trial.pressure - pressure;
@@ -322,16 +323,22 @@ impl<'p> Runner<'p> {
             } else if below.is_finite() && above.is_finite() {
                 0.5 * (below + above)
             } else {
+                is_lost = true;
                 break;
             };
         }
+        let within = match self.max_iterations {
+            _ if is_lost => String::new(),
+            most => format!(" in {most} iterations, max_iterations"),
+        };
         Err(Trouble::CutBack {
             fraction: 0.5,
             reason: format!(
-                "no gap found for p = {} MPa (reached {} MPa): the normal law does not carry it; control gap \
+                "no gap found for p = {} MPa{within} (reached {} MPa): {}the normal law does not carry it; control gap \
                  instead",
                 exact(pressure),
-                exact(self.committed.pressure)
+                exact(self.committed.pressure),
+                if is_lost { "" } else { "these are too few, or " }
             ),
         })
     }

@@ -15,7 +15,7 @@ const STRAIN_TOLERANCE: f64 = 1e-10;
 /// A strain that is sought changes in a step by at most so many times what measures it: beyond is another equilibrium, as that of torn
 /// matter, whose stresses vanish however large its strains are.
 const LARGEST_CHANGE: f64 = 3.0;
-/// A full step should at least halve the residual, else the tangent is called poor.
+/// A full step should at least halve the residual, and a shorter one take as much of it, else the tangent is called poor.
 const POOR_REDUCTION: f64 = 0.5;
 /// Strain step of the finite-difference matrix relative to max(1e-6, largest strain).
 const DIFFERENCE_STEP: f64 = 1e-6;
@@ -234,7 +234,8 @@ impl Targets<'_> {
                 increment[i] += moved[i];
             }
             let weighted = |r: &Vector| r.component_div(&tolerance).norm();
-            let poor = bound == 1.0 && (length < 1.0 || weighted(&new_residual) > POOR_REDUCTION * weighted(&residual));
+            let expected = 1.0 - (1.0 - POOR_REDUCTION) * bound;
+            let poor = length < 1.0 || weighted(&new_residual) > expected * weighted(&residual);
             secant = secant || (poor && iteration > 1);
             if secant {
                 // Broyden: J += (Δr − J Δx) Δxᵀ / |Δx|²

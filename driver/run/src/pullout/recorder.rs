@@ -138,12 +138,9 @@ pub fn run<'p>(
         recorder.observer.warn(remark);
     });
     findings.stabilisation_share = analysis.stabilisation_share();
-    if findings.stabilisation_share > STABILISATION_BUDGET {
-        recorder.observer.warn(format!(
-            "stabilisation took {:.2} % of the work: beyond 1 % it may govern the result (a shorter relaxation_time or smaller \
-             increments take less)",
-            100.0 * findings.stabilisation_share
-        ));
+    let relaxes = model.controls.relaxation_time > 0.0;
+    if let Some(warning) = stabilisation_warning(findings.stabilisation_share, relaxes) {
+        recorder.observer.warn(warning);
     }
     let missed = recorder.state.moments.as_ref().and_then(|moments| moments.missed(&program.pictures_at));
     if let Some(warning) = missed {
@@ -188,6 +185,18 @@ pub fn run<'p>(
         moments: moments.map(|kept| kept.into_states(&program.pictures_at, &model.mesh)).unwrap_or_default(),
         trail,
     }
+}
+
+/// Warns of stabilisation that may govern the result, and says what lessens it.
+fn stabilisation_warning(share: f64, relaxes: bool) -> Option<String> {
+    let shorter = if relaxes { "a shorter relaxation_time or " } else { "" };
+    (share > STABILISATION_BUDGET).then(|| {
+        format!(
+            "stabilisation took {:.2} % of the work: beyond 1 % it may govern the result ({shorter}smaller increments take \
+             less)",
+            100.0 * share
+        )
+    })
 }
 
 /// Returns what users should know of energies that miss the work by more than increments are chosen for.

@@ -1,6 +1,6 @@
 //! `pullout fit beam`.
 
-use super::super::{DONE, Reading, Refusal, run, say};
+use super::super::{DONE, Reading, Refusal, complain, run, say};
 use pullout_case::Case;
 use pullout_fit::{BeamColumns, BeamFit, describe_beam, read_beam_test, write_beam};
 use pullout_report::directory::{Access, Kind};
@@ -55,12 +55,14 @@ impl Beam {
         let fit = BeamFit::new(&program, &test).map_err(refused)?;
         let document = pullout_case::document(&self.case, &self.reading.overrides).unwrap_or_default();
         directory.begin(&[])?;
-        write_beam(&mut directory, &self.test.display().to_string(), &document, &test, &fit)?;
+        let warnings = write_beam(&mut directory, &self.test.display().to_string(), &document, &test, &fit)?;
         directory.remove_earlier()?;
         directory.finish()?;
         if !self.quiet {
             say(&(describe_beam(&fit) + &format!("-> {}\n", folder.display())));
         }
+        let test = self.test.display();
+        warnings.iter().for_each(|warning| complain(format!("{test}: warning: {warning}")));
         Ok(DONE)
     }
 }

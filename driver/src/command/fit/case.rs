@@ -94,7 +94,7 @@ impl Arguments {
         if !self.quiet {
             say(&(fit.describe() + &format!("-> {}\n", folder.display())));
         }
-        if let Some(warning) = fit.warning.as_ref().filter(|_| !self.quiet) {
+        for warning in fit.warnings.iter().filter(|_| !self.quiet) {
             complain(format!("{}: warning: {warning}", data.display()));
         }
         match &fit.trouble {

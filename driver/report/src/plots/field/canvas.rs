@@ -4,6 +4,7 @@ use super::super::axis::Axis;
 use super::super::figure::{
     CHARACTER, INK, LABEL_SIZE, PALETTE, TICK_SIZE, TITLE_SIZE, UNIT, centered, finish, font, pixels, wrapped,
 };
+use super::super::guarded;
 use super::super::markup;
 use super::super::quantity::Quantity;
 use super::PictureError;
@@ -43,6 +44,9 @@ pub(super) struct Canvas {
 
 impl Canvas {
     /// Draws it.
+    ///
+    /// # Errors
+    /// It cannot be drawn.
     pub fn new(
         title: &str,
         note: &str,
@@ -50,6 +54,10 @@ impl Canvas {
         view: View,
         side: &Side<'_>,
     ) -> Result<Self, PictureError> {
+        guarded(|| Self::draw(title, note, axes, view, side)).map_err(PictureError::Drawing)
+    }
+
+    fn draw(title: &str, note: &str, axes: &[Quantity; 2], view: View, side: &Side<'_>) -> Result<Self, String> {
         let plot = view.size();
         let x = Axis::exact(&axes[0], view.x.clone(), (plot.0 / 55).max(4) as usize);
         let y = Axis::exact(&axes[1], view.y.clone(), (plot.1 / 40).max(4) as usize);
@@ -71,7 +79,7 @@ impl Canvas {
                 root.present()?;
                 Ok(corner)
             };
-            draw().map_err(|error| PictureError::Drawing(error.to_string()))?
+            draw().map_err(|error| error.to_string())?
         };
         let description = format!("{title} {note} {}", side.description());
         Ok(Self { view: view.at(corner), svg, size, description })

@@ -135,7 +135,7 @@ pub enum PictureError {
         y: Range<f64>,
     },
     /// The drawing library failed.
-    #[error("the picture could not be drawn: {0}")]
+    #[error("{0}")]
     Drawing(String),
 }
 

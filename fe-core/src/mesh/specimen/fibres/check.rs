@@ -175,6 +175,8 @@ impl Fibre {
         required.count([("path", self.path.len())]);
         let mut thickest = diameter;
         let mut last = 0.0;
+        let requirement = "a line: two points [distance, diameter] or more";
+        required.that(self.profile.len() != 1, "width_profile", "a single point", requirement);
         for &[at, width] in &self.profile {
             let fits = at >= last && at < embedded - 2.0 * diameter && width > 0.0 && width.is_finite();
             let requirement =

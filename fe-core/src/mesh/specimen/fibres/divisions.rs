@@ -2,6 +2,7 @@
 
 use super::{Fibres, Laid};
 use crate::mesh::specimen::SpecimenError;
+use crate::mesh::specimen::requirement::Requirements;
 use crate::mesh::structured::{MOST_DIVISIONS, StructuredError, too_many};
 
 /// Stations closer than this × the size there are one.
@@ -10,6 +11,8 @@ const MERGED: f64 = 0.3;
 const SAMPLES: usize = 400;
 /// The beginning of an exit's edge is looked for up to so many diameters, and embedded lengths, from the exit.
 const EXIT_REACH: f64 = 30.0;
+/// Least radius of a rounded edge that begins at the exit, relative to how close to it edges are merged.
+const LEAST_EXIT: f64 = 1e-3;
 
 /// The edge of a wall of the hole at the exit face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,8 +101,19 @@ fn exit_edges(parameters: &Fibres, laid: &Laid<'_>) -> Result<[ExitEdge; 2], Spe
             }
         }
     }
-    Ok([(left, half), (right, -half)]
-        .map(|(start, offset)| ExitEdge { start, radius: path.exit_radius(offset, start) }))
+    let edges = [(left, half), (right, -half)]
+        .map(|(start, offset)| ExitEdge { start, radius: path.exit_radius(offset, start) });
+    let index = parameters.fibres.iter().position(|other| other.name.is_some() && other.name == fibre.name);
+    let mut required = Requirements::default();
+    required.of(index);
+    let requirement = format!("more than {close:.4}, a part of the size of elements at the exit");
+    required.that(
+        edges.iter().all(|edge| edge.radius > LEAST_EXIT * close),
+        "exit_radius",
+        fibre.exit_radius(),
+        requirement,
+    );
+    required.check().map(|()| edges)
 }
 
 /// Distances from 0 to `length` that divide a line into pieces of a size that changes along it: n is ∫ds/h, rounded, and each
