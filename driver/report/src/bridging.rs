@@ -82,8 +82,7 @@ pub fn conclude(
             _ => Ok(Drawings::default()),
         };
         let drawings = drawn.as_ref().map_or(Default::default(), Clone::clone);
-        summary.take_undrawn(directory, &drawings)?;
-        page::write(directory, &Account::of(case), &summary, &drawings.pictures, None)?;
+        page::write(directory, &Account::of(case), &mut summary, &drawings, None)?;
         directory.finish()?;
         drawn.and(compared.map(|_| ()))
     });

@@ -98,8 +98,7 @@ pub fn conclude(
     let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
         let drawn = draw(case, directory, specimen.as_ref(), &end.states);
         let (drawings, viewer) = drawn.as_ref().map_or(Default::default(), Clone::clone);
-        summary.take_undrawn(directory, &drawings)?;
-        page::write(directory, &Account::of(case), &summary, &drawings.pictures, viewer.as_ref())?;
+        page::write(directory, &Account::of(case), &mut summary, &drawings, viewer.as_ref())?;
         directory.finish()?;
         drawn.and(compared.map(|_| ()))
     });

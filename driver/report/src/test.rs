@@ -77,7 +77,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         curves: vec![Curve { label: measured.label.clone(), x: "e11".into(), y: "s11".into(), points }],
     };
     let drawings = plots::draw(&mut directory, "plots", &history, &spec).unwrap();
-    let summary = Summary {
+    let mut summary = Summary {
         failed_at: None,
         status: Status::Done,
         message: None,
@@ -98,7 +98,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
     };
     directory.write(crate::summary::FILE, summary.text().unwrap()).unwrap();
     let account = Account { law: spec.law.clone(), mode: "3-D".into(), ..Account::default() };
-    page::write(&mut directory, &account, &summary, &drawings.pictures, None).unwrap();
+    page::write(&mut directory, &account, &mut summary, &drawings, None).unwrap();
     directory.finish().unwrap();
     summary
 }

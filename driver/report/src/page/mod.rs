@@ -1,9 +1,9 @@
 //! `report.html`: one page that needs nothing but itself.
 
 use super::directory::ResultDirectory;
-use super::plots::Picture;
 use super::plots::quantity::capital;
-use super::summary::{Peak, Place, Status, Summary};
+use super::plots::{Drawings, Picture};
+use super::summary::{self, Peak, Place, Status, Summary};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use pullout_run::number::{rounded, significant};
 use std::io;
@@ -25,11 +25,16 @@ pub const FILE: &str = "report.html";
 pub fn write(
     directory: &mut ResultDirectory,
     account: &Account,
-    summary: &Summary,
-    pictures: &[Picture],
+    summary: &mut Summary,
+    drawings: &Drawings,
     viewer: Option<&Markup>,
 ) -> io::Result<()> {
-    directory.write(FILE, page_of(account, summary, pictures, viewer).into_string()).map(|_| ())
+    // what could not be drawn is told in both
+    if !drawings.warnings.is_empty() {
+        summary.warnings.extend(drawings.warnings.iter().cloned());
+        directory.write(summary::FILE, summary.text()?)?;
+    }
+    directory.write(FILE, page_of(account, summary, &drawings.pictures, viewer).into_string()).map(|_| ())
 }
 
 fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: Option<&Markup>) -> Markup {

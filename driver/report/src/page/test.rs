@@ -84,7 +84,10 @@ fn the_page_is_written_or_the_error_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("report.html");
     let mut directory = ResultDirectory::join(folder.path(), directory::Kind::Run).unwrap();
-    write(&mut directory, &account(), &summary::test::summary(), &[], None).unwrap();
+    let drawings = Drawings { warnings: vec!["the picture a could not be drawn: why".into()], ..Drawings::default() };
+    write(&mut directory, &account(), &mut summary::test::summary(), &drawings, None).unwrap();
+    let told = Summary::read(&folder.path().join(summary::FILE)).unwrap().warnings;
+    assert!(told.contains(&drawings.warnings[0]), "{told:?}");
     assert!(std::fs::read_to_string(&path).unwrap().starts_with("<!DOCTYPE html>"));
     let missing = folder.path().join("report.html/none");
     let error = ResultDirectory::join(&missing, directory::Kind::Run).unwrap_err();

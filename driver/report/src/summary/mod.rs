@@ -1,8 +1,6 @@
 //! `summary.json`: what came out, for scripts.
 
 use super::compare::Comparison;
-use super::directory::ResultDirectory;
-use super::plots::Drawings;
 use super::{at, malformed};
 use indexmap::IndexMap;
 use pullout_run::bridging;
@@ -82,19 +80,6 @@ impl Summary {
     pub fn take_comparisons(&mut self, compared: Vec<Comparison>) {
         self.warnings.extend(compared.iter().filter_map(|comparison| comparison.warning.clone()));
         self.compare = compared;
-    }
-
-    /// Takes the warnings of pictures that could not be drawn, also into its file.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub(crate) fn take_undrawn(&mut self, directory: &mut ResultDirectory, drawings: &Drawings) -> io::Result<()> {
-        if drawings.warnings.is_empty() {
-            return Ok(());
-        }
-        self.warnings.extend(drawings.warnings.iter().cloned());
-        let text = self.text()?;
-        directory.write(FILE, text).map(|_| ())
     }
 
     /// The content of [`FILE`].

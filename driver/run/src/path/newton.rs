@@ -15,7 +15,7 @@ const STRAIN_TOLERANCE: f64 = 1e-10;
 /// A strain that is sought changes in a step by at most so many times what measures it: beyond is another equilibrium, as that of torn
 /// matter, whose stresses vanish however large its strains are.
 const LARGEST_CHANGE: f64 = 3.0;
-/// A full step should at least halve the residual, and a shorter one take as much of it, else the tangent is called poor.
+/// A full step should at least halve the residual, else the tangent is called poor.
 const POOR_REDUCTION: f64 = 0.5;
 /// Strain step of the finite-difference matrix relative to max(1e-6, largest strain).
 const DIFFERENCE_STEP: f64 = 1e-6;
@@ -195,6 +195,24 @@ impl Targets<'_> {
         max_iterations: u32,
         mut evaluate: impl FnMut(&[f64; 6]) -> Result<Evaluation, E>,
     ) -> Result<u32, Divergence<E>> {
+        let first_guess = *increment;
+        match (self.solve_by_steps(increment, f64::INFINITY, max_iterations, &mut evaluate), self.measure) {
+            (Err(Divergence::Far { .. }), Some((size, _))) => {
+                *increment = first_guess;
+                self.solve_by_steps(increment, size, max_iterations, &mut evaluate)
+            }
+            (found, _) => found,
+        }
+    }
+
+    /// Finds it by iterations that change no strain by more than `longest`.
+    fn solve_by_steps<E>(
+        &self,
+        increment: &mut [f64; 6],
+        longest: f64,
+        max_iterations: u32,
+        mut evaluate: impl FnMut(&[f64; 6]) -> Result<Evaluation, E>,
+    ) -> Result<u32, Divergence<E>> {
         let mut here = evaluate(increment).map_err(Divergence::Evaluation)?;
         let mut residual = self.residual(increment, &here.stress);
         let mut matrix = self.matrix(&here.tangent);
@@ -216,9 +234,7 @@ impl Targets<'_> {
                     self.solve(matrix, &residual).ok_or_else(|| not_converged(&residual))?
                 }
             };
-            // no further in one iteration than the strains are large
-            let bound = self.measure.map_or(1.0, |(size, _)| size / step.amax()).min(1.0);
-            let step = step * bound;
+            let step = step * (longest / step.amax()).min(1.0);
             let found = self.line_search(increment, &residual, &tolerance, &step, &mut evaluate)?;
             let Some((length, evaluation, new_residual)) = found else {
                 // no descent: a matrix from differences is the last resort, once per failure
@@ -234,8 +250,7 @@ impl Targets<'_> {
                 increment[i] += moved[i];
             }
             let weighted = |r: &Vector| r.component_div(&tolerance).norm();
-            let expected = 1.0 - (1.0 - POOR_REDUCTION) * bound;
-            let poor = length < 1.0 || weighted(&new_residual) > expected * weighted(&residual);
+            let poor = length < 1.0 || weighted(&new_residual) > POOR_REDUCTION * weighted(&residual);
             secant = secant || (poor && iteration > 1);
             if secant {
                 // Broyden: J += (Δr − J Δx) Δxᵀ / |Δx|²
