@@ -330,6 +330,15 @@ def _ended(made: Run, on_failure: str) -> Run:
     return made
 
 
+def _is_on_file(case: Case) -> bool:
+    """Whether a case's file still has its document."""
+    file, document, folder, _, _ = case._parts()
+    try:
+        return _core.document((file, None, folder, [], [])) == document
+    except CaseError:
+        return False
+
+
 def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: bool) -> Run:
     """A run of the program."""
     case.check()
@@ -338,7 +347,7 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
     command: list[str | Path] = [_core.program(), "run", "--quiet", f"--threads={threads}", f"--out={out}"]
     command += ["--in-process"] if in_process else []
     command += ["--record-increments"] if record else []
-    if file is not None and not case._is_on_file():
+    if file is not None and not _is_on_file(case):
         named = {"title": file.stem, **json.loads(document or "{}")}
         file, document = None, json.dumps(named)
     command += [f"--plugin-path={path}" for path in plugin_paths] + [f"--set={text}" for text in overrides]

@@ -254,7 +254,7 @@ def _call(*arguments: str, shown: bool = False, document: str = "", of: Case | N
     done = subprocess.run(
         [executable, "sweep", *arguments],
         input=document,
-        cwd=of and of._folder,
+        cwd=None if of is None else of._folder,
         stdout=None if shown else subprocess.PIPE,
         stderr=subprocess.PIPE,
         encoding="utf-8",
