@@ -139,13 +139,13 @@ fn warn_of_effect(
     let rupture = fibre.is_some_and(|(fibre, _)| fibre.rupture_f != 0.0);
     let varied = scatter.is_some_and(|scatter| scatter.strength_cv != 0.0);
     let crushed = matrix.is_some_and(|matrix| matrix.fc.is_some());
-    for (is_idle, what, why) in [
-        (unbroken && rupture, "$.fibre.rupture_f", "without \"strength\" the fibre does not break"),
-        (unbroken && varied, "$.scatter.strength_cv", "without \"strength\" the fibre does not break"),
-        (crushed && !has_beam, "$.matrix.fc", "it is the compressive strength of a beam, and there is no \"beam\""),
+    for (is_idle, [of, key], why) in [
+        (unbroken && rupture, ["fibre", "rupture_f"], "without \"strength\" the fibre does not break"),
+        (unbroken && varied, ["scatter", "strength_cv"], "without \"strength\" the fibre does not break"),
+        (crushed && !has_beam, ["matrix", "fc"], "it is the compressive strength of a beam, and there is no \"beam\""),
     ] {
         if is_idle {
-            reader.warnings.push(format!("{what}: has no effect: {why}"));
+            reader.warn_no_effect(&Place::root().key(of).key(key), why);
         }
     }
 }

@@ -146,14 +146,14 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         Ok(derivatives) => spread(&residuals, &(derivatives * &sizes), &vec![1.0; data.len()], &sizes),
         Err(_) => (vec![f64::INFINITY; count], DMatrix::identity(count, count)),
     };
-    let doubts = doubts(&[], [("", root_mean_square(&residuals) / scale.max(f64::MIN_POSITIVE))]);
+    let doubts = doubts(&[], [("", least / scale)]);
     let rows = data.iter().zip(&best.run.curve).map(|(row, computed)| [row[0], row[1], *computed]).collect();
     Ok(CaseFit {
         free: request.free.clone(),
         starts,
         standard_errors,
         correlation,
-        rms: root_mean_square(&residuals),
+        rms: least,
         searches,
         runs: problem.runs(),
         trouble,

@@ -224,11 +224,10 @@ impl<S: Simulation> LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, S> {
             return;
         }
         self.coordinates.copy_from(coordinates);
-        let rows = self.best.as_ref().map_or(0, |best| self.simulation.differences(&best.run).len());
         if !self.may_run(1) {
             (self.present, self.here) = (None, None);
         } else if self.evaluate().is_err() {
-            self.present = Some(DVector::from_element(rows, NO_CURVE));
+            self.present = self.best.as_ref().map(|best| self.simulation.differences(&best.run).map(|_| NO_CURVE));
         }
     }
 
