@@ -289,7 +289,7 @@ fn check_arguments(
             reader.problem(&place.key("dstran"), message);
         }
     }
-    fields::check_increments(reader, given.dpred.as_deref(), field_variables, &place);
+    fields::check_count(reader, given.dpred.as_deref(), field_variables, &place.key("dpred"));
 }
 
 /// A deformation gradient must turn nothing inside out and fit the mode.
