@@ -143,17 +143,4 @@ fn run(command: &mut Command, name: &str) -> Result<(), String> {
 }
 
 #[cfg(test)]
-mod test {
-    use super::tag_is_kept;
-
-    #[test]
-    fn a_wheel_is_not_named_for_an_older_system_than_its_libraries_need() {
-        let name = "pullout_fe-0.1.0-cp310-abi3-manylinux_2_17_x86_64.manylinux2014_x86_64.whl";
-        let words = |tag: &str| format!("{name} is consistent with the following\nplatform tag: \"{tag}\".\nmore");
-        assert!(tag_is_kept(name, &words("manylinux_2_17_x86_64")).is_ok());
-        assert!(tag_is_kept(name, &words("manylinux_2_5_x86_64")).is_ok());
-        assert!(tag_is_kept(name, &words("manylinux_2_34_x86_64")).is_err());
-        assert!(tag_is_kept(name, &words("linux_x86_64")).is_err());
-        assert!(tag_is_kept("pullout_fe-0.1.0-cp310-abi3-linux_x86_64.whl", &words("manylinux_2_17_x86_64")).is_err());
-    }
-}
+mod test;
