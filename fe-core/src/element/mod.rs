@@ -19,7 +19,8 @@ mod test;
 /// The most nodes that an element has.
 pub(crate) const MAX_NODES: usize = 8;
 
-/// Kind of element; the page of [`crate::element`] has the numbering of nodes.
+/// Kind of elements.
+// the page of this module has the numbering of nodes
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
 pub enum ElementKind {
     /// Triangles of 3 nodes.

@@ -155,17 +155,17 @@ pub struct ByComponent<T> {
     pub g13: Option<T>,
     /// Engineering shear strain 23.
     pub g23: Option<T>,
-    /// Stress 11, MPa.
+    /// Stress 11.
     pub s11: Option<T>,
-    /// Stress 22, MPa.
+    /// Stress 22.
     pub s22: Option<T>,
-    /// Stress 33, MPa.
+    /// Stress 33.
     pub s33: Option<T>,
-    /// Stress 12, MPa.
+    /// Stress 12.
     pub s12: Option<T>,
-    /// Stress 13, MPa.
+    /// Stress 13.
     pub s13: Option<T>,
-    /// Stress 23, MPa.
+    /// Stress 23.
     pub s23: Option<T>,
 }
 

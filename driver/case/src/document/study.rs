@@ -201,7 +201,8 @@ pub enum NamedPlace {
     Least,
 }
 
-/// Expectation about the numbers of the members; `M` and `S` name a member and a series.
+/// Expectation about the numbers of the members.
+// M and S: names of a member and a series in a file, their indices in the study that is made of it
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(untagged, deny_unknown_fields)]
 #[schemars(rename = "Expectation")]
