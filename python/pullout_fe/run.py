@@ -75,6 +75,10 @@ class History(Mapping[str, "NDArray[np.float64]"]):
     def __len__(self) -> int:
         return len(self._columns)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # what was pickled cannot be written either
+        return History, (self._columns, self.units)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, History) or list(self) != list(other) or self.units != other.units:
             return False
@@ -192,7 +196,7 @@ class Run:
         """Extremes of a column over all increments, written or not."""
         peaks = self.summary["peaks"]
         if column not in peaks:
-            raise KeyError(f"{column!r} is none of {', '.join(peaks)}")
+            raise KeyError(f"{column!r} is none of {', '.join(peaks)}" if peaks else "a run of this kind has no peaks: see its history")
         row = peaks[column]
 
         def place(name: str) -> tuple[int, int] | None:

@@ -192,6 +192,7 @@ def test_a_fibre_with_its_fields(tmp_path: Path) -> None:
     assert np.array_equal(run.history["load"], memory.history["load"])
     assert run.peak("load").max == memory.peak("load").max > 0.0
     mesh = run.mesh()
+    assert repr(mesh).startswith(f"<Mesh at time 1: {len(mesh.points)} nodes") and len(repr(mesh)) < 1000
     assert mesh.points.shape == (len(mesh.point_data["node"]), 3) and len(mesh.cells()) == len(mesh.types)
     assert run.fields("displacement").shape == mesh.points.shape
     assert len(run.series.times) > 1 and run.series.contact().point_data["pressure"].shape[0] > 0
@@ -208,6 +209,8 @@ def test_fibres_across_a_crack(tmp_path: Path) -> None:
     run, kept = po.run(case), po.run(case, out=tmp_path / "out")
     assert list(run.history) == list(kept.history) and {"w", "sigma", "cmod"} <= set(run.history)
     assert all(np.array_equal(run.history[name], kept.history[name], equal_nan=True) for name in run.history)
+    with pytest.raises(KeyError, match="no peaks"):
+        run.peak("sigma")
 
 
 def test_ctrl_c_ends_a_specimen_at_once() -> None:
@@ -258,3 +261,5 @@ def test_what_is_no_number_is_named() -> None:
 def test_a_run_is_pickled_with_its_increments() -> None:
     run = pickle.loads(pickle.dumps(po.run(CRUSHING, record=True)))
     assert po.run(CRUSHING, along=run).history == run.history
+    with pytest.raises(ValueError, match="read-only"):
+        run.history["s11"][0] = 1.0
