@@ -263,6 +263,7 @@ def run(
     record: bool = False,
     along: Run | None = None,
     view: bool = True,
+    _stop: _core.Stop | None = None,
 ) -> Run:
     """Run a case: a file, a dictionary, or a :class:`Case`. Nothing is written.
 
@@ -303,7 +304,7 @@ def run(
     listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
     try:
         columns, summary, replay, increments, states, page = _core.run(
-            case._parts(), int(threads), listener, in_process, trail, (record, view)
+            case._parts(), int(threads), listener, in_process, trail, (record, view), _stop
         )
     finally:
         if bar is not None:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import pickle
+import signal
 import subprocess
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,6 +48,32 @@ def test_a_model_is_its_curve() -> None:
     # but not what is wrong with any parameters
     with pytest.raises(po.CaseError, match="no parameter 'mu'"):
         po.Model(BAR, {"mu": "material.props.mu"}, ("e11", "s11"), GRID, on_failure=np.nan)([0.1])
+
+
+@pytest.mark.parametrize("name", ["batch", "jac"])
+def test_ctrl_c_ends_runs_in_threads(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They hear of no signals."""
+    ended: list[po.Run] = []
+    run, main, pressed = po.model.run, threading.get_ident(), threading.Event()
+
+    def watched(*arguments: Any, **keywords: Any) -> po.Run:
+        if threading.get_ident() != main and not pressed.is_set():
+            pressed.set()
+            # when all have begun
+            threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        made = run(*arguments, **keywords)
+        ended.append(made)
+        return made
+
+    monkeypatch.setattr(po.model, "run", watched)
+    long = po.point("concrete_damage", {"E": 31800.0}, "3d", [po.ramp(3_000_000, e11=-0.003)])
+    case = long if name == "batch" else po.Case(FIBRE).with_({"steps.0.slip": 0.1})
+    place = "material.props.E" if name == "batch" else "contact.law.props.k_e"
+    made = po.Model(case, {"x": place}, ("e11", "s11") if name == "batch" else ("slip", "load"), [0.0])
+    with pytest.raises(KeyboardInterrupt):
+        made.batch([[3e4], [3.1e4]]) if name == "batch" else made.jac(made.x0)
+    # but the first of those of derivatives
+    assert len(ended) == (name == "jac")
 
 
 def test_failures_have_the_length_of_the_curve() -> None:
