@@ -86,8 +86,12 @@ class Model:
         places = [_core.dotted(path) for path in self._paths]
         twice = [(f"parameters[{name!r}]", f"has the place of {self.names[places.index(place)]!r}") for k, (name, place) in
                  enumerate(zip(self.names, places)) if place in places[:k]]
-        if twice:
-            raise CaseError(twice)
+        scales = [(f"parameters[{name!r}]", f"is a place, or a place and 'log', not {free[1]!r}") for name, free in parameters.items()
+                  if not isinstance(free, str) and free[1] != "log"]
+        if twice or scales:
+            raise CaseError(twice + scales)
+        if isinstance(on_failure, str) and on_failure != "raise":
+            raise CaseError([("on_failure", "is 'raise' or a number")])
         self._is_log = np.array([not isinstance(free, str) and free[1] == "log" for free in parameters.values()], dtype=bool)
         self.curve = curve
         self.grid = None if grid is None else array_of(grid, "grid")
@@ -225,8 +229,10 @@ class Model:
 
     def residual(self, x: ArrayLike, data: ArrayLike, sigma: ArrayLike = 1.0) -> Array:
         """Curve less data, in standard deviations; 0 where the data are NaN."""
-        target = array_of(data, "data")
-        difference = (self(x) - target) / array_of(sigma, "sigma")
+        target, curve = np.atleast_1d(array_of(data, "data")), self(x)
+        if target.shape != curve.shape:
+            raise CaseError([("data", f"have the shape {target.shape}, the curve has {curve.shape}")])
+        difference = (curve - target) / array_of(sigma, "sigma")
         return np.where(np.isnan(target), 0.0, difference)
 
     def _outside(self, x: Array, point: int) -> str:
@@ -254,6 +260,8 @@ class Model:
         from scipy.optimize import least_squares
 
         start = self.x0 if x0 is None else np.asarray(x0, dtype=float)
+        if start.shape != self.x0.shape:
+            raise CaseError([("x0", f"has the shape {start.shape}, {self.x0.shape} is needed")])
         if not np.all(np.isfinite(start)):
             missing = [name for name, value in zip(self.names, start) if not np.isfinite(value)]
             raise CaseError(f"the case does not say {', '.join(missing)}: give x0")

@@ -289,6 +289,8 @@ def run(
     case = case if isinstance(case, Case) else Case(case)
     if threads < 1:
         raise CaseError([("threads", "is 1 or more")])
+    if on_failure not in ("raise", "return"):
+        raise CaseError([("on_failure", "is 'raise' or 'return'")])
     trail = None
     if along is not None:
         if out is not None or along.increments is None:

@@ -315,6 +315,18 @@ def test_a_fit_refuses_what_tells_nothing() -> None:
         po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), [-0.001, 0.01]).fit([1.0, 2.0], sigma=1.0)
 
 
+def test_what_would_silently_be_something_else_is_refused() -> None:
+    with pytest.raises(po.CaseError, match="'log', not 'ln'"):
+        po.Model(BAR, {"E": ("material.props.E", "ln")}, ("e11", "s11"), GRID)
+    with pytest.raises(po.CaseError, match="'raise' or a number"):
+        po.Model(BAR, PARAMETERS, ("e11", "s11"), GRID, on_failure="nan")
+    for data in (np.ones(1), np.ones(5)):
+        with pytest.raises(po.CaseError, match="data: have the shape"):
+            model().residual([100.0, 0.2], data)
+    with pytest.raises(po.CaseError, match="x0: has the shape"):
+        model().fit(oedometer(90.0, 0.2), x0=[90.0])
+
+
 def test_parameters_that_are_no_numbers_fail() -> None:
     assert np.isnan(model()([np.nan, 0.2])).all()
     with pytest.raises(po.CaseError, match="material.props.E: is nan"):

@@ -249,6 +249,16 @@ def test_a_case_holds_what_its_file_had(tmp_path: Path) -> None:
         po.Case(file)
 
 
+def test_a_case_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    broken = tmp_path / "broken.json"
+    broken.write_text("{")
+    for file in (broken, tmp_path / "missing.json"):
+        with pytest.raises(po.CaseError, match=file.name):
+            po.run(file)
+    with pytest.raises(po.CaseError, match="on_failure: is 'raise' or 'return'"):
+        po.run(CRUSHING, on_failure="ignore")
+
+
 def test_what_is_no_number_is_named() -> None:
     for number in (np.nan, np.inf):
         with pytest.raises(po.CaseError, match="material.props.E: is (nan|inf)"):
