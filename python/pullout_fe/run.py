@@ -271,7 +271,7 @@ def run(
 
     ``threads`` share the work of a specimen; the results have the same bits with any number. ``progress``: ``True`` shows a
     bar; a function hears which part is done and the present row, at most 20 times a second, and ends the run by an exception.
-    Ctrl-C ends it too.
+    Ctrl-C ends it too; with ``out`` the folder has the results up to there, unless it is pressed once more.
 
     ``view`` keeps what :meth:`Run.view` shows of a specimen: up to some MB, and as many percent of the time.
 
@@ -359,9 +359,21 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
         file, document = None, json.dumps(named)
     command += [f"--plugin-path={path}" for path in plugin_paths] + [f"--set={text}" for text in overrides]
     command += ["--", "/dev/stdin" if file is None else file]
-    ended = subprocess.run(command, cwd=folder, input=document or "", capture_output=True, text=True)
-    if ended.returncode not in (0, 1) or not (out / "summary.json").is_file():
-        raise PulloutError(ended.stderr.strip() or f"the program ended with exit code {ended.returncode}")
+    pipe = subprocess.PIPE
+    # Ctrl-C of a terminal is for this process
+    with subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as child:
+        try:
+            _, words = child.communicate(document or "")
+        except BaseException:
+            try:
+                # it writes what it has
+                child.terminate()
+                child.wait()
+            finally:
+                child.kill()
+            raise
+    if child.returncode not in (0, 1) or not (out / "summary.json").is_file():
+        raise PulloutError(words.strip() or f"the program ended with exit code {child.returncode}")
     made = read(out)
     made.case = case
     return made

@@ -156,6 +156,18 @@ def test_ctrl_c_ends_a_run_at_once() -> None:
     assert time.monotonic() - start < 1.0
 
 
+def test_ctrl_c_leaves_the_results_up_to_there(tmp_path: Path) -> None:
+    def interrupt() -> None:
+        while not (tmp_path / "history.csv").is_file():
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        po.run({**LONG, "output": {"plots": False}}, out=tmp_path)
+    assert po.read(tmp_path).status == "interrupted"
+
+
 def test_runs_in_threads() -> None:
     expected = po.run(CRUSHING).history["s11"]
     found: list[np.ndarray] = []
