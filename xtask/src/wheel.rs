@@ -123,8 +123,10 @@ fn linker(workspace: &Path, python: &Path) -> Result<PathBuf, String> {
     let text = format!(
         "#!/bin/sh\nPATH='{scripts}':$PATH\nexec maturin zig cc -- -g -fno-sanitize=all -target x86_64-linux-gnu.2.17 \"$@\"\n"
     );
-    let file = workspace.join("target/zig-cc");
-    let written = fs::write(&file, text).and_then(|()| fs::set_permissions(&file, Permissions::from_mode(0o755)));
+    let folder = workspace.join("target");
+    let file = folder.join("zig-cc");
+    let written = fs::create_dir_all(folder).and_then(|()| fs::write(&file, text));
+    let written = written.and_then(|()| fs::set_permissions(&file, Permissions::from_mode(0o755)));
     written.map_err(|error| format!("{}: {error}", file.display()))?;
     Ok(file)
 }
@@ -144,7 +146,17 @@ fn run(command: &mut Command, name: &str) -> Result<(), String> {
 
 #[cfg(test)]
 mod test {
-    use super::tag_is_kept;
+    use super::{linker, tag_is_kept};
+    use std::path::Path;
+
+    /// The builds may have another folder than that of the workspace.
+    #[test]
+    fn a_linker_is_written_where_nothing_was_built() {
+        let workspace = tempfile::tempdir().expect("a folder");
+        // answers whatever it is asked
+        let python = Path::new("echo");
+        assert!(linker(workspace.path(), python).is_ok_and(|file| file.is_file()));
+    }
 
     #[test]
     fn a_wheel_is_not_named_for_an_older_system_than_its_libraries_need() {
