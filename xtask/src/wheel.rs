@@ -145,27 +145,4 @@ fn run(command: &mut Command, name: &str) -> Result<(), String> {
 }
 
 #[cfg(test)]
-mod test {
-    use super::{linker, tag_is_kept};
-    use std::path::Path;
-
-    /// The builds may have another folder than that of the workspace.
-    #[test]
-    fn a_linker_is_written_where_nothing_was_built() {
-        let workspace = tempfile::tempdir().expect("a folder");
-        // answers whatever it is asked
-        let python = Path::new("echo");
-        assert!(linker(workspace.path(), python).is_ok_and(|file| file.is_file()));
-    }
-
-    #[test]
-    fn a_wheel_is_not_named_for_an_older_system_than_its_libraries_need() {
-        let name = "pullout_fe-0.1.0-cp310-abi3-manylinux_2_17_x86_64.manylinux2014_x86_64.whl";
-        let words = |tag: &str| format!("{name} is consistent with the following\nplatform tag: \"{tag}\".\nmore");
-        assert!(tag_is_kept(name, &words("manylinux_2_17_x86_64")).is_ok());
-        assert!(tag_is_kept(name, &words("manylinux_2_5_x86_64")).is_ok());
-        assert!(tag_is_kept(name, &words("manylinux_2_34_x86_64")).is_err());
-        assert!(tag_is_kept(name, &words("linux_x86_64")).is_err());
-        assert!(tag_is_kept("pullout_fe-0.1.0-cp310-abi3-linux_x86_64.whl", &words("manylinux_2_17_x86_64")).is_err());
-    }
-}
+mod test;

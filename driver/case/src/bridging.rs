@@ -44,18 +44,9 @@ const LARGEST_COMPRESSION: f64 = 0.2;
 /// Diameters that differ by this part are the same.
 const SAME_DIAMETER: f64 = 1e-6;
 
-/// Ranges of numbers that are usual; what lies beyond is hardly meant.
-const USUAL_DIAMETER: [f64; 2] = [0.002, 5.0];
-const USUAL_LENGTH: [f64; 2] = [0.5, 200.0];
-const USUAL_FIBRE_MODULUS: [f64; 2] = [1e3, 1e6];
-const USUAL_STRENGTH: [f64; 2] = [50.0, 1e4];
-const USUAL_FRICTION: [f64; 2] = [1e-3, 100.0];
+/// Ranges that are usual of several numbers; what lies beyond is hardly meant.
 const USUAL_SNUBBING: [f64; 2] = [0.0, 2.0];
-const USUAL_MATRIX_MODULUS: [f64; 2] = [1e3, 1e5];
 const USUAL_TENSILE_STRENGTH: [f64; 2] = [0.1, 30.0];
-const USUAL_FRACTURE_ENERGY: [f64; 2] = [1e-3, 20.0];
-const USUAL_COMPRESSIVE_STRENGTH: [f64; 2] = [1.0, 400.0];
-const USUAL_HEIGHT: [f64; 2] = [10.0, 3000.0];
 
 /// Reads other cases that one of bridging takes curves of, or says what is wrong with them.
 pub struct Others {
@@ -151,7 +142,7 @@ fn warn_of_effect(
     }
 }
 
-/// Warns of numbers that are hardly meant.
+/// Warns of numbers beyond what is usual.
 fn warn_of_units(
     reader: &mut Reader<'_>,
     fibre: Option<&(Fibre, Source)>,
@@ -159,17 +150,17 @@ fn warn_of_units(
     beam: Option<&NotchedBeam>,
 ) {
     let mut given = Vec::new();
-    given.extend(beam.map(|beam| ("beam.height", beam.height, "mm", USUAL_HEIGHT)));
+    given.extend(beam.map(|beam| ("beam.height", beam.height, "mm", [10.0, 3000.0])));
     if let Some((fibre, source)) = fibre {
         given.extend([
-            ("fibre.diameter", fibre.diameter, "mm", USUAL_DIAMETER),
-            ("fibre.length", fibre.length, "mm", USUAL_LENGTH),
-            ("fibre.E", fibre.modulus, "MPa", USUAL_FIBRE_MODULUS),
+            ("fibre.diameter", fibre.diameter, "mm", [0.002, 5.0]),
+            ("fibre.length", fibre.length, "mm", [0.5, 200.0]),
+            ("fibre.E", fibre.modulus, "MPa", [1e3, 1e6]),
         ]);
-        given.extend(fibre.strength.map(|strength| ("fibre.strength", strength, "MPa", USUAL_STRENGTH)));
+        given.extend(fibre.strength.map(|strength| ("fibre.strength", strength, "MPa", [50.0, 1e4])));
         if let Source::Bond(bond, inclination) = source {
             if let Bond::Closed(closed) = bond {
-                given.push(("fibre.tau", closed.tau, "MPa", USUAL_FRICTION));
+                given.push(("fibre.tau", closed.tau, "MPa", [1e-3, 100.0]));
             }
             match *inclination {
                 Inclination::Exp { f } | Inclination::ExpCos { f, .. } | Inclination::Hinge { f, .. } => {
@@ -183,12 +174,12 @@ fn warn_of_units(
         }
     }
     if let Some(matrix) = matrix {
-        given.push(("matrix.E", matrix.modulus, "MPa", USUAL_MATRIX_MODULUS));
+        given.push(("matrix.E", matrix.modulus, "MPa", [1e3, 1e5]));
         given.push(("matrix.ft", matrix.ft, "MPa", USUAL_TENSILE_STRENGTH));
         if matrix.softening != Softening::None {
-            given.push(("matrix.Gf", matrix.fracture_energy, "N/mm", USUAL_FRACTURE_ENERGY));
+            given.push(("matrix.Gf", matrix.fracture_energy, "N/mm", [1e-3, 20.0]));
         }
-        given.extend(matrix.fc.map(|fc| ("matrix.fc", fc, "MPa", USUAL_COMPRESSIVE_STRENGTH)));
+        given.extend(matrix.fc.map(|fc| ("matrix.fc", fc, "MPa", [1.0, 400.0])));
     }
     for (what, value, unit, usual) in given {
         if !(usual[0]..=usual[1]).contains(&value) {

@@ -63,16 +63,17 @@ pub fn assign(
 }
 
 fn read(reader: &mut Reader<'_>, given: &document::Constraint, mode: Mode, place: &Place) -> Constraint {
+    let [strain, stress] = given.coefficients.strain_and_stress();
     for i in (0..6).filter(|i| !mode.controllable().contains(i)) {
-        for (name, coefficient) in [(STRAIN_NAMES[i], given.strain()[i]), (STRESS_NAMES[i], given.stress()[i])] {
+        for (name, coefficient) in [(STRAIN_NAMES[i], strain[i]), (STRESS_NAMES[i], stress[i])] {
             if coefficient.is_some() {
                 reader.problem(&place.key(name), fixed_by_mode(name, mode));
             }
         }
     }
     let constraint = Constraint {
-        strain: given.strain().map(Option::unwrap_or_default),
-        stress: given.stress().map(Option::unwrap_or_default),
+        strain: strain.map(Option::unwrap_or_default),
+        stress: stress.map(Option::unwrap_or_default),
         equals: if let Some(EndValue::Value(value)) = given.equals { value } else { 0.0 },
         hold: matches!(given.equals, Some(EndValue::Hold(_))),
     };

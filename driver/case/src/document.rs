@@ -73,53 +73,42 @@ impl<const LEAST: u64, const GREATEST: u64> JsonSchema for Whole<LEAST, GREATEST
     }
 }
 
-/// A number > 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Positive(pub f64);
+/// Defines a number within bounds.
+macro_rules! number {
+    ($(#[$doc:meta])* $name:ident, $is_admitted:expr, $wrong:literal, $schema:tt) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name(pub f64);
 
-impl<'de> Deserialize<'de> for Positive {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = f64::deserialize(deserializer)?;
-        if value > 0.0 { Ok(Self(value)) } else { Err(D::Error::custom(format!("{value} is not > 0"))) }
-    }
-}
-
-impl JsonSchema for Positive {
-    fn inline_schema() -> bool {
-        true
-    }
-    fn schema_name() -> Cow<'static, str> {
-        "Positive".into()
-    }
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "number", "exclusiveMinimum": 0 })
-    }
-}
-
-/// A number > 0 and ≤ 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fraction(pub f64);
-
-impl<'de> Deserialize<'de> for Fraction {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = f64::deserialize(deserializer)?;
-        if value > 0.0 && value <= 1.0 {
-            return Ok(Self(value));
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let value = f64::deserialize(deserializer)?;
+                if $is_admitted(value) { Ok(Self(value)) } else { Err(D::Error::custom(format!($wrong, value))) }
+            }
         }
-        Err(D::Error::custom(format!("{value} is not in (0, 1]")))
-    }
+
+        impl JsonSchema for $name {
+            fn inline_schema() -> bool {
+                true
+            }
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                json_schema!($schema)
+            }
+        }
+    };
 }
 
-impl JsonSchema for Fraction {
-    fn inline_schema() -> bool {
-        true
-    }
-    fn schema_name() -> Cow<'static, str> {
-        "Fraction".into()
-    }
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "number", "exclusiveMinimum": 0, "maximum": 1 })
-    }
+number! {
+    /// A number > 0.
+    Positive, |value: f64| value > 0.0, "{} is not > 0", { "type": "number", "exclusiveMinimum": 0 }
+}
+number! {
+    /// A number > 0 and ≤ 1.
+    Fraction, |value: f64| value > 0.0 && value <= 1.0, "{} is not in (0, 1]",
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1 }
 }
 
 /// Entries common to files of all kinds.

@@ -22,24 +22,18 @@ pub fn initial(reader: &mut Reader<'_>, course: &Course) -> FieldValues {
 /// Values at the end of a step of a case with `count` field variables.
 pub fn of_step(reader: &mut Reader<'_>, end: &StepEnd, count: usize, place: &Place) -> StepFields {
     let StepEnd { temperature, predef, .. } = end;
-    if let Some(end) = predef
-        && end.len() != count
-    {
-        let message =
-            format!("{} values given, but the case has {count} initial field variables ($.{PREDEF})", end.len());
-        reader.problem(&place.key(PREDEF), message);
-    }
+    check_count(reader, predef.as_deref(), count, &place.key(PREDEF));
     StepFields { temperature: *temperature, predef: predef.clone(), ..StepFields::default() }
 }
 
-/// DPRED of the first call must be of the case's field variables.
-pub fn check_increments(reader: &mut Reader<'_>, increments: Option<&[f64]>, count: usize, place: &Place) {
-    if let Some(increments) = increments
-        && increments.len() != count
+/// Values at a place must be of the case's field variables.
+pub fn check_count(reader: &mut Reader<'_>, values: Option<&[f64]>, count: usize, place: &Place) {
+    if let Some(values) = values
+        && values.len() != count
     {
-        let message =
-            format!("{} values given, but the case has {count} initial field variables ($.{PREDEF})", increments.len());
-        reader.problem(&place.key("dpred"), message);
+        let given = values.len();
+        let message = format!("{given} values given, but the case has {count} initial field variables ($.{PREDEF})");
+        reader.problem(place, message);
     }
 }
 

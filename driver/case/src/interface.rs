@@ -69,7 +69,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let arguments = reader.optional(case.arguments.as_ref(), &place_of_arguments);
     warn_of_effect(reader, arguments, entry, &place_of_arguments);
     let dpred = arguments.and_then(|given| given.dpred.as_deref());
-    fields::check_increments(reader, dpred, initial_fields.variables.len(), &place_of_arguments);
+    fields::check_count(reader, dpred, initial_fields.variables.len(), &place_of_arguments.key("dpred"));
     let setting = Setting { entry, field_variables: initial_fields.variables.len(), columns: columns.as_deref() };
     let open = steps::expand(reader, documents, &place, &mut |reader, step, place| match step {
         StepDocument::Ramp(ramp) => Found::Step(Some(ramp_step(reader, ramp, &setting, place))),

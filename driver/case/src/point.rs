@@ -128,11 +128,11 @@ fn steps_apart(step: &PointStep, setting: &Setting<'_>, gradient: &Matrix) -> bo
 }
 
 fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, place: &Place) -> PointStep {
-    let target = ramp.target.clone().unwrap_or_default();
+    let target = ramp.target.as_ref();
     let mut controls = [Control::FREE; 6];
-    let named = target_controls(reader, &target, setting, &mut controls, &place.key("target"));
+    let named = target_controls(reader, target, setting, &mut controls, &place.key("target"));
     let relations = ramp.constraints.as_deref().unwrap_or_default();
-    let gradient = match (ramp.deformation_gradient, target.deformation_gradient) {
+    let gradient = match (ramp.deformation_gradient, target.and_then(|target| target.deformation_gradient)) {
         (Some(_), Some(_)) => {
             reader.problem(&place.key("target").key("F"), "F is given twice: in the step and in its target");
             None
@@ -162,12 +162,12 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, p
 /// Sets the controls of the named components; says which are named.
 fn target_controls(
     reader: &mut Reader<'_>,
-    target: &document::Target,
+    target: Option<&document::Target>,
     setting: &Setting<'_>,
     controls: &mut [Control; 6],
     place: &Place,
 ) -> [bool; 6] {
-    let (strain, stress) = (target.strain(), target.stress());
+    let [strain, stress] = target.map_or([[None; 6]; 2], |target| target.components.strain_and_stress());
     check_names(
         reader,
         &strain.map(|v| v.is_some()),
@@ -289,7 +289,7 @@ fn check_arguments(
             reader.problem(&place.key("dstran"), message);
         }
     }
-    fields::check_increments(reader, given.dpred.as_deref(), field_variables, &place);
+    fields::check_count(reader, given.dpred.as_deref(), field_variables, &place.key("dpred"));
 }
 
 /// A deformation gradient must turn nothing inside out and fit the mode.

@@ -6,6 +6,7 @@
 use super::doubt::doubts;
 use super::output::rows_of;
 use super::search::{self, Best, Increments, STEP, Search, Simulation, root_mean_square};
+use super::specimen::make_absolute;
 use super::uncertainty::{IDENTIFIABLE, spread};
 use levenberg_marquardt::LevenbergMarquardt;
 use nalgebra::{DMatrix, DVector};
@@ -18,7 +19,7 @@ use pullout_run::number::significant;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The search ends when the sum of squares would fall, or what is sought would move, by less than this part.
 const SMALLEST: f64 = 1e-10;
@@ -299,29 +300,8 @@ fn read_data(request: &CaseRequest) -> Result<Vec<[f64; 2]>, Vec<String>> {
 fn kept(request: &CaseRequest, document: Value, values: &[f64]) -> Value {
     let settings = overrides(&request.free, values);
     let mut case = pullout_case::overridden(document, &settings).unwrap_or_default();
-    absolute(&mut case, folder_of(&request.source.file));
+    make_absolute(&mut case, folder_of(&request.source.file));
     case
-}
-
-fn absolute(value: &mut Value, folder: &Path) {
-    match value {
-        Value::String(text) if !text.is_empty() => {
-            let path = folder.join(&text);
-            if path.is_file() {
-                *text = std::path::absolute(&path).unwrap_or(path).display().to_string();
-            }
-        }
-        Value::Array(entries) => entries.iter_mut().for_each(|entry| absolute(entry, folder)),
-        Value::Object(members) => {
-            // the name of a law is no file
-            let is_name = |key: &str, member: &Value| {
-                key == "plugin" && member.as_str().is_some_and(|name| !umat_abi::host::names_a_file(name))
-            };
-            let members = members.iter_mut().filter(|(key, member)| !is_name(key, member));
-            members.for_each(|(_, member)| absolute(member, folder));
-        }
-        _ => {}
-    }
 }
 
 fn overrides(free: &[Free], values: &[f64]) -> Vec<String> {

@@ -197,12 +197,11 @@ impl Specimen {
     /// The case with a bond law, to be kept in another folder; `compare` with what it was fitted to.
     pub fn kept(&self, law: &BondLaw, title: &str, compare: Value) -> Value {
         let mut case = self.with(law);
+        if self.is_own {
+            make_absolute(&mut case, folder_of(&self.file));
+        }
         case["title"] = json!(title);
         case["compare"] = json!([compare]);
-        let folder = folder_of(&self.file);
-        if self.is_own {
-            make_absolute(&mut case, folder);
-        }
         case
     }
 
@@ -240,20 +239,25 @@ fn laws_of(case: &mut Value) -> Vec<(String, &mut Value)> {
     }
 }
 
-/// Paths of files in a case that moves to another folder.
-fn make_absolute(case: &mut Value, folder: &Path) {
-    let absolute = |text: &str| {
-        let path = folder.join(text);
-        json!(std::path::absolute(&path).unwrap_or(path).to_string_lossy())
-    };
-    if let Some(file) = case["mesh"].get_mut("file") {
-        *file = file.as_str().map_or(Value::Null, absolute);
-    }
-    let parts = case.get_mut("parts").and_then(Value::as_object_mut).into_iter().flat_map(Map::values_mut);
-    for plugin in parts.filter_map(|part| part.get_mut("material")?.get_mut("plugin")) {
-        if let Some(path) = plugin.as_str().filter(|name| host::names_a_file(name)) {
-            *plugin = absolute(path);
+/// Names the files of a case in a folder so that it runs from any other.
+pub fn make_absolute(value: &mut Value, folder: &Path) {
+    match value {
+        Value::String(text) if !text.is_empty() => {
+            let path = folder.join(&text);
+            if path.is_file() {
+                *text = std::path::absolute(&path).unwrap_or(path).display().to_string();
+            }
         }
+        Value::Array(entries) => entries.iter_mut().for_each(|entry| make_absolute(entry, folder)),
+        Value::Object(members) => {
+            // the name of a law is no file
+            let is_name = |key: &str, member: &Value| {
+                key == "plugin" && member.as_str().is_some_and(|name| !host::names_a_file(name))
+            };
+            let members = members.iter_mut().filter(|(key, member)| !is_name(key, member));
+            members.for_each(|(_, member)| make_absolute(member, folder));
+        }
+        _ => {}
     }
 }
 

@@ -1,13 +1,13 @@
 //! Results of a run of kind "bridging": its tables, pictures, summary and report.
 
-use crate::compare::{Comparison, compare};
+use crate::compare::compare;
 use crate::directory::ResultDirectory;
+use crate::ending;
 use crate::history::{BRIDGING_TABLES, History};
-use crate::page::{self, Account};
 use crate::plots::figure::{Figure, Line, Style};
 use crate::plots::quantity::Quantity;
 use crate::plots::{self, Drawings, Spec};
-use crate::summary::{self, Status, Summary};
+use crate::summary::{Status, Summary};
 use pullout_bridging::{Composite, Curve};
 use pullout_case::Case;
 use pullout_run::bridging::{Program, Results};
@@ -56,7 +56,7 @@ pub fn conclude(
         Err(message) => (None, Some(message.clone())),
     };
     let own = case.about().warnings.iter();
-    let mut summary = Summary {
+    let summary = Summary {
         status: if message.is_none() { Status::Done } else { Status::Failed },
         message,
         title: case.about().title.clone(),
@@ -70,23 +70,14 @@ pub fn conclude(
         Ok(_) => History::of_run(directory.path(), |table| table.for_pictures())?,
         Err(_) => History::default(),
     };
-    let compared: io::Result<Vec<Comparison>> = match &done {
+    let compared = match &done {
         Ok(_) => case.about().compare.iter().map(|curve| compare(&history, curve)).collect(),
         Err(_) => Ok(Vec::new()),
     };
-    summary.take_comparisons(compared.as_ref().map(Vec::clone).unwrap_or_default());
-    let text = summary.text()?;
-    let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
-        let drawn = match &done {
-            Ok(done) if case.about().plots => draw(case, directory, &history, done),
-            _ => Ok(Drawings::default()),
-        };
-        let drawings = drawn.as_ref().map_or(Default::default(), Clone::clone);
-        page::write(directory, &Account::of(case), &mut summary, &drawings, None)?;
-        directory.finish()?;
-        drawn.and(compared.map(|_| ()))
-    });
-    Ok((summary, written))
+    ending::write(case, directory, summary, compared, |directory| match &done {
+        Ok(done) if case.about().plots => Ok((draw(case, directory, &history, done)?, None)),
+        _ => Ok(Default::default()),
+    })
 }
 
 /// Curves of fibres as a case of model "table" reads them.

@@ -91,12 +91,24 @@ pub fn conclude(
     end: RunEnd,
     mut specimen: Option<Specimen<'_>>,
 ) -> io::Result<(Summary, io::Result<()>)> {
-    let mut summary = summarise(case, &end, specimen.as_mut())?;
+    let summary = summarise(case, &end, specimen.as_mut())?;
     let compared = compare_all(case, || HistoryFile::open(&directory.path().join("history.csv")));
+    write(case, directory, summary, compared, |directory| draw(case, directory, specimen.as_ref(), &end.states))
+}
+
+/// Writes a summary with comparisons, and the report of it with what is drawn. The second result is what could not be
+/// written.
+pub(crate) fn write(
+    case: &Case,
+    directory: &mut ResultDirectory,
+    mut summary: Summary,
+    compared: io::Result<Vec<Comparison>>,
+    draw: impl FnOnce(&mut ResultDirectory) -> io::Result<(Drawings, Option<Markup>)>,
+) -> io::Result<(Summary, io::Result<()>)> {
     summary.take_comparisons(compared.as_ref().map(Vec::clone).unwrap_or_default());
     let text = summary.text()?;
     let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
-        let drawn = draw(case, directory, specimen.as_ref(), &end.states);
+        let drawn = draw(directory);
         let (drawings, viewer) = drawn.as_ref().map_or(Default::default(), Clone::clone);
         page::write(directory, &Account::of(case), &mut summary, &drawings, viewer.as_ref())?;
         directory.finish()?;

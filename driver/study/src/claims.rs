@@ -14,68 +14,8 @@ use serde::Serialize;
 #[cfg(test)]
 mod test;
 
-/// Expectation about the numbers of the members. Members and series are indices of the study's.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Expectation {
-    /// Changes from member to member.
-    Trend {
-        /// Direction.
-        direction: Direction,
-        /// Change in the opposite direction that a step may make, relative to the greatest magnitude.
-        tolerance: f64,
-    },
-    /// The greatest is that of this member.
-    MaximumAt(usize),
-    /// The least is that of this member.
-    MinimumAt(usize),
-    /// All are near that of a member.
-    Within {
-        /// Greatest difference relative to it.
-        tolerance: f64,
-        /// The member.
-        of: usize,
-    },
-    /// All curves are near that of a member.
-    CurveWithin {
-        /// Greatest area between the curves relative to that below its own.
-        tolerance: f64,
-        /// The member.
-        of: usize,
-    },
-    /// All are greater than those of the same members in this series.
-    Above(usize),
-    /// All are less than those of the same members in this series.
-    Below(usize),
-    /// One member over another.
-    Ratio {
-        /// The one.
-        of: usize,
-        /// The other.
-        to: usize,
-        /// Lower bound.
-        greater_than: Option<f64>,
-        /// Upper bound.
-        less_than: Option<f64>,
-    },
-    /// All over those of the same members in another series.
-    OverSeries {
-        /// The other series.
-        series: usize,
-        /// Lower bound.
-        greater_than: Option<f64>,
-        /// Upper bound.
-        less_than: Option<f64>,
-    },
-    /// Bounds for all.
-    Bounds {
-        /// Lower bound.
-        greater_than: Option<f64>,
-        /// Upper bound.
-        less_than: Option<f64>,
-    },
-    /// Whether the runs reach their ends.
-    Done(bool),
-}
+/// Expectation about the numbers of the members, which with their series are indices of the study's.
+pub type Expectation = pullout_case::study::Expectation<usize, usize>;
 
 /// Verdict on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -168,11 +108,12 @@ impl Tested<'_> {
         };
         let numbers = || listed(&|k| number(values[k]));
         match self.claim.expectation {
-            Expectation::Trend { direction, tolerance } => {
+            Expectation::Trend { trend, tolerance } => {
                 let greatest = values.iter().flatten().map(|value| value.abs()).fold(0.0, f64::max);
-                let sign = if direction == Direction::Increasing { 1.0 } else { -1.0 };
+                let sign = if trend == Direction::Increasing { 1.0 } else { -1.0 };
                 // what is known is compared across what is not
                 let known: Vec<f64> = values.iter().copied().flatten().collect();
+                let tolerance = tolerance.unwrap_or(0.0);
                 let slack = tolerance * greatest;
                 let goes = |pair: &[f64]| {
                     let step = sign * (pair[1] - pair[0]);
@@ -181,11 +122,11 @@ impl Tested<'_> {
                 let unknown = values.iter().filter(|value| value.is_none()).map(|_| None);
                 (known.windows(2).map(goes).chain(unknown).collect(), numbers())
             }
-            Expectation::MaximumAt(at) => (self.extreme(series, at, 1.0), numbers()),
-            Expectation::MinimumAt(at) => (self.extreme(series, at, -1.0), numbers()),
-            Expectation::Within { tolerance, of } => {
+            Expectation::Maximum { maximum_at: at } => (self.extreme(series, at, 1.0), numbers()),
+            Expectation::Minimum { minimum_at: at } => (self.extreme(series, at, -1.0), numbers()),
+            Expectation::Within { within, of } => {
                 let reference = self.value(series, of);
-                let near = |value: Option<f64>| Some((value? - reference?).abs() <= tolerance * reference?.abs());
+                let near = |value: Option<f64>| Some((value? - reference?).abs() <= within.0 * reference?.abs());
                 let away = |k: usize| {
                     let share = values[k].zip(reference).filter(|_| members[k] != of).map(|(v, r)| v / r - 1.0);
                     share.map_or(String::new(), |share| format!(" ({})", percent(share)))
@@ -193,23 +134,23 @@ impl Tested<'_> {
                 let text = listed(&|k| number(values[k]) + &away(k));
                 (values.iter().map(|&value| near(value)).collect(), text)
             }
-            Expectation::CurveWithin { tolerance, of } => {
+            Expectation::Curve { curve_within, of } => {
                 let distances: Vec<Option<(f64, f64)>> =
                     members.iter().map(|&member| self.curve_distance(series, member, of)).collect();
                 let text = listed(&|k| match distances[k] {
                     Some((share, end)) => format!("{} up to {}", percent(share), significant(end, 4)),
                     None => number(None),
                 });
-                (distances.into_iter().map(|distance| Some(distance?.0 <= tolerance)).collect(), text)
+                (distances.into_iter().map(|distance| Some(distance?.0 <= curve_within.0)).collect(), text)
             }
-            Expectation::Above(other) => self.against(series, other, 1.0),
-            Expectation::Below(other) => self.against(series, other, -1.0),
-            Expectation::Ratio { of, to, greater_than, less_than } => {
+            Expectation::Above { above: other } => self.against(series, other, 1.0),
+            Expectation::Below { below: other } => self.against(series, other, -1.0),
+            Expectation::Ratio { ratio_of: of, to, greater_than, less_than } => {
                 let ratio = self.value(series, of).zip(self.value(series, to)).map(|(a, b)| a / b);
                 let text = format!("{} / {} = {}", self.title(of), self.title(to), number(ratio));
                 (vec![ratio.map(|ratio| lies(ratio, greater_than, less_than))], text)
             }
-            Expectation::OverSeries { series: other, greater_than, less_than } => {
+            Expectation::OverSeries { over_series: other, greater_than, less_than } => {
                 let theirs = members.iter().map(|&member| self.value(other, member));
                 let ratios: Vec<Option<f64>> =
                     values.iter().zip(theirs).map(|(own, theirs)| Some((*own)? / theirs?)).collect();
@@ -220,7 +161,7 @@ impl Tested<'_> {
                 let lies = |value: &Option<f64>| Some(lies((*value)?, greater_than, less_than));
                 (values.iter().map(lies).collect(), numbers())
             }
-            Expectation::Done(done) => {
+            Expectation::Done { done } => {
                 let result = |k: usize| &self.results.runs[self.study.run_of(series, members[k])];
                 let answers = (0..members.len()).map(|k| result(k).status.map(|_| result(k).is_done() == done));
                 let words = |k: usize| match (result(k).status, result(k).reach) {
@@ -286,36 +227,37 @@ impl Tested<'_> {
             [lower, upper].into_iter().flatten().collect::<Vec<_>>().join(" and ")
         };
         match self.claim.expectation {
-            Expectation::Trend { direction, tolerance } => {
-                let way = if direction == Direction::Increasing { "increasing" } else { "decreasing" };
+            Expectation::Trend { trend, tolerance } => {
+                let tolerance = tolerance.unwrap_or(0.0);
+                let way = if trend == Direction::Increasing { "increasing" } else { "decreasing" };
                 let slack = if tolerance > 0.0 { format!(" but for {}", percent(tolerance)) } else { String::new() };
                 format!("{what} {way}{slack}")
             }
-            Expectation::MaximumAt(at) => format!("{what} greatest at {}", self.title(at)),
-            Expectation::MinimumAt(at) => format!("{what} least at {}", self.title(at)),
-            Expectation::Within { tolerance, of } => {
-                format!("{what} within {} of that at {}", percent(tolerance), self.title(of))
+            Expectation::Maximum { maximum_at: at } => format!("{what} greatest at {}", self.title(at)),
+            Expectation::Minimum { minimum_at: at } => format!("{what} least at {}", self.title(at)),
+            Expectation::Within { within, of } => {
+                format!("{what} within {} of that at {}", percent(within.0), self.title(of))
             }
-            Expectation::CurveWithin { tolerance, of } => {
+            Expectation::Curve { curve_within, of } => {
                 format!(
                     "area between curves within {} of that below the curve at {}",
-                    percent(tolerance),
+                    percent(curve_within.0),
                     self.title(of)
                 )
             }
-            Expectation::Above(other) => format!("{what} above {}", self.study.series[other].title),
-            Expectation::Below(other) => format!("{what} below {}", self.study.series[other].title),
-            Expectation::Ratio { of, to, greater_than, less_than } => {
+            Expectation::Above { above: other } => format!("{what} above {}", self.study.series[other].title),
+            Expectation::Below { below: other } => format!("{what} below {}", self.study.series[other].title),
+            Expectation::Ratio { ratio_of: of, to, greater_than, less_than } => {
                 let bounds = bounds(greater_than, less_than);
                 format!("{what} at {} over that at {} {bounds}", self.title(of), self.title(to))
             }
-            Expectation::OverSeries { series, greater_than, less_than } => {
+            Expectation::OverSeries { over_series: series, greater_than, less_than } => {
                 let bounds = bounds(greater_than, less_than);
                 format!("{what} over that of {} {bounds}", self.study.series[series].title)
             }
             Expectation::Bounds { greater_than, less_than } => format!("{what} {}", bounds(greater_than, less_than)),
-            Expectation::Done(true) => "runs to the end".into(),
-            Expectation::Done(false) => "does not run to the end".into(),
+            Expectation::Done { done: true } => "runs to the end".into(),
+            Expectation::Done { done: false } => "does not run to the end".into(),
         }
     }
 

@@ -5,8 +5,7 @@ use super::claims::Expectation;
 use super::fingerprint::Fingerprints;
 use super::{Abscissa, Claim, Columns, Demand, Member, Quantity, Run, Series, Study};
 use pullout_case::study::{
-    ClaimOfFile, ExpectationOfFile, MemberName, MemberOfFile, NamedQuantity, OneOrMany, QuantityOfFile, SeriesOfFile,
-    StudyFile,
+    self, ClaimOfFile, MemberName, MemberOfFile, NamedQuantity, OneOrMany, QuantityOfFile, SeriesOfFile, StudyFile,
 };
 use pullout_case::{Case, CaseErrors, CaseProblem, JsonPlace, ProblemKind, Reader, hint, read_study};
 use pullout_report::plots::quantity::Quantity as Shown;
@@ -371,52 +370,46 @@ impl Resolver<'_, '_> {
         quantity
     }
 
-    fn expectation(&mut self, given: &ExpectationOfFile, cast: &Cast<'_>, place: &JsonPlace) -> Option<Expectation> {
-        Some(match given {
-            ExpectationOfFile::Trend(trend) => {
-                Expectation::Trend { direction: trend.trend, tolerance: trend.tolerance.unwrap_or(0.0) }
+    fn expectation(
+        &mut self,
+        given: &study::Expectation<MemberName, String>,
+        cast: &Cast<'_>,
+        place: &JsonPlace,
+    ) -> Option<Expectation> {
+        let mut member = |name: &MemberName, key: &str| self.member(name, cast, &place.key(key));
+        Some(match *given {
+            study::Expectation::Trend { trend, tolerance } => Expectation::Trend { trend, tolerance },
+            study::Expectation::Maximum { ref maximum_at } => {
+                Expectation::Maximum { maximum_at: member(maximum_at, "maximum_at")? }
             }
-            ExpectationOfFile::Maximum(at) => {
-                Expectation::MaximumAt(self.member(&at.maximum_at, cast, &place.key("maximum_at"))?)
+            study::Expectation::Minimum { ref minimum_at } => {
+                Expectation::Minimum { minimum_at: member(minimum_at, "minimum_at")? }
             }
-            ExpectationOfFile::Minimum(at) => {
-                Expectation::MinimumAt(self.member(&at.minimum_at, cast, &place.key("minimum_at"))?)
+            study::Expectation::Within { within, ref of } => Expectation::Within { within, of: member(of, "of")? },
+            study::Expectation::Curve { curve_within, ref of } => {
+                Expectation::Curve { curve_within, of: member(of, "of")? }
             }
-            ExpectationOfFile::Within(near) => {
-                Expectation::Within { tolerance: near.within.0, of: self.member(&near.of, cast, &place.key("of"))? }
+            study::Expectation::Above { ref above } => {
+                Expectation::Above { above: self.series_named(above, cast, &place.key("above"))? }
             }
-            ExpectationOfFile::Curve(near) => Expectation::CurveWithin {
-                tolerance: near.curve_within.0,
-                of: self.member(&near.of, cast, &place.key("of"))?,
-            },
-            ExpectationOfFile::Above(other) => {
-                Expectation::Above(self.series_named(&other.above, cast, &place.key("above"))?)
+            study::Expectation::Below { ref below } => {
+                Expectation::Below { below: self.series_named(below, cast, &place.key("below"))? }
             }
-            ExpectationOfFile::Below(other) => {
-                Expectation::Below(self.series_named(&other.below, cast, &place.key("below"))?)
+            study::Expectation::Ratio { ref ratio_of, ref to, greater_than, less_than } => {
+                self.bounds(greater_than, less_than, place)?;
+                let ratio_of = self.member(ratio_of, cast, &place.key("ratio_of"))?;
+                Expectation::Ratio { ratio_of, to: self.member(to, cast, &place.key("to"))?, greater_than, less_than }
             }
-            ExpectationOfFile::Ratio(ratio) => {
-                self.bounds(ratio.greater_than, ratio.less_than, place)?;
-                Expectation::Ratio {
-                    of: self.member(&ratio.ratio_of, cast, &place.key("ratio_of"))?,
-                    to: self.member(&ratio.to, cast, &place.key("to"))?,
-                    greater_than: ratio.greater_than,
-                    less_than: ratio.less_than,
-                }
+            study::Expectation::OverSeries { ref over_series, greater_than, less_than } => {
+                self.bounds(greater_than, less_than, place)?;
+                let over_series = self.series_named(over_series, cast, &place.key("over_series"))?;
+                Expectation::OverSeries { over_series, greater_than, less_than }
             }
-            ExpectationOfFile::OverSeries(ratio) => {
-                self.bounds(ratio.greater_than, ratio.less_than, place)?;
-                Expectation::OverSeries {
-                    series: self.series_named(&ratio.over_series, cast, &place.key("over_series"))?,
-                    greater_than: ratio.greater_than,
-                    less_than: ratio.less_than,
-                }
+            study::Expectation::Bounds { greater_than, less_than } => {
+                self.bounds(greater_than, less_than, place)?;
+                Expectation::Bounds { greater_than, less_than }
             }
-            ExpectationOfFile::Bounds(bounds) => {
-                self.bounds(bounds.greater_than, bounds.less_than, place)?;
-                Expectation::Bounds { greater_than: bounds.greater_than, less_than: bounds.less_than }
-            }
-            ExpectationOfFile::Done(done) => Expectation::Done(done.done),
+            study::Expectation::Done { done } => Expectation::Done { done },
         })
     }
 

@@ -1,13 +1,16 @@
 //! Integration rules on the reference elements.
 
 use super::ElementKind;
+use schemars::JsonSchema;
+use serde::Deserialize;
 
-/// Rule of integration of an element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// Integration of elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Integration {
-    /// Exact for the stiffness of an undistorted element.
+    /// Exact for undistorted elements.
     Full,
-    /// One order less: Q8 with 2×2 points.
+    /// One order less: 2 × 2 for Q8.
     Reduced,
 }
 

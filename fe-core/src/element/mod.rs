@@ -10,6 +10,8 @@ pub(crate) use edge::gauss_legendre;
 pub use edge::{EdgeKind, EdgePoint, LinePoint};
 pub use integration::{Integration, IntegrationPoint};
 pub use mapping::{MappedPoint, MappingError, area, characteristic_length};
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 #[cfg(test)]
 mod test;
@@ -17,16 +19,16 @@ mod test;
 /// The most nodes that an element has.
 pub(crate) const MAX_NODES: usize = 8;
 
-/// The kinds of element; the module's page has their node numbering.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// Kind of element; the page of [`crate::element`] has the numbering of nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
 pub enum ElementKind {
-    /// Triangle, 3 nodes, linear.
+    /// Triangles of 3 nodes.
     T3,
-    /// Triangle, 6 nodes, quadratic.
+    /// Triangles of 6 nodes.
     T6,
-    /// Quadrilateral, 4 nodes, bilinear.
+    /// Quadrilaterals of 4 nodes.
     Q4,
-    /// Quadrilateral, 8 nodes, quadratic (serendipity).
+    /// Quadrilaterals of 8 nodes.
     Q8,
 }
 

@@ -2,6 +2,8 @@
 
 pub mod finite;
 
+use schemars::JsonSchema;
+use serde::Deserialize;
 use umat_abi::law::StressState;
 
 #[cfg(test)]
@@ -10,14 +12,15 @@ pub(crate) mod test;
 /// The most components that a plane stress or strain has.
 pub(crate) const MAX_COMPONENTS: usize = 4;
 
-/// Assumption of a part about the third direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// Assumption about the third direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum PlaneModel {
-    /// σ₃₃ = 0.
+    /// σ33 = 0.
     PlaneStress,
-    /// ε₃₃ = 0.
+    /// ε33 = 0.
     PlaneStrain,
-    /// A body of revolution about the y axis; x is the radius.
+    /// About the axis x = 0.
     Axisymmetric,
 }
 

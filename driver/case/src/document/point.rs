@@ -117,91 +117,62 @@ pub struct PointTable {
 
 /// End values of controlled components: strains (engineering shear) or stresses (MPa), or "hold". With nlgeom, in the
 /// case's measure.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct Target {
-    /// Strain 11.
-    pub e11: Option<EndValue>,
-    /// Strain 22.
-    pub e22: Option<EndValue>,
-    /// Strain 33.
-    pub e33: Option<EndValue>,
-    /// Engineering shear strain 12.
-    pub g12: Option<EndValue>,
-    /// Engineering shear strain 13.
-    pub g13: Option<EndValue>,
-    /// Engineering shear strain 23.
-    pub g23: Option<EndValue>,
-    /// Stress 11, MPa.
-    pub s11: Option<EndValue>,
-    /// Stress 22, MPa.
-    pub s22: Option<EndValue>,
-    /// Stress 33, MPa.
-    pub s33: Option<EndValue>,
-    /// Stress 12, MPa.
-    pub s12: Option<EndValue>,
-    /// Stress 13, MPa.
-    pub s13: Option<EndValue>,
-    /// Stress 23, MPa.
-    pub s23: Option<EndValue>,
+    /// Components.
+    #[serde(flatten)]
+    pub components: ByComponent<EndValue>,
     /// Deformation gradient, row by row (needs nlgeom).
     #[serde(rename = "F")]
     pub deformation_gradient: Option<Matrix>,
 }
 
-impl Target {
-    /// The six strains.
-    pub fn strain(&self) -> [Option<EndValue>; 6] {
-        [self.e11, self.e22, self.e33, self.g12, self.g13, self.g23]
-    }
-
-    /// The six stresses.
-    pub fn stress(&self) -> [Option<EndValue>; 6] {
-        [self.s11, self.s22, self.s33, self.s12, self.s13, self.s23]
-    }
-}
-
 /// A linear relation: the sum of coefficient · component equals a value at the end of the step. Undrained: the sum of e11,
 /// e22 and e33 holds. A stress path: q - η p holds.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct Constraint {
-    /// Coefficient of strain 11.
-    pub e11: Option<f64>,
-    /// Coefficient of strain 22.
-    pub e22: Option<f64>,
-    /// Coefficient of strain 33.
-    pub e33: Option<f64>,
-    /// Coefficient of shear strain 12.
-    pub g12: Option<f64>,
-    /// Coefficient of shear strain 13.
-    pub g13: Option<f64>,
-    /// Coefficient of shear strain 23.
-    pub g23: Option<f64>,
-    /// Coefficient of stress 11.
-    pub s11: Option<f64>,
-    /// Coefficient of stress 22.
-    pub s22: Option<f64>,
-    /// Coefficient of stress 33.
-    pub s33: Option<f64>,
-    /// Coefficient of stress 12.
-    pub s12: Option<f64>,
-    /// Coefficient of stress 13.
-    pub s13: Option<f64>,
-    /// Coefficient of stress 23.
-    pub s23: Option<f64>,
+    /// Coefficients.
+    #[serde(flatten)]
+    pub coefficients: ByComponent<f64>,
     /// Right side at the end of the step (default 0), reached linearly; "hold" keeps the left side as it is.
     pub equals: Option<EndValue>,
 }
 
-impl Constraint {
-    /// The coefficients of the strains.
-    pub fn strain(&self) -> [Option<f64>; 6] {
-        [self.e11, self.e22, self.e33, self.g12, self.g13, self.g23]
-    }
+/// What is given of some components.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct ByComponent<T> {
+    /// Strain 11.
+    pub e11: Option<T>,
+    /// Strain 22.
+    pub e22: Option<T>,
+    /// Strain 33.
+    pub e33: Option<T>,
+    /// Engineering shear strain 12.
+    pub g12: Option<T>,
+    /// Engineering shear strain 13.
+    pub g13: Option<T>,
+    /// Engineering shear strain 23.
+    pub g23: Option<T>,
+    /// Stress 11, MPa.
+    pub s11: Option<T>,
+    /// Stress 22, MPa.
+    pub s22: Option<T>,
+    /// Stress 33, MPa.
+    pub s33: Option<T>,
+    /// Stress 12, MPa.
+    pub s12: Option<T>,
+    /// Stress 13, MPa.
+    pub s13: Option<T>,
+    /// Stress 23, MPa.
+    pub s23: Option<T>,
+}
 
-    /// The coefficients of the stresses.
-    pub fn stress(&self) -> [Option<f64>; 6] {
-        [self.s11, self.s22, self.s33, self.s12, self.s13, self.s23]
+impl<T: Copy> ByComponent<T> {
+    /// The six strains and the six stresses.
+    pub fn strain_and_stress(&self) -> [[Option<T>; 6]; 2] {
+        let Self { e11, e22, e33, g12, g13, g23, s11, s22, s33, s12, s13, s23 } = *self;
+        [[e11, e22, e33, g12, g13, g23], [s11, s22, s33, s12, s13, s23]]
     }
 }

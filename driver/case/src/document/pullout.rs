@@ -3,6 +3,8 @@
 use super::{
     CaseHead, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, StepEnd, Whole,
 };
+use fe_core::element::Integration;
+use fe_core::kinematics::PlaneModel;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -82,7 +84,7 @@ pub struct Part {
     /// The plugin and its parameters.
     pub material: Piece<Material>,
     /// Assumption about the third direction; default: the specimen's, plane_strain for a file.
-    pub model: Option<Piece<PartModel>>,
+    pub model: Option<Piece<PlaneModel>>,
     /// Reference thickness, mm, or the property of a round fibre's section that the thickness preserves; default: the
     /// specimen's, 1 for a file.
     pub thickness: Option<Piece<Thickness>>,
@@ -107,18 +109,6 @@ pub struct PartInitial {
     pub stress: Option<Components>,
 }
 
-/// Assumption about the third direction.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub enum PartModel {
-    /// σ33 = 0.
-    PlaneStress,
-    /// ε33 = 0.
-    PlaneStrain,
-    /// About the axis x = 0.
-    Axisymmetric,
-}
-
 /// A thickness.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
@@ -137,16 +127,6 @@ pub enum Section {
     EqualArea,
     /// The second moment of area: thickness 3πφ/16.
     EqualInertia,
-}
-
-/// Integration of elements.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Integration {
-    /// Exact for undistorted elements.
-    Full,
-    /// One order less: 2 × 2 for Q8.
-    Reduced,
 }
 
 /// A step: drives go to their ends, or a cycle of steps.

@@ -108,7 +108,7 @@ pub struct ClaimOfFile {
     /// Quantity that is tested (default "peak"; "curve_within" and "done" need none).
     pub quantity: Option<QuantityOfFile>,
     /// The test.
-    pub expect: ExpectationOfFile,
+    pub expect: Expectation<MemberName, String>,
 }
 
 /// One name or several.
@@ -201,43 +201,85 @@ pub enum NamedPlace {
     Least,
 }
 
-/// Expectation about the numbers of the members.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum ExpectationOfFile {
-    /// From member to member.
-    Trend(TrendOfFile),
-    /// The greatest is that of a member.
-    Maximum(MaximumOfFile),
-    /// The least is that of a member.
-    Minimum(MinimumOfFile),
-    /// Near that of a member.
-    Within(WithinOfFile),
-    /// The whole curve is near that of a member.
-    Curve(CurveOfFile),
-    /// Greater than that of the same member in another series.
-    Above(AboveOfFile),
-    /// Less than that of the same member in another series.
-    Below(BelowOfFile),
-    /// One member over another.
-    Ratio(RatioOfFile),
-    /// Each member over the same one in another series.
-    OverSeries(OverSeriesOfFile),
-    /// The runs go to their ends.
-    Done(DoneOfFile),
-    /// Bounds for each member.
-    Bounds(BoundsOfFile),
-}
-
-/// A trend from member to member, in the order of their x (or of the list).
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TrendOfFile {
-    /// Direction of the trend.
-    pub trend: Direction,
-    /// Change in the opposite direction that a step may make, relative to the greatest magnitude (default 0).
-    #[schemars(range(min = 0.0))]
-    pub tolerance: Option<f64>,
+/// Expectation about the numbers of the members; `M` and `S` name a member and a series.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(untagged, deny_unknown_fields)]
+#[schemars(rename = "Expectation")]
+pub enum Expectation<M, S> {
+    /// A trend from member to member, in the order of their x (or of the list).
+    Trend {
+        /// Direction of the trend.
+        trend: Direction,
+        /// Change in the opposite direction that a step may make, relative to the greatest magnitude (default 0).
+        #[schemars(range(min = 0.0))]
+        tolerance: Option<f64>,
+    },
+    /// The greatest number is that of a member.
+    Maximum {
+        /// The member.
+        maximum_at: M,
+    },
+    /// The least number is that of a member.
+    Minimum {
+        /// The member.
+        minimum_at: M,
+    },
+    /// Each number is near that of a member.
+    Within {
+        /// Greatest difference relative to it.
+        within: Positive,
+        /// The member.
+        of: M,
+    },
+    /// Each curve is near that of a member, up to where both go.
+    Curve {
+        /// Greatest area between the two curves, relative to the area below the member's.
+        curve_within: Positive,
+        /// The member.
+        of: M,
+    },
+    /// Each number is greater than that of the same member in another series.
+    Above {
+        /// The other series.
+        above: S,
+    },
+    /// Each number is less than that of the same member in another series.
+    Below {
+        /// The other series.
+        below: S,
+    },
+    /// The number of one member over that of another.
+    Ratio {
+        /// The one.
+        ratio_of: M,
+        /// The other.
+        to: M,
+        /// Lower bound.
+        greater_than: Option<f64>,
+        /// Upper bound.
+        less_than: Option<f64>,
+    },
+    /// The number of each member over that of the same member in another series.
+    OverSeries {
+        /// The other series.
+        over_series: S,
+        /// Lower bound.
+        greater_than: Option<f64>,
+        /// Upper bound.
+        less_than: Option<f64>,
+    },
+    /// Every run goes to its end.
+    Done {
+        /// Whether every run is expected to reach its end.
+        done: bool,
+    },
+    /// Bounds for the number of each member.
+    Bounds {
+        /// Lower bound.
+        greater_than: Option<f64>,
+        /// Upper bound.
+        less_than: Option<f64>,
+    },
 }
 
 /// Direction of a trend.
@@ -248,100 +290,4 @@ pub enum Direction {
     Increasing,
     /// Each is less than the one before.
     Decreasing,
-}
-
-/// The greatest number is that of a member.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MaximumOfFile {
-    /// The member.
-    pub maximum_at: MemberName,
-}
-
-/// The least number is that of a member.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MinimumOfFile {
-    /// The member.
-    pub minimum_at: MemberName,
-}
-
-/// Each number is near that of a member.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct WithinOfFile {
-    /// Greatest difference relative to it.
-    pub within: Positive,
-    /// The member.
-    pub of: MemberName,
-}
-
-/// Each curve is near that of a member, up to where both go.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CurveOfFile {
-    /// Greatest area between the two curves, relative to the area below the member's.
-    pub curve_within: Positive,
-    /// The member.
-    pub of: MemberName,
-}
-
-/// Each number is greater than that of the same member in another series.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct AboveOfFile {
-    /// The other series.
-    pub above: String,
-}
-
-/// Each number is less than that of the same member in another series.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct BelowOfFile {
-    /// The other series.
-    pub below: String,
-}
-
-/// The number of one member over that of another.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RatioOfFile {
-    /// The one.
-    pub ratio_of: MemberName,
-    /// The other.
-    pub to: MemberName,
-    /// Lower bound.
-    pub greater_than: Option<f64>,
-    /// Upper bound.
-    pub less_than: Option<f64>,
-}
-
-/// The number of each member over that of the same member in another series.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct OverSeriesOfFile {
-    /// The other series.
-    pub over_series: String,
-    /// Lower bound.
-    pub greater_than: Option<f64>,
-    /// Upper bound.
-    pub less_than: Option<f64>,
-}
-
-/// Bounds for the number of each member.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct BoundsOfFile {
-    /// Lower bound.
-    pub greater_than: Option<f64>,
-    /// Upper bound.
-    pub less_than: Option<f64>,
-}
-
-/// Every run goes to its end.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct DoneOfFile {
-    /// Whether every run is expected to reach its end.
-    pub done: bool,
 }

@@ -4,12 +4,10 @@ use super::boundary::BOTH;
 use super::generated::{Generated, X, kind, length, number, without_effect};
 use super::mesh::{DefaultPair, DefaultSupports, Defaults, thickness};
 use crate::document::Positive;
-use crate::document::pullout::{
-    self as document, ElementName, FibreShape, SeparationLength, SeparationRule, Thickness,
-};
+use crate::document::pullout::{self as document, FibreShape, SeparationLength, SeparationRule, Thickness};
 use fe_core::mesh::specimen::{
     self, Configuration, ContactSurfaces, FINE_DIAMETERS, Fibre, FibreMesh, Fibres, FibresMesh, GradedThickness,
-    ParameterProblem, PartMesh, PerpendicularFibre, Segment, SpecimenError,
+    ParameterProblem, PerpendicularFibre, Segment, SpecimenError,
 };
 use fe_core::model::Width;
 use pullout_run::number::rounded;
@@ -48,13 +46,12 @@ pub(super) fn perpendicular_fibre(
     let default = PerpendicularFibre::default();
     let fibre_diameter = length(given.fibre_diameter, default.fibre_diameter);
     let sizes = FibreMesh::default();
-    let part = |element: Option<ElementName>| PartMesh { kind: kind(element, ElementName::Q8), integration: None };
     let exit_size = if given.equal_sizes == Some(true) { None } else { sizes.exit_size };
     let parameters = PerpendicularFibre {
         configuration: if axisymmetric {
             Configuration::Axisymmetric { outer_radius: given.outer_radius.map(|radius| radius.0) }
         } else {
-            Configuration::PLANE
+            Configuration::Plane
         },
         width: length(given.width, default.width),
         depth: length(given.depth, default.depth),
@@ -69,8 +66,8 @@ pub(super) fn perpendicular_fibre(
         embedded_length: length(given.embedded_length, default.embedded_length),
         free_length: length(given.free_length, default.free_length),
         tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
-        fibre: part(given.fibre_element),
-        matrix: part(given.matrix_element),
+        fibre_element: kind(given.fibre_element),
+        matrix_element: kind(given.matrix_element),
         mesh: FibreMesh {
             embedded_elements: number(given.embedded_elements, sizes.embedded_elements),
             exit_size: given.exit_size.map(|size| size.0).or(exit_size),
@@ -246,7 +243,6 @@ fn around(
     matrix: Option<Thickness>,
 ) -> Result<Generated, SpecimenError> {
     let (default, sizes) = (Fibres::default(), FibresMesh::default());
-    let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
     let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
     let matrix_thickness = matrix_thickness(matrix, block.matrix_thickness, thickest, default.matrix_thickness);
     let parameters = Fibres {
@@ -256,8 +252,8 @@ fn around(
         cover: block.cover.unwrap_or(matrix_thickness > thickest),
         graded_thickness: block.graded_thickness.map(graded),
         fibres,
-        fibre: part(block.fibre_element, ElementName::Q8),
-        matrix: part(block.matrix_element, ElementName::T6),
+        fibre_element: kind(block.fibre_element),
+        matrix_element: block.matrix_element.unwrap_or(default.matrix_element),
         mesh: FibresMesh {
             size: length(block.mesh_size, sizes.size),
             elements_across: number(block.elements_across, sizes.elements_across),
@@ -266,7 +262,6 @@ fn around(
             growth_rate: length(block.growth_rate, sizes.growth_rate),
             largest_size: length(block.largest_size, sizes.largest_size),
         },
-        ..default
     };
     let made = specimen::fibres(&parameters)?;
     let ways = ["sides", "face_near", "face_away", "bottom"];

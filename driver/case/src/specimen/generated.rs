@@ -5,14 +5,11 @@ use super::fibres;
 use super::mesh::{DefaultPair, DefaultSupports, Defaults};
 use crate::document::Positive;
 use crate::document::pullout::{
-    CurvedChannel, DragOutStrip, ElementName, Elements, Hertz, Specimen, ThickCylinder, Thickness, TwoBlocks,
+    CurvedChannel, DragOutStrip, Elements, Hertz, Specimen, ThickCylinder, Thickness, TwoBlocks,
 };
 use fe_core::element::ElementKind;
-use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::MeshDefinition;
-use fe_core::mesh::specimen::{
-    self, BodyChoice, CylinderSection, ParameterProblem, PulledFibre, SpecimenError, SurfaceRole,
-};
+use fe_core::mesh::specimen::{self, CylinderSection, ParameterProblem, PulledFibre, SpecimenError, SurfaceRole};
 use fe_core::model::Width;
 
 pub(super) const X: &[[f64; 2]] = &[[1.0, 0.0]];
@@ -47,19 +44,17 @@ pub fn generate(given: &Specimen, matrix: Option<Thickness>, slip: f64) -> Resul
             radius: length(given.radius, 1.0),
             cells: number(given.cells, 200),
             grading: length(given.grading, 10.0),
-            body: body(given.element, ElementName::Q8),
+            element: kind(given.element),
         })
         .map(|definition| one_body("plate_with_hole", definition, &[("symmetry_x", X), ("symmetry_y", Y)])),
         Specimen::ThickCylinder(given) => thick_cylinder(given),
-        Specimen::CookMembrane(given) => {
-            specimen::cook_membrane(number(given.cells, 8), body(given.element, ElementName::Q8))
-                .map(|definition| one_body("cook_membrane", definition, &[("left", BOTH)]))
-        }
+        Specimen::CookMembrane(given) => specimen::cook_membrane(number(given.cells, 8), kind(given.element))
+            .map(|definition| one_body("cook_membrane", definition, &[("left", BOTH)])),
         Specimen::Beam(given) => {
             let cells = given.cells.map_or([20, 2], |cells| cells.map(|n| n.0 as usize));
             let (length, height) = (length(given.length, 10.0), length(given.height, 1.0));
-            let body = body(given.element, ElementName::Q8);
-            specimen::timoshenko_beam(&specimen::TimoshenkoBeam { length, height, cells, body })
+            let element = kind(given.element);
+            specimen::timoshenko_beam(&specimen::TimoshenkoBeam { length, height, cells, element })
                 .map(|definition| one_body("beam", definition, &[("left", BOTH)]))
         }
         Specimen::TwoBlocks(given) => two_blocks(given),
@@ -76,7 +71,7 @@ fn thick_cylinder(given: &ThickCylinder) -> Result<Generated, SpecimenError> {
     let section = if axisymmetric {
         CylinderSection::Axisymmetric { height: length(given.height, 1.0), cells }
     } else {
-        CylinderSection::Quarter { model: PlaneModel::PlaneStrain, thickness: 1.0, cells }
+        CylinderSection::Quarter { cells }
     };
     let definition = specimen::thick_cylinder(&specimen::ThickCylinder {
         inner_radius: length(given.inner_radius, 1.0),
@@ -84,7 +79,7 @@ fn thick_cylinder(given: &ThickCylinder) -> Result<Generated, SpecimenError> {
         radial_cells: number(given.radial_cells, 10),
         grading: length(given.grading, 2.0),
         section,
-        kind: kind(given.element, ElementName::Q8),
+        element: kind(given.element),
     })?;
     let supports: &[(&'static str, &'static [[f64; 2]])] =
         if axisymmetric { &[("bottom", Y), ("top", Y)] } else { &[("symmetry_x", X), ("symmetry_y", Y)] };
@@ -99,7 +94,7 @@ fn two_blocks(given: &TwoBlocks) -> Result<Generated, SpecimenError> {
         heights: given.heights.map_or([1.0; 2], |heights| heights.map(|height| height.0)),
         edges: numbers(given.edges, [4, 3]),
         rows: numbers(given.rows, [2, 2]),
-        bodies: [body(given.element, ElementName::Q8); 2],
+        elements: [kind(given.element); 2],
     })?;
     let supports = [("bottom", Y), ("lower_left", X), ("upper_left", X)];
     Ok(in_contact("two_blocks", definition, &supports, "lower_contact", "upper_contact", None))
@@ -114,14 +109,14 @@ fn hertz(given: &Hertz) -> Result<Generated, SpecimenError> {
         contact_zone: length(given.contact_zone, 0.5),
         contact_edges: number(given.contact_edges, 20),
         growth: length(given.growth, 1.3),
-        bodies: [body(given.element, ElementName::Q8); 2],
+        element: kind(given.element),
     })?;
     let supports = [("bottom", Y), ("symmetry", X)];
     Ok(in_contact("hertz", definition, &supports, "base_contact", "cylinder_contact", None))
 }
 
 fn drag_out_strip(given: &DragOutStrip) -> Result<Generated, SpecimenError> {
-    let default = specimen::DragOutStrip::new([body(given.element, ElementName::Q4); 2]);
+    let default = specimen::DragOutStrip::default();
     let definition = specimen::drag_out_strip(&specimen::DragOutStrip {
         strip_length: length(given.strip_length, default.strip_length),
         strip_height: length(given.strip_height, default.strip_height),
@@ -133,7 +128,7 @@ fn drag_out_strip(given: &DragOutStrip) -> Result<Generated, SpecimenError> {
         block_edges: number(given.block_edges, default.block_edges),
         block_size: length(given.block_size, default.block_size),
         growth: length(given.growth, default.growth),
-        bodies: default.bodies,
+        element: given.element.unwrap_or(default.element),
     })?;
     let supports = [("symmetry", Y), ("block_left", X)];
     let grip = Some(("sliding_end", [1.0, 0.0]));
@@ -150,7 +145,7 @@ fn curved_channel(given: &CurvedChannel) -> Result<Generated, SpecimenError> {
         edges: number(given.edges, 40),
         free_edges: number(given.free_edges, 3),
         rows: number(given.rows, 1),
-        bodies: [body(given.element, ElementName::Q8); 2],
+        element: kind(given.element),
     })?;
     let grip = Some(("grip", [0.0, -1.0]));
     Ok(in_contact("curved_channel", definition, &[("channel", BOTH)], "channel_contact", "fibre_contact", grip))
@@ -205,16 +200,6 @@ pub(super) fn number(given: Option<Elements>, default: usize) -> usize {
     given.map_or(default, |n| n.0 as usize)
 }
 
-pub(super) fn kind(given: Option<ElementName>, default: ElementName) -> ElementKind {
-    match given.unwrap_or(default) {
-        ElementName::T3 => ElementKind::T3,
-        ElementName::T6 => ElementKind::T6,
-        ElementName::Q4 => ElementKind::Q4,
-        ElementName::Q8 => ElementKind::Q8,
-    }
-}
-
-/// Plane strain of thickness 1; the case's parts say otherwise.
-fn body(given: Option<ElementName>, default: ElementName) -> BodyChoice {
-    BodyChoice::new(kind(given, default), PlaneModel::PlaneStrain, 1.0)
+pub(super) fn kind(given: Option<ElementKind>) -> ElementKind {
+    given.unwrap_or(ElementKind::Q8)
 }

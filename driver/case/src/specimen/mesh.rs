@@ -207,18 +207,7 @@ fn given_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeMap<S
         let model = reader.optional(part.model.as_ref(), &place.key("model"));
         let integration = reader.optional(part.integration.as_ref(), &place.key("integration"));
         let thickness = reader.optional(part.thickness.as_ref(), &place.key("thickness")).copied();
-        let given_part = Given {
-            model: model.map(|model| match model {
-                document::PartModel::PlaneStress => PlaneModel::PlaneStress,
-                document::PartModel::PlaneStrain => PlaneModel::PlaneStrain,
-                document::PartModel::Axisymmetric => PlaneModel::Axisymmetric,
-            }),
-            thickness,
-            integration: integration.map(|integration| match integration {
-                document::Integration::Full => Integration::Full,
-                document::Integration::Reduced => Integration::Reduced,
-            }),
-        };
+        let given_part = Given { model: model.copied(), thickness, integration: integration.copied() };
         given.insert(name.clone(), given_part);
     }
     Some(given)

@@ -7,7 +7,13 @@ use super::inset::Inset;
 use super::legend::{Entry, Legend, Sample};
 use super::markup;
 use super::quantity::Quantity;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
+
+/// The area on which a picture is drawn.
+pub(super) type Root<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+/// What drawing on it gives.
+pub(super) type Drawn<'a, T> = Result<T, Box<dyn std::error::Error + 'a>>;
 
 /// The picture is drawn this much larger, because the SVG backend rounds to whole units.
 pub(super) const UNIT: i32 = 20;
@@ -263,19 +269,15 @@ impl Figure {
 
     fn draw<'a>(
         &self,
-        root: &DrawingArea<SVGBackend<'a>, plotters::coord::Shift>,
+        root: &Root<'a>,
         (x, y): (&Axis, &Axis),
         (title, title_height): (&[String], i32),
         inset: Option<&Inset>,
         legend: &Legend,
-    ) -> Result<(), Box<dyn std::error::Error + 'a>> {
+    ) -> Drawn<'a, ()> {
         root.fill(&WHITE)?;
-        for (k, line) in title.iter().enumerate() {
-            let place = (WIDTH / 2 * UNIT, (18 + 20 * k as i32) * UNIT);
-            root.draw(&Text::new(line.clone(), place, centered(TITLE_SIZE)))?;
-        }
-        let widest = y.ticks().iter().map(|&tick| y.text(tick).chars().count()).max().unwrap_or(1);
-        let left = (f64::from(TICK_SIZE) * CHARACTER * widest as f64) as i32 + 40;
+        draw_title(root, title, WIDTH)?;
+        let left = left_of(y);
         let mut chart = ChartBuilder::on(&root.margin(title_height * UNIT, legend.height_below() * UNIT, 0, 0))
             .margin_left(10 * UNIT)
             .margin_right(22 * UNIT)
@@ -284,21 +286,7 @@ impl Figure {
             .set_label_area_size(LabelAreaPosition::Left, left * UNIT)
             .set_label_area_size(LabelAreaPosition::Bottom, 46 * UNIT)
             .build_cartesian_2d(x.range.clone(), y.range.clone())?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(GRID.stroke_width(UNIT as u32))
-            .axis_style(INK.stroke_width(UNIT as u32))
-            .set_all_tick_mark_size(5 * UNIT)
-            .x_labels(x.tick_count())
-            .y_labels(y.tick_count())
-            .x_label_formatter(&|value| x.text(*value))
-            .y_label_formatter(&|value| y.text(*value))
-            .label_style(font(TICK_SIZE))
-            .axis_desc_style(font(LABEL_SIZE))
-            .x_desc(x.label.clone())
-            .y_desc(y.label.clone())
-            .draw()?;
+        draw_axes(&mut chart, (x, y), true)?;
         let area = chart.plotting_area();
         for (start, end) in zero_lines(x, y) {
             area.draw(&PathElement::new(vec![start, end], ZERO.stroke_width(UNIT as u32)))?;
@@ -368,6 +356,52 @@ pub(super) fn shade(number: usize, count: usize) -> RGBColor {
     RGBColor(r, g, b)
 }
 
+/// Width of text in px.
+pub(super) fn text_width(size: i32, characters: usize) -> i32 {
+    (f64::from(size) * CHARACTER * characters as f64) as i32
+}
+
+/// Room to the left of a plot for the numbers and the name of its axis, px.
+pub(super) fn left_of(y: &Axis) -> i32 {
+    let widest = y.ticks().iter().map(|&tick| y.text(tick).chars().count()).max().unwrap_or(1);
+    text_width(TICK_SIZE, widest) + 40
+}
+
+/// Draws the lines of a title on a picture of this width in px.
+pub(super) fn draw_title<'a>(root: &Root<'a>, lines: &[String], width: i32) -> Drawn<'a, ()> {
+    for (k, line) in lines.iter().enumerate() {
+        let place = (width / 2 * UNIT, (18 + 20 * k as i32) * UNIT);
+        root.draw(&Text::new(line.clone(), place, centered(TITLE_SIZE)))?;
+    }
+    Ok(())
+}
+
+/// Draws axes with their numbers and names, and lines at the numbers where a plot has a grid.
+pub(super) fn draw_axes<'a>(
+    chart: &mut ChartContext<'_, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
+    (x, y): (&Axis, &Axis),
+    has_grid: bool,
+) -> Drawn<'a, ()> {
+    let mut mesh = chart.configure_mesh();
+    if has_grid {
+        mesh.light_line_style(TRANSPARENT).bold_line_style(GRID.stroke_width(UNIT as u32));
+    } else {
+        mesh.disable_mesh();
+    }
+    mesh.axis_style(INK.stroke_width(UNIT as u32))
+        .set_all_tick_mark_size(5 * UNIT)
+        .x_labels(x.tick_count())
+        .y_labels(y.tick_count())
+        .x_label_formatter(&|value| x.text(*value))
+        .y_label_formatter(&|value| y.text(*value))
+        .label_style(font(TICK_SIZE))
+        .axis_desc_style(font(LABEL_SIZE))
+        .x_desc(x.label.clone())
+        .y_desc(y.label.clone())
+        .draw()?;
+    Ok(())
+}
+
 /// A title as lines that fit a picture of this width in px.
 pub(super) fn wrapped(title: &str, width: i32) -> Vec<String> {
     let most = (f64::from(width - 20) / (CHARACTER * f64::from(TITLE_SIZE))) as usize;
@@ -392,12 +426,7 @@ fn zero_lines(x: &Axis, y: &Axis) -> Vec<((f64, f64), (f64, f64))> {
 }
 
 /// An open mark: circle, square, triangle, diamond, cross, in turn.
-pub(super) fn draw_mark<'a>(
-    root: &DrawingArea<SVGBackend<'a>, plotters::coord::Shift>,
-    shape: usize,
-    (x, y): (i32, i32),
-    color: RGBColor,
-) -> Result<(), Box<dyn std::error::Error + 'a>> {
+pub(super) fn draw_mark<'a>(root: &Root<'a>, shape: usize, (x, y): (i32, i32), color: RGBColor) -> Drawn<'a, ()> {
     let pen = color.stroke_width((1.4 * f64::from(UNIT)) as u32);
     let half = (3.4 * f64::from(UNIT)) as i32;
     let closed = |corners: &[(i32, i32)]| {

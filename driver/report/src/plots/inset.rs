@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::decimation::{MOST_POINTS, decimate, drawable_stretches};
-use super::figure::{Figure, GRID, INK, UNIT, ZERO, bounds, draw_mark, font};
+use super::figure::{Drawn, Figure, GRID, INK, Root, UNIT, ZERO, bounds, draw_mark, font};
 use super::legend::{OFFSET, PLOT, free_corner};
 use plotters::prelude::*;
 use std::ops::RangeInclusive;
@@ -67,10 +67,10 @@ impl Inset {
     pub fn draw<'a>(
         &self,
         figure: &Figure,
-        root: &DrawingArea<SVGBackend<'a>, plotters::coord::Shift>,
+        root: &Root<'a>,
         (left, top, right, bottom): (i32, i32, i32, i32),
         (x, y): (&Axis, &Axis),
-    ) -> Result<(), Box<dyn std::error::Error + 'a>> {
+    ) -> Drawn<'a, ()> {
         let thin = |color: RGBColor| color.stroke_width(UNIT as u32);
         let enlarged =
             |axis: &Axis, of: &Axis, value: f64| axis.position(value * of.scale / axis.scale).clamp(0.0, 1.0);

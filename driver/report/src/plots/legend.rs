@@ -1,7 +1,7 @@
 //! The legend: in a corner where nothing is drawn, else below the picture.
 
 use super::axis::Axis;
-use super::figure::{CHARACTER, Style, UNIT, WIDTH, draw_mark, font, shade};
+use super::figure::{CHARACTER, Drawn, Root, Style, UNIT, WIDTH, draw_mark, font, shade};
 use super::markup;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -85,11 +85,7 @@ impl Legend {
     }
 
     /// Draws it; `frame`: upper left and lower right corner of the plot.
-    pub fn draw<'a>(
-        &self,
-        root: &DrawingArea<SVGBackend<'a>, plotters::coord::Shift>,
-        frame: ((i32, i32), (i32, i32)),
-    ) -> Result<(), Box<dyn std::error::Error + 'a>> {
+    pub fn draw<'a>(&self, root: &Root<'a>, frame: ((i32, i32), (i32, i32))) -> Drawn<'a, ()> {
         if self.entries.is_empty() {
             return Ok(());
         }

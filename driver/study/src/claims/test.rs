@@ -1,5 +1,6 @@
 use super::super::{Columns, Member, Run, RunResult, Series};
 use super::*;
+use pullout_case::Positive;
 use pullout_case::study::{NamedPlace, Where};
 use pullout_report::history::History;
 use pullout_report::summary::Status;
@@ -71,7 +72,7 @@ fn of_quantity(
 const FAILED: Option<f64> = None;
 
 fn trend(tolerance: f64) -> Expectation {
-    Expectation::Trend { direction: Direction::Increasing, tolerance }
+    Expectation::Trend { trend: Direction::Increasing, tolerance: Some(tolerance) }
 }
 
 #[test]
@@ -88,30 +89,30 @@ fn a_trend_is_refuted_by_one_step_and_kept_open_by_a_run_that_failed() {
     ] {
         assert_eq!(verdict(&[&peaks], &all, trend(tolerance)).0, expected, "{peaks:?} {tolerance}");
     }
-    let falling = Expectation::Trend { direction: Direction::Decreasing, tolerance: 0.0 };
+    let falling = Expectation::Trend { trend: Direction::Decreasing, tolerance: None };
     assert_eq!(verdict(&[&[Some(3.0), Some(2.0)]], &[0, 1], falling).0, Verdict::Found);
 }
 
 #[test]
 fn an_extreme_is_greater_than_all_others() {
     let peaks = [Some(1.0), Some(3.0), Some(2.0)];
-    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::MaximumAt(1)).0, Verdict::Found);
-    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::MaximumAt(2)).0, Verdict::NotFound);
-    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::MinimumAt(0)).0, Verdict::Found);
+    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Maximum { maximum_at: 1 }).0, Verdict::Found);
+    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Maximum { maximum_at: 2 }).0, Verdict::NotFound);
+    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Minimum { minimum_at: 0 }).0, Verdict::Found);
     let open = [Some(1.0), Some(3.0), FAILED];
-    assert_eq!(verdict(&[&open], &[0, 1, 2], Expectation::MaximumAt(1)).0, Verdict::CannotBeTold);
-    assert_eq!(verdict(&[&open], &[0, 1, 2], Expectation::MaximumAt(0)).0, Verdict::NotFound);
+    assert_eq!(verdict(&[&open], &[0, 1, 2], Expectation::Maximum { maximum_at: 1 }).0, Verdict::CannotBeTold);
+    assert_eq!(verdict(&[&open], &[0, 1, 2], Expectation::Maximum { maximum_at: 0 }).0, Verdict::NotFound);
 }
 
 #[test]
 fn nearness_is_relative_and_told_in_per_cent() {
     let peaks = [Some(1.01), Some(1.0)];
-    let within = |tolerance| Expectation::Within { tolerance, of: 1 };
+    let within = |tolerance| Expectation::Within { within: Positive(tolerance), of: 1 };
     let (found, figures) = verdict(&[&peaks], &[0, 1], within(0.011));
     assert_eq!((found, figures[0].as_str()), (Verdict::Found, "s0: m0 1.01 (1 %), m1 1"));
     assert_eq!(verdict(&[&peaks], &[0, 1], within(0.009)).0, Verdict::NotFound);
     // proportional curves: the area between them has the same share
-    let curve = |tolerance| Expectation::CurveWithin { tolerance, of: 1 };
+    let curve = |tolerance| Expectation::Curve { curve_within: Positive(tolerance), of: 1 };
     assert_eq!(verdict(&[&peaks], &[0], curve(0.0101)).0, Verdict::Found);
     assert_eq!(verdict(&[&peaks], &[0], curve(0.0099)).0, Verdict::NotFound);
     assert_eq!(verdict(&[&[FAILED, Some(1.0)]], &[0], curve(1.0)).0, Verdict::CannotBeTold);
@@ -120,10 +121,11 @@ fn nearness_is_relative_and_told_in_per_cent() {
 #[test]
 fn series_are_compared_member_by_member() {
     let [low, high] = [[Some(2.0), Some(2.0)], [Some(1.0), Some(3.0)]];
-    assert_eq!(verdict(&[&low, &high], &[0], Expectation::Above(1)).0, Verdict::Found);
-    assert_eq!(verdict(&[&low, &high], &[0, 1], Expectation::Above(1)).0, Verdict::NotFound);
-    assert_eq!(verdict(&[&low, &high], &[1], Expectation::Below(1)).0, Verdict::Found);
-    let over = |less_than| Expectation::OverSeries { series: 1, greater_than: Some(0.5), less_than: Some(less_than) };
+    assert_eq!(verdict(&[&low, &high], &[0], Expectation::Above { above: 1 }).0, Verdict::Found);
+    assert_eq!(verdict(&[&low, &high], &[0, 1], Expectation::Above { above: 1 }).0, Verdict::NotFound);
+    assert_eq!(verdict(&[&low, &high], &[1], Expectation::Below { below: 1 }).0, Verdict::Found);
+    let over =
+        |less_than| Expectation::OverSeries { over_series: 1, greater_than: Some(0.5), less_than: Some(less_than) };
     assert_eq!(verdict(&[&low, &high], &[0, 1], over(2.1)).0, Verdict::Found);
     assert_eq!(verdict(&[&low, &high], &[0, 1], over(1.9)).0, Verdict::NotFound);
 }
@@ -131,7 +133,7 @@ fn series_are_compared_member_by_member() {
 #[test]
 fn ratios_bounds_and_ends() {
     let peaks = [Some(2.0), Some(3.0), FAILED];
-    let ratio = |to| Expectation::Ratio { of: 1, to, greater_than: Some(1.4), less_than: Some(1.6) };
+    let ratio = |to| Expectation::Ratio { ratio_of: 1, to, greater_than: Some(1.4), less_than: Some(1.6) };
     let (found, figures) = verdict(&[&peaks], &[0, 1], ratio(0));
     assert_eq!((found, figures[0].as_str()), (Verdict::Found, "s0: m1 / m0 = 1.5"));
     assert_eq!(verdict(&[&peaks], &[0, 1], ratio(1)).0, Verdict::NotFound);
@@ -139,9 +141,9 @@ fn ratios_bounds_and_ends() {
     let bounds = Expectation::Bounds { greater_than: Some(2.0), less_than: None };
     assert_eq!(verdict(&[&peaks], &[1], bounds.clone()).0, Verdict::Found);
     assert_eq!(verdict(&[&peaks], &[0], bounds).0, Verdict::NotFound);
-    assert_eq!(verdict(&[&peaks], &[0, 1], Expectation::Done(true)).0, Verdict::Found);
-    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Done(true)).0, Verdict::NotFound);
-    assert_eq!(verdict(&[&peaks], &[2], Expectation::Done(false)).0, Verdict::Found);
+    assert_eq!(verdict(&[&peaks], &[0, 1], Expectation::Done { done: true }).0, Verdict::Found);
+    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Done { done: true }).0, Verdict::NotFound);
+    assert_eq!(verdict(&[&peaks], &[2], Expectation::Done { done: false }).0, Verdict::Found);
 }
 
 #[test]

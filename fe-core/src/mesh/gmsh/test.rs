@@ -143,7 +143,7 @@ fn both_versions_give_the_same_mesh() {
         // Line 2–5 runs upwards: the quadrilateral is on its left.
         assert_eq!(mesh.edge_set("seam"), Some(&[edge(0, 1)][..]));
         assert_eq!(mesh.edge_set_names().collect::<Vec<_>>(), ["bottom", "seam"]);
-        assert_eq!(mesh.free_nodes(), []);
+        assert_eq!(mesh.free_nodes(), [0; 0]);
     }
 }
 

@@ -1,13 +1,12 @@
 use super::*;
 use crate::element::ElementKind::{self, *};
 use crate::kinematics::PlaneModel::PlaneStrain;
-use crate::mesh::specimen::{BodyChoice, PerpendicularFibre, TwoBlocks, perpendicular_fibre, two_blocks};
+use crate::mesh::specimen::{PerpendicularFibre, TwoBlocks, perpendicular_fibre, two_blocks};
 use crate::mesh::{ElementDefinition, MeshDefinition, Part};
 
 /// Two blocks 1 mm high and wide upon each other.
 fn blocks(kind: ElementKind) -> Mesh {
-    let body = BodyChoice::new(kind, PlaneStrain, 1.0);
-    let parameters = TwoBlocks { width: 1.0, heights: [1.0; 2], edges: [4, 3], rows: [2; 2], bodies: [body; 2] };
+    let parameters = TwoBlocks { width: 1.0, heights: [1.0; 2], edges: [4, 3], rows: [2; 2], elements: [kind; 2] };
     Mesh::new(two_blocks(&parameters).unwrap()).unwrap()
 }
 

@@ -1,7 +1,8 @@
 //! Two bodies whose contact is known.
 
 use super::requirement::Requirements;
-use super::{BodyChoice, SpecimenError, positions, uniform};
+use super::{SpecimenError, body, positions, uniform};
+use crate::element::ElementKind;
 use crate::mesh::MeshDefinition;
 use crate::mesh::structured::{Block, Grading, Grid, Side, capped_through};
 
@@ -16,8 +17,8 @@ pub struct TwoBlocks {
     pub edges: [usize; 2],
     /// Rows of cells of the lower and the upper one.
     pub rows: [usize; 2],
-    /// The lower and the upper one.
-    pub bodies: [BodyChoice; 2],
+    /// Elements of the lower and the upper one.
+    pub elements: [ElementKind; 2],
 }
 
 /// Two rectangles 0 ≤ x ≤ width, the lower one below y = 0, for contact patch tests.
@@ -25,7 +26,7 @@ pub struct TwoBlocks {
 /// Parts `lower`, `upper`; node sets `bottom`, `top`, `lower_left`, `lower_right`, `upper_left`, `upper_right`; edge
 /// sets `lower_contact`, `upper_contact`, `top`.
 pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenError> {
-    let TwoBlocks { width, heights, edges, rows, bodies } = *parameters;
+    let TwoBlocks { width, heights, edges, rows, elements } = *parameters;
     let mut required = Requirements::default();
     required.positive([("width", width)]);
     required.positive(heights.map(|height| ("heights", height)));
@@ -38,10 +39,10 @@ pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenErro
     for (index, name) in ["lower", "upper"].into_iter().enumerate() {
         let x = uniform(width, edges[index], "edges of a block")?;
         let y = uniform(heights[index], rows[index], "rows of a block")?;
-        let part = mesh.add_part(bodies[index].part(name));
+        let part = mesh.add_part(body(name));
         let shift = if index == 0 { -heights[0] } else { 0.0 };
         let map = |[x, y]: [f64; 2]| [x, y + shift];
-        grids.push(mesh.block(&Block::new(part, bodies[index].kind, &x, &y).mapped(&map))?);
+        grids.push(mesh.block(&Block::new(part, elements[index], &x, &y).mapped(&map))?);
     }
     mesh.node_set("bottom", grids[0].side_nodes(Side::Bottom));
     mesh.node_set("top", grids[1].side_nodes(Side::Top));
@@ -72,8 +73,8 @@ pub struct CylinderOnPlane {
     pub contact_edges: usize,
     /// Each size over the one before it, away from the contact.
     pub growth: f64,
-    /// Cylinder and base.
-    pub bodies: [BodyChoice; 2],
+    /// Kind of the elements.
+    pub element: ElementKind,
 }
 
 /// A cylinder on a plane, for Hertz's solution. They touch at the origin; the base is below y = 0. Node pairs lie above
@@ -82,7 +83,7 @@ pub struct CylinderOnPlane {
 /// Parts `cylinder`, `base`; node sets `symmetry` (x = 0 of both), `top`, `bottom`, `base_side`; edge sets
 /// `cylinder_contact` (the arc), `base_contact`, `top`.
 pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition, SpecimenError> {
-    let CylinderOnPlane { radius, half_width, height, depth, contact_zone, contact_edges, growth, bodies } =
+    let CylinderOnPlane { radius, half_width, height, depth, contact_zone, contact_edges, growth, element } =
         *parameters;
     let mut required = Requirements::default();
     required.positive([("radius", radius), ("half_width", half_width), ("height", height), ("depth", depth)]);
@@ -120,9 +121,9 @@ pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition,
     let map = |[x, s]: [f64; 2]| [x, arc(x) + s / height * (height - arc(x))];
 
     let mut mesh = MeshDefinition::default();
-    let parts = [mesh.add_part(bodies[0].part("cylinder")), mesh.add_part(bodies[1].part("base"))];
-    let cylinder = mesh.block(&Block::new(parts[0], bodies[0].kind, &x, &upwards).mapped(&map))?;
-    let base = mesh.block(&Block::new(parts[1], bodies[1].kind, &x, &y))?;
+    let parts = ["cylinder", "base"].map(|name| mesh.add_part(body(name)));
+    let cylinder = mesh.block(&Block::new(parts[0], element, &x, &upwards).mapped(&map))?;
+    let base = mesh.block(&Block::new(parts[1], element, &x, &y))?;
     mesh.node_set("symmetry", cylinder.side_nodes(Side::Left));
     mesh.node_set("symmetry", base.side_nodes(Side::Left));
     mesh.node_set("top", cylinder.side_nodes(Side::Top));
@@ -157,13 +158,12 @@ pub struct DragOutStrip {
     pub block_size: f64,
     /// Each size over the one before it, away from the strip.
     pub growth: f64,
-    /// Strip and block.
-    pub bodies: [BodyChoice; 2],
+    /// Kind of the elements.
+    pub element: ElementKind,
 }
 
-impl DragOutStrip {
-    /// 12 × 0.25 and 10 × 5 mm in cells of about 0.125 mm along the strip.
-    pub fn new(bodies: [BodyChoice; 2]) -> Self {
+impl Default for DragOutStrip {
+    fn default() -> Self {
         Self {
             strip_length: 12.0,
             strip_height: 0.25,
@@ -175,7 +175,7 @@ impl DragOutStrip {
             block_edges: 80,
             block_size: 0.125,
             growth: 1.2,
-            bodies,
+            element: ElementKind::Q4,
         }
     }
 }
@@ -212,16 +212,15 @@ pub fn drag_out_strip(parameters: &DragOutStrip) -> Result<MeshDefinition, Speci
     required.check()?;
 
     let mut mesh = MeshDefinition::default();
-    let [strip_body, block_body] = parameters.bodies;
-    let parts = [mesh.add_part(strip_body.part("strip")), mesh.add_part(block_body.part("block"))];
+    let parts = ["strip", "block"].map(|name| mesh.add_part(body(name)));
     let x = uniform(strip_length, parameters.strip_edges, "strip_edges")?;
     let y = uniform(strip_height, parameters.strip_rows, "strip_rows")?;
-    let strip = mesh.block(&Block::new(parts[0], strip_body.kind, &x, &y))?;
+    let strip = mesh.block(&Block::new(parts[0], parameters.element, &x, &y))?;
     let x = uniform(block_length, parameters.block_edges, "block_edges")?;
     let graded = Grading::Capped { first: parameters.block_size, growth, largest: block_height };
     let y = positions(block_height, graded, "block_size")?;
     let map = |[x, y]: [f64; 2]| [block_start + x, strip_height + y];
-    let block = mesh.block(&Block::new(parts[1], block_body.kind, &x, &y).mapped(&map))?;
+    let block = mesh.block(&Block::new(parts[1], parameters.element, &x, &y).mapped(&map))?;
     name_drag_out_sets(&mut mesh, &strip, &block);
     Ok(mesh)
 }

@@ -1,7 +1,8 @@
 //! A fibre that lies on a curved channel.
 
 use super::requirement::Requirements;
-use super::{BodyChoice, SpecimenError, uniform};
+use super::{SpecimenError, body, uniform};
+use crate::element::ElementKind;
 use crate::mesh::MeshDefinition;
 use crate::mesh::structured::{Block, Side};
 
@@ -24,8 +25,8 @@ pub struct CurvedChannel {
     pub free_edges: usize,
     /// Cells across the fibre.
     pub rows: usize,
-    /// Fibre and channel.
-    pub bodies: [BodyChoice; 2],
+    /// Kind of the elements.
+    pub element: ElementKind,
 }
 
 /// A channel about the origin between the angles 0 and `angle` from the x axis, and a fibre on it without stress. The fibre
@@ -34,7 +35,7 @@ pub struct CurvedChannel {
 /// Parts `fibre`, `channel`; node sets `grip`, `tail` (the fibre's ends); edge sets `fibre_contact`, `channel_contact`,
 /// `tail`.
 pub fn curved_channel(parameters: &CurvedChannel) -> Result<MeshDefinition, SpecimenError> {
-    let CurvedChannel { radius, angle, fibre_height, free_length, depth, edges, free_edges, rows, bodies } =
+    let CurvedChannel { radius, angle, fibre_height, free_length, depth, edges, free_edges, rows, element } =
         *parameters;
     let mut required = Requirements::default();
     required.positive([
@@ -67,9 +68,9 @@ pub fn curved_channel(parameters: &CurvedChannel) -> Result<MeshDefinition, Spec
     let under = |[s, height]: [f64; 2]| map([s, height - depth]);
 
     let mut mesh = MeshDefinition::default();
-    let parts = [mesh.add_part(bodies[0].part("fibre")), mesh.add_part(bodies[1].part("channel"))];
-    let fibre = mesh.block(&Block::new(parts[0], bodies[0].kind, &along, &across).mapped(&map))?;
-    let channel = mesh.block(&Block::new(parts[1], bodies[1].kind, &around, &below).mapped(&under))?;
+    let parts = ["fibre", "channel"].map(|name| mesh.add_part(body(name)));
+    let fibre = mesh.block(&Block::new(parts[0], element, &along, &across).mapped(&map))?;
+    let channel = mesh.block(&Block::new(parts[1], element, &around, &below).mapped(&under))?;
     mesh.node_set("grip", fibre.side_nodes(Side::Right));
     mesh.node_set("tail", fibre.side_nodes(Side::Left));
     mesh.edge_set("tail", fibre.side_edges(Side::Left));

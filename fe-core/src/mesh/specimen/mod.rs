@@ -19,13 +19,12 @@ pub use bodies_in_contact::*;
 pub use curved_channel::{CurvedChannel, curved_channel};
 pub use fibres::{FINE_DIAMETERS, Fibre, Fibres, FibresMesh, Segment, fibres};
 pub use one_body::*;
-pub use perpendicular_fibre::{Configuration, FibreMesh, PartMesh, PerpendicularFibre, perpendicular_fibre};
+pub use perpendicular_fibre::{Configuration, FibreMesh, PerpendicularFibre, perpendicular_fibre};
 pub use requirement::{ParameterProblem, SpecimenError};
 pub use thickness::GradedThickness;
 
 use super::structured::Grading;
 use super::{MeshDefinition, Part};
-use crate::element::{ElementKind, Integration};
 use crate::kinematics::PlaneModel;
 
 /// Two edge sets in contact.
@@ -116,26 +115,7 @@ fn contact_width(diameter: f64) -> f64 {
     0.5 * std::f64::consts::PI * diameter
 }
 
-/// Elements, model and thickness of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyChoice {
-    /// The kind of its elements.
-    pub kind: ElementKind,
-    /// Assumption about the third direction.
-    pub model: PlaneModel,
-    /// Thickness, mm; unused in axial symmetry.
-    pub thickness: f64,
-    /// The integration of its elements; `None`: the kind's default.
-    pub integration: Option<Integration>,
-}
-
-impl BodyChoice {
-    /// Makes a body choice with the kind's default integration.
-    pub fn new(kind: ElementKind, model: PlaneModel, thickness: f64) -> Self {
-        Self { kind, model, thickness, integration: None }
-    }
-
-    fn part(self, name: &str) -> Part {
-        Part { integration: self.integration, ..Part::new(name, self.model, self.thickness) }
-    }
+/// A body in plane strain of thickness 1: who knows more of it changes its part.
+fn body(name: &str) -> Part {
+    Part::new(name, PlaneModel::PlaneStrain, 1.0)
 }

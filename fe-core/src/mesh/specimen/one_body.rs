@@ -3,11 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::requirement::Requirements;
-use super::{BodyChoice, SpecimenError, positions, uniform};
+use super::{SpecimenError, body, positions, uniform};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
-use crate::mesh::MeshDefinition;
 use crate::mesh::structured::{Block, Grading, Side};
+use crate::mesh::{MeshDefinition, Part};
 
 /// A quarter of a plate with a hole in its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,15 +22,15 @@ pub struct PlateWithHole {
     pub cells: usize,
     /// Size at the outside over size at the hole.
     pub grading: f64,
-    /// The plate.
-    pub body: BodyChoice,
+    /// Kind of the elements.
+    pub element: ElementKind,
 }
 
 /// The quarter 0 ≤ x ≤ width, 0 ≤ y ≤ height of a plate whose hole is about the origin.
 ///
 /// Node and edge sets `symmetry_x` (x = 0), `symmetry_y` (y = 0), `right`, `top`, `hole`; part `plate`.
 pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, SpecimenError> {
-    let PlateWithHole { width, height, radius, cells, grading, body } = *parameters;
+    let PlateWithHole { width, height, radius, cells, grading, element } = *parameters;
     let mut required = Requirements::default();
     required.positive([("width", width), ("height", height), ("radius", radius), ("grading", grading)]);
     required.that(
@@ -59,10 +59,10 @@ pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, Spe
         [if t == 1.0 { 0.0 } else { x }, y]
     };
     let mut mesh = MeshDefinition::default();
-    let part = mesh.add_part(body.part("plate"));
-    let first = mesh.block(&Block::new(part, body.kind, &outwards, &around).mapped(&lower))?;
-    let second = mesh
-        .glued_block(&Block::new(part, body.kind, &outwards, &around).mapped(&upper), &first.side_nodes(Side::Top))?;
+    let part = mesh.add_part(body("plate"));
+    let first = mesh.block(&Block::new(part, element, &outwards, &around).mapped(&lower))?;
+    let second =
+        mesh.glued_block(&Block::new(part, element, &outwards, &around).mapped(&upper), &first.side_nodes(Side::Top))?;
     for (name, sides) in [
         ("symmetry_y", vec![(&first, Side::Bottom)]),
         ("right", vec![(&first, Side::Right)]),
@@ -91,10 +91,6 @@ pub enum CylinderSection {
     /// A quarter of its cross-section about the origin. Sets `inner`, `outer`, `symmetry_y` (y = 0), `symmetry_x`
     /// (x = 0).
     Quarter {
-        /// Plane strain or plane stress.
-        model: PlaneModel,
-        /// Thickness.
-        thickness: f64,
         /// Cells around.
         cells: usize,
     },
@@ -113,13 +109,13 @@ pub struct ThickCylinder {
     pub grading: f64,
     /// Section that is meshed.
     pub section: CylinderSection,
-    /// Elements.
-    pub kind: ElementKind,
+    /// Kind of the elements.
+    pub element: ElementKind,
 }
 
 /// A thick cylinder, for Lamé's solution; node and edge sets of [`CylinderSection`], part `cylinder`.
 pub fn thick_cylinder(parameters: &ThickCylinder) -> Result<MeshDefinition, SpecimenError> {
-    let ThickCylinder { inner_radius, outer_radius, radial_cells, grading, section, kind } = *parameters;
+    let ThickCylinder { inner_radius, outer_radius, radial_cells, grading, section, element } = *parameters;
     let mut required = Requirements::default();
     required.positive([("inner_radius", inner_radius), ("grading", grading)]);
     required.that(
@@ -129,16 +125,12 @@ pub fn thick_cylinder(parameters: &ThickCylinder) -> Result<MeshDefinition, Spec
         format!("more than the inner_radius {inner_radius}"),
     );
     required.count([("radial_cells", radial_cells)]);
-    let (length, cells, body) = match section {
+    let (length, cells, part) = match section {
         CylinderSection::Axisymmetric { height, cells } => {
             required.positive([("height", height)]);
-            (height, cells, BodyChoice::new(kind, PlaneModel::Axisymmetric, 1.0))
+            (height, cells, Part::new("cylinder", PlaneModel::Axisymmetric, 1.0))
         }
-        CylinderSection::Quarter { model, thickness, cells } => {
-            required.positive([("thickness", thickness)]);
-            required.that(model != PlaneModel::Axisymmetric, "model", "axisymmetric", "plane in a cross-section");
-            (FRAC_PI_2, cells, BodyChoice::new(kind, model, thickness))
-        }
+        CylinderSection::Quarter { cells } => (FRAC_PI_2, cells, body("cylinder")),
     };
     required.count([("cells", cells)]);
     required.check()?;
@@ -156,12 +148,12 @@ pub fn thick_cylinder(parameters: &ThickCylinder) -> Result<MeshDefinition, Spec
         CylinderSection::Axisymmetric { .. } => (&straight, ["bottom", "outer", "top", "inner"]),
         CylinderSection::Quarter { .. } => (&round, ["symmetry_y", "outer", "symmetry_x", "inner"]),
     };
-    one_block("cylinder", body, [&radii, &along], map, names)
+    one_block(part, element, [&radii, &along], map, names)
 }
 
 /// Cook's membrane: (0, 0), (48, 44), (48, 60), (0, 44) in `cells` × `cells` cells; node and edge sets `left` (held),
 /// `right` (loaded), `bottom`, `top`; part `membrane`.
-pub fn cook_membrane(cells: usize, body: BodyChoice) -> Result<MeshDefinition, SpecimenError> {
+pub fn cook_membrane(cells: usize, element: ElementKind) -> Result<MeshDefinition, SpecimenError> {
     let mut required = Requirements::default();
     required.count([("cells", cells)]);
     required.check()?;
@@ -170,7 +162,7 @@ pub fn cook_membrane(cells: usize, body: BodyChoice) -> Result<MeshDefinition, S
         let (bottom, top) = (44.0 * s, 44.0 + 16.0 * s);
         [48.0 * s, bottom + t * (top - bottom)]
     };
-    one_block("membrane", body, [&line, &line], &map, ["bottom", "right", "top", "left"])
+    one_block(body("membrane"), element, [&line, &line], &map, ["bottom", "right", "top", "left"])
 }
 
 /// A beam: 0 ≤ x ≤ length, −height/2 ≤ y ≤ height/2.
@@ -182,14 +174,14 @@ pub struct TimoshenkoBeam {
     pub height: f64,
     /// Cells along it and across it.
     pub cells: [usize; 2],
-    /// The beam.
-    pub body: BodyChoice,
+    /// Kind of the elements.
+    pub element: ElementKind,
 }
 
 /// A rectangle for Timoshenko's beam and for patch tests; node and edge sets `left`, `right`, `bottom`, `top`; part
 /// `beam`.
 pub fn timoshenko_beam(parameters: &TimoshenkoBeam) -> Result<MeshDefinition, SpecimenError> {
-    let TimoshenkoBeam { length, height, cells, body } = *parameters;
+    let TimoshenkoBeam { length, height, cells, element } = *parameters;
     let mut required = Requirements::default();
     required.positive([("length", length), ("height", height)]);
     required.count(cells.map(|count| ("cells", count)));
@@ -197,20 +189,20 @@ pub fn timoshenko_beam(parameters: &TimoshenkoBeam) -> Result<MeshDefinition, Sp
     let along = uniform(length, cells[0], "cells along the beam")?;
     let across = uniform(height, cells[1], "cells across the beam")?;
     let map = |[x, y]: [f64; 2]| [x, y - 0.5 * height];
-    one_block("beam", body, [&along, &across], &map, ["bottom", "right", "top", "left"])
+    one_block(body("beam"), element, [&along, &across], &map, ["bottom", "right", "top", "left"])
 }
 
 /// A single block whose sides are named, from the bottom counter-clockwise.
 fn one_block(
-    part: &str,
-    body: BodyChoice,
+    part: Part,
+    element: ElementKind,
     lines: [&[f64]; 2],
     map: &dyn Fn([f64; 2]) -> [f64; 2],
     names: [&str; 4],
 ) -> Result<MeshDefinition, SpecimenError> {
     let mut mesh = MeshDefinition::default();
-    let part = mesh.add_part(body.part(part));
-    let grid = mesh.block(&Block::new(part, body.kind, lines[0], lines[1]).mapped(map))?;
+    let part = mesh.add_part(part);
+    let grid = mesh.block(&Block::new(part, element, lines[0], lines[1]).mapped(map))?;
     for (name, side) in std::iter::zip(names, [Side::Bottom, Side::Right, Side::Top, Side::Left]) {
         mesh.node_set(name, grid.side_nodes(side));
         mesh.edge_set(name, grid.side_edges(side));

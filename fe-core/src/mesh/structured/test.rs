@@ -161,7 +161,7 @@ fn cells_can_be_left_out() {
         let mesh = Mesh::new(mesh).unwrap();
         assert_eq!(mesh.boundary_loops().len(), 2);
         assert!(mesh.edge_set("hole").unwrap().iter().all(|&edge| mesh.neighbour(edge).is_none()));
-        assert_eq!(mesh.free_nodes(), []);
+        assert_eq!(mesh.free_nodes(), [0; 0]);
     }
 }
 

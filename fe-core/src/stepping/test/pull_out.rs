@@ -73,7 +73,7 @@ pub(super) fn fibre(
     let support = |name: &str, nodes, direction, drive| Support { name: name.into(), nodes, direction, drive };
     let mut supports = vec![support("grip", set("grip"), [0.0, 1.0], Some(0))];
     match configuration {
-        Configuration::Plane { .. } => {
+        Configuration::Plane => {
             supports.push(support("grip across", set("grip"), [1.0, 0.0], None));
             for direction in [[1.0, 0.0], [0.0, 1.0]] {
                 supports.push(support("sides", set("sides"), direction, None));
@@ -145,7 +145,7 @@ fn mortar() -> PluginLaw {
 /// πφL times the greatest bond bounds the load; the work is that of the bond; nothing is left at the end.
 #[test]
 fn a_fibre_is_pulled_out_to_the_last_and_its_energy_is_accounted_for() {
-    for (configuration, nlgeom) in [(Configuration::PLANE, false), (Configuration::PLANE, true), (AXISYMMETRIC, false)]
+    for (configuration, nlgeom) in [(Configuration::Plane, false), (Configuration::Plane, true), (AXISYMMETRIC, false)]
     {
         let mut model = fibre(configuration, [steel(), mortar()], &bond(0.0), 3.2, AUTOMATIC);
         model.nlgeom.fill(nlgeom);
@@ -165,7 +165,7 @@ fn a_fibre_is_pulled_out_to_the_last_and_its_energy_is_accounted_for() {
 /// A bond that sticks gives back what it took; one that slid keeps it.
 #[test]
 fn the_energy_of_interfaces_is_what_can_be_had_back_and_what_cannot() {
-    let mut model = fibre(Configuration::PLANE, [steel(), mortar()], &bond(0.0), 1e-4, AUTOMATIC);
+    let mut model = fibre(Configuration::Plane, [steel(), mortar()], &bond(0.0), 1e-4, AUTOMATIC);
     let (records, _) = run(&model);
     let last = records.last().unwrap().energies;
     assert!(last.interface > 0.0 && (last.interface_stored / last.interface - 1.0).abs() < 1e-6, "{last:?}");
@@ -187,7 +187,7 @@ fn the_energy_of_interfaces_is_what_can_be_had_back_and_what_cannot() {
 /// K δ against central differences of the residual, of the whole system, where points stick, harden, soften, rub.
 #[test]
 fn the_system_s_tangent_is_the_derivative_of_its_forces() {
-    for (configuration, nlgeom) in [(Configuration::PLANE, false), (Configuration::PLANE, true), (AXISYMMETRIC, false)]
+    for (configuration, nlgeom) in [(Configuration::Plane, false), (Configuration::Plane, true), (AXISYMMETRIC, false)]
     {
         for friction in [0.0, 0.3] {
             for slip in [0.002, 0.012, 0.2] {
@@ -270,7 +270,7 @@ fn newton_converges_quadratically_in_every_state() {
         ("cracking concrete_damage", [steel(), brittle], 0.02),
     ] {
         let fixed = StepControl::Fixed { increments: 5 };
-        let mut model = fibre(Configuration::PLANE, laws, &bond(0.1), slip, fixed);
+        let mut model = fibre(Configuration::Plane, laws, &bond(0.1), slip, fixed);
         model.skipping = Skipping::NONE;
         model.controls.force_tolerance = 1e-9;
         model.controls.locate_peak = false;
@@ -287,7 +287,7 @@ fn newton_converges_quadratically_in_every_state() {
 /// An attempt that diverges has forces of any size. It does not make the tolerance of the next one coarser.
 #[test]
 fn attempts_that_are_given_up_leave_the_tolerance_as_it_was() {
-    let model = fibre(Configuration::PLANE, [steel(), mortar()], &bond(0.1), 0.1, AUTOMATIC);
+    let model = fibre(Configuration::Plane, [steel(), mortar()], &bond(0.1), 0.1, AUTOMATIC);
     let mut analysis = Analysis::new(&model).unwrap();
     let start = analysis.present.committed.clone();
     let equilibrium = &mut analysis.equilibrium;
@@ -306,7 +306,7 @@ fn attempts_that_are_given_up_leave_the_tolerance_as_it_was() {
 fn skipping_gives_the_same_curve() {
     let concrete = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15)]);
     let mut model =
-        fibre(Configuration::PLANE, [steel(), concrete], &bond(0.1), 0.3, StepControl::Fixed { increments: 60 });
+        fibre(Configuration::Plane, [steel(), concrete], &bond(0.1), 0.3, StepControl::Fixed { increments: 60 });
     let (with, all) = run(&model);
     model.skipping = Skipping::NONE;
     let (without, none) = run(&model);
@@ -345,7 +345,7 @@ fn fields_tell_what_elements_do() {
     // cracks at a third of a megapascal
     let concrete = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15), ("Y_t0", 2e-6)]);
     let control = StepControl::Fixed { increments: 20 };
-    let model = fibre(Configuration::PLANE, [steel(), concrete], &bond(0.1), 0.02, control);
+    let model = fibre(Configuration::Plane, [steel(), concrete], &bond(0.1), 0.02, control);
     let mut check = ActivityCheck { increments: 0, condensed: 0, damaged: 0 };
     Analysis::new(&model).unwrap().run(&mut check).unwrap();
     let ActivityCheck { increments, condensed, damaged } = check;
@@ -355,7 +355,7 @@ fn fields_tell_what_elements_do() {
 /// The virgin model has its equations whatever is condensed.
 #[test]
 fn condensed_models_have_fewer_rows() {
-    let model = fibre(Configuration::PLANE, [steel(), mortar()], &bond(0.1), 0.1, AUTOMATIC);
+    let model = fibre(Configuration::Plane, [steel(), mortar()], &bond(0.1), 0.1, AUTOMATIC);
     let equations = Equations::new(&model).unwrap();
     let count = equations.count();
     let equilibrium = Equilibrium::new(&model, equations).unwrap();

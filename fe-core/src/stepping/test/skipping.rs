@@ -1,7 +1,7 @@
 //! Skipping changes no load curve by more than the solver's tolerance: a plate with a hole in plastic flow.
 
 use super::*;
-use crate::mesh::specimen::{BodyChoice, PlateWithHole, plate_with_hole};
+use crate::mesh::specimen::{PlateWithHole, plate_with_hole};
 
 /// Residuals relative to the force scale.
 const FORCE_TOLERANCE: f64 = 1e-9;
@@ -18,7 +18,7 @@ pub(super) fn plate(cells: usize, nlgeom: bool) -> Model {
         radius: 1.0,
         cells,
         grading: 10.0,
-        body: BodyChoice::new(ElementKind::Q8, PlaneModel::PlaneStrain, 1.0),
+        element: ElementKind::Q8,
     });
     model.mesh = Mesh::new(mesh.unwrap()).unwrap();
     let support = |set: &str, direction, drive| {

@@ -205,7 +205,7 @@ fn drag_leads_to_the_equilibrium_beyond_the_turn() {
     // a soft fibre stores much; beyond 0.02 mm its bond falls with the square of the slip
     let bond = bond_with(&[("a_2", 8e-4), ("b_2", -2.0)]);
     let control = StepControl::Automatic { initial: 1e-3, maximum: 0.05, minimum: 1e-9 };
-    let mut model = fibre(Configuration::PLANE, [elastic(500.0, 0.3), elastic(23.7e3, 0.15)], &bond, 0.6, control);
+    let mut model = fibre(Configuration::Plane, [elastic(500.0, 0.3), elastic(23.7e3, 0.15)], &bond, 0.6, control);
     let (path, _) = run(&model);
     let turn = path.windows(2).find(|pair| pair[1].slip < pair[0].slip).expect("a turn")[0].slip;
     let after = path.windows(2).rposition(|pair| pair[1].slip < pair[0].slip).expect("a turn");

@@ -99,13 +99,13 @@ fn what_holds_on_to_nothing_is_loose() {
     let mut model = torn_bar();
     // eight elements, four in a row: elements 3 and 7 are at the grip
     let loose = |model: &Model, gone: &[usize]| Analysis::new(model).unwrap().loose(|element| gone.contains(&element));
-    assert_eq!(loose(&model, &[2, 7]), [], "the grip holds element 3");
-    assert_eq!(loose(&model, &[5]), [], "all others hang together");
+    assert_eq!(loose(&model, &[2, 7]), [0; 0], "the grip holds element 3");
+    assert_eq!(loose(&model, &[5]), [0; 0], "all others hang together");
     assert_eq!(loose(&model, &[1, 6, 3]), [2], "0, 4 and 5 are the greater piece, the grip holds 7");
     model.supports.retain(|support| support.name != "grip");
     (model.measured.supports, model.drives) = (Vec::new(), Vec::new());
     (model.measured.slip, model.steps, model.controls.spalling) = (Vec::new(), Vec::new(), None);
     assert_eq!(loose(&model, &[2, 7]), [3], "an edge holds it, not a corner");
     assert_eq!(loose(&model, &[2, 3, 5]), [6, 7], "less than 0, 1 and 4");
-    assert_eq!(loose(&model, &[1, 5, 6]), [], "the root holds what is less");
+    assert_eq!(loose(&model, &[1, 5, 6]), [0; 0], "the root holds what is less");
 }

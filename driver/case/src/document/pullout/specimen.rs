@@ -1,6 +1,7 @@
 //! Meshes: specimens by their parameters, or a file.
 
 use super::super::{Piece, Positive, Whole};
+use fe_core::element::ElementKind;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -63,19 +64,6 @@ pub enum Specimen {
     CurvedChannel(CurvedChannel),
 }
 
-/// Kind of elements.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-pub enum ElementName {
-    /// Triangles of 3 nodes.
-    T3,
-    /// Triangles of 6 nodes.
-    T6,
-    /// Quadrilaterals of 4 nodes.
-    Q4,
-    /// Quadrilaterals of 8 nodes.
-    Q8,
-}
-
 /// A fibre perpendicular to the face that it is pulled out of. The defaults are the specimen of chapters 6 and 7.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -106,9 +94,9 @@ pub struct PerpendicularFibre {
     #[schemars(range(min = 0.0))]
     pub tail_gap: Option<f64>,
     /// Elements of the fibre (default Q8).
-    pub fibre_element: Option<ElementName>,
+    pub fibre_element: Option<ElementKind>,
     /// Elements of the matrix (default Q8).
-    pub matrix_element: Option<ElementName>,
+    pub matrix_element: Option<ElementKind>,
     /// Elements of the fibre along its embedded length (default 40).
     pub embedded_elements: Option<Elements>,
     /// Size at the exit face (default 0.15).
@@ -163,9 +151,9 @@ pub struct InclinedFibre {
     /// (6.27; default 0).
     pub separation_length: Option<SeparationLength>,
     /// Elements of the fibre (default Q8).
-    pub fibre_element: Option<ElementName>,
+    pub fibre_element: Option<ElementKind>,
     /// Elements of the matrix, T6 or T3 (default T6).
-    pub matrix_element: Option<ElementName>,
+    pub matrix_element: Option<ElementKind>,
     /// Factor on all sizes (default 1).
     pub mesh_size: Option<Positive>,
     /// Elements across the fibre (default 2).
@@ -205,9 +193,9 @@ pub struct Fibres {
     /// depth), as a cone around each fibre would be (default: the same thickness everywhere).
     pub graded_thickness: Option<GradedThickness>,
     /// Elements of the fibres (default Q8).
-    pub fibre_element: Option<ElementName>,
+    pub fibre_element: Option<ElementKind>,
     /// Elements of the matrix, T6 or T3 (default T6).
-    pub matrix_element: Option<ElementName>,
+    pub matrix_element: Option<ElementKind>,
     /// Factor on all sizes (default 1).
     pub mesh_size: Option<Positive>,
     /// Elements across each fibre (default 2).
@@ -355,7 +343,7 @@ pub struct PlateWithHole {
     /// Size at the outside over size at the hole (default 10).
     pub grading: Option<Positive>,
     /// Kind of elements (default Q8).
-    pub element: Option<ElementName>,
+    pub element: Option<ElementKind>,
 }
 
 /// A thick cylinder.
@@ -377,7 +365,7 @@ pub struct ThickCylinder {
     /// Size at the outer radius over size at the inner one (default 2).
     pub grading: Option<Positive>,
     /// Kind of elements (default Q8).
-    pub element: Option<ElementName>,
+    pub element: Option<ElementKind>,
 }
 
 /// Cook's membrane.
@@ -387,7 +375,7 @@ pub struct CookMembrane {
     /// Elements along each side (default 8).
     pub cells: Option<Elements>,
     /// Kind of elements (default Q8).
-    pub element: Option<ElementName>,
+    pub element: Option<ElementKind>,
 }
 
 /// A rectangle about y = 0.
@@ -401,7 +389,7 @@ pub struct Beam {
     /// Elements along x and y (default 20 and 2).
     pub cells: Option<[Elements; 2]>,
     /// Kind of elements (default Q8).
-    pub element: Option<ElementName>,
+    pub element: Option<ElementKind>,
 }
 
 /// Two rectangles upon each other; values are of the lower and the upper one.
@@ -417,7 +405,7 @@ pub struct TwoBlocks {
     /// Rows of elements (default 2 and 2).
     pub rows: Option<[Elements; 2]>,
     /// Kind of elements (default Q8).
-    pub element: Option<ElementName>,
+    pub element: Option<ElementKind>,
 }
 
 /// Half of a cylinder that is pressed onto a plane.
@@ -439,7 +427,7 @@ pub struct Hertz {
     /// Each size over the one before it (default 1.3).
     pub growth: Option<Positive>,
     /// Kind of elements (default Q8).
-    pub element: Option<ElementName>,
+    pub element: Option<ElementKind>,
 }
 
 /// A strip that is pulled out from under a block.
@@ -467,7 +455,7 @@ pub struct DragOutStrip {
     /// Each size over the one before it (default 1.2).
     pub growth: Option<Positive>,
     /// Kind of elements (default Q4).
-    pub element: Option<ElementName>,
+    pub element: Option<ElementKind>,
 }
 
 /// A fibre that lies on a curved channel, straight before and after it: a capstan.
@@ -491,5 +479,5 @@ pub struct CurvedChannel {
     /// Elements across the fibre (default 1).
     pub rows: Option<Elements>,
     /// Kind of elements (default Q8).
-    pub element: Option<ElementName>,
+    pub element: Option<ElementKind>,
 }

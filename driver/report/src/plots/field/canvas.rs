@@ -2,7 +2,8 @@
 
 use super::super::axis::Axis;
 use super::super::figure::{
-    CHARACTER, INK, LABEL_SIZE, PALETTE, TICK_SIZE, TITLE_SIZE, UNIT, centered, finish, font, pixels, wrapped,
+    Drawn, INK, LABEL_SIZE, PALETTE, Root, TICK_SIZE, UNIT, centered, draw_axes, draw_title, finish, font, left_of,
+    pixels, text_width, wrapped,
 };
 use super::super::guarded;
 use super::super::markup;
@@ -12,9 +13,6 @@ use super::levels::Levels;
 use super::view::View;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-type Root<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type Drawn<'a, T> = Result<T, Box<dyn std::error::Error + 'a>>;
 
 /// Colour of elements without a value.
 pub(super) const NO_VALUE: &str = "#d9d9d9";
@@ -61,8 +59,7 @@ impl Canvas {
         let plot = view.size();
         let x = Axis::exact(&axes[0], view.x.clone(), (plot.0 / 55).max(4) as usize);
         let y = Axis::exact(&axes[1], view.y.clone(), (plot.1 / 40).max(4) as usize);
-        let widest = y.ticks().iter().map(|&tick| y.text(tick).chars().count()).max().unwrap_or(1);
-        let left = text_width(TICK_SIZE, widest) + 40;
+        let left = left_of(&y);
         let width = 10 + left + plot.0 + side.width();
         let lines = wrapped(title, width);
         let top = 12 + 20 * lines.len() as i32 + if note.is_empty() { 0 } else { 18 };
@@ -73,7 +70,11 @@ impl Canvas {
             let layout = Layout { top, left, plot, x: &x, y: &y };
             let draw = || -> Drawn<'_, (i32, i32)> {
                 root.fill(&WHITE)?;
-                draw_title(&root, &lines, note, width)?;
+                draw_title(&root, &lines, width)?;
+                if !note.is_empty() {
+                    let place = (width / 2 * UNIT, (16 + 20 * lines.len() as i32) * UNIT);
+                    root.draw(&Text::new(note.to_owned(), place, centered(TICK_SIZE)))?;
+                }
                 let corner = layout.draw(&root)?;
                 side.draw(&root, (corner.0 + plot.0 * UNIT, corner.1), plot.1)?;
                 root.present()?;
@@ -104,22 +105,6 @@ impl Canvas {
     }
 }
 
-fn text_width(size: i32, characters: usize) -> i32 {
-    (f64::from(size) * CHARACTER * characters as f64) as i32
-}
-
-fn draw_title<'a>(root: &Root<'a>, lines: &[String], note: &str, width: i32) -> Drawn<'a, ()> {
-    for (k, line) in lines.iter().enumerate() {
-        let place = (width / 2 * UNIT, (18 + 20 * k as i32) * UNIT);
-        root.draw(&Text::new(line.clone(), place, centered(TITLE_SIZE)))?;
-    }
-    if !note.is_empty() {
-        let place = (width / 2 * UNIT, (16 + 20 * lines.len() as i32) * UNIT);
-        root.draw(&Text::new(note.to_owned(), place, centered(TICK_SIZE)))?;
-    }
-    Ok(())
-}
-
 /// The plot's place and axes.
 struct Layout<'l> {
     top: i32,
@@ -142,20 +127,7 @@ impl Layout<'_> {
             .set_label_area_size(LabelAreaPosition::Left, self.left * UNIT)
             .set_label_area_size(LabelAreaPosition::Bottom, 46 * UNIT)
             .build_cartesian_2d(x.range.clone(), y.range.clone())?;
-        chart
-            .configure_mesh()
-            .disable_mesh()
-            .axis_style(INK.stroke_width(UNIT as u32))
-            .set_all_tick_mark_size(5 * UNIT)
-            .x_labels(x.tick_count())
-            .y_labels(y.tick_count())
-            .x_label_formatter(&|value| x.text(*value))
-            .y_label_formatter(&|value| y.text(*value))
-            .label_style(font(TICK_SIZE))
-            .axis_desc_style(font(LABEL_SIZE))
-            .x_desc(x.label.clone())
-            .y_desc(y.label.clone())
-            .draw()?;
+        draw_axes(&mut chart, (x, y), false)?;
         let (across, up) = chart.plotting_area().get_pixel_range();
         let ((left, right), (top, bottom)) = ((across.start, across.end), (up.start, up.end));
         draw_outline(root, [(left, top), (right, bottom)])?;

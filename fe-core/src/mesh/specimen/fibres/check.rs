@@ -2,7 +2,6 @@
 
 use super::{Fibre, Fibres, Laid, Segment};
 use crate::element::{EdgeKind, ElementKind};
-use crate::kinematics::PlaneModel;
 use crate::mesh::specimen::SpecimenError;
 use crate::mesh::specimen::requirement::Requirements;
 
@@ -46,15 +45,11 @@ impl Fibres {
         }
         required.of(None);
         required.count([("elements_across", mesh.elements_across)]);
-        let middle = self.fibre.kind.edge_kind() == EdgeKind::Quadratic || mesh.elements_across.is_multiple_of(2);
-        let requirement = format!("even with {}: the fibre needs nodes on its axis", self.fibre.kind);
+        let middle = self.fibre_element.edge_kind() == EdgeKind::Quadratic || mesh.elements_across.is_multiple_of(2);
+        let requirement = format!("even with {}: the fibre needs nodes on its axis", self.fibre_element);
         required.that(middle, "elements_across", mesh.elements_across, requirement);
-        let triangles = matches!(self.matrix.kind, ElementKind::T3 | ElementKind::T6);
-        required.that(triangles, "matrix_element", self.matrix.kind, "T6 or T3: the block is filled with triangles");
-        for (name, model) in [("fibre_model", self.fibre_model), ("matrix_model", self.matrix_model)] {
-            let plane = model != PlaneModel::Axisymmetric;
-            required.that(plane, name, "axisymmetric", "plane stress or plane strain");
-        }
+        let triangles = matches!(self.matrix_element, ElementKind::T3 | ElementKind::T6);
+        required.that(triangles, "matrix_element", self.matrix_element, "T6 or T3: the block is filled with triangles");
         required.check()
     }
 

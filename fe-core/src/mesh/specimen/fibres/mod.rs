@@ -10,7 +10,7 @@ mod test;
 
 use std::collections::BTreeSet;
 
-use super::perpendicular_fibre::{PartMesh, fibre_thickness};
+use super::perpendicular_fibre::fibre_thickness;
 use super::thickness::{Exit, GradedThickness, Thickness};
 use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole, uniform};
 use crate::element::ElementKind;
@@ -45,14 +45,10 @@ pub struct Fibres {
     pub graded_thickness: Option<GradedThickness>,
     /// The fibres: in any order, with different names.
     pub fibres: Vec<Fibre>,
-    /// Plane stress by default: in plane strain the axial stiffness of a fibre would be 1/(1 − ν²) of the true one.
-    pub fibre_model: PlaneModel,
-    /// Plane strain by default.
-    pub matrix_model: PlaneModel,
-    /// Elements of the fibres.
-    pub fibre: PartMesh,
-    /// Elements of the matrix: T6 or T3.
-    pub matrix: PartMesh,
+    /// Kind of the fibres' elements, Q8.
+    pub fibre_element: ElementKind,
+    /// Kind of the matrix's elements, T6 or T3; T6.
+    pub matrix_element: ElementKind,
     /// Sizes.
     pub mesh: FibresMesh,
 }
@@ -125,10 +121,8 @@ impl Default for Fibres {
             cover: false,
             graded_thickness: None,
             fibres: Vec::new(),
-            fibre_model: PlaneModel::PlaneStress,
-            matrix_model: PlaneModel::PlaneStrain,
-            fibre: PartMesh::default(),
-            matrix: PartMesh { kind: ElementKind::T6, integration: None },
+            fibre_element: ElementKind::Q8,
+            matrix_element: ElementKind::T6,
             mesh: FibresMesh::default(),
         }
     }
@@ -257,12 +251,10 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
     for (laid, divisions) in std::iter::zip(&laid, &divisions) {
         let Laid { fibre, path, .. } = laid;
         let thickness = fibre_thickness(fibre.diameter);
-        let part = definition.add_part(Part {
-            integration: parameters.fibre.integration,
-            ..Part::new(fibre.set("fibre", ""), parameters.fibre_model, thickness)
-        });
+        // in plane strain its axial stiffness would be 1/(1 − ν²) of the true one
+        let part = definition.add_part(Part::new(fibre.set("fibre", ""), PlaneModel::PlaneStress, thickness));
         let map = |[s, share]: [f64; 2]| path.point(s, 2.0 * share * fibre.half_width(s));
-        let block = Block::new(part, parameters.fibre.kind, &divisions.along, &divisions.across);
+        let block = Block::new(part, parameters.fibre_element, &divisions.along, &divisions.across);
         let grid = definition.block(&block.mapped(&map))?;
         // the middle between the fibre's sides: `check` has ruled out kinds without a node there
         let on_axis = |station: usize| grid.node(2 * station, grid.rows).expect("the fibre has nodes on its axis");
@@ -289,13 +281,10 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
         });
         grids.push(grid);
     }
-    let matrix = Part {
-        integration: parameters.matrix.integration,
-        ..Part::new("matrix", parameters.matrix_model, parameters.matrix_thickness)
-    };
+    let matrix = Part::new("matrix", PlaneModel::PlaneStrain, parameters.matrix_thickness);
     let matrix_part = definition.add_part(matrix.clone());
     let outline = Outline::new(parameters, &laid, &divisions)?;
-    let (kind, largest_area) = (parameters.matrix.kind, parameters.largest_area());
+    let (kind, largest_area) = (parameters.matrix_element, parameters.largest_area());
     // each piece of the outline is an edge of a triangle
     let outer = outline.fill(&mut definition, matrix_part, kind, largest_area, &|_| true)?;
     let outer: Vec<_> = outer.into_iter().flatten().collect();

@@ -150,8 +150,8 @@ fn problems(parameters: &Fibres) -> String {
 #[test]
 fn what_cannot_be_is_told_at_once() {
     let bent = Fibre { embedded_length: -1.0, ..Fibre::bent(0.5, Some(0.1), 3.0) };
-    let matrix = PartMesh { kind: ElementKind::Q8, integration: None };
-    let told = problems(&Fibres { width: 0.0, matrix, ..alone(bent) });
+    let matrix_element = ElementKind::Q8;
+    let told = problems(&Fibres { width: 0.0, matrix_element, ..alone(bent) });
     for name in ["width", "embedded_length", "matrix_element", "bend_radius"] {
         assert!(told.contains(name), "{name} in {told}");
     }

@@ -2,7 +2,6 @@
 
 use super::{Configuration, PerpendicularFibre};
 use crate::element::EdgeKind;
-use crate::kinematics::PlaneModel;
 use crate::mesh::specimen::SpecimenError;
 use crate::mesh::specimen::requirement::Requirements;
 
@@ -38,7 +37,9 @@ impl PerpendicularFibre {
         // what is not positive is told already
         let is_told = value.is_nan() || value <= 0.0;
         required.that(half > radius || is_told, name, value, requirement);
-        self.check_configuration(&mut required);
+        if let Configuration::Axisymmetric { outer_radius: Some(radius) } = self.configuration {
+            required.positive([("outer_radius", radius)]);
+        }
         if !self.is_axisymmetric() {
             self.thickness().check(self.cover, &mut required);
         }
@@ -57,29 +58,13 @@ impl PerpendicularFibre {
             let requirement = format!("positive and less than the embedded_length {}", self.embedded_length);
             required.that(fits, "exit_size", size, requirement);
         }
-        let middle = self.fibre.kind.edge_kind() == EdgeKind::Quadratic || mesh.elements_across.is_multiple_of(2);
+        let middle = self.fibre_element.edge_kind() == EdgeKind::Quadratic || mesh.elements_across.is_multiple_of(2);
         required.that(
             self.is_axisymmetric() || middle,
             "elements_across",
             mesh.elements_across,
-            format!("even with {}: the fibre needs nodes on its axis", self.fibre.kind),
+            format!("even with {}: the fibre needs nodes on its axis", self.fibre_element),
         );
         required.check()
-    }
-
-    fn check_configuration(&self, required: &mut Requirements) {
-        match self.configuration {
-            Configuration::Plane { fibre_model, matrix_model } => {
-                for (name, model) in [("fibre_model", fibre_model), ("matrix_model", matrix_model)] {
-                    let plane = model != PlaneModel::Axisymmetric;
-                    required.that(plane, name, "axisymmetric", "plane stress or plane strain in a plane configuration");
-                }
-            }
-            Configuration::Axisymmetric { outer_radius } => {
-                if let Some(radius) = outer_radius {
-                    required.positive([("outer_radius", radius)]);
-                }
-            }
-        }
     }
 }

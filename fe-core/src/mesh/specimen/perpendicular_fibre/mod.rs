@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use super::thickness::{Exit, GradedThickness, Thickness};
 use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole};
-use crate::element::{ElementKind, Integration};
+use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::structured::{Block, Diagonal, Grid};
 use crate::mesh::{MeshDefinition, Part};
@@ -44,10 +44,10 @@ pub struct PerpendicularFibre {
     pub free_length: f64,
     /// Length by which the hole is longer than the fibre, 0 mm.
     pub tail_gap: f64,
-    /// Elements of the fibre.
-    pub fibre: PartMesh,
-    /// Elements of the matrix.
-    pub matrix: PartMesh,
+    /// Kind of the fibre's elements, Q8.
+    pub fibre_element: ElementKind,
+    /// Kind of the matrix's elements, Q8.
+    pub matrix_element: ElementKind,
     /// Sizes.
     pub mesh: FibreMesh,
 }
@@ -55,13 +55,9 @@ pub struct PerpendicularFibre {
 /// Plane model of the specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Configuration {
-    /// A slice with two contact lines.
-    Plane {
-        /// Plane stress by default: in plane strain its axial stiffness would be 1/(1 − ν²) of the true one.
-        fibre_model: PlaneModel,
-        /// Plane strain by default.
-        matrix_model: PlaneModel,
-    },
+    /// A slice with two contact lines and the true area of the fibre: the fibre in plane stress, as in plane strain its axial
+    /// stiffness would be 1/(1 − ν²) of the true one, the matrix in plane strain.
+    Plane,
     /// A body of revolution about the fibre's axis.
     Axisymmetric {
         /// Radius, mm; `None`: √(width · matrix_thickness/π), the same area.
@@ -69,29 +65,9 @@ pub enum Configuration {
     },
 }
 
-impl Configuration {
-    /// A slice with the true area of the fibre, the fibre in plane stress and the matrix in plane strain.
-    pub const PLANE: Self = Self::Plane { fibre_model: PlaneModel::PlaneStress, matrix_model: PlaneModel::PlaneStrain };
-}
-
 /// The thickness of a plane fibre of height φ with the area of the circle, πφ/4, mm.
 pub(super) fn fibre_thickness(diameter: f64) -> f64 {
     PI / 4.0 * diameter
-}
-
-/// The elements of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PartMesh {
-    /// Kind, Q8 by default.
-    pub kind: ElementKind,
-    /// Integration; `None`: the kind's default.
-    pub integration: Option<Integration>,
-}
-
-impl Default for PartMesh {
-    fn default() -> Self {
-        Self { kind: ElementKind::Q8, integration: None }
-    }
 }
 
 /// Sizes of the mesh.
@@ -130,7 +106,7 @@ impl Default for FibreMesh {
 impl Default for PerpendicularFibre {
     fn default() -> Self {
         Self {
-            configuration: Configuration::PLANE,
+            configuration: Configuration::Plane,
             width: 25.4,
             depth: 12.7,
             matrix_thickness: 3.26,
@@ -140,8 +116,8 @@ impl Default for PerpendicularFibre {
             embedded_length: 12.2,
             free_length: 3.0,
             tail_gap: 0.0,
-            fibre: PartMesh::default(),
-            matrix: PartMesh::default(),
+            fibre_element: ElementKind::Q8,
+            matrix_element: ElementKind::Q8,
             mesh: FibreMesh::default(),
         }
     }
@@ -160,12 +136,12 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     let (fibre_part, matrix_part) = (mesh.add_part(fibre_part), mesh.add_part(matrix_part));
 
     let fibre = mesh.block(
-        &Block::new(fibre_part, parameters.fibre.kind, &lines.fibre_x, &lines.fibre_y)
+        &Block::new(fibre_part, parameters.fibre_element, &lines.fibre_x, &lines.fibre_y)
             .cut(&|column, _| mirrored(&lines.fibre_x, column)),
     )?;
     let hole = |column: usize, row: usize| lines.middle_columns.contains(&column) && row >= lines.ligament_rows;
     let matrix = mesh.block(
-        &Block::new(matrix_part, parameters.matrix.kind, &lines.matrix_x, &lines.matrix_y)
+        &Block::new(matrix_part, parameters.matrix_element, &lines.matrix_x, &lines.matrix_y)
             .keeping(&|column, row| !hole(column, row))
             .cut(&|column, _| mirrored(&lines.matrix_x, column)),
     )?;
@@ -231,7 +207,7 @@ impl PerpendicularFibre {
     /// Half of the block's width, or its radius.
     fn half_width(&self) -> f64 {
         match self.configuration {
-            Configuration::Plane { .. } => 0.5 * self.width,
+            Configuration::Plane => 0.5 * self.width,
             Configuration::Axisymmetric { outer_radius } => {
                 outer_radius.unwrap_or((self.width * self.matrix_thickness / PI).sqrt())
             }
@@ -241,16 +217,13 @@ impl PerpendicularFibre {
     /// Fibre and matrix.
     fn parts(&self) -> [Part; 2] {
         let (models, fibre_thickness) = match self.configuration {
-            Configuration::Plane { fibre_model, matrix_model } => {
-                ([fibre_model, matrix_model], fibre_thickness(self.fibre_diameter))
+            Configuration::Plane => {
+                ([PlaneModel::PlaneStress, PlaneModel::PlaneStrain], fibre_thickness(self.fibre_diameter))
             }
             // A thickness that nobody uses.
             Configuration::Axisymmetric { .. } => ([PlaneModel::Axisymmetric; 2], self.matrix_thickness),
         };
-        [
-            Part { integration: self.fibre.integration, ..Part::new("fibre", models[0], fibre_thickness) },
-            Part { integration: self.matrix.integration, ..Part::new("matrix", models[1], self.matrix_thickness) },
-        ]
+        [Part::new("fibre", models[0], fibre_thickness), Part::new("matrix", models[1], self.matrix_thickness)]
     }
 
     fn thickness(&self) -> Thickness {
@@ -275,7 +248,7 @@ impl PerpendicularFibre {
             let corners = [[left, low], [right, low], [right, high], [left, high]];
             !thickness.is_bare(thickness.mean(ElementKind::Q4, &corners), self.fibre_diameter)
         };
-        let block = Block::new(part, self.matrix.kind, x, y).keeping(&is_there);
+        let block = Block::new(part, self.matrix_element, x, y).keeping(&is_there);
         let nodes: Vec<usize> = matrix.nodes().collect();
         mesh.glued_block(&block.cut(&|column, _| mirrored(x, column)), &nodes)?;
         Ok(())

@@ -1,6 +1,5 @@
 use super::super::{
-    Configuration, Fibre, Fibres, FibresMesh, PartMesh, PerpendicularFibre, Specimen, SpecimenError, fibres,
-    perpendicular_fibre,
+    Configuration, Fibre, Fibres, FibresMesh, PerpendicularFibre, Specimen, SpecimenError, fibres, perpendicular_fibre,
 };
 use super::GradedThickness;
 use crate::element::ElementKind;
@@ -34,7 +33,7 @@ fn covered(graded: Option<GradedThickness>) -> Vec<(String, Specimen)> {
             for kind in [ElementKind::T6, ElementKind::T3] {
                 let parameters = Fibres {
                     fibres: vec![fibre.clone()],
-                    matrix: PartMesh { kind, integration: None },
+                    matrix_element: kind,
                     cover: true,
                     graded_thickness: graded,
                     ..Fibres::default()
@@ -45,9 +44,9 @@ fn covered(graded: Option<GradedThickness>) -> Vec<(String, Specimen)> {
     }
     for kind in ElementKind::ALL {
         for tail_gap in [0.0, 0.2] {
-            let matrix = PartMesh { kind, integration: None };
+            let matrix_element = kind;
             let parameters = PerpendicularFibre {
-                matrix,
+                matrix_element,
                 tail_gap,
                 cover: true,
                 graded_thickness: graded,
