@@ -198,6 +198,7 @@ def kills(place: Path, library: Path, runs: int, count: int) -> list[str]:
     for _ in range(count):
         driver = subprocess.Popen(command)
         time.sleep(chance.uniform(0.2, 3.0))
+        assert driver.poll() is None, "it was over before: more runs are needed"
         driver.send_signal(signal.SIGKILL)
         driver.wait()
     subprocess.run(command, check=True)
@@ -239,7 +240,7 @@ def main() -> None:
                 rows = crashes(place, library, wishes.runs, slurm)
         else:
             rows = crashes(place, library, wishes.runs, None)
-        notes = kills(place, library, 200, wishes.kills)
+        notes = kills(place, library, wishes.runs, wishes.kills)
     if os.path.getsize(PROGRAM) > 6e7:
         notes.append("Made with a wheel of the development profile: its runs take several times as long as those of a wheel for others.")
     most = max(row[4] for row in rows)

@@ -91,7 +91,10 @@ class Case:
             self._file = Path(source).absolute()
             self._folder = self._file.parent
             # what is written into the file from now on changes nothing
-            self._document = _core.document((self._file, None, self._folder, [], []))
+            try:
+                self._document = _core.document((self._file, None, self._folder, [], []))
+            except CaseError as error:
+                raise CaseError([(place, f"{self._file}: {message}") for place, message in error.problems]) from None
         self._plugin_paths = paths
 
     def with_(self, changes: Mapping[str, Any]) -> Case:

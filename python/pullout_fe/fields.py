@@ -36,6 +36,10 @@ class Mesh(NamedTuple):
     #: by name, a row a cell
     cell_data: dict[str, NDArray[Any]]
 
+    def __repr__(self) -> str:
+        fields = ", ".join([*self.point_data, *self.cell_data])
+        return f"<Mesh at time {self.time:g}: {len(self.points)} nodes, {len(self.types)} cells, {fields}>"
+
     def cells(self) -> list[NDArray[np.int64]]:
         """The nodes of each cell."""
         return np.split(self.connectivity, self.offsets[:-1])
@@ -64,6 +68,9 @@ class Series:
         #: times of the meshes
         self.times = [float(entry["timestep"]) for entry in sets if entry["part"] == "0"]
         self._files = [[entry["file"] for entry in sets if entry["part"] == part] for part in ("0", "1")]
+
+    def __repr__(self) -> str:
+        return f"<Series of {len(self.times)} meshes in {self._folder}>"
 
     def mesh(self, frame: int = -1) -> Mesh:
         """The solids."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import warnings
 from concurrent.futures import Executor, ThreadPoolExecutor
-from typing import Any, Mapping, NamedTuple, Union
+from typing import Any, Callable, Iterable, Mapping, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,14 +86,20 @@ class Model:
         places = [_core.dotted(path) for path in self._paths]
         twice = [(f"parameters[{name!r}]", f"has the place of {self.names[places.index(place)]!r}") for k, (name, place) in
                  enumerate(zip(self.names, places)) if place in places[:k]]
-        if twice:
-            raise CaseError(twice)
+        scales = [(f"parameters[{name!r}]", f"is a place, or a place and 'log', not {free[1]!r}") for name, free in parameters.items()
+                  if not isinstance(free, str) and free[1] != "log"]
+        if twice or scales:
+            raise CaseError(twice + scales)
+        if isinstance(on_failure, str) and on_failure != "raise":
+            raise CaseError([("on_failure", "is 'raise' or a number")])
         self._is_log = np.array([not isinstance(free, str) and free[1] == "log" for free in parameters.values()], dtype=bool)
         self.curve = curve
         self.grid = None if grid is None else array_of(grid, "grid")
         self.on_failure = on_failure
         self.in_process = in_process
         self._along: Run | None = None
+        #: ends runs in threads
+        self._stop: _core.Stop | None = None
         #: points of a curve without a grid, once a run has told
         self._length: int | None = None
         given = bounds or {}
@@ -120,14 +126,11 @@ class Model:
         """The curve; ``None`` if the run failed, and a number is to stand for it."""
         return self._run(x)[0]
 
-    def _filled(self, curve: Array | None, length: int | None = None) -> Array:
+    def _filled(self, curve: Array | None) -> Array:
         """The curve, or the number that stands for it."""
         if curve is not None:
             return curve
-        if self.grid is not None:
-            length = len(self.grid)
-        elif length is None:
-            length = self._length
+        length = self._length if self.grid is None else len(self.grid)
         if length is None:
             raise CaseError("the run failed, and how long its curve would be is not known before another one is done: give a grid")
         return np.full(length, float(self.on_failure))
@@ -153,7 +156,7 @@ class Model:
             raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
         try:
             case = self.case.with_(dict(zip(self._paths, values.tolist())))
-            made = run(case, in_process=self.in_process, record=record, along=self._along, view=False)
+            made = run(case, in_process=self.in_process, record=record, along=self._along, view=False, _stop=self._stop)
         except (CaseError, RunFailed) as error:
             if self._counts_as_failure(error):
                 return None, None
@@ -170,30 +173,32 @@ class Model:
         if executor is not None:
             curves = list(executor.map(self._attempt, rows))
         else:
-            with ThreadPoolExecutor(workers) as threads:
-                curves = list(threads.map(self._attempt, rows))
+            model = copy.copy(self)
+            model._stop = stop = _core.Stop()
+            curves = _in_threads(model._attempt, rows, stop=stop, workers=workers)
         return self._table(curves)
 
     def _table(self, curves: list[Array | None]) -> Array:
         """Curves as rows, with the number that stands for those that failed."""
         lengths = {len(curve) for curve in curves if curve is not None}
+        self._length = next(iter(lengths), self._length)
         if len(lengths) > 1:
             raise CaseError(f"the curves have {min(lengths)} to {max(lengths)} points: give a grid")
-        return np.array([self._filled(curve, next(iter(lengths), None)) for curve in curves])
+        return np.array([self._filled(curve) for curve in curves])
 
     def _beside(self, base: Run, trail: _core.Trail, points: Array) -> Array:
         """The curves of rows of parameters by runs along the states of one, at once: they share factors."""
 
         def curve(point: Array, turn: _core.Trail) -> Array | None:
             model, along = copy.copy(self), copy.copy(base)
-            model._along, along._trail = along, turn
+            model._along, along._trail, model._stop = along, turn, stop
             try:
                 return model._attempt(point)
             finally:
                 turn.leave()
 
-        with ThreadPoolExecutor(len(points)) as threads:
-            return self._table(list(threads.map(curve, points, trail.together(len(points)))))
+        stop, count = _core.Stop(), len(points)
+        return self._table(_in_threads(curve, points, trail.together(count), stop=stop, workers=count))
 
     def jac(self, x: ArrayLike, executor: Executor | None = None) -> Array:
         """Derivatives of the curve (rows) by the parameters (columns), by forward differences of :data:`STEP`, backward
@@ -224,8 +229,10 @@ class Model:
 
     def residual(self, x: ArrayLike, data: ArrayLike, sigma: ArrayLike = 1.0) -> Array:
         """Curve less data, in standard deviations; 0 where the data are NaN."""
-        target = array_of(data, "data")
-        difference = (self(x) - target) / array_of(sigma, "sigma")
+        target, curve = np.atleast_1d(array_of(data, "data")), self(x)
+        if target.shape != curve.shape:
+            raise CaseError([("data", f"have the shape {target.shape}, the curve has {curve.shape}")])
+        difference = (curve - target) / array_of(sigma, "sigma")
         return np.where(np.isnan(target), 0.0, difference)
 
     def _outside(self, x: Array, point: int) -> str:
@@ -253,6 +260,8 @@ class Model:
         from scipy.optimize import least_squares
 
         start = self.x0 if x0 is None else np.asarray(x0, dtype=float)
+        if start.shape != self.x0.shape:
+            raise CaseError([("x0", f"has the shape {start.shape}, {self.x0.shape} is needed")])
         if not np.all(np.isfinite(start)):
             missing = [name for name, value in zip(self.names, start) if not np.isfinite(value)]
             raise CaseError(f"the case does not say {', '.join(missing)}: give x0")
@@ -362,6 +371,17 @@ def _on_branch(along: Array, values: Array, grid: Array) -> Array:
     is_inside = (wanted >= passed[0] - rounding) & (wanted <= passed[-1] + rounding)
     found: Array = np.where(is_inside, np.interp(wanted, passed, values[first]), np.nan)
     return found
+
+
+def _in_threads(work: Callable[..., Array | None], *rows: Iterable[Any], stop: _core.Stop, workers: int | None) -> list[Array | None]:
+    """The curves of rows of arguments."""
+    with ThreadPoolExecutor(workers) as threads:
+        try:
+            return list(threads.map(work, *rows))
+        except BaseException:
+            # threads hear of no Ctrl-C, and their other runs are for nothing
+            stop.set()
+            raise
 
 
 def _same_turns(grid: Array, along: Array) -> tuple[list[int], list[int]]:

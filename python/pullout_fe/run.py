@@ -75,6 +75,10 @@ class History(Mapping[str, "NDArray[np.float64]"]):
     def __len__(self) -> int:
         return len(self._columns)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # what was pickled cannot be written either
+        return History, (self._columns, self.units)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, History) or list(self) != list(other) or self.units != other.units:
             return False
@@ -192,7 +196,7 @@ class Run:
         """Extremes of a column over all increments, written or not."""
         peaks = self.summary["peaks"]
         if column not in peaks:
-            raise KeyError(f"{column!r} is none of {', '.join(peaks)}")
+            raise KeyError(f"{column!r} is none of {', '.join(peaks)}" if peaks else "a run of this kind has no peaks: see its history")
         row = peaks[column]
 
         def place(name: str) -> tuple[int, int] | None:
@@ -259,6 +263,7 @@ def run(
     record: bool = False,
     along: Run | None = None,
     view: bool = True,
+    _stop: _core.Stop | None = None,
 ) -> Run:
     """Run a case: a file, a dictionary, or a :class:`Case`. Nothing is written.
 
@@ -266,7 +271,7 @@ def run(
 
     ``threads`` share the work of a specimen; the results have the same bits with any number. ``progress``: ``True`` shows a
     bar; a function hears which part is done and the present row, at most 20 times a second, and ends the run by an exception.
-    Ctrl-C ends it too.
+    Ctrl-C ends it too; with ``out`` the folder has the results up to there, unless it is pressed once more.
 
     ``view`` keeps what :meth:`Run.view` shows of a specimen: up to some MB, and as many percent of the time.
 
@@ -284,6 +289,8 @@ def run(
     case = case if isinstance(case, Case) else Case(case)
     if threads < 1:
         raise CaseError([("threads", "is 1 or more")])
+    if on_failure not in ("raise", "return"):
+        raise CaseError([("on_failure", "is 'raise' or 'return'")])
     trail = None
     if along is not None:
         if out is not None or along.increments is None:
@@ -299,7 +306,7 @@ def run(
     listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
     try:
         columns, summary, replay, increments, states, page = _core.run(
-            case._parts(), int(threads), listener, in_process, trail, (record, view)
+            case._parts(), int(threads), listener, in_process, trail, (record, view), _stop
         )
     finally:
         if bar is not None:
@@ -352,9 +359,21 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
         file, document = None, json.dumps(named)
     command += [f"--plugin-path={path}" for path in plugin_paths] + [f"--set={text}" for text in overrides]
     command += ["--", "/dev/stdin" if file is None else file]
-    ended = subprocess.run(command, cwd=folder, input=document or "", capture_output=True, text=True)
-    if ended.returncode not in (0, 1) or not (out / "summary.json").is_file():
-        raise PulloutError(ended.stderr.strip() or f"the program ended with exit code {ended.returncode}")
+    pipe = subprocess.PIPE
+    # Ctrl-C of a terminal is for this process
+    with subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as child:
+        try:
+            _, words = child.communicate(document or "")
+        except BaseException:
+            try:
+                # it writes what it has
+                child.terminate()
+                child.wait()
+            finally:
+                child.kill()
+            raise
+    if child.returncode not in (0, 1) or not (out / "summary.json").is_file():
+        raise PulloutError(words.strip() or f"the program ended with exit code {child.returncode}")
     made = read(out)
     made.case = case
     return made

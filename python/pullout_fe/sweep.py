@@ -24,6 +24,8 @@ __all__ = ["Sweep", "sweep"]
 ROUNDS = 3
 #: parts of the runs for each worker: what one that is slow, or lost, holds up
 PARTS_PER_WORKER = 4
+#: columns that hold no numbers, whatever stands there
+WORDS = ("key", "status", "message", "host", "cpu", "engine")
 #: the sweep file, as the program reads it
 STREAM = "/dev/stdin"
 
@@ -109,6 +111,9 @@ class Sweep:
         progress: bool = False,
     ) -> None:
         """Run what is left; ``again``: also what failed, crashed or took too long."""
+        wrong = [(name, "is 1 or more") for name, n in (("workers", workers), ("chunk_runs", chunk_runs)) if n is not None and n < 1]
+        if wrong:
+            raise CaseError(wrong)
         options = [] if chunk_runs is None else [f"--chunk-runs={chunk_runs}"]
         options += ["--again"] if again else []
         if executor in ("processes", "threads"):
@@ -154,7 +159,7 @@ class Sweep:
         rows = list(csv.reader(io.StringIO(_call("collect", os.fspath(self.folder)), newline="")))
         if not rows:
             return {}
-        return {name: _column([row[k] for row in rows[1:]]) for k, name in enumerate(rows[0])}
+        return {name: _column(name, [row[k] for row in rows[1:]]) for k, name in enumerate(rows[0])}
 
     def to_pandas(self) -> Any:
         """The table as a ``pandas.DataFrame``."""
@@ -173,7 +178,11 @@ class Sweep:
 
     def curves(self, name: str) -> NDArray[np.float64]:
         """A kept column of all runs: a row a run, filled up with NaN where runs have different lengths (needs pyarrow)."""
-        lists = [values or [] for values in self.to_arrow().column(f"curve.{name}").to_pylist()]
+        table = self.to_arrow()
+        kept = [column.removeprefix("curve.") for column in table.column_names if column.startswith("curve.")]
+        if name not in kept:
+            raise KeyError(f"{name!r} is none of the curves that were kept: {', '.join(kept) or 'none'}")
+        lists = [values or [] for values in table.column(f"curve.{name}").to_pylist()]
         filled = np.full((len(lists), max(map(len, lists), default=0)), np.nan)
         for row, values in zip(filled, lists):
             row[: len(values)] = values
@@ -202,10 +211,13 @@ def _document(
     if hasattr(design, "to_dict"):
         # pandas; polars has to_dicts
         design = design.to_dicts() if hasattr(design, "to_dicts") else design.to_dict("records")
-    if isinstance(design, Mapping):
-        document["parameters"] = {path: list(values) for path, values in design.items()}
-    else:
-        document["points"] = [dict(point) for point in design]
+    try:
+        if isinstance(design, Mapping):
+            document["parameters"] = {path: _values(values) for path, values in design.items()}
+        else:
+            document["points"] = [dict(point) for point in design]
+    except (TypeError, ValueError):
+        raise CaseError([("design", "is a dictionary of lists of values, a list of dictionaries, or a table")]) from None
     if quantities is not None:
         named = quantities if isinstance(quantities, Mapping) else {name: name for name in quantities}
         document["quantities"] = dict(named)
@@ -220,11 +232,19 @@ def _document(
     return document
 
 
-def _column(cells: list[str]) -> NDArray[Any]:
+def _column(name: str, cells: list[str]) -> NDArray[Any]:
     try:
-        return np.array([float(cell) if cell else np.nan for cell in cells])
+        if name not in WORDS:
+            return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:
-        return np.array(cells, dtype=object)
+        pass
+    return np.array(cells, dtype=object)
+
+
+def _values(values: Any) -> list[Any]:
+    if isinstance(values, str):
+        raise TypeError
+    return list(values)
 
 
 def _dask() -> Submits:

@@ -21,6 +21,9 @@ const MODES: [(&str, StressState, u32); 4] = [
     ("plane_stress", StressState::PlaneStress, stress_states::PLANE_STRESS),
 ];
 
+/// Points of a thread between two looks at signals.
+const BLOCK: usize = 50_000;
+
 /// The file of the plugin of this name, or of the library of this path.
 #[pyfunction]
 pub fn find(name: &str) -> PyResult<PathBuf> {
@@ -141,8 +144,9 @@ impl Plugin {
                     "mode {mode} has {components} components; shapes {shapes:?}"
                 )));
             }
-            let call = UmatCall::new(&self.library, None, &self.cmname, stress_state, nstatv, props.as_slice()?);
-            let first = call.map_err(|error| Exception::Plugin.with(error.to_string()))?;
+            let props = props.as_slice()?;
+            let call = UmatCall::new(&self.library, None, &self.cmname, stress_state, nstatv, props);
+            let mut first = call.map_err(|error| Exception::Plugin.with(error.to_string()))?;
             let points = Points {
                 first: 0,
                 components,
@@ -156,11 +160,22 @@ impl Plugin {
                 time,
             };
             let is_vouched_for = isolation::is_shipped(self.library.path());
-            if threads <= 1 && is_vouched_for {
-                return Ok(py.detach(|| points.update(first)));
+            let make = || UmatCall::new(&self.library, None, &self.cmname, stress_state, nstatv, props);
+            let (mut rest, mut refused) = (points, Vec::new());
+            loop {
+                let count = rest.count().min(BLOCK * threads.max(1));
+                let [block, behind] = rest.split(count);
+                rest = behind;
+                refused.extend(if threads <= 1 && is_vouched_for {
+                    py.detach(|| block.update(&mut first))
+                } else {
+                    py.detach(|| in_threads(block, threads.max(1), make))?
+                });
+                if rest.count() == 0 {
+                    return Ok(refused);
+                }
+                py.check_signals()?;
             }
-            let make = || UmatCall::new(&self.library, None, &self.cmname, stress_state, nstatv, first.props());
-            py.detach(|| in_threads(points, threads.max(1), make))
         })
     }
 }
@@ -291,7 +306,7 @@ impl<'a> Points<'a> {
     }
 
     /// Calls the law for each row.
-    fn update(mut self, mut call: UmatCall) -> Vec<Refused> {
+    fn update(mut self, call: &mut UmatCall) -> Vec<Refused> {
         let (components, nstatv) = (self.components, self.nstatv);
         let request = if self.tangent.is_some() { Request::StressAndTangent } else { Request::Stress };
         let mut refused = Vec::new();
@@ -342,9 +357,9 @@ fn in_threads(
             let count = rest.count().min(size);
             let [piece, behind] = rest.split(count);
             rest = behind;
-            let call = make().map_err(|error| Exception::Plugin.with(error.to_string()))?;
+            let mut call = make().map_err(|error| Exception::Plugin.with(error.to_string()))?;
             let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK);
-            handles.push(thread.spawn_scoped(scope, move || piece.update(call))?);
+            handles.push(thread.spawn_scoped(scope, move || piece.update(&mut call))?);
             if rest.count() == 0 {
                 break;
             }

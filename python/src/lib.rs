@@ -11,7 +11,9 @@ mod _core {
     #[pymodule_export]
     use super::law::{Plugin, find, is_shipped, plugins, sha256};
     #[pymodule_export]
-    use super::run::{Trail, check, document, dotted, main, place_between, program, run, schema, set_program, unit};
+    use super::run::{
+        Stop, Trail, check, document, dotted, main, place_between, program, run, schema, set_program, unit,
+    };
 
     /// The package's version.
     #[pymodule_export]

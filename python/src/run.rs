@@ -6,6 +6,7 @@ use pullout_case::CaseErrors;
 use pullout_engine::{Along, Error, Outcome, Settings, Source};
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
@@ -45,6 +46,24 @@ impl Trail {
     /// Lets the others go on without a run that may not have begun.
     fn leave(&self) {
         self.0.leave();
+    }
+}
+
+/// What ends runs from another thread than theirs, which hears of no signals.
+#[pyclass(frozen, module = "pullout_fe._core")]
+#[derive(Default)]
+pub struct Stop(Arc<AtomicBool>);
+
+#[pymethods]
+impl Stop {
+    #[new]
+    fn new() -> Self {
+        Self::default()
+    }
+
+    /// Ends the runs that have it, and those that will.
+    fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
     }
 }
 
@@ -123,9 +142,10 @@ pub fn check(py: Python<'_>, case: Parts) -> PyResult<Vec<String>> {
 }
 
 /// Runs a case. `listener` is called with the part that is done and the present row; `along`: states of another run, along which
-/// this one goes; `keeps`: the increments with the states, and the viewer of a specimen.
+/// this one goes; `keeps`: the increments with the states, and the viewer of a specimen; `stop` ends it as Ctrl-C does.
 #[pyfunction]
-#[pyo3(signature = (case, threads, listener, in_process, along, keeps))]
+#[pyo3(signature = (case, threads, listener, in_process, along, keeps, stop))]
+#[allow(clippy::too_many_arguments, reason = "Python names them")]
 pub fn run<'py>(
     py: Python<'py>,
     case: Parts,
@@ -134,6 +154,7 @@ pub fn run<'py>(
     in_process: bool,
     along: Option<&Bound<'py, Trail>>,
     keeps: (bool, bool),
+    stop: Option<&Bound<'py, Stop>>,
 ) -> PyResult<Results<'py>> {
     let (records, views) = keeps;
     without_panic(|| {
@@ -141,7 +162,7 @@ pub fn run<'py>(
         if in_process {
             source.need().iter().flat_map(|need| need.libraries.keys()).for_each(|library| isolation::let_in(library));
         }
-        let stop = Arc::new(AtomicBool::new(false));
+        let stop = stop.map_or_else(Arc::default, |stop| Arc::clone(&stop.get().0));
         let state: Arc<Mutex<State>> = Arc::default();
         let (columns, named) = mpsc::channel();
         let settings = Settings {
@@ -176,7 +197,8 @@ pub fn run<'py>(
         let mut names = Vec::new();
         let outcome = loop {
             let heard = py.detach(|| wait(LOOK));
-            let told = py.check_signals().and_then(|()| {
+            let is_over = stop.load(Ordering::Relaxed).then(|| PyKeyboardInterrupt::new_err(()));
+            let told = is_over.map_or_else(|| py.check_signals(), Err).and_then(|()| {
                 let Some(listener) = &listener else { return Ok(()) };
                 if names.is_empty() {
                     names = named.try_recv().unwrap_or_default();

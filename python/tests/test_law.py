@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import pickle
+import signal
 import threading
 import time
 from pathlib import Path
@@ -119,6 +121,22 @@ def test_out_takes_the_place_of_what_came_in() -> None:
             law.evaluate(0.0, strain, out=(wrong, state))
     with pytest.raises(po.CaseError, match="another array"):
         law.evaluate(0.0, stress, out=(stress, state))
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_ctrl_c_ends_updates_between_points(threads: int) -> None:
+    law, count = po.Law("concrete_damage"), 1_000_000
+    stress, state = np.zeros((count, 6)), np.zeros((count, law.nstatv))
+
+    def interrupt() -> None:
+        while not stress[0].any():
+            time.sleep(1e-3)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        law.evaluate(0.0, np.full((count, 6), 1e-4), tangent=False, threads=threads, out=(stress, state))
+    assert stress[0].any() and not stress[-1].any()
 
 
 def test_what_is_wrong_is_said_with_its_place() -> None:

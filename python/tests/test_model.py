@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import pickle
+import signal
 import subprocess
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,6 +48,32 @@ def test_a_model_is_its_curve() -> None:
     # but not what is wrong with any parameters
     with pytest.raises(po.CaseError, match="no parameter 'mu'"):
         po.Model(BAR, {"mu": "material.props.mu"}, ("e11", "s11"), GRID, on_failure=np.nan)([0.1])
+
+
+@pytest.mark.parametrize("name", ["batch", "jac"])
+def test_ctrl_c_ends_runs_in_threads(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They hear of no signals."""
+    ended: list[po.Run] = []
+    run, main, pressed = po.model.run, threading.get_ident(), threading.Event()
+
+    def watched(*arguments: Any, **keywords: Any) -> po.Run:
+        if threading.get_ident() != main and not pressed.is_set():
+            pressed.set()
+            # when all have begun
+            threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        made = run(*arguments, **keywords)
+        ended.append(made)
+        return made
+
+    monkeypatch.setattr(po.model, "run", watched)
+    long = po.point("concrete_damage", {"E": 31800.0}, "3d", [po.ramp(3_000_000, e11=-0.003)])
+    case = long if name == "batch" else po.Case(FIBRE).with_({"steps.0.slip": 0.1})
+    place = "material.props.E" if name == "batch" else "contact.law.props.k_e"
+    made = po.Model(case, {"x": place}, ("e11", "s11") if name == "batch" else ("slip", "load"), [0.0])
+    with pytest.raises(KeyboardInterrupt):
+        made.batch([[3e4], [3.1e4]]) if name == "batch" else made.jac(made.x0)
+    # but the first of those of derivatives
+    assert len(ended) == (name == "jac")
 
 
 def test_failures_have_the_length_of_the_curve() -> None:
@@ -283,6 +313,18 @@ def test_a_fit_refuses_what_tells_nothing() -> None:
         beyond.fit([1.0, 2.0], sigma=1.0)
     with pytest.raises(po.CaseError, match="begins at e11 0, the data also have -0.001"):
         po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), [-0.001, 0.01]).fit([1.0, 2.0], sigma=1.0)
+
+
+def test_what_would_silently_be_something_else_is_refused() -> None:
+    with pytest.raises(po.CaseError, match="'log', not 'ln'"):
+        po.Model(BAR, {"E": ("material.props.E", "ln")}, ("e11", "s11"), GRID)
+    with pytest.raises(po.CaseError, match="'raise' or a number"):
+        po.Model(BAR, PARAMETERS, ("e11", "s11"), GRID, on_failure="nan")
+    for data in (np.ones(1), np.ones(5)):
+        with pytest.raises(po.CaseError, match="data: have the shape"):
+            model().residual([100.0, 0.2], data)
+    with pytest.raises(po.CaseError, match="x0: has the shape"):
+        model().fit(oedometer(90.0, 0.2), x0=[90.0])
 
 
 def test_parameters_that_are_no_numbers_fail() -> None:

@@ -156,6 +156,18 @@ def test_ctrl_c_ends_a_run_at_once() -> None:
     assert time.monotonic() - start < 1.0
 
 
+def test_ctrl_c_leaves_the_results_up_to_there(tmp_path: Path) -> None:
+    def interrupt() -> None:
+        while not (tmp_path / "history.csv").is_file():
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        po.run({**LONG, "output": {"plots": False}}, out=tmp_path)
+    assert po.read(tmp_path).status == "interrupted"
+
+
 def test_runs_in_threads() -> None:
     expected = po.run(CRUSHING).history["s11"]
     found: list[np.ndarray] = []
@@ -192,6 +204,7 @@ def test_a_fibre_with_its_fields(tmp_path: Path) -> None:
     assert np.array_equal(run.history["load"], memory.history["load"])
     assert run.peak("load").max == memory.peak("load").max > 0.0
     mesh = run.mesh()
+    assert repr(mesh).startswith(f"<Mesh at time 1: {len(mesh.points)} nodes") and len(repr(mesh)) < 1000
     assert mesh.points.shape == (len(mesh.point_data["node"]), 3) and len(mesh.cells()) == len(mesh.types)
     assert run.fields("displacement").shape == mesh.points.shape
     assert len(run.series.times) > 1 and run.series.contact().point_data["pressure"].shape[0] > 0
@@ -208,6 +221,8 @@ def test_fibres_across_a_crack(tmp_path: Path) -> None:
     run, kept = po.run(case), po.run(case, out=tmp_path / "out")
     assert list(run.history) == list(kept.history) and {"w", "sigma", "cmod"} <= set(run.history)
     assert all(np.array_equal(run.history[name], kept.history[name], equal_nan=True) for name in run.history)
+    with pytest.raises(KeyError, match="no peaks"):
+        run.peak("sigma")
 
 
 def test_ctrl_c_ends_a_specimen_at_once() -> None:
@@ -246,6 +261,16 @@ def test_a_case_holds_what_its_file_had(tmp_path: Path) -> None:
         po.Case(file)
 
 
+def test_a_case_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    broken = tmp_path / "broken.json"
+    broken.write_text("{")
+    for file in (broken, tmp_path / "missing.json"):
+        with pytest.raises(po.CaseError, match=file.name):
+            po.run(file)
+    with pytest.raises(po.CaseError, match="on_failure: is 'raise' or 'return'"):
+        po.run(CRUSHING, on_failure="ignore")
+
+
 def test_what_is_no_number_is_named() -> None:
     for number in (np.nan, np.inf):
         with pytest.raises(po.CaseError, match="material.props.E: is (nan|inf)"):
@@ -258,3 +283,5 @@ def test_what_is_no_number_is_named() -> None:
 def test_a_run_is_pickled_with_its_increments() -> None:
     run = pickle.loads(pickle.dumps(po.run(CRUSHING, record=True)))
     assert po.run(CRUSHING, along=run).history == run.history
+    with pytest.raises(ValueError, match="read-only"):
+        run.history["s11"][0] = 1.0

@@ -21,6 +21,8 @@ def test_rows_are_those_of_single_runs(tmp_path: Path) -> None:
     made = po.sweep(BASE, DESIGN, out=tmp_path / "sweep", quantities=["peak", "work"], workers=2)
     table = made.table
     assert made.status() == {"runs": 6, "left": 0, "done": 6}
+    # words, also where none are
+    assert table["message"].tolist() == [""] * 6
     assert sorted(set(table["par.material.props.E"])) == DESIGN["material.props.E"]
     for modulus, ratio, peak in zip(table["par.material.props.E"], table["par.material.props.nu"], table["q.peak"]):
         alone = po.run(BASE.with_({"material.props.E": modulus, "material.props.nu": ratio}))
@@ -30,6 +32,11 @@ def test_rows_are_those_of_single_runs(tmp_path: Path) -> None:
 def test_a_plan_refuses_what_is_wrong_with_it(tmp_path: Path) -> None:
     with pytest.raises(po.CaseError, match=r"\$\.points"):
         po.sweep(BASE, [], out=tmp_path / "sweep")
+    for wrong in ({"material.props.E": 3e4}, {"material.props.E": "3e4"}, np.array([[3e4]]), 1):
+        with pytest.raises(po.CaseError, match="design: is a dictionary of lists"):
+            po.sweep(BASE, wrong, out=tmp_path / "sweep")
+    with pytest.raises(po.CaseError, match="workers: is 1 or more"):
+        po.sweep(BASE, DESIGN, out=tmp_path / "sweep", workers=0)
     with pytest.raises(po.CaseError, match="no column 's1'"):
         po.sweep(BASE, DESIGN, out=tmp_path / "sweep", quantities={"q": {"column": "s1"}})
 
@@ -89,6 +96,8 @@ def test_errors_name_no_file_that_nobody_wrote(tmp_path: Path) -> None:
         with pytest.raises(po.CaseError) as told:
             po.sweep(case, design, out=tmp_path / "sweep")
         assert str(told.value).startswith("$.") and "/tmp" not in str(told.value), told.value
+    failed = po.sweep(BASE, {"material.props.nu": [0.2, 0.7]}, out=tmp_path / "failed").table
+    assert failed["message"][1].startswith("$.material.props.nu: nu = 0.7"), failed["message"]
     with pytest.raises(po.CaseError, match=r"the path steps\.0\.increments is given twice"):
         po.sweep(BASE, [{"steps[0].increments": 5, "steps.0.increments": 7}], out=tmp_path / "sweep")
     with pytest.raises(po.CaseError, match="is no folder"):
@@ -160,3 +169,5 @@ def test_curves(tmp_path: Path) -> None:
     made = po.sweep(BASE, {"material.props.E": [3e4, 3.2e4]}, out=tmp_path / "sweep", curves=["s11"], grid=grid)
     curves = made.curves("s11")
     assert curves.shape == (2, 3) and np.all(curves[:, 0] == 0.0) and np.all(curves[:, 1:] > 0.0)
+    with pytest.raises(KeyError, match="kept: s11"):
+        made.curves("s22")

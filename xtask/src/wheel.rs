@@ -123,8 +123,10 @@ fn linker(workspace: &Path, python: &Path) -> Result<PathBuf, String> {
     let text = format!(
         "#!/bin/sh\nPATH='{scripts}':$PATH\nexec maturin zig cc -- -g -fno-sanitize=all -target x86_64-linux-gnu.2.17 \"$@\"\n"
     );
-    let file = workspace.join("target/zig-cc");
-    let written = fs::write(&file, text).and_then(|()| fs::set_permissions(&file, Permissions::from_mode(0o755)));
+    let folder = workspace.join("target");
+    let file = folder.join("zig-cc");
+    let written = fs::create_dir_all(folder).and_then(|()| fs::write(&file, text));
+    let written = written.and_then(|()| fs::set_permissions(&file, Permissions::from_mode(0o755)));
     written.map_err(|error| format!("{}: {error}", file.display()))?;
     Ok(file)
 }

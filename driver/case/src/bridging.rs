@@ -6,7 +6,7 @@ use crate::problem::{Place, Problem};
 use crate::reader::Reader;
 use crate::table::CsvFile;
 use pullout_bridging::{
-    Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, Orientation, Scatter, ShearLag, Softening,
+    Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, NotchedBeam, Orientation, Scatter, ShearLag, Softening,
 };
 use pullout_run::bridging::{OPENINGS, Program, Simulation, Simulations, Source};
 use pullout_run::columns::{self, LEADING};
@@ -93,7 +93,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
     checks.into_iter().flatten().for_each(|checked| tell(reader, checked));
     if reader.problems.is_empty() {
         warn_of_effect(reader, fibre.as_ref(), matrix.as_ref(), scatter, beam.is_some());
-        warn_of_units(reader, fibre.as_ref(), matrix.as_ref());
+        warn_of_units(reader, fibre.as_ref(), matrix.as_ref(), beam.as_ref());
     }
     let program = program_of(case, fibre, volume_fraction, matrix, orientation);
     let program = program.map(|program| Program { sides, openings: openings(given), beam, scatter, ..program });
@@ -143,8 +143,14 @@ fn warn_of_effect(
 }
 
 /// Warns of numbers beyond what is usual.
-fn warn_of_units(reader: &mut Reader<'_>, fibre: Option<&(Fibre, Source)>, matrix: Option<&pullout_bridging::Matrix>) {
+fn warn_of_units(
+    reader: &mut Reader<'_>,
+    fibre: Option<&(Fibre, Source)>,
+    matrix: Option<&pullout_bridging::Matrix>,
+    beam: Option<&NotchedBeam>,
+) {
     let mut given = Vec::new();
+    given.extend(beam.map(|beam| ("beam.height", beam.height, "mm", [10.0, 3000.0])));
     if let Some((fibre, source)) = fibre {
         given.extend([
             ("fibre.diameter", fibre.diameter, "mm", [0.002, 5.0]),

@@ -166,7 +166,7 @@ impl Program {
             Source::Simulated(simulations) => (simulated, simulations.cut_deg, "run"),
         };
         let last = self.last_opening();
-        let mut warnings: Vec<String> = curves.iter().filter_map(|curve| cut_short(curve, name, last)).collect();
+        let mut warnings = Vec::from_iter(cut_short(curves, name, last));
         let widest = curves.iter().map(|curve| curve.angle_deg).fold(0.0, f64::max);
         if widest < cut_deg {
             let share = self.share_beyond(widest, simulated)?;
@@ -376,20 +376,26 @@ fn cmods() -> Vec<f64> {
     all
 }
 
-/// Warns of a curve that ends with a load before the last opening and extraction: what follows is a straight line.
-fn cut_short(curve: &Curve, name: &str, last: f64) -> Option<String> {
-    let (slip, load) = (*curve.slip.last()?, *curve.load.last()?);
-    let peak = curve.load.iter().copied().fold(0.0, f64::max);
-    (slip < last.min(curve.embedded) && load > NEGLIGIBLE_LOAD * peak).then(|| {
-        format!(
-            "fibre at {}°, {} mm: its {name} ends at a slip of {} mm with {} N; beyond it the load is taken to fall \
-             straight to 0 at extraction",
-            number(curve.angle_deg),
-            number(curve.embedded),
-            number(slip),
-            number(load)
-        )
-    })
+/// Warns of curves that end with a load before the last opening and extraction: what follows is a straight line.
+fn cut_short(curves: &[Curve], name: &str, last: f64) -> Option<String> {
+    let mut short = curves.iter().filter_map(|curve| {
+        let (slip, load) = (*curve.slip.last()?, *curve.load.last()?);
+        let peak = curve.load.iter().copied().fold(0.0, f64::max);
+        (slip < last.min(curve.embedded) && load > NEGLIGIBLE_LOAD * peak).then_some((curve, slip, load))
+    });
+    let (curve, slip, load) = short.next()?;
+    let others = match short.count() {
+        0 => String::new(),
+        others => format!(" (and {others} more)"),
+    };
+    Some(format!(
+        "fibre at {}°, {} mm{others}: its {name} ends at a slip of {} mm with {} N; beyond it the load is taken to fall straight \
+         to 0 at extraction",
+        number(curve.angle_deg),
+        number(curve.embedded),
+        number(slip),
+        number(load)
+    ))
 }
 
 fn number(value: f64) -> String {

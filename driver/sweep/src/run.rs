@@ -36,10 +36,10 @@ pub struct Measured {
 pub fn measure(store: &Store, sweep: &Sweep, run: usize, stop: &Arc<AtomicBool>) -> Option<Measured> {
     let start = Instant::now();
     let settings = Settings { stop: Arc::clone(stop), ..Settings::default() };
-    let outcome = Source::document(sweep.document(run), &store.bundle(sweep, run))
-        .read()
-        .map_err(pullout_engine::Error::from)
-        .and_then(|prepared| prepared.run(settings));
+    let source = Source::document(sweep.document(run), &store.bundle(sweep, run));
+    // nobody knows the document by this name
+    let name = format!("{}: ", source.file.display());
+    let outcome = source.read().map_err(pullout_engine::Error::from).and_then(|prepared| prepared.run(settings));
     let wall = start.elapsed().as_secs_f64();
     match outcome {
         Ok(outcome) if outcome.summary.status == Status::Interrupted => None,
@@ -47,7 +47,7 @@ pub fn measure(store: &Store, sweep: &Sweep, run: usize, stop: &Arc<AtomicBool>)
         Err(pullout_engine::Error::Stopped) => None,
         Err(error) => Some(Measured {
             failed_at: Some(FailedAt { kind: FailureKind::Failed, step: 0, increment: 0 }),
-            message: Some(error.to_string()),
+            message: Some(error.to_string().replace(&name, "")),
             times: [wall, 0.0],
             ..Measured::without_numbers(&sweep.keep)
         }),

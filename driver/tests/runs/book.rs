@@ -6,7 +6,7 @@ use end_to_end_tests::{Tool, find, run, workspace, worst};
 use serde_json::json;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// A page of the tree.
 fn page(name: &str) -> String {
@@ -17,6 +17,105 @@ fn page(name: &str) -> String {
 fn blocks(name: &str, language: &str) -> Vec<String> {
     let fence = format!("```{language}\n");
     page(name).split(&fence).skip(1).map(|rest| rest.split("```").next().unwrap_or_default().to_owned()).collect()
+}
+
+/// Pages with blocks: the README's and the book's.
+fn pages() -> Vec<String> {
+    let root = workspace("");
+    let mut found = vec![root.join("README.md"), root.join("CONTRIBUTING.md"), root.join("python/README.md")];
+    let mut folders = vec![root.join("docs")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder").flatten() {
+            let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+            if path.is_dir() && !name.starts_with(['_', '.']) {
+                folders.push(path);
+            } else if name.ends_with(".md") {
+                found.push(path);
+            }
+        }
+    }
+    let name = |path: PathBuf| path.strip_prefix(&root).expect("below it").to_string_lossy().into_owned();
+    found.into_iter().map(name).collect()
+}
+
+/// Block of a page.
+struct Block<'a> {
+    /// The line before it.
+    before: &'a str,
+    language: &'a str,
+    content: String,
+}
+
+/// All blocks of a page, with fences of any length.
+fn fenced(text: &str) -> Vec<Block<'_>> {
+    let (mut found, mut before, mut lines) = (Vec::new(), "", text.lines());
+    while let Some(line) = lines.next() {
+        let line = line.trim_start();
+        let language = line.trim_start_matches('`');
+        let fence = &line[..line.len() - language.len()];
+        if fence.len() >= 3 {
+            let content: Vec<&str> = lines.by_ref().take_while(|line| line.trim() != fence).collect();
+            found.push(Block { before, language, content: content.join("\n") });
+        }
+        if !line.is_empty() {
+            before = line;
+        }
+    }
+    found
+}
+
+/// Whether the program knows the options of a line, and the cases that it names are there; what other programs do on other lines,
+/// CI does itself.
+fn is_known(line: &str) -> bool {
+    let line = line.split(" #").next().unwrap_or_default();
+    let Some((_, arguments)) = line.split_once("pullout ").or_else(|| line.split_once("--release -- ")) else {
+        return true;
+    };
+    let words: Vec<&str> = arguments.split_whitespace().take_while(|word| *word != ">").collect();
+    let is_there = |case: &&str| workspace(case).exists() || case.contains('*');
+    let mut asked = program::command();
+    // help comes in place of what would be done, behind what is wrong
+    let known = asked.args(&words).arg("--help").stdout(Stdio::null()).status();
+    words.iter().filter(|word| word.starts_with("cases/")).all(is_there) && known.is_ok_and(|status| status.success())
+}
+
+/// Blocks that nothing runs, by page and beginning: dolfinx is no package that CI has, and there is no such law.
+const NOT_RUN: [(&str, &str); 2] =
+    [("docs/notebooks/dolfinx.md", "import dolfinx"), ("docs/working/adding.md", "umat_abi::export_umat!(")];
+
+/// Cells are run where the book is built.
+#[test]
+fn no_block_of_the_book_is_left_out() {
+    let (here, in_python) = (include_str!("book.rs"), page("python/tests/test_book.py"));
+    for name in pages() {
+        let is_followed = here.contains(&format!("follow(\"{name}\")"));
+        let is_run_by_python = in_python.contains(&format!("{name}\""));
+        for Block { before, language, content } in fenced(&page(&name)) {
+            let is_tried = match language {
+                "" | "text" | "formula" | "markdown" => true,
+                "sh" if before == "<!-- run -->" => is_followed,
+                "sh" => content.lines().all(is_known),
+                "python" => is_run_by_python,
+                _ if language.starts_with('{') => true,
+                _ if before.starts_with("<!-- file: ") => is_followed || is_run_by_python,
+                _ => false,
+            };
+            let is_compared = here.contains(&format!("blocks(\"{name}\", \"{language}\")"));
+            let is_not_run =
+                NOT_RUN.iter().any(|(page, begin)| *page == name && content.trim_start().starts_with(begin));
+            assert!(is_tried || is_compared || is_not_run, "{name} ({before}):\n{content}");
+        }
+    }
+}
+
+/// The specimen that the book shows can be meshed.
+#[test]
+fn the_specimen_of_several_fibres_is_one() {
+    let specimen = &blocks("docs/using/specimens.md", "json")[0];
+    let case = workspace("cases/chapter-7/two-fibres.json");
+    let checked =
+        Desk::new().pullout(["check", &case.to_string_lossy(), "--set", &format!("mesh.specimen={specimen}")]);
+    checked.expect(0);
 }
 
 /// Action that a tutorial asks of its reader.
@@ -136,6 +235,8 @@ fn the_umat_of_the_tutorial_runs_and_passes_the_check() {
 #[test]
 fn the_first_case_runs_and_unloads() {
     assert_eq!(blocks("README.md", "json")[0], blocks("docs/using/first-run.md", "json")[0]);
+    let desk = follow("README.md");
+    assert!(desk.path("case.schema.json").is_file());
     let desk = follow("docs/using/first-run.md");
     let run = Run::read(&desk.path("out/case"), desk.pullout(["check", "case.json"]).expect(0));
     assert!(run.peak("s11", "min") < -27.0);
@@ -224,10 +325,10 @@ fn the_fibre_of_the_tutorial_is_pulled_out() {
 /// The study of the tutorial: friction adds to the peak, and twice the length is twice the peak.
 #[test]
 fn the_study_of_the_tutorial_finds_its_claims() {
-    let study = "docs/using/study.md";
-    assert_eq!(blocks(study, "json").len(), 2, "the fibre and the study");
-    assert_eq!(blocks(study, "json")[0], blocks("docs/using/fibre.md", "json")[0]);
-    let desk = follow(study);
+    let shown = blocks("docs/using/study.md", "json");
+    assert_eq!(shown.len(), 2, "the fibre and the study");
+    assert_eq!(shown[0], blocks("docs/using/fibre.md", "json")[0]);
+    let desk = follow("docs/using/study.md");
     let study = program::json(&desk.path("out/friction/study.json"));
     let claims = study["claims"].as_array().expect("claims");
     assert!(claims.len() == 3 && claims.iter().all(|claim| claim["verdict"] == "found"), "{claims:?}");

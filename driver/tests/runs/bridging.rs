@@ -221,7 +221,11 @@ fn curves_of_runs_give_the_closed_form() {
     let case = cases().join("bridging/simulated.json");
     let short = ["run", "--out", "short", "--set", r#"fibre.set={"steps.0.slip": 1}"#, case.to_str().expect("UTF-8")];
     let outcome = desk.pullout(short).expect(0);
-    assert!(outcome.stderr.contains("fibre at 0°, 6.1 mm: its run ends at a slip of 1 mm with "), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.contains("fibre at 0°, 6.1 mm (and 1 more): its run ends at a slip of 1 mm with "),
+        "{}",
+        outcome.stderr
+    );
     // the same runs as if they had failed at 8 mm and at 2 mm
     for (end, code) in [(8.0, 0), (2.0, 1)] {
         cut_off(&desk.path("out/fibres"), end);

@@ -1,4 +1,14 @@
-use super::tag_is_kept;
+use super::{linker, tag_is_kept};
+use std::path::Path;
+
+/// The builds may have another folder than that of the workspace.
+#[test]
+fn a_linker_is_written_where_nothing_was_built() {
+    let workspace = tempfile::tempdir().expect("a folder");
+    // answers whatever it is asked
+    let python = Path::new("echo");
+    assert!(linker(workspace.path(), python).is_ok_and(|file| file.is_file()));
+}
 
 #[test]
 fn a_wheel_is_not_named_for_an_older_system_than_its_libraries_need() {

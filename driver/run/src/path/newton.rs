@@ -10,6 +10,9 @@ use nalgebra::{SMatrix, SVector};
 
 /// |Δs| ≤ 1e-8 · max(1, |s|) MPa: the contract of docs/reference/command-line.md.
 pub(super) const STRESS_TOLERANCE: f64 = 1e-8;
+/// What rounding leaves of a stress, relative to the largest so far: more than that tolerance in a case in Pa, where the 0 of a free
+/// side is a difference of 1e8.
+const STRESS_ROUNDING: f64 = 1e-12;
 /// Tolerance of relations that hold strains alone, relative to max(1e-6, largest strain).
 const STRAIN_TOLERANCE: f64 = 1e-10;
 /// A strain that is sought changes in a step by at most so many times what measures it: beyond is another equilibrium, as that of torn
@@ -42,6 +45,8 @@ pub(super) struct Targets<'a> {
     pub(super) constraints: &'a [Constraint],
     /// Total strain at the start.
     pub(super) strain: [f64; 6],
+    /// The largest component of stress at the end of any increment so far.
+    pub(super) largest_stress: f64,
     /// What measures the strains that are sought: the largest strain at the start of the step and of those that drive it, and the
     /// strains at that start; `None` if something else drives it.
     pub(super) measure: Option<(f64, [f64; 6])>,
@@ -117,17 +122,16 @@ impl Targets<'_> {
 
     /// The largest residual that counts as zero, by component.
     fn tolerance(&self, increment: &[f64; 6], stress: &[f64; 6]) -> Vector {
+        let rounding = STRESS_ROUNDING * stress.iter().fold(self.largest_stress, |largest, s| largest.max(s.abs()));
+        let of_stress = |stress: f64| (STRESS_TOLERANCE * stress.abs().max(1.0)).max(rounding);
         let mut tolerance = Vector::repeat(f64::INFINITY);
         for &i in self.components {
             tolerance[i] = match self.controls[i] {
-                Control::Stress(value) => STRESS_TOLERANCE * value.abs().max(1.0),
+                Control::Stress(value) => of_stress(value),
                 Control::Constraint(k) => {
                     let relation = &self.constraints[k];
-                    let stresses: f64 = self
-                        .components
-                        .iter()
-                        .map(|&j| relation.stress[j].abs() * STRESS_TOLERANCE * stress[j].abs().max(1.0))
-                        .sum();
+                    let stresses: f64 =
+                        self.components.iter().map(|&j| relation.stress[j].abs() * of_stress(stress[j])).sum();
                     let strains: f64 = self
                         .components
                         .iter()

@@ -144,6 +144,8 @@ struct Runner<'p> {
     databases: &'p mut ExternalDatabases,
     call: UmatCall,
     committed: Committed,
+    /// The largest component of stress at the end of any increment so far.
+    largest_stress: f64,
     /// Tangent at the last committed state, for the first guess.
     tangent: Option<[[f64; 6]; 6]>,
     plan: Plan,
@@ -236,6 +238,7 @@ impl<'p> Runner<'p> {
                 total_time: initial.time,
                 fields: initial.fields.clone(),
             },
+            largest_stress: committed.stress.iter().fold(0.0, |largest, s| s.abs().max(largest)),
             committed,
             tangent: None,
             plan: Plan::default(),
@@ -373,8 +376,9 @@ impl<'p> Runner<'p> {
     /// Returns what the increment must satisfy at a fraction of it, and the strain increment that an attempt begins with.
     fn first_increment<'r>(&self, to: f64, relations: &'r mut Vec<Constraint>) -> (Targets<'r>, [f64; 6]) {
         let controls = self.targets_at(to, relations);
-        let (components, strain, measure) = (self.components, *self.strain(), self.plan.measure);
-        let targets = Targets { components, controls, constraints: relations, strain, measure };
+        let (components, largest_stress, measure) = (self.components, self.largest_stress, self.plan.measure);
+        let targets =
+            Targets { components, controls, constraints: relations, strain: *self.strain(), largest_stress, measure };
         let mut increment = [0.0; 6];
         for &i in self.components {
             if let Control::Strain(end) = controls[i] {
@@ -655,6 +659,7 @@ impl Divisible for Runner<'_> {
         let state = &mut self.committed;
         for (k, &i) in self.components.iter().enumerate() {
             state.stress[i] = self.call.stress()[k];
+            self.largest_stress = self.largest_stress.max(state.stress[i].abs());
         }
         state.statev.copy_from_slice(self.call.statev());
         match &mut self.finite {

@@ -133,6 +133,22 @@ fn hardening_is_followed_under_stress_control_to_the_plateau_and_refused_beyond(
 }
 
 #[test]
+fn free_sides_of_a_case_in_pascals_are_found_as_in_megapascals() {
+    let paths = [1.0, 1e6].map(|unit| {
+        let props = [210_000.0 * unit, 0.3, 347.0 * unit, 0.0, 2447.0 * unit, 1.0];
+        let pulled = [Control::Strain(0.1), FREE, FREE, FREE, FREE, FREE];
+        let steps = vec![ramp(50, pulled), ramp(10, [FREE; 6]), ramp(2, [FREE; 6])];
+        rows(&program(plugin("j2_plasticity", &props), Mode::ThreeD, false, steps)).0
+    });
+    for [here, there] in (0..paths[0].len()).map(|row| [&paths[0][row], &paths[1][row]]) {
+        for i in 0..6 {
+            assert!((there[STRAIN + i] - here[STRAIN + i]).abs() < 1e-10, "{here:?} {there:?}");
+            assert!((there[STRESS + i] - 1e6 * here[STRESS + i]).abs() < 1e-8 * 347e6, "{here:?} {there:?}");
+        }
+    }
+}
+
+#[test]
 fn a_linear_relation_takes_the_place_of_a_free_component() {
     let mut controls = [Control::Strain(-1e-3), Control::Constraint(0), FREE, FREE, FREE, FREE];
     let relation =
