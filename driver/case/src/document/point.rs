@@ -155,17 +155,17 @@ pub struct ByComponent<T> {
     pub g13: Option<T>,
     /// Engineering shear strain 23.
     pub g23: Option<T>,
-    /// Stress 11.
+    /// Stress 11, MPa.
     pub s11: Option<T>,
-    /// Stress 22.
+    /// Stress 22, MPa.
     pub s22: Option<T>,
-    /// Stress 33.
+    /// Stress 33, MPa.
     pub s33: Option<T>,
-    /// Stress 12.
+    /// Stress 12, MPa.
     pub s12: Option<T>,
-    /// Stress 13.
+    /// Stress 13, MPa.
     pub s13: Option<T>,
-    /// Stress 23.
+    /// Stress 23, MPa.
     pub s23: Option<T>,
 }
 

@@ -324,7 +324,7 @@ fn the_schema_says_units_and_denies_unknown_keys() {
     let schema = super::schema();
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     let text = schema.to_string();
-    assert!(text.contains("CELENT, mm") && text.contains("stresses (MPa)"));
+    assert!(text.contains("CELENT, mm") && text.contains("Stress 11, MPa"));
     for name in ["PointCase", "InterfaceCase", "Material", "PointRamp", "Target", "Until", "Compare"] {
         assert_eq!(schema["$defs"][name]["additionalProperties"], false, "{name}");
     }
