@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -54,6 +55,8 @@ class SmallStrainModel:
         self.props = self.law.props(props)
         self.law._check_length(self.props, length)
         self.length, self.threads = length, threads
+        # the solver compares enumerators: the one that was given is given back
+        self._constraint = None if isinstance(constraint, str) else constraint
         name = constraint if isinstance(constraint, str) else constraint.name
         if name not in _MODES:
             raise CaseError([("constraint", f"'{name}' is none of {', '.join(_MODES)}")])
@@ -64,12 +67,16 @@ class SmallStrainModel:
 
     @property
     def constraint(self) -> Any:
-        """fenics-constitutive's enumerator, or a :class:`Constraint`."""
-        try:
-            from fenics_constitutive.models import StressStrainConstraint
-        except ImportError:
-            return Constraint(self._name, self.stress_strain_dim, self.geometric_dim)
-        return StressStrainConstraint[self._name]
+        """The enumerator that was given; of a name fenics-constitutive's, or a :class:`Constraint`."""
+        if self._constraint is not None:
+            return self._constraint
+        # up to 0.1.2 the package itself has it, later its models
+        for module in ("fenics_constitutive.models", "fenics_constitutive"):
+            try:
+                return importlib.import_module(module).StressStrainConstraint[self._name]
+            except (ImportError, AttributeError):
+                continue
+        return Constraint(self._name, self.stress_strain_dim, self.geometric_dim)
 
     @property
     def stress_strain_dim(self) -> int:

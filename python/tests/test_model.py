@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import enum
 import json
 import os
 import pickle
 import signal
 import subprocess
+import sys
 import threading
+import types
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -331,6 +334,21 @@ def test_parameters_that_are_no_numbers_fail() -> None:
     assert np.isnan(model()([np.nan, 0.2])).all()
     with pytest.raises(po.CaseError, match="material.props.E: is nan"):
         po.Model(BAR, PARAMETERS, ("e11", "s11"), GRID)([np.nan, 0.2])
+
+
+@pytest.mark.parametrize("module", ["fenics_constitutive", "fenics_constitutive.models"])
+def test_the_constraint_is_an_enumerator_of_fenics(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    theirs = enum.Enum("StressStrainConstraint", ["FULL", "PLANE_STRAIN", "PLANE_STRESS"])
+    law = po.Law("linear_elastic")
+    assert SmallStrainModel(law, {}, "PLANE_STRAIN").constraint == ("PLANE_STRAIN", 4, 2)
+    given = SmallStrainModel(law, {}, theirs["PLANE_STRESS"])
+    assert given.constraint is theirs["PLANE_STRESS"] and given.stress_strain_dim == 4
+    # releases have it at the top, later versions among the models
+    monkeypatch.setitem(sys.modules, "fenics_constitutive", types.ModuleType("fenics_constitutive"))
+    installed = types.ModuleType(module)
+    setattr(installed, "StressStrainConstraint", theirs)
+    monkeypatch.setitem(sys.modules, module, installed)
+    assert SmallStrainModel(law, {}, "PLANE_STRAIN").constraint is theirs["PLANE_STRAIN"]
 
 
 def test_fenics_may_ask_for_no_points() -> None:

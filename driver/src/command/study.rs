@@ -283,9 +283,11 @@ impl Progress {
         let peak = result.peak.map_or(String::new(), |peak| format!(", peak {} {unit}", significant(peak, 5)));
         let time = result.summary.as_ref().map_or(String::new(), |s| format!(", {} s", significant(s.wall_time_s, 3)));
         let how = match code {
-            DONE => "done",
-            _ if signals::received().is_some() => "interrupted",
-            _ => "FAILED",
+            DONE => "done".into(),
+            _ if signals::received().is_some() => "interrupted".into(),
+            // went to its end, and something about it is wrong: too much stabilisation, a file that cannot be written
+            _ if result.is_done() => format!("done, FAILED with exit code {code}"),
+            _ => String::from("FAILED"),
         };
         let line = format!("[{count}/{of}] {name}: {how}{peak}{time}");
         match &self.bar {

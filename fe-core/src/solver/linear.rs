@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::ordering::is_better_dissected;
 use super::whole::Whole;
 use super::{
     ACCEPTED_RESIDUAL, Blocks, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern, REFINED_RESIDUAL, ROUNDING,
@@ -15,6 +16,8 @@ pub struct LinearSolver {
     nodes: Vec<usize>,
     /// Positions of each equation, if known.
     positions: Vec<[f64; 2]>,
+    /// Whether the solids alone fill less along cuts: found once, contact changes the pattern too often.
+    is_dissected: Option<bool>,
     threads: Threads,
     options: SolverOptions,
     /// Present after the first factorisation.
@@ -34,6 +37,7 @@ impl LinearSolver {
             pattern: Arc::clone(pattern),
             nodes: nodes.to_vec(),
             positions: Vec::new(),
+            is_dissected: None,
             threads: Threads::default(),
             options,
             whole: None,
@@ -82,7 +86,7 @@ impl LinearSolver {
 
     /// The first method that can, and whether it had been analysed before.
     fn factorise_filled(
-        &self,
+        &mut self,
         whole: &mut Whole,
         matrix: &SystemMatrix,
         symmetry: Symmetry,
@@ -96,7 +100,10 @@ impl LinearSolver {
             let was_analysed = whole.is_analysed(method);
             let is_done = match method {
                 Method::Parts => whole.factorise_parts(matrix, &self.nodes, &self.positions, &self.threads)?,
-                Method::BlockLu => whole.factorise_block_lu(matrix, &self.nodes, &self.positions)?,
+                Method::BlockLu => {
+                    let positions: &[_] = if self.is_dissected()? { &self.positions } else { &[] };
+                    whole.factorise_block_lu(matrix, &self.nodes, positions)?
+                }
                 Method::GeneralLu => whole.factorise_general_lu(matrix)?,
             };
             if is_done {
@@ -104,6 +111,16 @@ impl LinearSolver {
             }
         }
         Err(SolverError::Singular { equation: None })
+    }
+
+    /// Returns whether what is factorised in one piece is to be ordered by cuts.
+    fn is_dissected(&mut self) -> Result<bool, SolverError> {
+        let is_dissected = match self.is_dissected {
+            Some(is_dissected) => is_dissected,
+            None => is_better_dissected(&self.pattern, &self.nodes, &self.positions)?,
+        };
+        self.is_dissected = Some(is_dissected);
+        Ok(is_dissected)
     }
 
     /// Returns what the next factorisation depends on beside its matrix: the symmetry of the solids if there is a factor, and the

@@ -24,20 +24,39 @@ pub(super) fn elimination_order(
     positions: &[[f64; 2]],
     last: &[usize],
 ) -> Result<Vec<usize>, SolverError> {
+    Ok(least_fill(pattern, nodes, positions, last)?.0)
+}
+
+/// Returns whether a pattern fills less along cuts than by least degree.
+pub(super) fn is_better_dissected(
+    pattern: &Pattern,
+    nodes: &[usize],
+    positions: &[[f64; 2]],
+) -> Result<bool, SolverError> {
+    Ok(least_fill(pattern, nodes, positions, &[])?.1)
+}
+
+/// The order of elimination, and whether it follows cuts.
+fn least_fill(
+    pattern: &Pattern,
+    nodes: &[usize],
+    positions: &[[f64; 2]],
+    last: &[usize],
+) -> Result<(Vec<usize>, bool), SolverError> {
     let nodes = NodeGraph::new(pattern, nodes, last);
     let expanded = |order: Vec<usize>| -> Vec<usize> {
         order.iter().flat_map(|&node| nodes.equations(node)).chain(last).copied().collect()
     };
     let by_degree = expanded(least_degree(&nodes.graph)?);
     if positions.is_empty() || pattern.size() < LEAST_DISSECTED {
-        return Ok(by_degree);
+        return Ok((by_degree, false));
     }
     let mut dissected = Vec::with_capacity(nodes.graph.len());
     let all = (0..nodes.graph.len()).collect();
     dissect(&nodes.graph, &nodes.positions(positions), all, &mut dissected)?;
     let dissected = expanded(dissected);
     let is_better = cholesky_flops(pattern, &dissected)? < cholesky_flops(pattern, &by_degree)?;
-    Ok(if is_better { dissected } else { by_degree })
+    Ok((if is_better { dissected } else { by_degree }, is_better))
 }
 
 /// Approximate minimum degree.

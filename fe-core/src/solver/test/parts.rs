@@ -3,7 +3,7 @@
 use super::analysis::cholesky_flops;
 use super::cut::{Cut, cut};
 use super::graph::NodeGraph;
-use super::ordering::elimination_order;
+use super::ordering::{elimination_order, is_better_dissected};
 use super::*;
 use crate::threads::Threads;
 use std::num::NonZeroUsize;
@@ -157,6 +157,8 @@ fn an_order_by_dissection_has_every_equation_once_and_less_fill() {
     };
     let ratio = flops(&bodies.positions) / flops(&[]);
     assert!((0.7..0.92).contains(&ratio), "{ratio}");
+    assert!(is_better_dissected(pattern, &bodies.nodes, &bodies.positions).unwrap());
+    assert!(!is_better_dissected(pattern, &bodies.nodes, &[]).unwrap(), "nothing is known of places");
 }
 
 #[test]

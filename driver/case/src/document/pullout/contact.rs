@@ -131,7 +131,8 @@ pub enum Enforcement {
     Penalty,
     /// Penalty with updates of the multiplier.
     Uzawa(Uzawa),
-    /// In one loop, the multiplier condensed locally.
+    /// In one loop, the multiplier condensed locally: 10 to 300 times slower than updates where points open and close, and from ratios of
+    /// 30 000 on often without an end. For comparisons.
     PerturbedLagrangian(Perturbed),
 }
 
