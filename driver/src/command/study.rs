@@ -283,11 +283,11 @@ impl Progress {
         let peak = result.peak.map_or(String::new(), |peak| format!(", peak {} {unit}", significant(peak, 5)));
         let time = result.summary.as_ref().map_or(String::new(), |s| format!(", {} s", significant(s.wall_time_s, 3)));
         let how = match code {
-            DONE => "done".into(),
+            DONE => String::from("done"),
             _ if signals::received().is_some() => "interrupted".into(),
-            // went to its end, and something about it is wrong: too much stabilisation, a file that cannot be written
+            // its increments went to their end, but a file of its results could not be written
             _ if result.is_done() => format!("done, FAILED with exit code {code}"),
-            _ => String::from("FAILED"),
+            _ => "FAILED".into(),
         };
         let line = format!("[{count}/{of}] {name}: {how}{peak}{time}");
         match &self.bar {

@@ -217,7 +217,7 @@ fn quiet_prints_nothing() {
     let outcome = desk.pullout(["run", "--quiet", "case.json"]).expect(0);
     assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
     // a run long enough for progress lines
-    let long = ["--set", "steps.0.increments=100000", "--set", "output.every=100000", "--set", "output.plots=false"];
+    let long = ["--set", "steps.0.increments=400000", "--set", "output.every=400000", "--set", "output.plots=false"];
     let outcome = desk.pullout([&["run", "--quiet", "case.json"][..], &long].concat()).expect(0);
     assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
 }

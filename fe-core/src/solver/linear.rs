@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::ordering::is_better_dissected;
-use super::whole::Whole;
+use super::whole::{Whole, get_or_try_insert};
 use super::{
     ACCEPTED_RESIDUAL, Blocks, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern, REFINED_RESIDUAL, ROUNDING,
     ROUNDING_MARGIN, SYMMETRIC_BLOCK, SolveReport, SolverError, SolverOptions, Symmetry, SystemMatrix,
@@ -50,7 +50,7 @@ impl LinearSolver {
     /// Makes another solver for the same pattern.
     pub(crate) fn anew(&self) -> Self {
         let made = Self::new(&self.pattern, &self.nodes, self.options).with_positions(self.positions.clone());
-        Self { threads: self.threads.clone(), ..made }
+        Self { threads: self.threads.clone(), is_dissected: self.is_dissected, ..made }
     }
 
     /// Tells where the node of each equation is, mm: a large definite matrix is then factorised in parts.
@@ -101,7 +101,9 @@ impl LinearSolver {
             let is_done = match method {
                 Method::Parts => whole.factorise_parts(matrix, &self.nodes, &self.positions, &self.threads)?,
                 Method::BlockLu => {
-                    let positions: &[_] = if self.is_dissected()? { &self.positions } else { &[] };
+                    let judge = || is_better_dissected(&self.pattern, &self.nodes, &self.positions);
+                    let is_dissected = *get_or_try_insert(&mut self.is_dissected, judge)?;
+                    let positions: &[_] = if is_dissected { &self.positions } else { &[] };
                     whole.factorise_block_lu(matrix, &self.nodes, positions)?
                 }
                 Method::GeneralLu => whole.factorise_general_lu(matrix)?,
@@ -111,16 +113,6 @@ impl LinearSolver {
             }
         }
         Err(SolverError::Singular { equation: None })
-    }
-
-    /// Returns whether what is factorised in one piece is to be ordered by cuts.
-    fn is_dissected(&mut self) -> Result<bool, SolverError> {
-        let is_dissected = match self.is_dissected {
-            Some(is_dissected) => is_dissected,
-            None => is_better_dissected(&self.pattern, &self.nodes, &self.positions)?,
-        };
-        self.is_dissected = Some(is_dissected);
-        Ok(is_dissected)
     }
 
     /// Returns what the next factorisation depends on beside its matrix: the symmetry of the solids if there is a factor, and the

@@ -214,7 +214,7 @@ impl Whole {
 }
 
 /// Returns what is in the slot, or what `make` makes for it.
-fn get_or_try_insert<T>(
+pub(super) fn get_or_try_insert<T>(
     slot: &mut Option<T>,
     make: impl FnOnce() -> Result<T, SolverError>,
 ) -> Result<&mut T, SolverError> {
