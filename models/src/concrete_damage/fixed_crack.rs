@@ -9,9 +9,6 @@ use super::criteria::times;
 use crate::damage_law::{damage, integrity};
 use crate::tensor::{Elasticity, Spectral, add_dyad, stress_norm_squared, trace, work};
 
-/// α: two cracks slide across each other by at most so much of the sum of their openings; 1 would do for any opening without
-/// shear in other axes. Closed ones hold by friction of 1/α.
-pub(super) const SLIP: f64 = 2.0;
 /// The pairs of cracks, of shear components 12, 13, 23.
 const PAIRS: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
 
@@ -36,8 +33,8 @@ struct Piece {
 
 impl Piece {
     /// Evaluates the piece whose cracks are `open`, and whose pairs slide freely or are stuck.
-    fn new(elasticity: &Elasticity, strain: &[f64; 6], open: [bool; 3], is_free: [bool; 3]) -> Self {
-        let mu = elasticity.shear_modulus;
+    fn new(elasticity: &Elasticity, friction: f64, strain: &[f64; 6], open: [bool; 3], is_free: [bool; 3]) -> Self {
+        let (mu, slip) = (elasticity.shear_modulus, 1.0 / friction);
         let mut stiffness = elasticity.stiffness();
         // −∂²ψ/∂ε∂a_i and ∂²ψ/∂a_i∂a_k; a = 0 where a crack is closed
         let mut columns = [[0.0; 6]; 3];
@@ -57,9 +54,9 @@ impl Piece {
                 continue;
             }
             for &i in cracks.iter().filter(|&&i| open[i]) {
-                columns[i][3 + pair] = (SLIP * mu).copysign(strain[3 + pair]);
+                columns[i][3 + pair] = (slip * mu).copysign(strain[3 + pair]);
                 for &k in cracks.iter().filter(|&&k| open[k]) {
-                    curvature[i][k] += SLIP * SLIP * mu;
+                    curvature[i][k] += slip * slip * mu;
                 }
             }
         }
@@ -79,10 +76,10 @@ impl Piece {
         let mut violation = 0.0_f64;
         let mut pressure = [-stress[0], -stress[1], -stress[2]];
         for (pair, [i, k]) in PAIRS.into_iter().enumerate() {
-            let excess = strain[3 + pair].abs() - SLIP * (opening[i] + opening[k]);
+            let excess = strain[3 + pair].abs() - slip * (opening[i] + opening[k]);
             violation = violation.max(if is_free[pair] { excess } else { -excess });
-            pressure[i] -= SLIP * stress[3 + pair].abs();
-            pressure[k] -= SLIP * stress[3 + pair].abs();
+            pressure[i] -= slip * stress[3 + pair].abs();
+            pressure[k] -= slip * stress[3 + pair].abs();
         }
         for i in 0..3 {
             violation = violation.max(if open[i] { -opening[i] } else { -pressure[i] / mu });
@@ -103,14 +100,14 @@ fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 }
 
 impl FreeCracks {
-    /// Finds the piece that a strain lies in: the first within its bounds, or, by rounding, the one that is least outside.
+    /// Finds the piece that a strain lies in, with the friction 1/α of closed cracks: the first within its bounds, or, by rounding, the one that is least outside.
     #[inline]
-    pub fn new(elasticity: &Elasticity, axes: &Spectral, strain: &[f64; 6]) -> Self {
+    pub fn new(elasticity: &Elasticity, friction: f64, axes: &Spectral, strain: &[f64; 6]) -> Self {
         let twice = |projector: [f64; 6]| projector.map(|x| 2.0 * x);
         let shear = PAIRS.map(|[i, j]| twice(axes.shear_projector(i, j)));
         let directions = [axes.projector(0), axes.projector(1), axes.projector(2), shear[0], shear[1], shear[2]];
         let strain = directions.map(|direction| work(&direction, strain));
-        let mut piece = Piece::new(elasticity, &strain, [false; 3], [false; 3]);
+        let mut piece = Piece::new(elasticity, friction, &strain, [false; 3], [false; 3]);
         let bits = |number: usize| std::array::from_fn(|k| number >> k & 1 == 1);
         for number in 8..64 {
             if piece.violation <= 0.0 {
@@ -119,7 +116,7 @@ impl FreeCracks {
             let (open, is_free): ([bool; 3], [bool; 3]) = (bits(number / 8), bits(number % 8));
             // nothing slides freely where both are closed
             if PAIRS.iter().zip(is_free).all(|([i, k], is_free)| !is_free || open[*i] || open[*k]) {
-                let other = Piece::new(elasticity, &strain, open, is_free);
+                let other = Piece::new(elasticity, friction, &strain, open, is_free);
                 if other.violation < piece.violation {
                     piece = other;
                 }
@@ -169,8 +166,8 @@ pub(super) struct FixedCracks {
 impl FixedCracks {
     /// Degrades the stiffness K_c.
     #[inline]
-    pub fn new(elasticity: &Elasticity, eta_t: f64, axes: &Spectral, strain: &[f64; 6]) -> Self {
-        let free = FreeCracks::new(elasticity, axes, strain);
+    pub fn new(elasticity: &Elasticity, friction: f64, eta_t: f64, axes: &Spectral, strain: &[f64; 6]) -> Self {
+        let free = FreeCracks::new(elasticity, friction, axes, strain);
         let (full, w, d) = (elasticity.stress(strain), integrity(eta_t), damage(eta_t));
         let stress = std::array::from_fn(|i| w * full[i] + d * free.stress[i]);
         Self { eta_t, elasticity: *elasticity, strain: *strain, free, stress }

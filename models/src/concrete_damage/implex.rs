@@ -10,8 +10,8 @@ use crate::bracketed_newton::bracketed_newton;
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33};
 use crate::tensor::{Spectral, condense_plane_stress, work};
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
-use umat_abi::metadata::{DerivedOutput, OVERSTRESS_WORK, StateVariable, flags};
-use umat_abi::table::{StateField, States};
+use umat_abi::metadata::{DerivedOutput, OVERSTRESS_WORK, Parameter, StateVariable, flags};
+use umat_abi::table::{Field, Parameters as _, StateField, States};
 
 /// The law.
 pub struct ConcreteDamageImplex;
@@ -22,7 +22,7 @@ const LARGEST_EXTRAPOLATED_ETA: f64 = 999_999.0;
 const FADING: f64 = 0.5;
 /// R: of the virgin stiffness of a crack against its opening.
 const RESISTANCE: f64 = 2e-5;
-/// |ε33| of plane stress in units of the largest component of strain: at most 2.5, with ν ≤ ½ and the slip of closed cracks.
+/// |ε33| of plane stress in units of the largest component of strain: at most 3, with ν ≤ ½ and the slip of closed cracks.
 const LARGEST_STRAIN_33: f64 = 4.0;
 
 umat_abi::states! {
@@ -179,6 +179,30 @@ umat_abi::states! {
     }
 }
 
+/// Rows of [`Parameters`].
+const CONCRETE: &[Parameter] = Parameters::TABLE;
+
+impl Field<14> for Parameters {
+    #[inline(always)]
+    fn read(values: [f64; 14]) -> Result<Self, ConfigurationError> {
+        umat_abi::table::Parameters::read(&values)
+    }
+}
+
+umat_abi::parameters! {
+    /// The parameters of a law with cracks of fixed direction.
+    pub struct FixedParameters {
+        /// Those of the concrete.
+        pub concrete: Parameters =
+            CONCRETE[0], CONCRETE[1], CONCRETE[2], CONCRETE[3], CONCRETE[4], CONCRETE[5], CONCRETE[6], CONCRETE[7], CONCRETE[8],
+            CONCRETE[9], CONCRETE[10], CONCRETE[11], CONCRETE[12], CONCRETE[13];
+        /// 1/α: the friction of closed cracks.
+        pub crack_friction: f64 =
+            Parameter::new(c"crack_friction", c"-", 1.0, c"friction of closed cracks; open ones slide freely by opening/friction")
+                .within(0.1, 1.0);
+    }
+}
+
 /// The law with cracks of fixed direction.
 pub struct ConcreteDamageFixed;
 
@@ -188,49 +212,53 @@ impl Law for ConcreteDamageFixed {
         description: c"Concrete: concrete_damage_implex with cracks of fixed direction",
         derived: &const { [DerivedOutput::damage(c"D_t", 6), DerivedOutput::damage(c"D_c", 7)] },
         flags: ConcreteDamageImplex::INFO.flags,
-        ..LawInfo::of::<Parameters, FixedState>()
+        ..LawInfo::of::<FixedParameters, FixedState>()
     };
-    type Parameters<'p> = Parameters;
+    type Parameters<'p> = FixedParameters;
     type State = FixedState;
 
     #[inline(always)]
-    fn check(parameters: &Parameters) -> Result<(), ConfigurationError> {
-        ConcreteDamageImplex::check(parameters)
+    fn check(parameters: &FixedParameters) -> Result<(), ConfigurationError> {
+        ConcreteDamageImplex::check(&parameters.concrete)
     }
 
-    fn check_characteristic_length(parameters: &Parameters, length: Option<f64>) -> Result<(), ConfigurationError> {
-        parameters.check_characteristic_length(length)
+    fn check_characteristic_length(
+        parameters: &FixedParameters,
+        length: Option<f64>,
+    ) -> Result<(), ConfigurationError> {
+        parameters.concrete.check_characteristic_length(length)
     }
 
     #[inline(always)]
     fn elastic(
-        parameters: &Parameters,
+        parameters: &FixedParameters,
         increment: &Increment,
         state: &mut FixedState,
         request: Request,
     ) -> Option<Response> {
-        ConcreteDamageImplex::elastic(parameters, increment, &mut state.turning, request)
+        ConcreteDamageImplex::elastic(&parameters.concrete, increment, &mut state.turning, request)
     }
 
     #[inline(never)]
     fn update(
-        parameters: &Parameters,
+        parameters: &FixedParameters,
         increment: &Increment,
         state: &mut FixedState,
         request: Request,
     ) -> Result<Response, Failure> {
-        state.turning.advance(parameters, increment, Some(&mut state.crack), request)
+        let FixedParameters { concrete, crack_friction } = parameters;
+        state.turning.advance(concrete, increment, Some((&mut state.crack, *crack_friction)), request)
     }
 }
 
 impl State {
-    /// Advances to the end of an increment; a `crack` keeps its direction.
+    /// Advances to the end of an increment; a `crack` keeps its direction, and has a friction.
     #[inline(always)]
     fn advance(
         &mut self,
         parameters: &Parameters,
         increment: &Increment,
-        crack: Option<&mut [f64; 6]>,
+        crack: Option<(&mut [f64; 6], f64)>,
         request: Request,
     ) -> Result<Response, Failure> {
         let state = self;
@@ -248,9 +276,9 @@ impl State {
         });
         let softening = parameters.softening(increment.characteristic_length);
         let end = match &crack {
-            Some(crack) if **crack != [0.0; 6] => {
-                let axes = Spectral::of_strain(crack);
-                End::with_fixed_cracks(parameters, &softening, increment, &implicit, applied, &axes, request)
+            Some((crack, friction)) if **crack != [0.0; 6] => {
+                let cracks = (Spectral::of_strain(crack), *friction);
+                End::with_fixed_cracks(parameters, &softening, increment, &implicit, applied, cracks, request)
             }
             _ => End::with_turning_crack(parameters, &softening, increment, &implicit, applied, request)?,
         };
@@ -267,7 +295,7 @@ impl State {
         let overstress: [f64; 6] = std::array::from_fn(|i| stress[i] - end.implicit_stress[i]);
         implicit.commit(parameters, increment, &end.history, end.strain_33, dissipation)?;
         state.follow(&implicit, end.stored_energy);
-        if let Some(crack) = crack
+        if let Some((crack, _)) = crack
             && *crack == [0.0; 6]
             && state.eta_t > 0.0
         {
@@ -326,7 +354,7 @@ impl End {
         increment: &Increment,
         state: &ImplicitState,
         [eta_t, eta_c]: [f64; 2],
-        axes: &Spectral,
+        (axes, friction): (Spectral, f64),
         request: Request,
     ) -> Self {
         let is_plane_stress = increment.stress_state == StressState::PlaneStress;
@@ -339,11 +367,11 @@ impl End {
             strain[2] = bracketed_newton([-largest, largest], state.strain_33, f64::EPSILON * size, |strain_33| {
                 let mut strain = strain;
                 strain[2] = strain_33;
-                let solid = FixedCracks::new(&elasticity, eta_t, axes, &strain);
+                let solid = FixedCracks::new(&elasticity, friction, eta_t, &axes, &strain);
                 (solid.stress[2], solid.stiffness()[2][2])
             });
         }
-        let solid = FixedCracks::new(&elasticity, eta_t, axes, &strain);
+        let solid = FixedCracks::new(&elasticity, friction, eta_t, &axes, &strain);
         let mut stress = solid.stress;
         let tangent = match (request.wants_tangent(), is_plane_stress) {
             (false, _) => [[0.0; 6]; 6],
@@ -354,14 +382,15 @@ impl End {
             stress[2] = 0.0;
         }
         let criteria = Criteria::new(parameters, &Spectral::of_strain(&strain).values);
-        let compressed = FreeCracks::new(&parameters.elasticity, axes, &strain).degradable_energy(parameters);
+        let compressed =
+            FreeCracks::new(&parameters.elasticity, friction, &axes, &strain).degradable_energy(parameters);
         let mut history = History::of(state);
         history.tension.advance(&softening[0], criteria.tension, 0.0);
         history.compression.advance(&softening[1], criteria.confined(parameters, compressed), 0.0);
         let end = degraded_elasticity(parameters, history.compression.eta);
-        let implicit_stress = FixedCracks::new(&end, history.tension.eta, axes, &strain).stress;
+        let implicit_stress = FixedCracks::new(&end, friction, history.tension.eta, &axes, &strain).stress;
         let (stored_energy, strain_33) = (solid.energy(), strain[2]);
-        Self { stress, tangent, stored_energy, history, implicit_stress, strain_33, axes: *axes }
+        Self { stress, tangent, stored_energy, history, implicit_stress, strain_33, axes }
     }
 }
 

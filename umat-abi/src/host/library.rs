@@ -368,10 +368,14 @@ unsafe fn open_locally(path: &Path) -> Result<libloading::Library, libloading::E
 /// freed by the other.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub fn binds_deeply() -> bool {
-    let c_library = libc::gnu_get_libc_version as *const c_void;
-    // SAFETY: a name that ends with NUL, looked up among the libraries that the process started with.
-    let malloc = unsafe { libc::dlsym(libc::RTLD_DEFAULT, c"malloc".as_ptr()) };
-    owner_of(malloc) == owner_of(c_library)
+    // asked of each library: the search among all of the C library's symbols is a tenth of a short run
+    static ANSWER: std::sync::LazyLock<bool> = std::sync::LazyLock::new(|| {
+        let c_library = libc::gnu_get_libc_version as *const c_void;
+        // SAFETY: a name that ends with NUL, looked up among the libraries that the process started with.
+        let malloc = unsafe { libc::dlsym(libc::RTLD_DEFAULT, c"malloc".as_ptr()) };
+        owner_of(malloc) == owner_of(c_library)
+    });
+    *ANSWER
 }
 
 /// Returns whether plugins are bound to their own symbols first: the loader cannot.

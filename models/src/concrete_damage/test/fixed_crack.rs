@@ -2,7 +2,7 @@
 
 use super::implex::{banded, check_tangent, check_work, virgin_of};
 use super::*;
-use crate::concrete_damage::fixed_crack::{FreeCracks, SLIP};
+use crate::concrete_damage::fixed_crack::FreeCracks;
 use crate::concrete_damage::split::Split;
 use crate::tensor::{Elasticity, Spectral, work};
 use approx::assert_relative_eq;
@@ -14,7 +14,16 @@ const PRESSED: f64 = -3e-5;
 /// Increments of a path, which damage is to follow.
 const COUNT: u32 = 400;
 
-fn virgin<'p>(props: &'p [f64; 14], stress_state: StressState) -> Point<'p, ConcreteDamageFixed> {
+/// Frictions of closed cracks: usual ones, and the greatest.
+const FRICTIONS: [f64; 2] = [0.5, 1.0];
+
+/// The concrete of the other laws, with the friction of its cracks.
+fn with_friction(friction: f64) -> [f64; 15] {
+    let concrete = banded();
+    std::array::from_fn(|i| concrete.get(i).copied().unwrap_or(friction))
+}
+
+fn virgin<'p>(props: &'p [f64; 15], stress_state: StressState) -> Point<'p, ConcreteDamageFixed> {
     virgin_of(props, stress_state)
 }
 
@@ -33,12 +42,12 @@ fn go<L: Law>(point: &mut Point<'_, L>, strain: [f64; 6]) -> [f64; 6] {
 #[test]
 fn free_cracks_minimise_the_energy() {
     let mut random = Random::new(0xC7AC);
-    for nu in [-0.5, 0.0, 0.18, 0.45] {
+    for (nu, friction) in [-0.5, 0.0, 0.18, 0.45].into_iter().flat_map(|nu| [0.1, 0.5, 1.0].map(|f| (nu, f))) {
         let elasticity = Elasticity::new(30_000.0, nu);
-        for _ in 0..3000 {
+        for _ in 0..1000 {
             let axes = Spectral { values: [0.0; 3], directions: random.rotation() };
             let strain = random.strain(StressState::ThreeD, 1e-3);
-            let stress = FreeCracks::new(&elasticity, &axes, &strain).stress;
+            let stress = FreeCracks::new(&elasticity, friction, &axes, &strain).stress;
             let elastic = elasticity.stress(&strain);
             let crack = strain_of(&elasticity, &std::array::from_fn(|i| elastic[i] - stress[i]));
             let entry = |tensor: &[f64; 6], i: usize, j: usize| work(&axes.shear_projector(i, j), tensor);
@@ -49,9 +58,9 @@ fn free_cracks_minimise_the_energy() {
                 let openings = [entry(&crack, i, i), entry(&crack, j, j)];
                 assert!(openings[0] >= -strains, "{crack:?}");
                 let slip = 2.0 * entry(&crack, i, j).abs();
-                assert!(slip <= SLIP * (openings[0] + openings[1]) + strains, "{crack:?}");
+                assert!(friction * slip <= openings[0] + openings[1] + strains, "{crack:?}");
                 let shear = entry(&engineering, i, j).abs() + entry(&engineering, i, k).abs();
-                assert!(entry(&engineering, i, i) + SLIP * shear <= stresses, "{stress:?}");
+                assert!(friction * entry(&engineering, i, i) + shear <= stresses, "{stress:?}");
             }
             assert!(Spectral::of_stress(&stress).values[0] <= stresses, "no tension in any direction: {stress:?}");
             assert!(work(&stress, &crack).abs() <= 1e-3 * stresses, "{:e}", work(&stress, &crack));
@@ -74,7 +83,7 @@ fn across_the_principal_strains_it_is_the_split_of_the_turning_crack() {
         let strain = random.strain(StressState::ThreeD, 1e-3);
         let axes = Spectral::of_strain(&strain);
         let expected = axes.stress(&Split::new(&elasticity, &axes.values).stress);
-        let found = FreeCracks::new(&elasticity, &axes, &strain).stress;
+        let found = FreeCracks::new(&elasticity, 0.5, &axes, &strain).stress;
         for (found, expected) in found.iter().zip(&expected) {
             assert_relative_eq!(*found, *expected, epsilon = 1e-10, max_relative = 1e-10);
         }
@@ -85,8 +94,8 @@ fn across_the_principal_strains_it_is_the_split_of_the_turning_crack() {
 #[test]
 fn a_crack_that_is_not_sheared_is_the_turning_crack() {
     for stress_state in STRESS_STATES {
-        let props = banded();
-        let mut turning = virgin_of::<ConcreteDamageImplex>(&props, stress_state);
+        let (concrete, props) = (banded(), with_friction(1.0));
+        let mut turning = virgin_of::<ConcreteDamageImplex>(&concrete, stress_state);
         let mut point = virgin(&props, stress_state);
         for end in [1e-3, -1e-3, 3e-3] {
             let strain = [0.3 * end, end, 0.0, 0.0, 0.0, 0.0];
@@ -105,9 +114,9 @@ fn a_crack_that_is_not_sheared_is_the_turning_crack() {
 /// slides beyond, and opens as it slides.
 #[test]
 fn shear_crosses_a_closed_crack_only() {
-    let props = banded();
-    let shear_modulus = Elasticity::new(props[0], props[1]).shear_modulus;
-    for stress_state in STRESS_STATES {
+    for (stress_state, friction) in STRESS_STATES.into_iter().flat_map(|state| FRICTIONS.map(|f| (state, f))) {
+        let props = with_friction(friction);
+        let shear_modulus = Elasticity::new(props[0], props[1]).shear_modulus;
         let mut point = virgin(&props, stress_state);
         go(&mut point, [OPEN, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let open = go(&mut point, [OPEN, 0.0, 0.0, 0.5 * OPEN, 0.0, 0.0]);
@@ -117,11 +126,11 @@ fn shear_crosses_a_closed_crack_only() {
         let pressure = -go(&mut point, pressed(0.0))[0];
         let mut sound = virgin(&props, stress_state);
         assert_relative_eq!(pressure, -go(&mut sound, pressed(0.0))[0], max_relative = 1e-9);
-        let limit = pressure / SLIP / shear_modulus;
+        let limit = friction * pressure / shear_modulus;
         let held = go(&mut point, pressed(0.9 * limit));
         assert_relative_eq!(held[3], 0.9 * limit * shear_modulus, max_relative = 1e-4);
         let slid = go(&mut point, pressed(3.0 * limit));
-        assert_relative_eq!(slid[3], -slid[0] / SLIP, max_relative = 1e-2);
+        assert_relative_eq!(slid[3], -friction * slid[0], max_relative = 1e-2);
         assert!(-slid[0] > pressure, "{slid:?}");
     }
 }
@@ -129,8 +138,8 @@ fn shear_crosses_a_closed_crack_only() {
 /// Tension at any angle to a crack finds no strength but what is left of it.
 #[test]
 fn tension_across_a_cracked_solid_is_released_in_any_direction() {
-    let props = banded();
-    for stress_state in STRESS_STATES {
+    for (stress_state, friction) in STRESS_STATES.into_iter().flat_map(|state| FRICTIONS.map(|f| (state, f))) {
+        let props = with_friction(friction);
         for degrees in [15.0_f64, 30.0, 45.0, 60.0, 90.0] {
             let mut point = virgin(&props, stress_state);
             go(&mut point, [OPEN, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -144,7 +153,7 @@ fn tension_across_a_cracked_solid_is_released_in_any_direction() {
 
 #[test]
 fn a_turned_crack_is_the_same_crack() {
-    let props = banded();
+    let props = with_friction(1.0);
     let sample = Sample { characteristic_length: Some(20.0), ..Sample::new(&props, 3e-4) };
     for stress_state in STRESS_STATES {
         battery::check_rotation::<ConcreteDamageFixed>(&sample, stress_state, 300);
@@ -153,16 +162,16 @@ fn a_turned_crack_is_the_same_crack() {
 
 #[test]
 fn tangent_is_the_derivative_of_the_stress_symmetric_and_positive() {
-    check_tangent::<ConcreteDamageFixed>();
+    FRICTIONS.iter().for_each(|friction| check_tangent::<ConcreteDamageFixed>(&with_friction(*friction)));
 }
 
 #[test]
 fn work_is_stored_and_dissipated_to_the_last_digits() {
-    check_work::<ConcreteDamageFixed>();
+    FRICTIONS.iter().for_each(|friction| check_work::<ConcreteDamageFixed>(&with_friction(*friction)));
 }
 
 #[test]
 fn its_page_has_the_states_that_hosts_see() {
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/src/concrete_damage/fixed.md");
-    battery::pages::check(page, &ConcreteDamageFixed::INFO, &[STATES]);
+    battery::pages::check(page, &ConcreteDamageFixed::INFO, &[PARAMETERS, STATES]);
 }

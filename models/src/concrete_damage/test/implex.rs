@@ -20,7 +20,7 @@ fn virgin<'p>(props: &'p [f64; 14], stress_state: StressState) -> Point<'p, Conc
     virgin_of(props, stress_state)
 }
 
-pub(super) fn virgin_of<'p, L: Law>(props: &'p [f64; 14], stress_state: StressState) -> Point<'p, L> {
+pub(super) fn virgin_of<'p, L: Law>(props: &'p [f64], stress_state: StressState) -> Point<'p, L> {
     let mut point = Point::virgin(props, stress_state);
     point.characteristic_length = Some(20.0);
     point
@@ -97,16 +97,16 @@ fn its_page_has_the_states_that_hosts_see() {
 
 #[test]
 fn tangent_is_the_derivative_of_the_stress_symmetric_and_positive() {
-    check_tangent::<ConcreteDamageImplex>();
+    check_tangent::<ConcreteDamageImplex>(&banded());
 }
 
-pub(super) fn check_tangent<L: Law>() {
-    let props = banded();
-    battery::check_tangents::<L>("IMPL-EX", &[sample(&(props, Some(20.0)))]);
+pub(super) fn check_tangent<L: Law>(props: &[f64]) {
+    let sample = Sample { characteristic_length: Some(20.0), ..Sample::new(props, 3e-4) };
+    battery::check_tangents::<L>("IMPL-EX", &[sample]);
     let mut random = Random::new(0x1E);
     for stress_state in STRESS_STATES {
         for _ in 0..300 {
-            let mut point = virgin_of::<L>(&props, stress_state);
+            let mut point = virgin_of::<L>(props, stress_state);
             for _ in 0..4 {
                 point.advance(&random.strain(stress_state, 3e-4));
             }
@@ -124,13 +124,12 @@ pub(super) fn check_tangent<L: Law>() {
 
 #[test]
 fn work_is_stored_and_dissipated_to_the_last_digits() {
-    check_work::<ConcreteDamageImplex>();
+    check_work::<ConcreteDamageImplex>(&banded());
 }
 
-pub(super) fn check_work<L: Law>() {
-    let props = banded();
+pub(super) fn check_work<L: Law>(props: &[f64]) {
     for stress_state in STRESS_STATES {
-        let mut point = virgin_of::<L>(&props, stress_state);
+        let mut point = virgin_of::<L>(props, stress_state);
         let (mut done, mut stored) = (0.0, 0.0);
         for i in 0..300 {
             // there, halfway back, and further
