@@ -69,20 +69,25 @@ impl Piece {
             }
         }
         let elastic = elasticity.stress(strain);
-        let stress: [f64; 6] = std::array::from_fn(|k| {
+        let mut stress: [f64; 6] = std::array::from_fn(|k| {
             let relieved = (0..3).map(|i| columns[i][k] * opening[i]).sum::<f64>();
             if k >= 3 && is_free[k - 3] { 0.0 } else { elastic[k] - relieved }
         });
         let mut violation = 0.0_f64;
-        let mut pressure = [-stress[0], -stress[1], -stress[2]];
+        // the least pressure of cracks that hold by friction
+        let mut holding = [0.0; 3];
         for (pair, [i, k]) in PAIRS.into_iter().enumerate() {
             let excess = strain[3 + pair].abs() - slip * (opening[i] + opening[k]);
             violation = violation.max(if is_free[pair] { excess } else { -excess });
-            pressure[i] -= slip * stress[3 + pair].abs();
-            pressure[k] -= slip * stress[3 + pair].abs();
+            holding[i] += slip * stress[3 + pair].abs();
+            holding[k] += slip * stress[3 + pair].abs();
         }
         for i in 0..3 {
-            violation = violation.max(if open[i] { -opening[i] } else { -pressure[i] / mu });
+            violation = violation.max(if open[i] { -opening[i] } else { (stress[i] + holding[i]) / mu });
+            if open[i] {
+                // but for what is left of the difference of two large stresses by rounding
+                stress[i] = -holding[i];
+            }
         }
         Self { stress, stiffness, violation }
     }
