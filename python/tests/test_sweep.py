@@ -142,6 +142,7 @@ def _lost() -> None:
     raise RuntimeError("the worker is gone")
 
 
+@pytest.mark.slow
 def test_what_a_lost_worker_left_is_handed_out_again(tmp_path: Path) -> None:
     points = [{"material.props.E": modulus} for modulus in np.linspace(2e4, 4e4, 20)]
     with Unreliable(2) as executor:
@@ -149,6 +150,7 @@ def test_what_a_lost_worker_left_is_handed_out_again(tmp_path: Path) -> None:
     assert made.status() == {"runs": 20, "left": 0, "done": 20}
 
 
+@pytest.mark.slow
 def test_dask(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
     points = [{"material.props.E": modulus} for modulus in np.linspace(2e4, 4e4, 40)]

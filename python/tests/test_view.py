@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 import pullout_fe as po
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 WIDTH, HEIGHT = 700, 700
 
@@ -59,7 +61,6 @@ def test_a_view_is_a_page_of_its_own(fibre: po.Run, tmp_path: Path) -> None:
         point.view()
 
 
-@pytest.mark.slow
 def test_it_is_drawn_and_follows_the_slider(fibre: po.Run, tmp_path: Path) -> None:
     chromium = shutil.which("chromium")
     if not os.environ.get("PULLOUT_REQUIRE_CHROMIUM"):
