@@ -192,16 +192,22 @@ def crashes(place: Path, library: Path, runs: int, slurm: Slurm | None) -> list[
 
 def kills(place: Path, library: Path, runs: int, count: int) -> list[str]:
     """A driver that is killed at moments of chance, started again each time."""
-    sweep = planned(place / "kills", library, runs, {}, 3000)
-    command = [PROGRAM, "sweep", "work", "--quiet", f"--jobs={WORKERS}", str(sweep.folder)]
+    command = [PROGRAM, "sweep", "work", "--quiet", f"--jobs={WORKERS}"]
+    undisturbed = planned(place / "undisturbed", library, runs, {}, 6000)
+    start = time.perf_counter()
+    subprocess.run([*command, str(undisturbed.folder)], check=True)
+    whole = time.perf_counter() - start
+    sweep = planned(place / "kills", library, runs, {}, 6000)
     chance = random.Random(23)
+    # all of them together are shorter than the whole: none comes after the end
+    first, last = 0.05 * whole / count, 0.9 * whole / count
     for _ in range(count):
-        driver = subprocess.Popen(command)
-        time.sleep(chance.uniform(0.2, 3.0))
-        assert driver.poll() is None, "it was over before: more runs are needed"
+        driver = subprocess.Popen([*command, str(sweep.folder)])
+        time.sleep(chance.uniform(first, last))
+        assert driver.poll() is None, "it was over before"
         driver.send_signal(signal.SIGKILL)
         driver.wait()
-    subprocess.run(command, check=True)
+    subprocess.run([*command, str(sweep.folder)], check=True)
     rows = written(sweep.folder)
     keys = [key for key, status in rows if status == "done"]
     lost = sum(status == "lost" for _, status in rows)
@@ -209,7 +215,7 @@ def kills(place: Path, library: Path, runs: int, count: int) -> list[str]:
     each = float(np.mean(table["wall_s"]))
     assert len(keys) == len(set(keys)) == runs and sweep.status() == {"runs": runs, "left": 0, "done": runs}
     return [
-        f"Driver killed (`kill -9`) at {count} moments of chance within 0.2 to 3 s, {runs} runs of {each:.2g} s by {WORKERS} children, and started again each time: {runs} rows, none "
+        f"Driver killed (`kill -9`) at {count} moments of chance within {first:.2g} to {last:.2g} s, {runs} runs of {each:.2g} s by {WORKERS} children, and started again each time: {runs} rows, none "
         f"lost, none twice; {lost} runs were begun and computed again, that is at most {lost * each:.2g} s of {runs * each:.3g} s of work, and at most {WORKERS} runs for a kill."
     ]
 
