@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import time
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, NamedTuple, Sequence, Union
 
@@ -158,34 +159,42 @@ class Run:
     """What came out of a run."""
 
     def __init__(
-        self, case: Case | None, history: History, summary: dict[str, Any], replay: str | None, folder: Path | None = None
+        self, case: Case | None, history: History, summary: str, replay: str | None, folder: Path | None = None, is_done: bool = False
     ) -> None:
         self.case = case
         self.history = history
         #: the result folder, if there is one
         self.folder = folder
-        #: what ``summary.json`` of a result folder holds
-        self.summary = summary
-        #: "done", "failed", or "interrupted"
-        self.status: str = summary["status"]
+        self._summary = summary
         #: a case that repeats the increment or the call that failed
         self.replay = None if replay is None else Case(json.loads(replay))
         #: of a run with ``record=True``: ``case.with_({"increments": run.increments})`` repeats the increments of this run
         self.increments: dict[str, Any] | None = None
         self._trail: _core.Trail | None = None
         self._view: str | None = None
-        failed = summary.get("failed_at")
         #: how and where it failed, if it did
         self.failure: Failure | None = None
-        if self.status == "failed":
-            place = failed or {}
+        if not is_done and self.status == "failed":
+            place = self.summary.get("failed_at") or {}
             self.failure = Failure(
-                place.get("kind", "failed"), place.get("step", 0), place.get("increment", 0), summary.get("message", "")
+                place.get("kind", "failed"), place.get("step", 0), place.get("increment", 0), self.summary.get("message", "")
             )
 
     def __getstate__(self) -> dict[str, Any]:
         # the states of a specimen stay in their process; its increments go along
         return {**self.__dict__, "_trail": None}
+
+    # read when it is asked for: that takes as long as fifty increments of a point
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """What ``summary.json`` of a result folder holds."""
+        made: dict[str, Any] = json.loads(self._summary)
+        return made
+
+    @property
+    def status(self) -> str:
+        """How it ended: "done", "failed", or "interrupted"."""
+        return str(self.summary["status"])
 
     @property
     def warnings(self) -> list[str]:
@@ -305,14 +314,14 @@ def run(
     bar = _Bar() if progress is True else None
     listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
     try:
-        columns, summary, replay, increments, states, page = _core.run(
+        columns, summary, is_done, replay, increments, states, page = _core.run(
             case._parts(), int(threads), listener, in_process, trail, (record, view), _stop
         )
     finally:
         if bar is not None:
             bar.close()
     history = History({name: values for name, _, values in columns}, {name: unit for name, unit, _ in columns})
-    made = Run(case, history, json.loads(summary), replay)
+    made = Run(case, history, summary, replay, is_done=is_done)
     made.increments = None if increments is None else {"recorded": json.loads(increments)}
     made._trail = states
     made._view = page
@@ -386,19 +395,19 @@ def read(folder: str | os.PathLike[str]) -> Run:
     others = [table for table in (folder / "bridging.csv", folder / "beam.csv") if table.is_file()]
     columns: dict[str, NDArray[np.float64]] = {}
     try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        summary = (folder / "summary.json").read_text(encoding="utf-8")
         for table in others or [folder / "history.csv"]:
             with open(table, encoding="utf-8") as file:
                 names = file.readline().strip().split(",")
                 values = np.loadtxt(file, delimiter=",", ndmin=2)
             columns.update(zip(names, np.ascontiguousarray(values.reshape(-1, len(names)).T)))
+        replay = folder / "replay.json"
+        text = replay.read_text(encoding="utf-8") if replay.is_file() else None
+        made = Run(None, History(columns, {name: _core.unit(name) for name in columns}), summary, text, folder)
+        if (folder / "increments.json").is_file():
+            made.increments = {"recorded": json.loads((folder / "increments.json").read_text(encoding="utf-8"))}
     except (OSError, ValueError) as error:
         raise PulloutError(f"{folder} has no results: {error}") from None
-    replay = folder / "replay.json"
-    text = replay.read_text(encoding="utf-8") if replay.is_file() else None
-    made = Run(None, History(columns, {name: _core.unit(name) for name in columns}), summary, text, folder)
-    if (folder / "increments.json").is_file():
-        made.increments = {"recorded": json.loads((folder / "increments.json").read_text(encoding="utf-8"))}
     return made
 
 

@@ -29,8 +29,9 @@ pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<Pat
 /// A column with its unit.
 type Column<'py> = (String, &'static str, Bound<'py, PyArray1<f64>>);
 
-/// Columns, `summary.json`, the replay case, the increments, the states of a specimen, and the page of the viewer.
-type Results<'py> = (Vec<Column<'py>>, String, Option<String>, Option<String>, Option<Trail>, Option<String>);
+/// Columns, `summary.json`, whether the run came to its end, the replay case, the increments, the states of a specimen, and
+/// the page of the viewer.
+type Results<'py> = (Vec<Column<'py>>, String, bool, Option<String>, Option<String>, Option<Trail>, Option<String>);
 
 /// The states of a specimen, along which a run with nearly the same parameters goes.
 #[pyclass(frozen, module = "pullout_fe._core")]
@@ -240,7 +241,7 @@ fn tell(py: Python<'_>, listener: &Py<PyAny>, names: &[String], part: f64, row: 
 }
 
 fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
-    let summary = outcome.summary.text()?;
+    let (summary, is_done) = (outcome.summary.text()?, outcome.is_done());
     let replay = outcome.replay.map(|replay| replay.to_string());
     let increments = outcome.increments.map(|increments| increments.to_string());
     let columns = outcome.history.into_columns();
@@ -249,7 +250,15 @@ fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
         let unit = Outcome::unit(&name);
         (name, unit, values.into_pyarray(py))
     });
-    Ok((columns.collect(), summary, replay, increments, outcome.trail.map(|trail| Trail(trail.into())), outcome.view))
+    Ok((
+        columns.collect(),
+        summary,
+        is_done,
+        replay,
+        increments,
+        outcome.trail.map(|trail| Trail(trail.into())),
+        outcome.view,
+    ))
 }
 
 /// Does something that may call plugins on a thread with the stack that they may want.

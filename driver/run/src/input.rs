@@ -13,10 +13,11 @@ use std::collections::BTreeMap;
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, Read};
 use std::os::fd::{AsFd, OwnedFd};
-use std::os::unix::fs::{FileTypeExt, MetadataExt};
+use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use umat_abi::host::{self, Stamp};
 
 #[cfg(test)]
 mod test;
@@ -117,12 +118,8 @@ pub fn read(path: &Path, input: Input) -> io::Result<Vec<u8>> {
 /// # Errors
 /// As of [`read`].
 pub fn hash(path: &Path, input: Input) -> io::Result<[u8; 32]> {
-    /// Stamp of the content: device and inode, length, time of the last change, ns.
-    type Stamp = [i128; 4];
     static KNOWN: Mutex<BTreeMap<PathBuf, (Stamp, [u8; 32])>> = Mutex::new(BTreeMap::new());
-    let file = std::fs::metadata(path)?;
-    let changed = i128::from(file.ctime()) * 1_000_000_000 + i128::from(file.ctime_nsec());
-    let stamp = [file.dev().into(), file.ino().into(), file.len().into(), changed];
+    let stamp = host::stamp(path)?;
     let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((_, hash)) = known().get(path).filter(|(of, _)| *of == stamp) {
         return Ok(*hash);

@@ -14,8 +14,10 @@ use libloading::os::unix as os;
 use std::collections::BTreeMap;
 use std::ffi::{CStr, OsStr, c_void};
 use std::fmt;
+use std::io;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Symbol that `plugin build --debug` puts into a library.
 const DEBUG_SYMBOL: &str = "pullout_debug_v1";
@@ -58,6 +60,33 @@ pub enum LoadError {
     },
 }
 
+/// Device and inode, length, time of the last change in ns of a file: where they are the same, so is the content.
+pub type Stamp = [i128; 4];
+
+/// Reads the stamp of a file.
+///
+/// # Errors
+/// The system's refusal.
+pub fn stamp(file: &Path) -> io::Result<Stamp> {
+    let file = file.metadata()?;
+    let changed = i128::from(file.ctime()) * 1_000_000_000 + i128::from(file.ctime_nsec());
+    Ok([file.dev().into(), file.ino().into(), file.len().into(), changed])
+}
+
+/// A library that is loaded, with its file and what that held then.
+type Loaded = (PathBuf, Stamp, Weak<libloading::Library>);
+
+static LOADED: Mutex<Vec<Loaded>> = Mutex::new(Vec::new());
+
+/// Calls a function with each library that is still loaded.
+pub(super) fn each_loaded(act: impl FnMut(Arc<libloading::Library>)) {
+    let loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+    let libraries: Vec<_> = loaded.iter().filter_map(|(.., library)| library.upgrade()).collect();
+    // unloading takes the lock of the loader, which may wait for this one
+    drop(loaded);
+    libraries.into_iter().for_each(act);
+}
+
 /// A user subroutine beside UMAT, UINTER and FRIC that a library may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Routine {
@@ -85,6 +114,7 @@ impl Routine {
 pub struct Library {
     path: PathBuf,
     laws: Arc<[Law]>,
+    routines: Arc<[Routine]>,
     changes_floating_point: bool,
     guard: Option<Guard>,
     handle: Arc<libloading::Library>,
@@ -108,6 +138,14 @@ impl Library {
     /// as `umat_`, `uinter_`, `fric_`, `sdvini_`, `uexternaldb_` or under a symbol that is asked for has that
     /// signature, and writes no further than its counts allow.
     pub unsafe fn open(path: &Path) -> Result<Self, LoadError> {
+        let refused = |message: String| LoadError::Open { path: path.into(), message };
+        let stamp = stamp(path).ok();
+        if stamp.is_some_and(|stamp| is_loaded_otherwise(path, stamp)) {
+            // the loader goes by the name and would give what it has
+            return Err(refused(
+                "the file was changed since this process loaded it, and what it held then is still in use".into(),
+            ));
+        }
         let utilities = utilities::load();
         let control = floating_point::control();
         // SAFETY: the caller vouches for what loading it runs.
@@ -119,7 +157,7 @@ impl Library {
             // what is undefined may be one of the utility routines
             let unavailable = utilities.err().filter(|_| words.contains("undefined symbol"));
             let unavailable = unavailable.map_or_else(String::new, |reason| format!("; {reason}"));
-            LoadError::Open { path: path.into(), message: words + &unavailable }
+            refused(words + &unavailable)
         })?;
         let metadata_error = |message| LoadError::Metadata { path: path.into(), message };
         let handle = Arc::new(handle);
@@ -129,6 +167,11 @@ impl Library {
             Some(description) => unsafe { Law::read_all(description(), &handle) }.map_err(metadata_error)?,
             None => Vec::new(),
         };
+        if let Some(stamp) = stamp {
+            let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+            loaded.retain(|(.., library)| library.strong_count() > 0);
+            loaded.push((path.into(), stamp, Arc::downgrade(&handle)));
+        }
         prints::note_loaded(&handle);
         // SAFETY: the symbol is only looked for.
         let is_debug = unsafe { own_symbol::<*const c_void>(&handle, path, DEBUG_SYMBOL) }.is_some();
@@ -143,7 +186,10 @@ impl Library {
             // What it does when it is unloaded it does at the worker's exit, behind the done-mark.
             std::mem::forget(Arc::clone(&handle));
         }
-        Ok(Self { path: path.into(), laws: laws.into(), changes_floating_point: changed, guard, handle })
+        // SAFETY: only their presence is asked for.
+        let has = |routine: &Routine| unsafe { find::<*const ()>(&handle, path, routine.symbol) }.is_some();
+        let routines = Routine::ALL.into_iter().filter(has).collect();
+        Ok(Self { path: path.into(), laws: laws.into(), routines, changes_floating_point: changed, guard, handle })
     }
 
     /// Returns whether calls trap invalid operations, because the library is made to be debugged.
@@ -287,9 +333,8 @@ impl Library {
     }
 
     /// Returns which of the routines around the laws it has.
-    pub fn routines(&self) -> Vec<Routine> {
-        // SAFETY: only their presence is asked for.
-        Routine::ALL.into_iter().filter(|routine| unsafe { self.find::<*const ()>(routine.symbol) }.is_some()).collect()
+    pub fn routines(&self) -> &[Routine] {
+        &self.routines
     }
 
     /// A routine under one of its usual spellings.
@@ -298,8 +343,24 @@ impl Library {
     /// `F` is the type of the function with that name; it is not used after the library.
     pub(super) unsafe fn find<F: Copy>(&self, name: &str) -> Option<F> {
         // SAFETY: forwarded to the caller.
-        spellings(name).iter().find_map(|symbol| unsafe { own_symbol(&self.handle, &self.path, symbol) })
+        unsafe { find(&self.handle, &self.path, name) }
     }
+}
+
+/// Finds a routine that the library itself defines, under one of its usual spellings.
+///
+/// # Safety
+/// As of [`own_symbol`].
+unsafe fn find<F: Copy>(handle: &libloading::Library, path: &Path, name: &str) -> Option<F> {
+    // SAFETY: forwarded to the caller.
+    spellings(name).iter().find_map(|symbol| unsafe { own_symbol(handle, path, symbol) })
+}
+
+/// Returns whether a library that was loaded from this path, or this file, had another content than the file has now.
+fn is_loaded_otherwise(path: &Path, now: Stamp) -> bool {
+    let loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_same_file = |other: &Path, then: &Stamp| other == path || then[..2] == now[..2];
+    loaded.iter().any(|(other, then, library)| *then != now && is_same_file(other, then) && library.strong_count() > 0)
 }
 
 /// Finds a function that the library itself defines. The loader also searches the libraries that it depends on, where
@@ -317,7 +378,6 @@ unsafe fn own_symbol<F: Copy>(handle: &libloading::Library, path: &Path, symbol:
 
 /// Returns whether an address that the loader found lies in the library of this path.
 fn is_own(path: &Path, address: *const c_void) -> bool {
-    use std::os::unix::fs::MetadataExt;
     // a library that was loaded before has the name that it had then
     let file = |path: &Path| path.metadata().ok().map(|data| (data.dev(), data.ino()));
     owner_of(address).is_some_and(|owner| owner == path || file(&owner).is_some_and(|owner| file(path) == Some(owner)))

@@ -36,7 +36,7 @@ pub use discovery::{
 pub use guard::WrittenInput;
 pub use initial::{InitialPoint, InitialStates, InitialStresses};
 pub use interface_call::{Contact, FricAnswer, FricCall, FricInputs, SurfaceFields, UinterCall, UinterInputs};
-pub use library::{Library, LoadError, Routine, binds_deeply};
+pub use library::{Library, LoadError, Routine, Stamp, binds_deeply, stamp};
 pub use manner::{Manner, TangentDeviation, TangentSource};
 pub use memory::{NotFinite, Overrun, Trespass};
 pub use plugin::Plugin;

@@ -4,10 +4,11 @@
 //! file of ABAQUS, is no stream of the operating system: gfortran makes a file `fort.7` in the current folder of it unless
 //! the unit is connected to another one before, which only its own runtime can do.
 
+use super::library::each_loaded;
 use std::ffi::c_void;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Mutex, PoisonError};
 
 /// Runtime function to which OPEN compiles: it takes its parameters in one block.
 type OpenFunction = unsafe extern "C" fn(*mut OpenParameters);
@@ -49,43 +50,26 @@ mod given {
     pub(super) const POSITION: i32 = 1 << 13;
 }
 
-/// File of unit 7, and the libraries whose runtimes may be asked to connect it.
-struct Messages {
-    file: Option<PathBuf>,
-    libraries: Vec<Weak<libloading::Library>>,
-}
-
-static MESSAGES: Mutex<Messages> = Mutex::new(Messages { file: None, libraries: Vec::new() });
-
-impl Messages {
-    /// Calls a function with each library that is still loaded.
-    fn each(&mut self, mut act: impl FnMut(&libloading::Library)) {
-        self.libraries.retain(|library| library.upgrade().is_some());
-        self.libraries.iter().filter_map(Weak::upgrade).for_each(|library| act(&library));
-    }
-}
+/// File of unit 7.
+static MESSAGES: Mutex<Option<PathBuf>> = Mutex::new(None);
 
 /// Connects unit 7 of the libraries that are loaded, and of those to come, with a file, behind what it holds. Runtimes
 /// other than gfortran's are left alone.
 pub fn write_messages_to(file: &Path) {
-    let mut messages = MESSAGES.lock().unwrap_or_else(PoisonError::into_inner);
-    messages.file = Some(file.to_owned());
-    messages.each(|library| connect(library, file));
+    *MESSAGES.lock().unwrap_or_else(PoisonError::into_inner) = Some(file.to_owned());
+    each_loaded(|library| connect(&library, file));
 }
 
-/// Notes a library that was loaded.
-pub(super) fn note_loaded(library: &Arc<libloading::Library>) {
-    let mut messages = MESSAGES.lock().unwrap_or_else(PoisonError::into_inner);
-    messages.libraries.push(Arc::downgrade(library));
-    if let Some(file) = &messages.file {
+/// Connects unit 7 of a library that was just loaded, if there is a file for it.
+pub(super) fn note_loaded(library: &libloading::Library) {
+    if let Some(file) = &*MESSAGES.lock().unwrap_or_else(PoisonError::into_inner) {
         connect(library, file);
     }
 }
 
 /// Flushes the output that the runtimes of C and gfortran hold in buffers.
 pub fn flush_prints() {
-    let mut messages = MESSAGES.lock().unwrap_or_else(PoisonError::into_inner);
-    messages.each(|library| {
+    each_loaded(|library| {
         // SAFETY: a function of gfortran's runtime; NULL means all units.
         unsafe {
             if let Ok(flush) = library.get::<FlushFunction>(FLUSH) {

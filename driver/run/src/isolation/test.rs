@@ -47,6 +47,34 @@ fn only_what_was_built_with_the_program_runs_in_it_unasked() {
 }
 
 #[test]
+fn what_was_built_with_the_program_stays_loaded_until_its_file_is_another() {
+    let laws = |file: &Path| trust::load(file).expect("a library").laws().as_ptr();
+    let own = plugin("linear_elastic");
+    let first = trust::load(&own).expect("a library");
+    assert_eq!(laws(&own), first.laws().as_ptr());
+    // of another build: each time what stands in the file
+    let other = plugin("sound_damage");
+    let first = trust::load(&other).expect("a library");
+    assert_ne!(laws(&other), first.laws().as_ptr());
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("liblaw.so");
+    let replaced_by = |law: &str| {
+        std::fs::copy(plugin(law), folder.path().join("new")).expect("a copy");
+        std::fs::rename(folder.path().join("new"), &file).expect("in its place");
+        trust::load(&file)
+    };
+    for law in ["linear_elastic", "j2_plasticity", "sound_damage", "linear_elastic"] {
+        assert_eq!(replaced_by(law).expect("a library").laws()[0].name, law);
+    }
+    // the loader goes by names: it would give the law that is in use for the new one
+    let in_use = replaced_by("sound_damage").expect("a library");
+    let refusal = replaced_by("linear_elastic").expect_err("the other one is in use").to_string();
+    assert!(refusal.contains("was changed since this process loaded it"), "{refusal}");
+    drop(in_use);
+    assert_eq!(trust::load(&file).expect("a library").laws()[0].name, "linear_elastic");
+}
+
+#[test]
 fn other_libraries_are_isolated() {
     let foreign = |need: Option<Need>| need.expect("isolated");
     let need = foreign(point(json!({ "plugin": "./foreign.so" })));

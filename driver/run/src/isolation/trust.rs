@@ -2,7 +2,7 @@
 
 use super::{system, worker};
 use crate::input::{self, Input};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet, btree_map::Entry};
 use std::env;
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
@@ -42,10 +42,16 @@ pub(super) fn is_let_in(library: &Path) -> bool {
 
 /// Returns whether a library was built with this program.
 pub fn is_shipped(library: &Path) -> bool {
+    shipped(library).is_some()
+}
+
+/// The SHA-256 of a library that was built with this program.
+fn shipped(library: &Path) -> Option<[u8; 32]> {
     // the length spares reading files that are large, or none
-    let length = fs::metadata(library).ok().filter(Metadata::is_file).map(|file| file.len());
-    length.is_some_and(|length| SHIPPED.iter().any(|(other, _)| *other == length))
-        && input::hash(library, Input::Library).is_ok_and(|hash| SHIPPED.iter().any(|(_, other)| *other == hash))
+    let length = fs::metadata(library).ok().filter(Metadata::is_file)?.len();
+    SHIPPED.iter().find(|(other, _)| *other == length)?;
+    let hash = input::hash(library, Input::Library).ok()?;
+    SHIPPED.iter().any(|(_, other)| *other == hash).then_some(hash)
 }
 
 /// Finds the laws where Cargo has built them where none were installed with this program, as by `cargo install`. The folder
@@ -69,11 +75,20 @@ pub fn may_run_here(library: &Path) -> bool {
     !system::IS_SUPPORTED || is_let_in(library) || worker::is_this_process() || is_shipped(library)
 }
 
-/// Loads a library into this process.
+/// Loads a library into this process. One that was built with this program stays loaded: to load it again takes as long as
+/// fifty increments of a point.
 ///
 /// # Errors
 /// As of [`Library::open`]; a library that may not run here.
 pub fn load(library: &Path) -> Result<Library, LoadError> {
+    static KEPT: Mutex<BTreeMap<PathBuf, ([u8; 32], Library)>> = Mutex::new(BTreeMap::new());
+    let kept = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    let hash = shipped(library);
+    match kept().entry(library.to_path_buf()) {
+        Entry::Occupied(of_path) if Some(of_path.get().0) == hash => return Ok(of_path.get().1.clone()),
+        Entry::Occupied(of_another_file) => drop(of_another_file.remove()),
+        Entry::Vacant(_) => {}
+    }
     // unit tests read cases with libraries of all kinds, as workers do
     if !cfg!(test) && !may_run_here(library) {
         let message = "it runs in a process of its own only, or with --in-process".into();
@@ -81,5 +96,7 @@ pub fn load(library: &Path) -> Result<Library, LoadError> {
     }
     // SAFETY: the library was built with this program, or the user (or a test) answers for it, or this process is a worker,
     // which is there to be ended by it.
-    unsafe { Library::open(library) }
+    let loaded = unsafe { Library::open(library) }?;
+    kept().extend(hash.map(|hash| (library.to_path_buf(), (hash, loaded.clone()))));
+    Ok(loaded)
 }
