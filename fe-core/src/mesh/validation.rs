@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashSet};
 
 use super::{Element, ElementDefinition, MeshDefinition, MeshError, Part};
-use crate::element::{IntegrationPoint, MAX_NODES, MappedPoint, MappingError};
+use crate::element::{IntegrationPoint, MAX_NODES, MappedPoint};
 use crate::kinematics::PlaneModel;
 
 /// det J below this fraction of the square of the element's diagonal is refused. It is a difference of products as large
@@ -73,17 +73,6 @@ fn checked_element(definition: &MeshDefinition, element: usize) -> Result<Elemen
     checked_area(definition, element, &positions, points)?;
     // Any rule gives the area; the full one sees folds that the reduced one misses.
     let area = checked_area(definition, element, &positions, kind.full_integration_points())?;
-    // A fold at a corner covers its place twice and no point sees it. Quarter points, with det J = 0 there, are meant.
-    let rounding = SMALLEST_RELATIVE_DETERMINANT * diagonal_squared(&positions);
-    for (corner, &place) in (1..).zip(&kind.reference_coordinates()[..kind.corner_count()]) {
-        if let Err(MappingError::Jacobian { determinant }) = MappedPoint::new(kind, &positions, place)
-            && determinant < -rounding
-        {
-            let what =
-                format!("at its corner {corner} the Jacobian determinant is {determinant:.3e}; it is folded there");
-            return Err(refuse(what));
-        }
-    }
     let mut indices = [0; MAX_NODES];
     indices[..nodes.len()].copy_from_slice(nodes);
     let thickness = definition.thicknesses.get(&element).copied().unwrap_or(part.thickness);
