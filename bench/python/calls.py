@@ -21,7 +21,7 @@ import pullout_fe as po
 INCREMENTS, POINTS, BATCHES = 150, 100_000, 20
 
 
-def case(modulus: float = 31800.0) -> dict[str, Any]:
+def case(modulus: float = 31800.0) -> po.Case:
     """Tension of a concrete with free sides, past its peak."""
     return po.point("concrete_damage", {"E": modulus, "nu": 0.18}, "3d", [po.ramp(INCREMENTS, e11=6e-4)])
 
