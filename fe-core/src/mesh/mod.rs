@@ -5,7 +5,8 @@
 //!
 //! - positions: finite, and no node of an axisymmetric part left of the axis;
 //! - elements: their number of nodes, nodes and part in range, no node twice, det J positive at the points of the
-//!   part's rule and of the full rule, and large enough to trust ([`SMALLEST_RELATIVE_DETERMINANT`]);
+//!   part's rule and of the full rule, and large enough to trust ([`SMALLEST_RELATIVE_DETERMINANT`]), and not negative at
+//!   the corners (quarter points around the tip of a crack make it 0 there);
 //! - connections: an edge belongs to one element or to two that lie on either side of it and have the same middle node;
 //! - parts: a name of their own, a positive thickness, an integration that their elements have;
 //! - thicknesses of single elements: positive, of elements that exist;

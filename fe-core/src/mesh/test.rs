@@ -274,6 +274,30 @@ fn folds_between_the_reduced_points_are_found() {
     );
 }
 
+/// A middle node nearer to a corner than a quarter of the edge, and a quadrilateral with a corner that points inwards: no integration
+/// point sees the fold. A quarter point is the singular element of a crack's tip.
+#[test]
+fn folds_at_a_corner_are_found() {
+    let quadratic = |share: f64| {
+        let mut definition = grid(Q8, 1, 1, &[]);
+        let middle = definition.elements[0].nodes[4];
+        definition.nodes[middle] = [share, 0.0];
+        definition
+    };
+    assert!(Mesh::new(quadratic(0.25)).is_ok());
+    assert_eq!(
+        fault(quadratic(0.2)),
+        "element 1 (Q8): at its corner 1 the Jacobian determinant is -5.000e-2; it is folded there"
+    );
+    let mut dart = grid(Q4, 1, 1, &[]);
+    let corner = dart.elements[0].nodes[2];
+    dart.nodes[corner] = [0.45, 0.45];
+    assert_eq!(
+        fault(dart),
+        "element 1 (Q4): at its corner 3 the Jacobian determinant is -2.500e-2; it is folded there"
+    );
+}
+
 /// Corners and middles on the axis or right of it, but the parabola r = ½ η (η + 1) between them is not.
 #[test]
 fn edges_that_bulge_across_the_axis_are_found() {

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashSet};
 
 use super::{Element, ElementDefinition, MeshDefinition, MeshError, Part};
-use crate::element::{IntegrationPoint, MAX_NODES, MappedPoint};
+use crate::element::{ElementKind, IntegrationPoint, MAX_NODES, MappedPoint, MappingError};
 use crate::kinematics::PlaneModel;
 
 /// det J below this fraction of the square of the element's diagonal is refused. It is a difference of products as large
@@ -73,6 +73,9 @@ fn checked_element(definition: &MeshDefinition, element: usize) -> Result<Elemen
     checked_area(definition, element, &positions, points)?;
     // Any rule gives the area; the full one sees folds that the reduced one misses.
     let area = checked_area(definition, element, &positions, kind.full_integration_points())?;
+    if let Some(fold) = folded_corner(kind, &positions) {
+        return Err(refuse(fold));
+    }
     let mut indices = [0; MAX_NODES];
     indices[..nodes.len()].copy_from_slice(nodes);
     let thickness = definition.thicknesses.get(&element).copied().unwrap_or(part.thickness);
@@ -125,6 +128,20 @@ fn checked_area(
         area += integration_point.weight * determinant;
     }
     Ok(area)
+}
+
+/// Says at which corner an element is folded: a middle node is nearer to it than a quarter of the edge, or the corner points
+/// inwards. The element covers its place twice there, and no integration point need see it. Quarter points, which make det J 0
+/// around the tip of a crack, are no folds.
+pub(super) fn folded_corner(kind: ElementKind, positions: &[[f64; 2]]) -> Option<String> {
+    let rounding = SMALLEST_RELATIVE_DETERMINANT * diagonal_squared(positions);
+    let corners = &kind.reference_coordinates()[..kind.corner_count()];
+    (1..).zip(corners).find_map(|(corner, &place)| match MappedPoint::new(kind, positions, place) {
+        Err(MappingError::Jacobian { determinant }) if determinant < -rounding => {
+            Some(format!("at its corner {corner} the Jacobian determinant is {determinant:.3e}; it is folded there"))
+        }
+        _ => None,
+    })
 }
 
 /// The square of the diagonal of the box around these positions.

@@ -9,6 +9,7 @@ use super::element_type::ElementType;
 use super::error::part_names;
 use super::file::{File, FileElement};
 use crate::element::{ElementKind, area};
+use crate::mesh::validation::folded_corner;
 use crate::mesh::{ElementDefinition, ElementEdge, MeshDefinition, Part};
 
 /// z may differ by this fraction of the largest coordinate: what a rotation of the model in Gmsh leaves.
@@ -165,10 +166,14 @@ impl<'a> Conversion<'a> {
             self.turned.push(element.tag);
         }
         let positions: Vec<[f64; 2]> = nodes.iter().map(|&node| self.definition.nodes[node]).collect();
-        area(kind, &positions).map_err(|error| {
-            let shape = format!("element {}: {error}; it is folded or collapsed", element.tag);
-            (Some(element.place), format!("{shape}, repair the mesh (Mesh > Inspect shows it)"))
-        })?;
+        let fault = match area(kind, &positions) {
+            Err(error) => Some(format!("{error}; it is folded or collapsed")),
+            Ok(_) => folded_corner(kind, &positions),
+        };
+        if let Some(fault) = fault {
+            let what = format!("element {}: {fault}, repair the mesh (Mesh > Inspect shows it)", element.tag);
+            return Err((Some(element.place), what));
+        }
         for edge in 0..kind.corner_count() {
             let ([start, end, _], _) = kind.edge_nodes(edge);
             // Two elements on one side are for `Mesh::new` to find.

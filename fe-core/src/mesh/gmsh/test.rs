@@ -439,6 +439,11 @@ fn meshes_that_cannot_be_computed_are_refused_with_a_remedy() {
                 "case.msh:29: element 6: the Jacobian determinant is -1.443e-1 where it must be positive; it is folded or collapsed, repair the mesh (Mesh > Inspect shows it)",
             ),
             (
+                "5 1 1 0\n",
+                "5 0.4 0.4 0\n",
+                "case.msh:29: element 6: at its corner 3 the Jacobian determinant is -5.000e-2; it is folded there, repair the mesh (Mesh > Inspect shows it)",
+            ),
+            (
                 "2 5 \"right part\"",
                 "2 5 \"middle\"",
                 "case.msh: no physical surface with elements is called 'right part'; no properties are given for the physical surface 'middle'; the file's physical surfaces are 'left', 'middle'",

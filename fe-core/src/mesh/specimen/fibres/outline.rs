@@ -8,13 +8,15 @@ use crate::element::ElementKind;
 use crate::mesh::specimen::SpecimenError;
 use crate::mesh::triangulation::triangulate;
 use crate::mesh::{ElementDefinition, ElementEdge, MeshDefinition};
-use crate::plane::distance;
+use crate::plane::{distance, dot, minus};
 use std::f64::consts::FRAC_PI_2;
 
 /// An edge of a rounded exit turns by at most this.
 const EXIT_TURN: f64 = 0.45;
 /// Edges of a rounded exit at least.
 const EXIT_EDGES: usize = 4;
+/// det J at a corner that a curved edge would close, relative to that of straight edges.
+const WIDENED: f64 = 0.25;
 
 /// Surface to which an edge of the outline belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -297,6 +299,8 @@ impl Outline {
             }
             definition.elements.push(ElementDefinition { kind, part, nodes });
         }
+        let is_outer = |edge: ElementEdge| outer_edges.contains(&Some(edge));
+        outer_edges.iter().flatten().for_each(|&outer| bend_beside(definition, outer, &is_outer));
         Ok(outer_edges)
     }
 
@@ -307,6 +311,34 @@ impl Outline {
             surfaces.entry((piece.fibre, piece.surface)).or_default().push(edge);
         }
         surfaces
+    }
+}
+
+/// Bends the inner edges of a quadratic triangle away from its curved outer edge where that one reaches across them, at a corner
+/// narrower than the outer edge turns. det J at a corner is the product of the tangents of both edges, 4 m − 3 c − e for the
+/// corner c, the edge's middle m and its other end e; it becomes [`WIDENED`] × that of straight edges.
+fn bend_beside(definition: &mut MeshDefinition, outer: ElementEdge, is_outer: &dyn Fn(ElementEdge) -> bool) {
+    let ElementEdge { element, edge } = outer;
+    let ElementDefinition { kind: ElementKind::T6, nodes, .. } = &definition.elements[element] else { return };
+    let turned = |[x, y]: [f64; 2]| [-y, x];
+    let (after, opposite) = ((edge + 1) % 3, (edge + 2) % 3);
+    // one inner edge leads to the start of the outer one, the other away from its end
+    for (corner, other, inner, away) in [(edge, after, opposite, 1.0), (after, edge, after, -1.0)] {
+        let chord_and_tangent = |edge: usize, other: usize| {
+            let [c, m, e] = [corner, 3 + edge, other].map(|node| definition.nodes[nodes[node]]);
+            (minus(e, c), [0, 1].map(|i| 4.0 * m[i] - 3.0 * c[i] - e[i]))
+        };
+        let (outer_chord, outer_tangent) = chord_and_tangent(edge, other);
+        let (chord, tangent) = chord_and_tangent(inner, opposite);
+        let product = |outer: [f64; 2], inner: [f64; 2]| away * dot(turned(outer), inner);
+        let determinant = product(outer_tangent, tangent);
+        if determinant < 0.0 && !is_outer(ElementEdge { element, edge: inner }) {
+            let aside = turned(chord).map(|x| away * x);
+            let missing = WIDENED * product(outer_chord, chord) - determinant;
+            let share = 0.25 * missing / product(outer_tangent, aside);
+            let middle = nodes[3 + inner];
+            definition.nodes[middle] = [0, 1].map(|i| definition.nodes[middle][i] + share * aside[i]);
+        }
     }
 }
 

@@ -126,6 +126,17 @@ fn sizes_scale_with_one_parameter() {
     assert!(counts.windows(2).all(|pair| pair[1] as f64 > 1.25 * pair[0] as f64), "{counts:?}");
 }
 
+/// Coarse meshes in which a curved wall would close a narrow corner of a triangle: `Mesh::new` refuses a fold.
+#[test]
+fn no_corner_is_folded_by_a_curved_edge() {
+    for degrees in 76..=80 {
+        for size in [2.0, 2.5, 3.0, 4.0] {
+            let mesh = FibresMesh { size, ..FibresMesh::default() };
+            made(&Fibres { mesh, ..alone(Fibre::bent(f64::from(degrees).to_radians(), None, 3.0)) });
+        }
+    }
+}
+
 #[test]
 fn separation_divides_the_walls_at_its_length() {
     let (specimen, _) = made(&alone(Fibre { separation_length: 0.8, ..Fibre::bent(0.785, None, 3.0) }));
