@@ -4,7 +4,6 @@
 //! CSV ── rigid hinge (start) ── hinge model, L-curve ── σ(w), E, f_t ± error ── τ and f ± error ── output
 //! ```
 
-use crate::IDENTIFIABLE;
 use crate::doubt::doubts;
 use pullout_bridging::{
     Beam, Bond, BridgingFit, Estimate, Fitted, Inclination, Invalid, Measured, NotchedBeam, Polyline, RESIDUAL_CMOD,

@@ -7,9 +7,9 @@ use super::doubt::doubts;
 use super::output::rows_of;
 use super::search::{self, Best, Increments, STEP, Search, Simulation, root_mean_square};
 use super::specimen::make_absolute;
-use super::uncertainty::{IDENTIFIABLE, spread};
 use levenberg_marquardt::LevenbergMarquardt;
 use nalgebra::{DMatrix, DVector};
+use pullout_bridging::{Estimate, estimates};
 use pullout_case::CsvFile;
 use pullout_engine::{Outcome, Source};
 use pullout_report::compare::Turns;
@@ -70,9 +70,7 @@ pub struct CaseFit {
     /// Values from which the search began.
     pub starts: Vec<f64>,
     /// The numbers that fit best.
-    pub values: Vec<f64>,
-    /// Standard errors of the numbers; infinite if nothing is known.
-    pub standard_errors: Vec<f64>,
+    pub estimates: Vec<Estimate>,
     /// Correlation of the numbers.
     pub correlation: DMatrix<f64>,
     /// Root mean square of the differences, in the unit of the curve.
@@ -139,20 +137,20 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
     problem.count_beside();
     let derivatives = fitted.slopes(&values, &best.run);
     let trouble = trouble.or_else(|| derivatives.as_ref().err().cloned());
-    let count = values.len();
     // relative changes of the numbers, so that all are of one size
-    let sizes = DMatrix::from_diagonal(&DVector::from_iterator(count, values.iter().map(|&value| size(value))));
+    let sizes = DMatrix::from_diagonal(&DVector::from_iterator(values.len(), values.iter().map(|&value| size(value))));
     let residuals = fitted.differences(&best.run) * scale;
-    let (standard_errors, correlation) = match derivatives {
-        Ok(derivatives) => spread(&residuals, &(derivatives * &sizes), &vec![1.0; data.len()], &sizes),
-        Err(_) => (vec![f64::INFINITY; count], DMatrix::identity(count, count)),
+    let unknown = |&value: &f64| Estimate { value, standard_error: f64::INFINITY };
+    let (estimates, correlation) = match derivatives {
+        Ok(derivatives) => estimates(&values, residuals.as_slice(), &(derivatives * &sizes), &[], &sizes),
+        Err(_) => (values.iter().map(unknown).collect(), DMatrix::identity(values.len(), values.len())),
     };
     let doubts = doubts(&[], [("", least / scale)]);
     let rows = data.iter().zip(&best.run.curve).map(|(row, computed)| [row[0], row[1], *computed]).collect();
     Ok(CaseFit {
         free: request.free.clone(),
         starts,
-        standard_errors,
+        estimates,
         correlation,
         rms: least,
         searches,
@@ -160,7 +158,6 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         trouble,
         warnings: best.run.warning.into_iter().chain(doubts).collect(),
         case: kept(request, document, &values),
-        values,
         rows,
     })
 }
@@ -494,17 +491,12 @@ fn branch_at([x, y]: [&[f64]; 2], data: &[[f64; 2]]) -> Result<Vec<f64>, Off> {
 }
 
 impl CaseFit {
-    /// Returns whether the curve tells a number.
-    fn is_identifiable(&self, k: usize) -> bool {
-        self.standard_errors[k] <= IDENTIFIABLE * self.values[k].abs()
-    }
-
     /// Returns what came out, for a person.
     pub fn describe(&self) -> String {
         let mut text = String::new();
-        for (k, free) in self.free.iter().enumerate() {
-            let (value, error) = (self.values[k], self.standard_errors[k]);
-            let known = if self.is_identifiable(k) { "" } else { "  NOT IDENTIFIABLE" };
+        for (free, estimate) in self.free.iter().zip(&self.estimates) {
+            let (value, error) = (estimate.value, estimate.standard_error);
+            let known = if estimate.is_identifiable() { "" } else { "  NOT IDENTIFIABLE" };
             let bound = free.bound(value).map_or_else(String::new, |bound| format!("  on its bound {bound}"));
             let error = if error.is_finite() { significant(error, 2) } else { "unknown".into() };
             // to a String it cannot fail
@@ -522,16 +514,16 @@ impl CaseFit {
     /// A file that cannot be written.
     pub fn write(&self, directory: &mut ResultDirectory, request: &CaseRequest) -> io::Result<()> {
         let number = |k: usize| {
-            let free = &self.free[k];
-            let error = self.standard_errors[k];
+            let (free, estimate) = (&self.free[k], &self.estimates[k]);
             json!({
                 "path": free.path,
-                "value": self.values[k],
+                "value": estimate.value,
                 "start": self.starts[k],
                 "bounds": free.bounds,
-                "on_bound": free.bound(self.values[k]),
-                "standard_error": error.is_finite().then_some(error),
-                "identifiable": self.is_identifiable(k),
+                "on_bound": free.bound(estimate.value),
+                // JSON has no infinity: of what nothing is known is null
+                "standard_error": estimate.standard_error,
+                "identifiable": estimate.is_identifiable(),
             })
         };
         let parameters: Vec<Value> = (0..self.free.len()).map(number).collect();

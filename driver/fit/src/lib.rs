@@ -31,7 +31,7 @@ pub use law::{BondLaw, Piecewise, Powers, Quantity};
 pub use output::{describe, write};
 pub use simulation::{SimulatedCurve, Weights};
 pub use specimen::{Materials, MatrixLaw};
-pub use uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
+pub use uncertainty::Uncertainty;
 
 use geometry::BondPoint;
 use levenberg_marquardt::LevenbergMarquardt;

@@ -2,11 +2,12 @@
 
 use super::curve::LoadSlipCurve;
 use super::law::Quantity;
-use super::uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
+use super::uncertainty::Uncertainty;
 use super::{CURVE_FILE, FittedLaw, Request, specimen};
 use crate::doubt::doubts;
 use crate::regression::thinned;
 use nalgebra::DMatrix;
+use pullout_bridging::{Estimate, IDENTIFIABLE};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::plots;
 use pullout_report::plots::figure::{Figure, Line, Marks, Style};
@@ -148,6 +149,8 @@ fn form(law: &FittedLaw) -> Value {
         (quantity.name, entry)
     };
     let parameters: Map<String, Value> = numbers(law).into_iter().map(number).collect();
+    let names: Vec<String> = law.law.quantities().into_iter().map(|quantity| quantity.name).collect();
+    let correlation = |known: &Uncertainty| json!({ "names": names, "matrix": rows_of(&known.correlation) });
     let regression = law.regression.quantities().into_iter();
     let regression: Map<String, Value> =
         regression.map(|quantity| (quantity.name, json!({ "value": quantity.value, "unit": quantity.unit }))).collect();
@@ -161,11 +164,6 @@ fn form(law: &FittedLaw) -> Value {
         "correlation": law.uncertainty.as_ref().map(correlation),
         "regression": { "parameters": regression, "rms_of_peak": law.regression_rms },
     })
-}
-
-fn correlation(uncertainty: &Uncertainty) -> Value {
-    let names: Vec<&str> = uncertainty.estimates.iter().map(|estimate| estimate.quantity.name.as_str()).collect();
-    json!({ "names": names, "matrix": rows_of(&uncertainty.correlation) })
 }
 
 /// A matrix row by row.

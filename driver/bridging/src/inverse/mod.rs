@@ -19,7 +19,7 @@ const PATIENCE: usize = 60;
 /// Directions whose information is below this part of the greatest cannot be determined.
 const LEAST_INFORMATION: f64 = 1e-10;
 /// A standard error above this part of the value: the data do not tell the number.
-const IDENTIFIABLE: f64 = 0.25;
+pub const IDENTIFIABLE: f64 = 0.25;
 
 /// A least-squares problem. Rows beyond the data are penalties: they guide the search and tell nothing.
 pub struct LeastSquares<'f> {
@@ -36,11 +36,21 @@ pub struct LeastSquares<'f> {
 pub struct Estimate {
     /// Value.
     pub value: f64,
-    /// Standard error; infinite if nothing is known.
+    /// Standard error; infinite if nothing is known, 0 if it was given and not sought.
     pub standard_error: f64,
 }
 
 impl Estimate {
+    /// Returns whether it was given.
+    pub fn is_given(&self) -> bool {
+        self.standard_error == 0.0
+    }
+
+    /// Standard error over value.
+    pub fn relative(&self) -> f64 {
+        self.standard_error / self.value.abs()
+    }
+
     /// Returns whether the data tell it.
     pub fn is_identifiable(&self) -> bool {
         self.standard_error <= IDENTIFIABLE * self.value.abs()
@@ -76,36 +86,50 @@ fn assess(problem: &LeastSquares<'_>, parameters: Vec<f64>) -> Fitted {
     let (data, penalties) = residuals.split_at(problem.data.min(residuals.len()));
     let rms = |rows: &[f64]| (rows.iter().map(|row| row * row).sum::<f64>() / rows.len().max(1) as f64).sqrt();
     let jacobian = differences(&parameters, problem.residuals).rows(0, data.len()).into_owned();
-    let freedom = data.len().saturating_sub(parameters.len()).max(1) as f64;
-    let variance = data.iter().map(|row| row * row).sum::<f64>() / freedom;
-    let (estimates, correlation) = uncertainty(&jacobian, variance, &parameters, problem.quantities);
+    let values = (problem.quantities)(&parameters);
+    let derivatives = differences(&parameters, problem.quantities);
+    let (estimates, correlation) = estimates(&values, data, &jacobian, &[], &derivatives);
     Fitted { estimates, correlation, rms: rms(data), penalty: rms(penalties), parameters }
 }
 
-/// cov q = D (JᵀJ)⁻¹ Dᵀ σ², D = ∂q/∂θ; what lies along directions without information is unknown.
-fn uncertainty(
+/// Returns numbers q with their standard errors, and their correlations, from the weighted least-squares estimate θ with
+/// residuals r of the same variance σ² (r, J and weights W by rows; no weights: all 1), to first order:
+///
+/// ```text
+/// cov θ = σ² (JᵀWJ)⁻¹ JᵀW²J (JᵀWJ)⁻¹,   σ² = rᵀr/(m − n),   cov q = D cov θ Dᵀ with D = ∂q/∂θ
+/// ```
+///
+/// What lies along directions without information is unknown.
+pub fn estimates(
+    values: &[f64],
+    residuals: &[f64],
     jacobian: &DMatrix<f64>,
-    variance: f64,
-    parameters: &[f64],
-    quantities: &dyn Fn(&[f64]) -> Vec<f64>,
+    weights: &[f64],
+    derivatives: &DMatrix<f64>,
 ) -> (Vec<Estimate>, DMatrix<f64>) {
-    let information = SymmetricEigen::new(jacobian.transpose() * jacobian);
+    let scaled = |power: i32| {
+        let mut scaled = jacobian.clone();
+        scaled.row_iter_mut().zip(weights).for_each(|(mut row, weight)| row *= weight.powi(power));
+        jacobian.transpose() * scaled
+    };
+    let freedom = residuals.len().saturating_sub(jacobian.ncols()).max(1);
+    let variance = residuals.iter().map(|row| row * row).sum::<f64>() / freedom as f64;
+    let information = SymmetricEigen::new(scaled(1));
     let greatest = information.eigenvalues.max();
-    let is_told = |value: f64| value > LEAST_INFORMATION * greatest;
+    let is_told = |eigenvalue: f64| eigenvalue > LEAST_INFORMATION * greatest;
     let inverse = information.eigenvalues.map(|value| if is_told(value) { 1.0 / value } else { 0.0 });
     let inverse = &information.eigenvectors * DMatrix::from_diagonal(&inverse) * information.eigenvectors.transpose();
-    let derivatives = differences(parameters, quantities);
-    let covariance = &derivatives * inverse * derivatives.transpose() * variance;
+    let covariance = derivatives * &inverse * scaled(2) * &inverse * derivatives.transpose() * variance;
     let untold = information.eigenvalues.map(|value| f64::from(!is_told(value)));
-    let lost = &derivatives * &information.eigenvectors * DMatrix::from_diagonal(&untold);
-    let estimate = |(k, value): (usize, f64)| {
+    let lost = derivatives * &information.eigenvectors * DMatrix::from_diagonal(&untold);
+    let deviation = |k: usize| covariance[(k, k)].max(0.0).sqrt();
+    let estimate = |(k, &value): (usize, &f64)| {
         let unknown = lost.row(k).norm() > LEAST_INFORMATION.sqrt() * derivatives.row(k).norm();
-        let standard_error = if unknown { f64::INFINITY } else { covariance[(k, k)].max(0.0).sqrt() };
-        Estimate { value, standard_error }
+        Estimate { value, standard_error: if unknown { f64::INFINITY } else { deviation(k) } }
     };
-    let estimates: Vec<Estimate> = quantities(parameters).into_iter().enumerate().map(estimate).collect();
-    let correlation = DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
-        let product = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+    let correlation = DMatrix::from_fn(values.len(), values.len(), |i, j| {
+        let product = deviation(i) * deviation(j);
+        // a number that was given goes with no other
         if i == j {
             1.0
         } else if product > 0.0 {
@@ -114,11 +138,11 @@ fn uncertainty(
             0.0
         }
     });
-    (estimates, correlation)
+    (values.iter().enumerate().map(estimate).collect(), correlation)
 }
 
 /// ∂f/∂θ by central differences.
-fn differences(parameters: &[f64], f: &dyn Fn(&[f64]) -> Vec<f64>) -> DMatrix<f64> {
+pub fn differences(parameters: &[f64], f: &dyn Fn(&[f64]) -> Vec<f64>) -> DMatrix<f64> {
     let at = |k: usize, step: f64| {
         let mut moved = parameters.to_vec();
         moved[k] += step;

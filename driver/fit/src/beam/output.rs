@@ -1,10 +1,10 @@
 //! Files that the fit of a beam writes.
 
-use super::{BeamFit, IDENTIFIABLE, POINTS, measured_points};
+use super::{BeamFit, POINTS, measured_points};
 use crate::output::{MOST_MARKS, rows_of};
 use crate::regression::thinned;
 use maud::{PreEscaped, html};
-use pullout_bridging::{Estimate, Measured, Polyline};
+use pullout_bridging::{Estimate, IDENTIFIABLE, Measured, Polyline};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page;
 use pullout_report::plots;

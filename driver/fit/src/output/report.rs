@@ -54,7 +54,7 @@ fn what_was_fitted(source: &str, curve: &LoadSlipCurve, request: &Request) -> Ma
 }
 
 fn fitted(law: &FittedLaw) -> Markup {
-    let regression = law.regression.quantities();
+    let (regression, quantities) = (law.regression.quantities(), law.law.quantities());
     let untold = untold(law);
     html! {
         h2 { "Form " (law.law.form()) }
@@ -88,10 +88,10 @@ fn fitted(law: &FittedLaw) -> Markup {
         @if let Some(uncertainty) = &law.uncertainty {
             h3 { "Correlation" }
             div.scroll { table {
-                tr { th {} @for estimate in &uncertainty.estimates { th.number { (estimate.quantity.name) } } }
-                @for (estimate, row) in uncertainty.estimates.iter().zip(uncertainty.correlation.row_iter()) {
+                tr { th {} @for quantity in &quantities { th.number { (quantity.name) } } }
+                @for (quantity, row) in quantities.iter().zip(uncertainty.correlation.row_iter()) {
                     tr {
-                        td.key { code { (estimate.quantity.name) } }
+                        td.key { code { (quantity.name) } }
                         @for value in row.iter() { td.number { (format!("{value:.2}")) } }
                     }
                 }
