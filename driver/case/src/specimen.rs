@@ -18,7 +18,6 @@ use std::path::Path;
 use umat_abi::host::ExternalDatabases;
 
 mod boundary;
-mod chain;
 mod contact;
 mod couplings;
 mod fibres;

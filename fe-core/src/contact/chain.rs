@@ -248,31 +248,15 @@ fn order(mesh: &Mesh, edges: &[ElementEdge], pair: &str) -> Result<(Vec<ElementE
         let reason = format!("the master is no single chain of edges: {reason}");
         ContactError::Unusable { pair: pair.to_owned(), reason }
     };
-    let ends = |edge: &ElementEdge| {
-        let nodes = mesh.edge_nodes(*edge);
-        (nodes.nodes()[0], nodes.nodes()[1])
-    };
-    let mut following = std::collections::HashMap::with_capacity(edges.len());
-    let mut ended = std::collections::HashSet::with_capacity(edges.len());
-    for edge in edges {
-        let (start, end) = ends(edge);
-        if following.insert(start, *edge).is_some() {
-            return Err(broken(format!("two edges start at node {}", start + 1)));
+    let rows = mesh.rows(edges).map_err(|edge| {
+        let nodes = mesh.edge_nodes(edge);
+        broken(format!("it branches at the edge of nodes {}–{}", nodes.nodes()[0] + 1, nodes.nodes()[1] + 1))
+    })?;
+    match rows.into_iter().next() {
+        None => Err(broken("it has no edges".to_owned())),
+        Some((row, _)) if row.len() < edges.len() => {
+            Err(broken(format!("it is in pieces: {} of {} edges hang together", row.len(), edges.len())))
         }
-        if !ended.insert(end) {
-            return Err(broken(format!("two edges end at node {}", end + 1)));
-        }
+        Some(whole) => Ok(whole),
     }
-    let first = edges.iter().find(|edge| !ended.contains(&ends(edge).0)).or(edges.first());
-    let Some(&first) = first else { return Err(broken("it has no edges".to_owned())) };
-    let mut row = vec![first];
-    let mut at = ends(&first).1;
-    while let Some(&next) = following.get(&at).filter(|next| **next != first) {
-        row.push(next);
-        at = ends(&next).1;
-    }
-    if row.len() < edges.len() {
-        return Err(broken(format!("it is in pieces: {} of {} edges hang together", row.len(), edges.len())));
-    }
-    Ok((row, at == ends(&first).0))
 }

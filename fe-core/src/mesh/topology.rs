@@ -1,7 +1,7 @@
 //! Connections of elements: neighbours across edges, and boundaries.
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 
 use super::{EdgeNodes, Element, ElementEdge, Mesh, MeshError};
 
@@ -105,5 +105,40 @@ impl Mesh {
     /// The edges that belong to one element only, element by element.
     pub fn boundary_edges(&self) -> impl Iterator<Item = ElementEdge> {
         self.edges().filter(|&edge| self.neighbour(edge).is_none())
+    }
+
+    /// Puts edges in rows, in which each starts at the node where the one before it ends, and tells of each row whether
+    /// it closes; open rows come first.
+    ///
+    /// # Errors
+    /// An edge that starts where another one starts, or ends where another one ends.
+    pub fn rows(&self, edges: &[ElementEdge]) -> Result<Vec<(Vec<ElementEdge>, bool)>, ElementEdge> {
+        let ends = |edge: ElementEdge| {
+            let [start, end, _] = self.edge_nodes(edge).nodes;
+            (start, end)
+        };
+        let mut starting_at = HashMap::with_capacity(edges.len());
+        let mut ended = HashSet::with_capacity(edges.len());
+        for &edge in edges {
+            let (start, end) = ends(edge);
+            if starting_at.insert(start, edge).is_some() || !ended.insert(end) {
+                return Err(edge);
+            }
+        }
+        let mut firsts = edges.to_vec();
+        firsts.sort_by_key(|&edge| ended.contains(&ends(edge).0));
+        let mut rows = Vec::new();
+        for first in firsts {
+            let (start, _) = ends(first);
+            let (mut row, mut at) = (Vec::new(), start);
+            while let Some(edge) = starting_at.remove(&at) {
+                row.push(edge);
+                at = ends(edge).1;
+            }
+            if !row.is_empty() {
+                rows.push((row, at == start));
+            }
+        }
+        Ok(rows)
     }
 }

@@ -1,7 +1,7 @@
 //! Contact pairs.
 
+use super::Scene;
 use super::mesh::{DefaultPair, MATRIX};
-use super::{Scene, chain};
 use crate::document::pullout as document;
 use crate::document::{Entry, PropValue, Props, PulloutCase};
 use crate::plugin::{self, Length, Subject, Use};
@@ -309,8 +309,30 @@ fn surface(
         return None;
     };
     let edges = scene.edge_set(reader, name, place)?;
-    let chain = chain::in_order(scene.mesh?, edges).map_err(|message| format!("'{name}': {message}"));
+    let chain = chain(scene.mesh?, edges).map_err(|message| format!("'{name}': {message}"));
     reader.without_problem(chain, place)
+}
+
+/// The edges in the order in which they follow each other.
+///
+/// # Errors
+/// In words, why they are no chain.
+fn chain(mesh: &Mesh, edges: &[ElementEdge]) -> Result<Vec<ElementEdge>, String> {
+    let start = |edge: ElementEdge| {
+        let [x, y] = mesh.nodes()[mesh.edge_nodes(edge).nodes()[0]];
+        format!("({x:.6}, {y:.6})")
+    };
+    let branch = |edge: ElementEdge| format!("its edges branch near {}: they must be one chain", start(edge));
+    let mut rows = mesh.rows(edges).map_err(branch)?;
+    let open: Vec<String> = rows.iter().filter(|(_, closes)| !closes).map(|(row, _)| start(row[0])).collect();
+    Err(match (open.len(), rows.len()) {
+        (1, 1) => return Ok(rows.remove(0).0),
+        (0, _) => "its edges are a closed ring: they must be one chain with two ends".into(),
+        (1, _) => "its edges are a chain and a closed ring: they must be one chain".into(),
+        (count, _) => {
+            format!("its edges are {count} pieces, starting at {}: they must be one chain", open.join(", "))
+        }
+    })
 }
 
 fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<ContactLaw> {
