@@ -14,7 +14,7 @@ use crate::table::{Column, Table, replace};
 use pullout_case::study::{Columns, QuantityOfFile};
 use pullout_report::{at, directory::refuse_file};
 use pullout_run::input::{self, Input};
-use pullout_run::isolation::{self, CALL_TIME_LIMIT, Need};
+use pullout_run::isolation::{self, Need};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use umat_abi::host::{self, Found};
+use umat_abi::host;
 
 /// Plan of a sweep: its runs and what is kept of them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -294,11 +294,7 @@ impl Sweep {
         let document = self.document(run);
         let mut need = Need::default();
         for material in isolation::materials(&document) {
-            let limit = material["call_time_limit_s"].as_f64().filter(|limit| *limit > 0.0).unwrap_or(CALL_TIME_LIMIT);
-            if let Some(path) = material["plugin"].as_str().and_then(|name| library(name, input::folder_of(&file), &[]))
-            {
-                need.libraries.insert(path, limit);
-            }
+            need.watch(material, input::folder_of(&file), &[]);
         }
         need
     }
@@ -342,7 +338,7 @@ impl<'s> Keys<'s> {
         for material in isolation::materials(&document) {
             let Some(name) = material["plugin"].as_str().filter(|name| !host::names_a_file(name)) else { continue };
             let hash = self.libraries.entry(name.to_owned()).or_insert_with(|| {
-                let path = library(name, Path::new(""), &[])?;
+                let path = isolation::locate(name, Path::new(""), &[])?;
                 input::hash(&path, Input::Library).ok()
             });
             digest.update(hash.unwrap_or_default());
@@ -381,16 +377,6 @@ fn canonical(value: &Value, text: &mut String) {
     }
 }
 
-/// The file of a library that a case in a folder names.
-fn library(name: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBuf> {
-    let found = if host::names_a_file(name) {
-        Some(host::library_path(folder, name)).filter(|path| path.is_file())
-    } else {
-        Found::by_name(name, &host::search_paths(plugin_paths)).map(|found| found.path)
-    };
-    found.and_then(|path| std::path::absolute(path).ok())
-}
-
 /// The files of a case on their way into a store.
 #[derive(Default)]
 pub struct Bundle {
@@ -426,7 +412,7 @@ impl Bundle {
         for (key, member) in members {
             match member.as_str().filter(|_| key == "plugin") {
                 Some(name) => {
-                    let path = library(name, folder, plugin_paths);
+                    let path = isolation::locate(name, folder, plugin_paths);
                     if let Some(path) = path.filter(|path| host::names_a_file(name) || !isolation::is_shipped(path)) {
                         let file = path.file_name().unwrap_or_default().to_string_lossy();
                         let name = format!("./plugins/{file}");

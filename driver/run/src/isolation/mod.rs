@@ -62,7 +62,7 @@ pub mod worker;
 
 pub use ending::Aftermath;
 pub use last_words::Told;
-pub use need::{CALL_TIME_LIMIT, Need, materials, need};
+pub use need::{CALL_TIME_LIMIT, Need, locate, materials, need};
 pub use supervisor::{End, Failure, Job, supervise};
 pub use system::{die_with, identity, out_of_reach, program, set_program, shared_file, spawn, this_is_the_program};
 pub use trust::{all_are_let_in, is_shipped, let_all_in, let_in, load, look_where_it_was_built};

@@ -28,6 +28,16 @@ impl Need {
         (!trust::may_run_here(library)).then(need)
     }
 
+    /// Takes in the library that a material names, if it is there, with its longest time of one call: of several the
+    /// longest. Returns its absolute path.
+    pub fn watch(&mut self, material: &Value, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBuf> {
+        let library = locate(material["plugin"].as_str()?, folder, plugin_paths)?;
+        let limit = material["call_time_limit_s"].as_f64().filter(|limit| *limit > 0.0).unwrap_or(CALL_TIME_LIMIT);
+        let longest = self.libraries.entry(library.clone()).or_insert(limit);
+        *longest = longest.max(limit);
+        Some(library)
+    }
+
     /// The longest time of one call of a library, s.
     pub fn time_limit(&self, library: &Path) -> f64 {
         self.libraries.get(library).copied().unwrap_or(CALL_TIME_LIMIT)
@@ -46,20 +56,14 @@ pub fn need(document: &Value, file: &Path, plugin_paths: &[PathBuf]) -> Option<N
     if worker::is_this_process() || !system::IS_SUPPORTED {
         return None;
     }
-    let folder = folder_of(file);
     let mut need = Need { specimen: document["kind"] == "pullout", ..Need::default() };
     let mut is_needed = false;
     for material in materials(document) {
-        let Some(path) = material["plugin"].as_str().and_then(|plugin| locate(plugin, folder, plugin_paths)) else {
-            continue;
-        };
+        let Some(path) = need.watch(material, folder_of(file), plugin_paths) else { continue };
         // what a symbol is nobody has looked at but the case's author
         let may_run_here = trust::is_let_in(&path) || (material["symbol"].is_null() && trust::is_shipped(&path));
         need.is_against_a_wish |= !may_run_here && material["isolate"] == false;
         is_needed |= !may_run_here || material["isolate"] == true;
-        let limit = material["call_time_limit_s"].as_f64().filter(|limit| *limit > 0.0).unwrap_or(CALL_TIME_LIMIT);
-        let longest = need.libraries.entry(absolute(&path)).or_insert(limit);
-        *longest = longest.max(limit);
     }
     is_needed.then_some(need)
 }
@@ -81,10 +85,12 @@ pub fn materials(case: &Value) -> Vec<&Value> {
         .collect()
 }
 
-fn locate(plugin: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBuf> {
-    if host::names_a_file(plugin) {
+/// Returns the absolute path of a library that a case in a folder names, if it is there.
+pub fn locate(plugin: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBuf> {
+    let found = if host::names_a_file(plugin) {
         Some(host::library_path(folder, plugin)).filter(|path| path.is_file())
     } else {
         Found::by_name(plugin, &host::search_paths(plugin_paths)).map(|found| found.path)
-    }
+    };
+    found.map(|path| absolute(&path))
 }
