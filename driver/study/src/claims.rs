@@ -278,16 +278,17 @@ impl Tested<'_> {
             Quantity::Named(NamedQuantity::Cutbacks) => "cutbacks".into(),
             Quantity::Named(NamedQuantity::EnergyErrorMax) => "greatest energy error".into(),
             Quantity::Named(NamedQuantity::CpuTime) => "CPU time [s]".into(),
-            Quantity::Column { column, at, over } => {
+            Quantity::Column(value) => {
                 use pullout_case::study::{NamedPlace, Where};
-                let place = match at {
+                let column = &value.column;
+                let place = match value.at() {
                     Where::Named(NamedPlace::End) => "at the end".into(),
                     Where::Named(NamedPlace::Peak) => "at the peak".into(),
                     Where::Named(NamedPlace::Greatest) => "at its greatest".into(),
                     Where::Named(NamedPlace::Least) => "at its least".into(),
-                    Where::X(x) => format!("at {} = {}", self.study.curve.x, significant(*x, 4)),
+                    Where::X(x) => format!("at {} = {}", self.study.curve.x, significant(x, 4)),
                 };
-                match over.as_slice() {
+                match value.over() {
                     [] => with(&format!("{column} {place}"), &Shown::of(column, &Default::default()).unit),
                     over => format!("{column}/({}) {place}", over.join(" + ")),
                 }

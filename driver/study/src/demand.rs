@@ -32,12 +32,13 @@ impl Demand {
 
     /// Demands what a number of a run is made of; `curve` is that of the peak.
     pub fn of_quantity(quantity: &Quantity, curve: &Columns, place: &JsonPlace) -> Vec<Self> {
-        let Quantity::Column { column, at, over } = quantity else { return Vec::new() };
+        let Quantity::Column(value) = quantity else { return Vec::new() };
+        let column = &value.column;
         let mut demands = vec![Self::of_column(column, place.key("column"))];
-        if matches!(at, Where::X(_) | Where::Named(NamedPlace::Peak)) {
+        if matches!(value.at(), Where::X(_) | Where::Named(NamedPlace::Peak)) {
             demands.push(Self::beside(column, &curve.y, place.key("at")));
         }
-        demands.extend(over.iter().map(|other| Self::beside(other, column, place.key("over"))));
+        demands.extend(value.over().iter().map(|other| Self::beside(other, column, place.key("over"))));
         demands
     }
 

@@ -22,13 +22,12 @@ pub use claims::{Expectation, Finding, Verdict};
 pub use demand::Demand;
 pub use execution::{Execution, State, execute};
 pub use fibres::curves_of_fibres;
-pub use pullout_case::study::{ColumnValue, Columns, Direction, NamedPlace, NamedQuantity, Where};
+pub use pullout_case::study::{Columns, NamedQuantity, QuantityOfFile as Quantity};
 pub use read::{default_curve, read};
 pub use report::write as write_report;
 pub use results::{Results, RunResult};
 pub use table::{write_csv, write_json};
 
-use pullout_case::study::{OneOrMany, QuantityOfFile};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -69,7 +68,7 @@ impl Study {
         let pairs = std::iter::once(&self.curve).chain(&self.overlays).flat_map(|pair| [&pair.x, &pair.y]);
         let of_claims = self.claims.iter().filter_map(|claim| match &claim.quantity {
             Quantity::Named(_) => None,
-            Quantity::Column { column, over, .. } => Some(std::iter::once(column).chain(over)),
+            Quantity::Column(value) => Some(std::iter::once(&value.column).chain(value.over())),
         });
         pairs.chain(of_claims.flatten()).map(String::as_str).collect()
     }
@@ -138,39 +137,6 @@ pub struct Claim {
     pub quantity: Quantity,
     /// The test.
     pub expectation: Expectation,
-}
-
-/// A number that a run gives.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Quantity {
-    /// By name.
-    Named(NamedQuantity),
-    /// A history column somewhere, possibly over the sum of others.
-    Column {
-        /// The column.
-        column: String,
-        /// Where.
-        at: Where,
-        /// Columns that it is divided by the sum of; empty: it stands alone.
-        over: Vec<String>,
-    },
-}
-
-impl From<&QuantityOfFile> for Quantity {
-    fn from(of_file: &QuantityOfFile) -> Self {
-        match of_file {
-            QuantityOfFile::Named(name) => Self::Named(*name),
-            QuantityOfFile::Column(value) => Self::Column {
-                column: value.column.clone(),
-                at: value.at.unwrap_or(Where::Named(NamedPlace::End)),
-                over: match &value.over {
-                    None => Vec::new(),
-                    Some(OneOrMany::One(column)) => vec![column.clone()],
-                    Some(OneOrMany::Many(columns)) => columns.clone(),
-                },
-            },
-        }
-    }
 }
 
 impl Study {

@@ -5,7 +5,7 @@ use super::claims::Expectation;
 use super::fingerprint::Fingerprints;
 use super::{Abscissa, Claim, Columns, Demand, Member, Quantity, Run, Series, Study};
 use pullout_case::study::{
-    self, ClaimOfFile, MemberName, MemberOfFile, NamedQuantity, OneOrMany, QuantityOfFile, SeriesOfFile, StudyFile,
+    self, ClaimOfFile, MemberName, MemberOfFile, NamedQuantity, OneOrMany, SeriesOfFile, StudyFile,
 };
 use pullout_case::{Case, CaseErrors, CaseProblem, JsonPlace, ProblemKind, Reader, hint, read_study};
 use pullout_report::plots::quantity::Quantity as Shown;
@@ -352,7 +352,8 @@ impl Resolver<'_, '_> {
                 found.collect::<Vec<_>>().into_iter().collect()
             }
         };
-        let quantity = self.quantity(claim.quantity.as_ref(), cast, &place.key("quantity"));
+        let quantity = claim.quantity.clone().unwrap_or(Quantity::Named(NamedQuantity::Peak));
+        self.demands.extend(Demand::of_quantity(&quantity, cast.curve, &place.key("quantity")));
         let expectation = self.expectation(&claim.expect, cast, &place.key("expect"));
         let mut members = members?;
         let x = |member: &usize| cast.members[*member].x.unwrap_or(0.0);
@@ -361,13 +362,6 @@ impl Resolver<'_, '_> {
             self.problem(&place.key("expect"), "a trend needs two members");
         }
         Some(Claim { claim: claim.claim.clone(), series: series?, members, quantity, expectation: expectation? })
-    }
-
-    fn quantity(&mut self, given: Option<&QuantityOfFile>, cast: &Cast<'_>, place: &JsonPlace) -> Quantity {
-        let Some(given) = given else { return Quantity::Named(NamedQuantity::Peak) };
-        let quantity = Quantity::from(given);
-        self.demands.extend(Demand::of_quantity(&quantity, cast.curve, place));
-        quantity
     }
 
     fn expectation(

@@ -156,11 +156,11 @@ impl RunResult {
             Quantity::Named(NamedQuantity::Cutbacks) => summary?.cutbacks as f64,
             Quantity::Named(NamedQuantity::EnergyErrorMax) => summary?.specimen.as_ref()?.energy_error_max,
             Quantity::Named(NamedQuantity::CpuTime) => summary?.cpu_time_s?,
-            Quantity::Column { column, at, over } => {
-                let line = self.line(column, *at, curve)?;
+            Quantity::Column(value) => {
+                let line = self.line(&value.column, value.at(), curve)?;
                 let of = |name: &str| self.history.column(name)?.get(line).copied();
-                let whole: Option<f64> = over.iter().map(|name| of(name)).sum();
-                of(column)? / if over.is_empty() { 1.0 } else { whole? }
+                let whole: Option<f64> = value.over().iter().map(|name| of(name)).sum();
+                of(&value.column)? / if value.over().is_empty() { 1.0 } else { whole? }
             }
         };
         number.is_finite().then_some(number)

@@ -6,7 +6,7 @@ use pullout_case::sweep::{Base, SweepFile};
 use pullout_case::{CaseErrors, CaseProblem, JsonPlace, Reader};
 use pullout_engine::Source;
 use pullout_run::input::{self, Input};
-use pullout_study::{Demand, Quantity, default_curve};
+use pullout_study::{Demand, default_curve};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::io;
@@ -209,7 +209,7 @@ fn demands(of_file: &SweepFile, keep: &Keep) -> Vec<Demand> {
     }
     for (name, quantity) in &keep.quantities {
         let place = root.key("quantities").key(name);
-        demands.extend(Demand::of_quantity(&Quantity::from(quantity), &keep.curve, &place));
+        demands.extend(Demand::of_quantity(quantity, &keep.curve, &place));
     }
     for (index, column) in keep.curves.iter().enumerate() {
         let place = root.key("curves").index(index);

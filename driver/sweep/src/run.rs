@@ -5,7 +5,7 @@ use pullout_engine::{Outcome, Settings, Source};
 use pullout_report::compare::Branch;
 use pullout_report::summary::Status;
 use pullout_run::path::{FailedAt, FailureKind};
-use pullout_study::{Quantity, RunResult};
+use pullout_study::RunResult;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -76,7 +76,7 @@ fn of(outcome: Outcome, keep: &Keep, wall: f64) -> Measured {
     let times = [wall, summary.cpu_time_s.unwrap_or_default()];
     let mut result = RunResult::of(history, Some(summary), &keep.curve);
     result.find_work(&keep.curve, keep.work_to);
-    let value = |of_file| result.value(&Quantity::from(of_file), &keep.curve);
+    let value = |quantity| result.value(quantity, &keep.curve);
     Measured {
         failed_at,
         message,

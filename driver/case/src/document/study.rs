@@ -112,7 +112,7 @@ pub struct ClaimOfFile {
 }
 
 /// One name or several.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema, PartialEq)]
 #[serde(untagged)]
 pub enum OneOrMany {
     /// One.
@@ -132,7 +132,7 @@ pub enum MemberName {
 }
 
 /// A number that a run gives.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema, PartialEq)]
 #[serde(untagged)]
 pub enum QuantityOfFile {
     /// By name.
@@ -166,7 +166,7 @@ pub enum NamedQuantity {
 }
 
 /// A history column somewhere.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnValue {
     /// The column.
@@ -175,6 +175,22 @@ pub struct ColumnValue {
     pub at: Option<Where>,
     /// Divisor: another column at the same place, or the sum of several.
     pub over: Option<OneOrMany>,
+}
+
+impl ColumnValue {
+    /// Returns the place in the history.
+    pub fn at(&self) -> Where {
+        self.at.unwrap_or(Where::Named(NamedPlace::End))
+    }
+
+    /// Returns the columns that it is divided by the sum of; none: it stands alone.
+    pub fn over(&self) -> &[String] {
+        match &self.over {
+            None => &[],
+            Some(OneOrMany::One(column)) => std::slice::from_ref(column),
+            Some(OneOrMany::Many(columns)) => columns,
+        }
+    }
 }
 
 /// A place in a history.

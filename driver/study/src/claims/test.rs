@@ -1,7 +1,7 @@
 use super::super::{Columns, Member, Run, RunResult, Series};
 use super::*;
 use pullout_case::Positive;
-use pullout_case::study::{NamedPlace, Where};
+use pullout_case::study::{ColumnValue, NamedPlace, OneOrMany, Where};
 use pullout_report::history::History;
 use pullout_report::summary::Status;
 
@@ -148,10 +148,9 @@ fn ratios_bounds_and_ends() {
 
 #[test]
 fn columns_are_looked_up_where_the_claim_says() {
-    let at = |place: Where, over: &[&str]| Quantity::Column {
-        column: "open".into(),
-        at: place,
-        over: over.iter().map(|name| (*name).to_owned()).collect(),
+    let at = |place: Where, over: &[&str]| {
+        let over = OneOrMany::Many(over.iter().map(|name| (*name).to_owned()).collect());
+        Quantity::Column(ColumnValue { column: "open".into(), at: Some(place), over: Some(over) })
     };
     let lies = |value: f64| Expectation::Bounds { greater_than: Some(value - 1e-12), less_than: Some(value + 1e-12) };
     for (quantity, value) in [
