@@ -550,10 +550,8 @@ fn read_columns<const N: usize>(
     names: [&str; N],
 ) -> Option<Vec<Vec<f64>>> {
     let rows = CsvFile::read(path).and_then(|csv| {
-        let of_file = |message: &String| format!("{}, {message}", path.display());
-        let found: Result<Vec<usize>, String> = names.into_iter().map(|name| csv.column(name)).collect();
-        let found = found.map_err(|message| vec![of_file(&message)])?;
-        csv.numbers(&found, false).map_err(|messages| messages.iter().map(of_file).collect())
+        let found: Result<Vec<usize>, Vec<String>> = names.into_iter().map(|name| csv.column(name)).collect();
+        csv.numbers(&found?, false)
     });
     reader.without_problems(rows, place)
 }

@@ -133,9 +133,7 @@ fn points(reader: &mut Reader<'_>, curve: &document::Compare, place: &Place) -> 
         index
     };
     let (x, y) = (find(&curve.file_x, "file_x"), find(&curve.file_y, "file_y"));
-    let named =
-        |messages: Vec<String>| messages.iter().map(|message| format!("{}, {message}", path.display())).collect();
-    let rows = reader.without_problems(csv.numbers(&[x?, y?], true).map_err(named), &place_of_file)?;
+    let rows = reader.without_problems(csv.numbers(&[x?, y?], true), &place_of_file)?;
     if rows.is_empty() {
         let message = format!("{}: the two columns share no row with numbers", path.display());
         reader.problem(&place_of_file, message);

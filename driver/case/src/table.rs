@@ -2,8 +2,9 @@
 
 use crate::problem::hint;
 use pullout_run::input::{self, Input};
+use std::fmt::Display;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Problems reported of one file before the rest is left out.
 const MOST_PROBLEMS: usize = 5;
@@ -13,6 +14,7 @@ const MOST_PROBLEMS: usize = 5;
 pub struct CsvFile {
     /// Column names.
     pub header: Vec<String>,
+    path: PathBuf,
     text: Vec<u8>,
     /// The line of each row.
     lines: Vec<u64>,
@@ -59,7 +61,7 @@ impl CsvFile {
             problems.add(|| format!("{file} has no rows below its header"));
         }
         text.drain(..start);
-        problems.or(Self { header, text, lines })
+        problems.or(Self { header, path: path.into(), text, lines })
     }
 
     /// The finite numbers of some columns, row by row. Rows in which one of them is blank are left out if
@@ -89,21 +91,27 @@ impl CsvFile {
             }
             numbers.push(row);
         }
-        problems.or(numbers)
+        let named = |problem: &String| format!("{}, {problem}", self.path.display());
+        problems.or(numbers).map_err(|problems| problems.iter().map(named).collect())
     }
 
     /// The place of a column.
     ///
     /// # Errors
     /// None is called so.
-    pub fn column(&self, name: &str) -> Result<usize, String> {
-        let unknown = || format!("line 1: no column is called '{name}'{}", hint(name, &self.header));
+    pub fn column(&self, name: &str) -> Result<usize, Vec<String>> {
+        let unknown = || self.fault(1, format!("no column is called '{name}'{}", hint(name, &self.header)));
         self.header.iter().position(|column| column == name).ok_or_else(unknown)
     }
 
     /// Line number of a row.
     pub fn line(&self, row: usize) -> u64 {
         self.lines.get(row).copied().unwrap_or_default()
+    }
+
+    /// Tells what is wrong in a line.
+    pub fn fault(&self, line: u64, message: impl Display) -> Vec<String> {
+        vec![format!("{}, line {line}: {message}", self.path.display())]
     }
 }
 
@@ -168,13 +176,8 @@ impl Table {
             problems.add(|| format!("{file}: no column names a component; valid names: {}", names.join(", ")));
         }
         let all: Vec<usize> = (0..csv.header.len()).collect();
-        let rows = match csv.numbers(&all, false) {
-            Ok(rows) => rows,
-            Err(cells) => {
-                problems.first.extend(cells.into_iter().map(|cell| format!("{file}, {cell}")));
-                return Err(problems.first);
-            }
-        };
+        let rows = csv.numbers(&all, false);
+        let rows = rows.map_err(|cells| [std::mem::take(&mut problems.first), cells].concat())?;
         let time = csv.header.iter().position(|name| name == "time");
         let mut time_increments = vec![1.0; rows.len()];
         let mut starts_at_zero = false;

@@ -41,14 +41,11 @@ pub struct BeamColumns {
 /// One sentence for each thing that is wrong.
 pub fn read_beam_test(path: &Path, columns: &BeamColumns) -> Result<Measured, Vec<String>> {
     let csv = CsvFile::read(path)?;
-    let at = |message: String| format!("{}, {message}", path.display());
-    let find = |name: &str| csv.column(name).map_err(|message| vec![at(message)]);
     let rows = |wanted: &[&str]| {
-        let places = wanted.iter().map(|name| find(name)).collect::<Result<Vec<usize>, _>>()?;
-        let rows = csv.numbers(&places, false);
-        rows.map_err(|messages| messages.into_iter().map(at).collect::<Vec<String>>())
+        let places = wanted.iter().map(|name| csv.column(name)).collect::<Result<Vec<usize>, Vec<String>>>()?;
+        csv.numbers(&places, false)
     };
-    if columns.cmod.is_none() && columns.load.is_none() && find(STRENGTHS[1]).is_ok() {
+    if columns.cmod.is_none() && columns.load.is_none() && csv.column(STRENGTHS[1]).is_ok() {
         let rows = rows(&STRENGTHS)?;
         let mean = |k: usize| rows.iter().map(|row| row[k]).sum::<f64>() / rows.len() as f64;
         return Ok(Measured::Strengths(Residual { limit: mean(0), residual: [1, 2, 3, 4].map(mean) }));

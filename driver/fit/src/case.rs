@@ -264,13 +264,12 @@ fn starts(request: &CaseRequest, document: &Value) -> Result<Vec<f64>, Vec<Strin
 /// The measured points.
 fn read_data(request: &CaseRequest) -> Result<Vec<[f64; 2]>, Vec<String>> {
     let file = request.data.display();
-    let named = |problem: String| format!("{file}, {problem}");
     let csv = CsvFile::read(&request.data)?;
     if csv.header.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return Err(vec![named("line 1: these are numbers, but the first line must name the columns".into())]);
+        return Err(csv.fault(1, "these are numbers, but the first line must name the columns"));
     }
     if csv.header.len() < 2 {
-        return Err(vec![named("line 1: one column, but two are needed".into())]);
+        return Err(csv.fault(1, "one column, but two are needed"));
     }
     let by_name = request.curve.each_ref().map(|name| csv.column(name).ok());
     let columns = match by_name {
@@ -278,10 +277,10 @@ fn read_data(request: &CaseRequest) -> Result<Vec<[f64; 2]>, Vec<String>> {
         [None, None] => [0, 1],
         [there, _] => {
             let missing = &request.curve[usize::from(there.is_some())];
-            return Err(vec![named(format!("line 1: there is one of the columns of --curve, but not '{missing}'"))]);
+            return Err(csv.fault(1, format!("there is one of the columns of --curve, but not '{missing}'")));
         }
     };
-    let rows = csv.numbers(&columns, true).map_err(|problems| problems.into_iter().map(named).collect::<Vec<_>>())?;
+    let rows = csv.numbers(&columns, true)?;
     if rows.len() <= request.free.len() {
         let message = format!("{} points do not tell {} numbers", rows.len(), request.free.len());
         return Err(vec![format!("{file}: {message}")]);

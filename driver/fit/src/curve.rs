@@ -26,15 +26,11 @@ impl LoadSlipCurve {
     /// # Errors
     /// One sentence for each thing that is wrong, with its line.
     pub fn read(path: &Path, slip: Option<&str>, load: Option<&str>) -> Result<Self, Vec<String>> {
-        let file = path.display();
         let csv = CsvFile::read(path)?;
-        let [slip, load] = columns(&csv, slip, load).map_err(|error| vec![format!("{file}, {error}")])?;
-        let rows = csv
-            .numbers(&[slip, load], false)
-            .map_err(|problems| problems.into_iter().map(|problem| format!("{file}, {problem}")).collect::<Vec<_>>())?;
+        let rows = csv.numbers(&columns(&csv, slip, load)?, false)?;
         let curve =
             Self { slips: rows.iter().map(|row| row[0]).collect(), loads: rows.iter().map(|row| row[1]).collect() };
-        curve.check().map_err(|(row, message)| vec![format!("{file}, line {}: {message}", csv.line(row))])?;
+        curve.check().map_err(|(row, message)| csv.fault(csv.line(row), message))?;
         Ok(curve)
     }
 
@@ -89,20 +85,20 @@ pub struct Peak {
 }
 
 /// Indices of the columns of slip and load.
-fn columns(csv: &CsvFile, slip: Option<&str>, load: Option<&str>) -> Result<[usize; 2], String> {
+fn columns(csv: &CsvFile, slip: Option<&str>, load: Option<&str>) -> Result<[usize; 2], Vec<String>> {
     let header = &csv.header;
     if header.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return Err("line 1: these are numbers, but the first line must name the columns, e.g. 'slip,load'".into());
+        return Err(csv.fault(1, "these are numbers, but the first line must name the columns, e.g. 'slip,load'"));
     }
     let by_habit = csv.column("slip").ok().zip(csv.column("load").ok());
     if header.len() < 2 {
-        return Err("line 1: one column, but slip and load are needed".into());
+        return Err(csv.fault(1, "one column, but slip and load are needed"));
     }
     let default = by_habit.unwrap_or((0, 1));
     let slip = slip.map_or(Ok(default.0), |name| csv.column(name))?;
     let load = load.map_or(Ok(default.1), |name| csv.column(name))?;
     if slip == load {
-        return Err(format!("line 1: slip and load would both be the column '{}'", header[slip]));
+        return Err(csv.fault(1, format!("slip and load would both be the column '{}'", header[slip])));
     }
     Ok([slip, load])
 }
