@@ -8,7 +8,7 @@
 //! equation of their own; forces on these go to the equations and drives that move them (Tᵀ f, Sᵀ f). Supports in
 //! rotated axes are couplings of the two components of a node.
 
-use crate::model::{Coupling, Freedom, Model, Support};
+use crate::model::{Coupling, Freedom, Model, ModelError, Support};
 use crate::plane::dot;
 
 #[cfg(test)]
@@ -31,21 +31,6 @@ struct Dependence {
     is_coupling: bool,
 }
 
-/// Supports and couplings that cannot be met together.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ConstraintError {
-    /// Couplings that follow each other in a circle.
-    #[error("the coupling of node {} (from 1) depends on itself", node + 1)]
-    Circle {
-        /// Index of a node in the circle.
-        node: usize,
-    },
-    /// Two supports or couplings prescribe one displacement differently; a direction without length, an index out of range,
-    /// NaN or infinity.
-    #[error("{0}")]
-    Unmet(String),
-}
-
 /// The freedoms of a model by equations and drives.
 #[derive(Clone, Debug)]
 pub struct Equations {
@@ -64,8 +49,9 @@ impl Equations {
     ///
     /// # Errors
     ///
-    /// The first contradiction found.
-    pub fn new(model: &Model) -> Result<Self, ConstraintError> {
+    /// Couplings that follow each other in a circle, two supports or couplings that prescribe one displacement differently, a
+    /// direction without length, an index out of range, NaN or infinity: the first found.
+    pub fn new(model: &Model) -> Result<Self, ModelError> {
         let freedom_count = 2 * model.mesh.nodes().len();
         let mut dependences: Vec<Option<Dependence>> = vec![None; freedom_count];
         for (node, held) in held_directions(model)?.into_iter().enumerate() {
@@ -90,7 +76,7 @@ impl Equations {
         Self::resolve(&dependences, model.drives.len())
     }
 
-    fn resolve(dependences: &[Option<Dependence>], drive_count: usize) -> Result<Self, ConstraintError> {
+    fn resolve(dependences: &[Option<Dependence>], drive_count: usize) -> Result<Self, ModelError> {
         let order = dependence_order(dependences)?;
         let mut expressions = vec![Expression::default(); dependences.len()];
         let mut freedoms = Vec::new();
@@ -234,7 +220,7 @@ struct Held {
 }
 
 /// Returns the held directions of each node.
-fn held_directions(model: &Model) -> Result<Vec<Vec<Held>>, ConstraintError> {
+fn held_directions(model: &Model) -> Result<Vec<Vec<Held>>, ModelError> {
     let mut held = vec![Vec::new(); model.mesh.nodes().len()];
     for support in &model.supports {
         let direction = unit_direction(support)?;
@@ -251,11 +237,11 @@ fn held_directions(model: &Model) -> Result<Vec<Vec<Held>>, ConstraintError> {
     Ok(held)
 }
 
-fn unusable(by: &str, problem: &str) -> ConstraintError {
-    ConstraintError::Unmet(format!("{by}: {problem}"))
+fn unusable(by: &str, problem: &str) -> ModelError {
+    ModelError(format!("{by}: {problem}"))
 }
 
-fn unit_direction(support: &Support) -> Result<[f64; 2], ConstraintError> {
+fn unit_direction(support: &Support) -> Result<[f64; 2], ModelError> {
     let [x, y] = support.direction;
     let length = x.hypot(y);
     if length > 0.0 && length.is_finite() {
@@ -269,7 +255,7 @@ fn unit_direction(support: &Support) -> Result<[f64; 2], ConstraintError> {
 const SAME_DIRECTION: f64 = 1e-9;
 
 /// The dependent freedoms of a node that is held in some directions: none, one or both.
-fn support_dependences(node: usize, held: &[Held]) -> Result<Vec<(usize, Dependence)>, ConstraintError> {
+fn support_dependences(node: usize, held: &[Held]) -> Result<Vec<(usize, Dependence)>, ModelError> {
     let mut independent: Vec<&Held> = Vec::new();
     for one in held {
         let parallel = |other: &&&Held| {
@@ -305,9 +291,9 @@ fn support_dependences(node: usize, held: &[Held]) -> Result<Vec<(usize, Depende
     })
 }
 
-fn contradiction(node: usize, first: &str, second: &str) -> ConstraintError {
+fn contradiction(node: usize, first: &str, second: &str) -> ModelError {
     let node = format!("node {} (from 1)", node + 1);
-    ConstraintError::Unmet(format!("{node} is held twice along one direction, by {first} and by {second}"))
+    ModelError(format!("{node} is held twice along one direction, by {first} and by {second}"))
 }
 
 /// Both components of a node held in two directions: the drives of each with their coefficients.
@@ -327,7 +313,7 @@ fn both_components(first: &Held, second: &Held) -> [Vec<(usize, f64)>; 2] {
     })
 }
 
-fn add_coupling(dependences: &mut [Option<Dependence>], coupling: &Coupling) -> Result<(), ConstraintError> {
+fn add_coupling(dependences: &mut [Option<Dependence>], coupling: &Coupling) -> Result<(), ModelError> {
     let by = format!("the coupling of node {} (from 1)", coupling.dependent.node + 1);
     let in_range = |freedom: &Freedom| freedom.component < 2 && freedom.index() < dependences.len();
     if !in_range(&coupling.dependent) || !coupling.terms.iter().all(|(freedom, _)| in_range(freedom)) {
@@ -349,7 +335,7 @@ fn add_coupling(dependences: &mut [Option<Dependence>], coupling: &Coupling) -> 
 }
 
 /// The dependent freedoms, each after those it depends on.
-fn dependence_order(dependences: &[Option<Dependence>]) -> Result<Vec<usize>, ConstraintError> {
+fn dependence_order(dependences: &[Option<Dependence>]) -> Result<Vec<usize>, ModelError> {
     #[derive(Clone, Copy, PartialEq)]
     enum Mark {
         New,
@@ -372,7 +358,8 @@ fn dependence_order(dependences: &[Option<Dependence>]) -> Result<Vec<usize>, Co
                     order.push(freedom);
                 }
                 Some(&(term, _)) if marks[term] == Mark::Open => {
-                    return Err(ConstraintError::Circle { node: term / 2 });
+                    let node = term / 2 + 1;
+                    return Err(ModelError(format!("the coupling of node {node} (from 1) depends on itself")));
                 }
                 Some(&(term, _)) => {
                     open.push((freedom, next + 1));

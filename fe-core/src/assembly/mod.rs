@@ -8,11 +8,11 @@ pub mod solids;
 mod system;
 mod trouble;
 
-pub use equations::{ConstraintError, Equations};
+pub use equations::Equations;
 pub(crate) use far_field::may_be_condensed;
 pub use far_field::touching;
 pub(crate) use loads::loaded_freedoms;
-pub use solids::{GreatestInPart, Solids, SolidsError};
+pub use solids::{GreatestInPart, Solids};
 pub(crate) use system::Factor;
 pub use system::{Condensation, System, SystemState};
 pub(crate) use trouble::Setback;

@@ -1,8 +1,8 @@
 //! The master surface: edges in a row, with one coordinate along all of them.
 
-use super::ContactError;
 use crate::element::{EdgeKind, LinePoint, gauss_legendre};
 use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
+use crate::model::ModelError;
 
 /// Points of the rule for arc lengths. |X'| of a quadratic edge is the root of a parabola, smooth while the middle node
 /// lies well between its ends: ten points leave no error above rounding.
@@ -85,7 +85,7 @@ impl Chain {
     ///
     /// # Errors
     /// They are no single row, open or closed.
-    pub fn new(mesh: &Mesh, edges: &[ElementEdge], pair: &str, bends: bool) -> Result<Self, ContactError> {
+    pub fn new(mesh: &Mesh, edges: &[ElementEdge], pair: &str, bends: bool) -> Result<Self, ModelError> {
         let (order, closed) = order(mesh, edges, pair)?;
         let mut chain = Self::empty(closed);
         for edge in order {
@@ -243,11 +243,9 @@ impl Chain {
 }
 
 /// The edges in a row, and whether it closes.
-fn order(mesh: &Mesh, edges: &[ElementEdge], pair: &str) -> Result<(Vec<ElementEdge>, bool), ContactError> {
-    let broken = |reason: String| {
-        let reason = format!("the master is no single chain of edges: {reason}");
-        ContactError::Unusable { pair: pair.to_owned(), reason }
-    };
+fn order(mesh: &Mesh, edges: &[ElementEdge], pair: &str) -> Result<(Vec<ElementEdge>, bool), ModelError> {
+    let broken =
+        |reason: String| ModelError::of_pair(pair, format!("the master is no single chain of edges: {reason}"));
     let rows = mesh.rows(edges).map_err(|edge| {
         let nodes = mesh.edge_nodes(edge);
         broken(format!("it branches at the edge of nodes {}–{}", nodes.nodes()[0] + 1, nodes.nodes()[1] + 1))

@@ -1,12 +1,11 @@
 //! Tractions from gap and slip: the calls of UINTER and FRIC.
 
-use super::ContactError;
 use super::history::{PointState, PointStatus};
 use super::kinematics::Kinematics;
 use super::normal::{HostNormal, NormalState};
 use super::quadrature::ContactPoint;
 use crate::assembly::Setback;
-use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, PluginLaw};
+use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, ModelError, PluginLaw};
 use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
 use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, Plugin, SurfaceFields, UinterCall, Validation, judge};
 
@@ -53,7 +52,7 @@ impl PointLaw {
     ///
     /// # Errors
     /// A law that refuses its parameters, cannot be called, or cannot be enforced as requested.
-    pub fn new(pair: &ContactPair, penalty: f64, initial: &FieldValues) -> Result<Self, ContactError> {
+    pub fn new(pair: &ContactPair, penalty: f64, initial: &FieldValues) -> Result<Self, ModelError> {
         let mut law = Self::of(pair, penalty)?;
         law.set_fields(initial, initial);
         Ok(law)
@@ -68,17 +67,16 @@ impl PointLaw {
         fields.set([start.temperature, end.temperature], [&start.variables, &end.variables]);
     }
 
-    fn of(pair: &ContactPair, penalty: f64) -> Result<Self, ContactError> {
+    fn of(pair: &ContactPair, penalty: f64) -> Result<Self, ModelError> {
         let ratio = match pair.enforcement {
             Enforcement::PerturbedLagrangian { ratio } => 1.0 + ratio,
             Enforcement::Penalty | Enforcement::Uzawa { .. } => 1.0,
         };
-        let failed =
-            |law: &PluginLaw, error| ContactError::Unusable { pair: pair.name.clone(), reason: law.error(error) };
+        let failed = |law: &PluginLaw, error| ModelError::of_pair(&pair.name, law.error(error));
         match &pair.law {
             ContactLaw::Uinter(law) => {
                 let (filled, normal) = filled(pair, law, Some(ratio * penalty), penalty)?;
-                let needs = |reason| Err(ContactError::Enforcement { pair: pair.name.clone(), reason });
+                let needs = |reason: &str| Err(ModelError::of_pair(&pair.name, reason));
                 let augmented = match (pair.enforcement, normal) {
                     (Enforcement::Penalty, _) | (Enforcement::PerturbedLagrangian { .. }, Some((_, true))) => None,
                     (Enforcement::Uzawa { .. }, Some((value, _))) if value > 0.0 => Some(value),
@@ -188,7 +186,7 @@ fn filled(
     law: &PluginLaw,
     normal_penalty: Option<f64>,
     tangential_penalty: f64,
-) -> Result<(Plugin, Option<(f64, bool)>), ContactError> {
+) -> Result<(Plugin, Option<(f64, bool)>), ModelError> {
     let mut filled = law.plugin.clone();
     let Some(description) = &law.law else { return Ok((filled, None)) };
     let normal = normal_penalty.and_then(|penalty| {
@@ -198,7 +196,7 @@ fn filled(
     });
     filled.props = description.with_penalties(&law.props, normal_penalty, tangential_penalty);
     match refusal(description, &filled.props) {
-        Some(reason) => Err(ContactError::Unusable { pair: pair.name.clone(), reason }),
+        Some(reason) => Err(ModelError::of_pair(&pair.name, reason)),
         None => Ok((filled, normal)),
     }
 }

@@ -1,7 +1,6 @@
 #![doc = include_str!("doc.md")]
 
 mod chain;
-mod error;
 mod foretold;
 mod history;
 mod kinematics;
@@ -15,7 +14,6 @@ mod settle;
 mod setup;
 mod state;
 
-pub use error::ContactError;
 pub use history::PointStatus;
 pub use pair::Evaluation;
 pub use settle::Settlement;
@@ -23,7 +21,7 @@ pub use state::ContactState;
 
 use crate::assembly::Trouble;
 use crate::mesh::Mesh;
-use crate::model::{ContactPair, FieldValues, Freedom, IncrementContext};
+use crate::model::{ContactPair, FieldValues, Freedom, IncrementContext, ModelError};
 use crate::solver::Blocks;
 use history::PointState;
 use kinematics::Kinematics;
@@ -132,7 +130,9 @@ impl Contact {
     /// `contact_search`: whether feet are looked for from the last ones. `initial`: temperature and field variables.
     ///
     /// # Errors
-    /// A fault that [`ContactError`] lists, of the first pair that has one.
+    /// Of the first pair that has one: a master that is no single row of edges, nothing to put points on, a point without a
+    /// foot on the master, surfaces that do not lie on each other, a number out of range, an enforcement that the law cannot
+    /// have, a law that refuses its parameters or cannot be called.
     ///
     /// # Panics
     /// If `moduli` does not hold one for each part.
@@ -142,7 +142,7 @@ impl Contact {
         moduli: &[f64],
         contact_search: bool,
         initial: &FieldValues,
-    ) -> Result<Self, ContactError> {
+    ) -> Result<Self, ModelError> {
         assert_eq!(moduli.len(), mesh.parts().len(), "one modulus for each part");
         let edges = pairs.iter().flat_map(|pair| pair.slave.iter().chain(&pair.master));
         let nodes = edges.flat_map(|&edge| mesh.edge_nodes(edge).nodes().to_vec());

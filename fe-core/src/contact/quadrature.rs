@@ -1,13 +1,12 @@
 //! Contact points of a slave surface: their positions, and the area and length that belong to each.
 
-use super::ContactError;
 use super::chain::Chain;
 use super::kinematics::SlavePoint;
 use super::projection::Projection;
 use crate::element::{EdgeKind, LinePoint, gauss_legendre};
 use crate::kinematics::PlaneModel;
 use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
-use crate::model::{ContactPair, Quadrature, Width};
+use crate::model::{ContactPair, ModelError, Quadrature, Width};
 use crate::plane::distance;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -125,12 +124,8 @@ impl SlaveEdge {
 ///
 /// # Errors
 /// No slave edges, or a number of points that is not possible.
-pub(super) fn contact_points(
-    mesh: &Mesh,
-    pair: &ContactPair,
-    master: &Chain,
-) -> Result<Vec<ContactPoint>, ContactError> {
-    let unusable = |reason: String| Err(ContactError::Unusable { pair: pair.name.clone(), reason });
+pub(super) fn contact_points(mesh: &Mesh, pair: &ContactPair, master: &Chain) -> Result<Vec<ContactPoint>, ModelError> {
+    let unusable = |reason: String| Err(ModelError::of_pair(&pair.name, reason));
     if pair.slave.is_empty() {
         return unusable("the slave surface has no edges".to_owned());
     }

@@ -1,7 +1,6 @@
 //! A pair made from its definition in the model: numbers checked, penalty chosen, every point put on its foot.
 
 use super::chain::Chain;
-use super::error::ContactError;
 use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
@@ -10,9 +9,9 @@ use super::pair::{Datum, Pair};
 use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
-use crate::assembly::Setback;
+use crate::assembly::{Place, Setback};
 use crate::mesh::Mesh;
-use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, NormalLaw, Width};
+use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, ModelError, NormalLaw, Width};
 use crate::plane::{distance, dot};
 
 /// Gaps at the start up to this × the contact width (a given one, otherwise the slave edge's length) come from faceted
@@ -37,7 +36,7 @@ impl Pair {
         moduli: &[f64],
         walks: bool,
         initial: &FieldValues,
-    ) -> Result<Self, ContactError> {
+    ) -> Result<Self, ModelError> {
         check_numbers(pair)?;
         let chain = Chain::new(mesh, &pair.master, &pair.name, pair.master_bends)?;
         let points = contact_points(mesh, pair, &chain)?;
@@ -83,7 +82,7 @@ impl Pair {
 
     /// The slip up to which a virgin point's shear is a straight line, asked of the law itself at gap 0; 0 where it has
     /// none without pressure.
-    fn elastic_slip(&mut self, mesh: &Mesh) -> Result<f64, ContactError> {
+    fn elastic_slip(&mut self, mesh: &Mesh) -> Result<f64, ModelError> {
         let is_closed = |state: &PointState| !matches!(state.status, PointStatus::Released) && state.gap <= 0.0;
         let Some(index) = self.committed.points.iter().position(is_closed) else { return Ok(0.0) };
         let position = |node: usize| mesh.nodes()[node];
@@ -97,7 +96,7 @@ impl Pair {
             let (point, kinematics) = (&point, &kinematics);
             let situation = Situation { gap: 0.0, slip, point, index, kinematics, start, start_statev, context };
             let (mut end, mut statev) = (*start, virgin.clone());
-            let refused = |failure: Setback| ContactError::Unusable { pair: self.name.clone(), reason: failure.reason };
+            let refused = |failure: Setback| ModelError::of_pair(&self.name, failure.reason);
             self.law.advance(&situation, &mut end, &mut statev).map_err(refused)?;
             Ok(end.shear)
         };
@@ -137,21 +136,27 @@ impl Pair {
     }
 
     /// Finds where a point starts.
-    fn start_point(&mut self, mesh: &Mesh, pair: &ContactPair, index: usize) -> Result<(), ContactError> {
+    fn start_point(&mut self, mesh: &Mesh, pair: &ContactPair, index: usize) -> Result<(), ModelError> {
         let position = |node: usize| mesh.nodes()[node];
         let point = self.points[index];
         let at = point.slave.position(&position);
-        let no_foot = |reason| ContactError::NoFoot { pair: self.name.clone(), point: index, position: at, reason };
+        let wrong = |reason: &str| {
+            let place = Place::Contact { pair: pair.name.clone(), point: index, position: at };
+            ModelError(format!("{place}: {reason}"))
+        };
         let projection = Projection { chain: &self.chain, position };
-        let foot = projection.anywhere(at).ok_or_else(|| no_foot("no foot on the master"))?;
-        let kinematics = Kinematics::new(&self.chain, &point.slave, foot, &position).map_err(no_foot)?;
+        let foot = projection.anywhere(at).ok_or_else(|| wrong("no foot on the master"))?;
+        let kinematics = Kinematics::new(&self.chain, &point.slave, foot, &position).map_err(wrong)?;
         let width = match pair.width {
             Width::Given(width) => width,
             Width::OfPart => point.edge_length,
         };
         let (gap, allowed) = (kinematics.gap, INITIAL_GAP * width);
-        let too_large =
-            || ContactError::InitialGap { pair: pair.name.clone(), point: index, position: at, gap, allowed };
+        let too_large = || {
+            let open = if gap > 0.0 { "; more may only open a pair that carries neither tension nor bond" } else { "" };
+            let limit = format!("up to ±{allowed:.3e} is taken as a fault of the mesh{open}");
+            wrong(&format!("its gap is {gap:.3e} mm at the start, {limit}"))
+        };
         let is_fault = gap.abs() <= allowed;
         if !is_fault && gap < 0.0 {
             return Err(too_large());
@@ -173,21 +178,21 @@ impl Pair {
     }
 
     /// Returns whether the law would carry tension or shear at a small gap and slip.
-    fn is_bonded(&mut self, index: usize, kinematics: &Kinematics, length: f64) -> Result<bool, ContactError> {
+    fn is_bonded(&mut self, index: usize, kinematics: &Kinematics, length: f64) -> Result<bool, ModelError> {
         let start = PointState::new(self.committed.points[index].foot, 1.0);
         let virgin = vec![0.0; self.state_count];
         let (start, start_statev, context, point) = (&start, &virgin, &FIRST, &self.points[index]);
         let situation = Situation { gap: length, slip: length, point, index, kinematics, start, start_statev, context };
-        let refused = |failure: Setback| ContactError::Unusable { pair: self.name.clone(), reason: failure.reason };
+        let refused = |failure: Setback| ModelError::of_pair(&self.name, failure.reason);
         self.law.is_bonded(&situation, &mut virgin.clone()).map_err(refused)
     }
 }
 
 /// Numbers of a pair that must be in range.
-fn check_numbers(pair: &ContactPair) -> Result<(), ContactError> {
+fn check_numbers(pair: &ContactPair) -> Result<(), ModelError> {
     let check = |what: &str, value: f64, fine: bool, rule: &str| {
         let reason = format!("{what} is {value}, it must be {rule}");
-        if fine { Ok(()) } else { Err(ContactError::Unusable { pair: pair.name.clone(), reason }) }
+        if fine { Ok(()) } else { Err(ModelError::of_pair(&pair.name, reason)) }
     };
     let positive = |value: f64| value > 0.0 && value.is_finite();
     let not_negative = |value: f64| value >= 0.0 && value.is_finite();

@@ -30,7 +30,7 @@ impl Topology {
                             let [a, b, c] = [other.element, second.element, index].map(|element| element + 1);
                             let edge = format!("the edge of nodes {}–{}", start + 1, end + 1);
                             let fault = format!("elements {a}, {b} and {c} share {edge}; an edge has two sides");
-                            return Err(MeshError::Unsound(fault));
+                            return Err(MeshError(fault));
                         }
                         check_match(elements, other, this)?;
                         neighbours[other.element][other.edge] = Some(this);
@@ -49,13 +49,13 @@ fn check_match(elements: &[Element], first: ElementEdge, second: ElementEdge) ->
     let pair = || format!("elements {} and {}", first.element + 1, second.element + 1);
     let ends = || format!("edge of nodes {}–{}", edges[0].nodes[0] + 1, edges[0].nodes[1] + 1);
     if edges[0].nodes[0] == edges[1].nodes[0] {
-        return Err(MeshError::Unsound(format!("{} lie on the same side of their {}: they overlap", pair(), ends())));
+        return Err(MeshError(format!("{} lie on the same side of their {}: they overlap", pair(), ends())));
     }
     let [one, other] = edges.each_ref().map(|edge| edge.nodes().get(2).copied());
     if one != other {
         let name = |middle: Option<usize>| middle.map_or("none".to_owned(), |node| format!("node {}", node + 1));
         let shared = format!("{} share the {} but not its middle node", pair(), ends());
-        return Err(MeshError::Unsound(format!("{shared} ({} against {})", name(one), name(other))));
+        return Err(MeshError(format!("{shared} ({} against {})", name(one), name(other))));
     }
     Ok(())
 }

@@ -4,6 +4,7 @@
 //! refined (Ruppert) until no angle is below [`LEAST_ANGLE`], with triangles that grow from the small edges of the outline
 //! towards its long ones. The outline's edges stay as they are, so that a contact surface keeps its nodes.
 
+use super::structured::StructuredError;
 use spade::{
     AngleLimit, ConstrainedDelaunayTriangulation, InsertionError, Point2, RefinementParameters, Triangulation as _,
 };
@@ -27,47 +28,26 @@ pub struct Triangulation {
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Reason why an outline cannot be filled.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TriangulationError {
-    /// A point that is no point of the plane.
-    #[error("point {} of the outline is ({}, {})", index + 1, position[0], position[1])]
-    Point {
-        /// Index.
-        index: usize,
-        /// Its position.
-        position: [f64; 2],
-    },
-    /// An outline that touches or crosses itself.
-    #[error("the outline meets itself near ({}, {})", position[0], position[1])]
-    Crossing {
-        /// One of its points there.
-        position: [f64; 2],
-    },
-    /// Sizes too different for the angles.
-    #[error("sizes along the outline are too different: no triangulation with angles of {LEAST_ANGLE}° was found")]
-    Unfinished,
-}
-
 /// Fills a closed outline, the body on its left, with triangles of at most an area.
 ///
 /// # Errors
 ///
-/// An outline that meets itself, or points that are not finite.
-pub(crate) fn triangulate(outline: &[[f64; 2]], largest_area: f64) -> Result<Triangulation, TriangulationError> {
+/// An outline that meets itself, points that are not finite, or sizes too different for the angles.
+pub(crate) fn triangulate(outline: &[[f64; 2]], largest_area: f64) -> Result<Triangulation, StructuredError> {
+    let meets_itself = |[x, y]: [f64; 2]| StructuredError(format!("the outline meets itself near ({x}, {y})"));
     let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
     let mut handles = Vec::with_capacity(outline.len());
-    for (index, &[x, y]) in outline.iter().enumerate() {
-        let refused = |_: InsertionError| TriangulationError::Point { index, position: [x, y] };
+    for (&[x, y], number) in outline.iter().zip(1..) {
+        let refused = |_: InsertionError| StructuredError(format!("point {number} of the outline is ({x}, {y})"));
         handles.push(mesh.insert(Point2::new(x, y)).map_err(refused)?);
         if mesh.num_vertices() != handles.len() {
-            return Err(TriangulationError::Crossing { position: [x, y] });
+            return Err(meets_itself([x, y]));
         }
     }
     for (index, &start) in handles.iter().enumerate() {
         let end = handles[(index + 1) % handles.len()];
         if !mesh.can_add_constraint(start, end) || !mesh.add_constraint(start, end) {
-            return Err(TriangulationError::Crossing { position: outline[index] });
+            return Err(meets_itself(outline[index]));
         }
     }
     let refined = mesh.refine(
@@ -79,7 +59,9 @@ pub(crate) fn triangulate(outline: &[[f64; 2]], largest_area: f64) -> Result<Tri
             .with_max_additional_vertices((ADDED_POINTS * outline.len()).min(MOST_ADDED_POINTS)),
     );
     if !refined.refinement_complete {
-        return Err(TriangulationError::Unfinished);
+        return Err(StructuredError(format!(
+            "sizes along the outline are too different: no triangulation with angles of {LEAST_ANGLE}° was found"
+        )));
     }
     let outer = std::collections::HashSet::<_>::from_iter(refined.excluded_faces);
     let points = mesh.vertices().map(|vertex| vertex.position()).map(|point| [point.x, point.y]).collect();

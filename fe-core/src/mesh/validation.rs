@@ -16,7 +16,7 @@ fn number(index: usize) -> usize {
 }
 
 fn unsound<T>(fault: String) -> Result<T, MeshError> {
-    Err(MeshError::Unsound(fault))
+    Err(MeshError(fault))
 }
 
 pub(super) fn check_nodes(definition: &MeshDefinition) -> Result<(), MeshError> {
@@ -46,7 +46,8 @@ pub(super) fn checked_elements(definition: &MeshDefinition) -> Result<Vec<Elemen
     let count = definition.elements.len();
     let is_sound = |own: &(&usize, &f64)| *own.0 < count && *own.1 > 0.0 && own.1.is_finite();
     if let Some((&element, &thickness)) = definition.thicknesses.iter().find(|own| !is_sound(own)) {
-        return Err(MeshError::ElementThickness { element, thickness, count });
+        let what = format!("its thickness is {thickness}, it must be positive, of one of the {count} elements");
+        return unsound(format!("element {}: {what}", number(element)));
     }
     (0..definition.elements.len()).map(|element| checked_element(definition, element)).collect()
 }
@@ -109,21 +110,23 @@ fn checked_area(
 ) -> Result<f64, MeshError> {
     let ElementDefinition { kind, part, .. } = definition.elements[element];
     let part = &definition.parts[part];
+    let refuse = |fault: String| MeshError::of_element(element, kind, &fault);
     let mut area = 0.0;
     let diagonal_squared = diagonal_squared(positions);
-    for (point, integration_point) in points.iter().enumerate() {
+    for (integration_point, point) in points.iter().zip(1..) {
+        let folded = |error: MappingError| {
+            refuse(format!("at integration point {point} {error} (nodes go counter-clockwise; is it folded?)"))
+        };
         let MappedPoint { position: [radius, _], determinant, .. } =
-            MappedPoint::new(kind, positions, integration_point.coordinates).map_err(|source| MeshError::Jacobian {
-                element,
-                kind,
-                point,
-                source,
-            })?;
+            MappedPoint::new(kind, positions, integration_point.coordinates).map_err(folded)?;
         if determinant < SMALLEST_RELATIVE_DETERMINANT * diagonal_squared {
-            return Err(MeshError::Sliver { element, kind, point, determinant, diagonal_squared });
+            let place = format!("at integration point {point} the Jacobian determinant is {determinant:.3e}");
+            let lost = format!("lost in rounding against its diagonal squared, {diagonal_squared:.3e}");
+            return Err(refuse(format!("{place}, {lost}")));
         }
         if part.model == PlaneModel::Axisymmetric && radius <= 0.0 {
-            return Err(MeshError::PointRadius { element, kind, part: part.name.clone(), point, radius });
+            let what = format!("not positive in the axisymmetric part '{}'", part.name);
+            return Err(refuse(format!("integration point {point} has the radius {radius}, {what}")));
         }
         area += integration_point.weight * determinant;
     }

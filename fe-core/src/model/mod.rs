@@ -20,6 +20,7 @@ pub use fields::{FieldValues, Fields};
 pub use law::PluginLaw;
 
 use crate::mesh::{ElementEdge, Mesh};
+use std::fmt::Display;
 use umat_abi::host::Library;
 
 /// A degree of freedom: the displacement of a node along x (0) or y (1); r and z in axial symmetry.
@@ -261,5 +262,22 @@ impl Model {
             ContactLaw::Uinter(law) | ContactLaw::Fric { law, .. } => law,
         });
         self.laws.iter().chain(of_contact).map(|law| &law.library)
+    }
+}
+
+/// Reason why a model cannot be computed, in words. They count points, nodes and elements from 1.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct ModelError(pub(crate) String);
+
+impl ModelError {
+    /// A fault of a part.
+    pub(crate) fn of_part(part: &str, reason: impl Display) -> Self {
+        Self(format!("part '{part}': {reason}"))
+    }
+
+    /// A fault of a contact pair.
+    pub(crate) fn of_pair(pair: &str, reason: impl Display) -> Self {
+        Self(format!("contact '{pair}': {reason}"))
     }
 }

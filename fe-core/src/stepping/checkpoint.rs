@@ -6,8 +6,8 @@
 
 use super::control::StepRun;
 use super::newton::{Equilibrium, EquilibriumState, foreign_state};
-use super::{Analysis, ModelError, Present, clock};
-use crate::model::{IncrementContext, Model};
+use super::{Analysis, Present, clock};
+use crate::model::{IncrementContext, Model, ModelError};
 use serde::{Deserialize, Serialize};
 use umat_abi::host::ExternalDatabases;
 

@@ -1,32 +1,7 @@
 //! Models that cannot be computed, and runs that end early.
 
-use crate::assembly::{ConstraintError, SolidsError, Trouble};
-use crate::contact::ContactError;
-use crate::model::{Measured, Model};
-use crate::solver::SolverError;
-
-/// A model that cannot be computed.
-#[derive(Debug, thiserror::Error)]
-pub enum ModelError {
-    /// Supports and couplings.
-    #[error(transparent)]
-    Constraint(#[from] ConstraintError),
-    /// Laws and elements.
-    #[error(transparent)]
-    Solids(#[from] SolidsError),
-    /// Contact pairs.
-    #[error(transparent)]
-    Contact(#[from] ContactError),
-    /// The pattern of the equations.
-    #[error(transparent)]
-    Solver(#[from] SolverError),
-    /// A law that fails in the virgin state.
-    #[error("before the first increment: {0}")]
-    Virgin(#[from] Trouble),
-    /// Tables of the model that do not fit together.
-    #[error("{0}")]
-    Inconsistent(String),
-}
+use crate::assembly::Trouble;
+use crate::model::{Measured, Model, ModelError};
 
 /// A run that ended early.
 #[derive(Debug, thiserror::Error)]
@@ -50,7 +25,7 @@ pub enum RunError {
 
 /// Whether the tables of a model have the lengths that they should.
 pub(super) fn check(model: &Model) -> Result<(), ModelError> {
-    let wrong = |message: String| Err(ModelError::Inconsistent(message));
+    let wrong = |message: String| Err(ModelError(message));
     let drives = model.drives.len();
     if let Some(load) = model.loads.iter().find(|load| load.drive >= drives) {
         return wrong(format!("load '{}' follows a drive that does not exist", load.name));

@@ -21,7 +21,7 @@ mod zone;
 pub use checkpoint::Checkpoint;
 pub use control::{ENERGY_BUDGET, STABILISATION_BUDGET};
 pub use energy::Energies;
-pub use error::{ModelError, RunError};
+pub use error::RunError;
 pub use newton::Iteration;
 pub use record::{Counts, Directive, FibreRecord, Observer, Record};
 pub use recorded::{Recorded, Tried, Verdict, Way};
@@ -31,7 +31,7 @@ pub use trail::{Along, Trail};
 
 use crate::assembly::solids::PartAccount;
 use crate::assembly::{Equations, GREATEST_COUNT, Place, Solids, Trouble};
-use crate::model::{IncrementContext, Model, Step};
+use crate::model::{IncrementContext, Model, ModelError, Step};
 use crate::threads::Threads;
 use checkpoint::Position;
 use control::{Advance, Judgement, LoadHistory, StepRun};

@@ -37,7 +37,6 @@
 
 mod block;
 mod element;
-mod error;
 mod kernel;
 mod points;
 mod record;
@@ -45,13 +44,12 @@ mod state;
 mod summary;
 mod trust;
 
-pub use error::SolidsError;
 pub use state::SolidsState;
 pub use summary::{Counters, GreatestInPart, PointCall, PointCounts, PointView, SolidEnergies};
 pub use trust::PartAccount;
 
 use super::{Place, Trouble};
-use crate::model::{Fields, IncrementContext, Model, Step};
+use crate::model::{Fields, IncrementContext, Model, ModelError, Step};
 use crate::threads::Threads;
 use block::{Block, BlockPlace, Evaluation};
 use points::same_bits;
@@ -112,7 +110,7 @@ impl Solids {
     /// # Errors
     ///
     /// A part without a usable law.
-    pub fn new(model: &Model) -> Result<Self, SolidsError> {
+    pub fn new(model: &Model) -> Result<Self, ModelError> {
         let may_share_threads = may_share_threads(&model.laws);
         let Divided { blocks, places, notes } = blocks(model, may_share_threads)?;
         Ok(Self {

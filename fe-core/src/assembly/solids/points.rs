@@ -1,11 +1,10 @@
 //! The material points of one block: their states, and calls of their UMAT.
 
 use super::TangentChoice;
-use super::error::SolidsError;
 use crate::assembly::Setback;
 use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
-use crate::model::PluginLaw;
+use crate::model::{ModelError, PluginLaw};
 use serde::{Deserialize, Serialize};
 use umat_abi::host::{TangentSource, UmatCall, judge};
 use umat_abi::law::{Request, StressState};
@@ -123,8 +122,8 @@ pub(super) struct Points {
 
 impl Points {
     /// `count` virgin points.
-    pub(super) fn new(law: &PluginLaw, model: PlaneModel, part: &str, count: usize) -> Result<Self, SolidsError> {
-        let call = law.umat(model.stress_state()).map_err(|error| SolidsError::umat(part, law, error))?;
+    pub(super) fn new(law: &PluginLaw, model: PlaneModel, part: &str, count: usize) -> Result<Self, ModelError> {
+        let call = law.umat(model.stress_state()).map_err(|error| ModelError::of_part(part, law.error(error)))?;
         let components = call.stress_state().components();
         let states = States::virgin(count, law);
         let zero = [[0.0; MAX_COMPONENTS]; MAX_COMPONENTS];
@@ -163,23 +162,24 @@ impl Points {
 
     /// Finds out how the UMAT is to be called, unless the user has set it, and DDSDDE at zero strain with the initial states and
     /// the initial stress, those of the first point. Returns notes for users.
-    pub(super) fn prepare(&mut self, law: &PluginLaw, part: &str) -> Result<Vec<String>, SolidsError> {
+    pub(super) fn prepare(&mut self, law: &PluginLaw, part: &str) -> Result<Vec<String>, ModelError> {
         self.set_virgin();
-        let reason = law.probe(&mut self.call).map_err(|error| SolidsError::umat(part, law, error))?;
+        let reason = law.probe(&mut self.call).map_err(|error| ModelError::of_part(part, law.error(error)))?;
         self.find_elastic(law, part)?;
         let initial = self.committed.stress.first().copied().unwrap_or_default();
         let changed = self.call.judge_initial_stress(&initial);
-        let changed = changed.map_err(|dropped| SolidsError(format!("part '{part}': {} {dropped}", law.name)))?;
+        let changed = changed.map_err(|dropped| ModelError::of_part(part, format!("{} {dropped}", law.name)))?;
         let reason = reason.map(|reason| format!("is called with NTENS = 6: {reason}"));
         let notes = [reason, changed].into_iter().flatten();
         Ok(notes.map(|note| format!("part '{part}': {} {note}", law.name)).collect())
     }
 
     /// Takes over the findings of [`Self::prepare`] for the first points of the part.
-    pub(super) fn take_from(&mut self, law: &PluginLaw, first: &Self, part: &str) -> Result<(), SolidsError> {
+    pub(super) fn take_from(&mut self, law: &PluginLaw, first: &Self, part: &str) -> Result<(), ModelError> {
         self.elastic = first.elastic;
         if first.call.is_through_solid() && !self.call.is_through_solid() {
-            let solid = law.plain_umat(StressState::ThreeD).map_err(|error| SolidsError::umat(part, law, error))?;
+            let solid =
+                law.plain_umat(StressState::ThreeD).map_err(|error| ModelError::of_part(part, law.error(error)))?;
             self.call.go_through(solid);
         }
         self.call.fence();
@@ -196,9 +196,9 @@ impl Points {
     }
 
     /// Finds DDSDDE at zero strain.
-    fn find_elastic(&mut self, law: &PluginLaw, part: &str) -> Result<(), SolidsError> {
+    fn find_elastic(&mut self, law: &PluginLaw, part: &str) -> Result<(), ModelError> {
         let error = |reason: String| {
-            SolidsError(format!("part '{part}': {} gives no usable stiffness at zero strain: {reason}", law.name))
+            ModelError::of_part(part, format!("{} gives no usable stiffness at zero strain: {reason}", law.name))
         };
         self.set_virgin();
         self.run(Request::StressAndTangent).map_err(|trouble| error(trouble.reason))?;

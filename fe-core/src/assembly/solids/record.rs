@@ -3,12 +3,11 @@
 use super::TangentChoice;
 use super::block::{Block, BlockPlace};
 use super::element::Shape;
-use super::error::SolidsError;
 use super::points::Points;
 use crate::element::{ElementKind, MAX_NODES, MappedPoint};
 use crate::kinematics::PlaneModel;
 use crate::mesh::Mesh;
-use crate::model::{Model, PluginLaw};
+use crate::model::{Model, ModelError, PluginLaw};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
@@ -243,7 +242,7 @@ pub(super) struct Divided {
 
 /// Divides the elements of a model into blocks, in the order of the first element of each, and finds the place of each
 /// element. If threads do not share them, a part is one block.
-pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, SolidsError> {
+pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, ModelError> {
     let mut notes = Vec::new();
     let Model { mesh, laws, average_dilatation, nlgeom, .. } = model;
     let parts = mesh.parts();
@@ -253,7 +252,7 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Soli
         (nlgeom.len(), "choices of large displacements"),
     ] {
         if count != parts.len() {
-            return Err(SolidsError(format!("the mesh has {} parts, but {count} {what} were given", parts.len())));
+            return Err(ModelError(format!("the mesh has {} parts, but {count} {what} were given", parts.len())));
         }
     }
     let groups = groups(mesh, if share_threads { ELEMENTS_PER_BLOCK } else { usize::MAX });
@@ -325,7 +324,7 @@ fn groups(mesh: &Mesh, limit: usize) -> Vec<Group> {
     groups
 }
 
-fn checked_part(mesh: &Mesh, part: usize, law: &PluginLaw, [average, nlgeom]: [bool; 2]) -> Result<Part, SolidsError> {
+fn checked_part(mesh: &Mesh, part: usize, law: &PluginLaw, [average, nlgeom]: [bool; 2]) -> Result<Part, ModelError> {
     let definition = &mesh.parts()[part];
     check_law(mesh, part, law)?;
     let overstress_work = law.overstress_work();
@@ -357,7 +356,7 @@ fn block(
     shared: &Arc<Part>,
     law: &PluginLaw,
     elements: &[usize],
-) -> Result<Block, SolidsError> {
+) -> Result<Block, ModelError> {
     let count = elements.iter().map(|&element| mesh.integration_points(element).len()).sum();
     let mut body = Body {
         part: Arc::clone(shared),
@@ -372,7 +371,7 @@ fn block(
 }
 
 /// STATEV of every point: of the case, of the library's SDVINI, or zeros.
-fn set_initial_states(laws: &[PluginLaw], blocks: &mut [Block], places: &[BlockPlace]) -> Result<(), SolidsError> {
+fn set_initial_states(laws: &[PluginLaw], blocks: &mut [Block], places: &[BlockPlace]) -> Result<(), ModelError> {
     let mut initial: Vec<_> = laws.iter().map(PluginLaw::initial_states).collect();
     for (element, place) in places.iter().enumerate() {
         let Block { body, records, .. } = &mut blocks[place.block];
@@ -382,7 +381,8 @@ fn set_initial_states(laws: &[PluginLaw], blocks: &mut [Block], places: &[BlockP
         }
         for (number, point) in records[place.local].points.clone().enumerate() {
             let at = body.initial_point(point, element, number);
-            let statev = initial.of_point(&at).map_err(|error| SolidsError::umat(&body.part.name, law, error))?;
+            let statev =
+                initial.of_point(&at).map_err(|error| ModelError::of_part(&body.part.name, law.error(error)))?;
             body.points.set_initial_states(point, &statev);
         }
     }
@@ -395,7 +395,7 @@ fn set_initial_stresses(
     laws: &[PluginLaw],
     blocks: &mut [Block],
     places: &[BlockPlace],
-) -> Result<(), SolidsError> {
+) -> Result<(), ModelError> {
     let model = |part: usize| mesh.parts()[part].model;
     let mut initial: Vec<_> = laws.iter().enumerate().map(|(part, law)| law.initial_stresses(model(part))).collect();
     for (element, place) in places.iter().enumerate() {
@@ -409,7 +409,7 @@ fn set_initial_stresses(
             let at = body.initial_point(point, element, number);
             let stress = initial
                 .of_point(&at, &element_type(model(body.index), kind))
-                .map_err(|error| SolidsError::umat(&body.part.name, law, error))?;
+                .map_err(|error| ModelError::of_part(&body.part.name, law.error(error)))?;
             body.points.set_initial_stress(point, &stress);
         }
     }
@@ -442,7 +442,7 @@ fn largest_element(mesh: &Mesh, part: usize) -> Option<usize> {
 }
 
 /// Checks plane model, parameters and size of elements with the law itself.
-fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), SolidsError> {
+fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), ModelError> {
     let Some(law) = &plugin.law else { return Ok(()) };
     let definition = &mesh.parts()[part];
     let (needed, form) = match definition.model {
@@ -453,7 +453,7 @@ fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), SolidsE
     let (part_name, law_name) = (&definition.name, &plugin.name);
     let through_six = plugin.manner.has_six(law, definition.model.stress_state());
     if law.stress_states & needed == 0 && !through_six {
-        return Err(SolidsError(format!("part '{part_name}': {law_name} has no {form} form")));
+        return Err(ModelError::of_part(part_name, format!("{law_name} has no {form} form")));
     }
     let Some(element) = largest_element(mesh, part) else { return Ok(()) };
     let length = mesh.characteristic_length(element);
@@ -461,7 +461,7 @@ fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), SolidsE
         Validation::Valid => Ok(()),
         Validation::Invalid(message) | Validation::NeedsCharacteristicLength(message) => {
             let place = format!("part '{part_name}', element {} (characteristic length {length} mm)", element + 1);
-            Err(SolidsError(format!("{place}: {law_name}: {message}")))
+            Err(ModelError(format!("{place}: {law_name}: {message}")))
         }
     }
 }

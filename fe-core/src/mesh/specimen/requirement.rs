@@ -1,7 +1,6 @@
 //! Requirements on parameters.
 
 use crate::mesh::structured::StructuredError;
-use crate::mesh::triangulation::TriangulationError;
 
 /// A parameter that is not admissible.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -26,12 +25,9 @@ pub enum SpecimenError {
         /// Each of them.
         problems: Vec<ParameterProblem>,
     },
-    /// A line that cannot be divided, a block that cannot be built.
+    /// A line that cannot be divided, a block that cannot be built, an outline that cannot be filled.
     #[error(transparent)]
     Structured(#[from] StructuredError),
-    /// An outline that cannot be filled.
-    #[error(transparent)]
-    Triangulation(#[from] TriangulationError),
 }
 
 impl SpecimenError {

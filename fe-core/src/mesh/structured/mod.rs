@@ -41,7 +41,7 @@ use std::collections::HashMap;
 use super::{ElementDefinition, ElementEdge, MeshDefinition, Part};
 use crate::plane::distance;
 
-/// Reason why a line cannot be divided, or a block not be built, in words.
+/// Reason why a line cannot be divided, a block not be built or an outline not be filled, in words.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{0}")]
 pub struct StructuredError(pub(crate) String);

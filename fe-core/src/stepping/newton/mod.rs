@@ -27,11 +27,11 @@ pub(super) use turn::Turn;
 use super::times::timed;
 use super::trail::Lead;
 use super::zone::Zone;
-use super::{Counts, Energies, ModelError, Times};
+use super::{Counts, Energies, Times};
 use crate::assembly::solids::SolidEnergies;
 use crate::assembly::{Equations, Place, Solids, System, Trouble, loaded_freedoms, loads};
-use crate::contact::{self, Contact, ContactError, PointIndex};
-use crate::model::{IncrementContext, Model};
+use crate::contact::{self, Contact, PointIndex};
+use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::SolverError;
 use crate::threads::Threads;
 use beside::Beside;
@@ -230,8 +230,9 @@ impl<'m> Equilibrium<'m> {
         let zone = Zone::new(model, &equations, &coupled);
         let virgin = vec![0.0; freedoms];
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
-        solids.evaluate(&virgin, &context, Request::StressAndTangent, &mut vec![0.0; freedoms])?;
-        let system = zone.system(model, equations, &coupled, &solids)?;
+        let evaluated = solids.evaluate(&virgin, &context, Request::StressAndTangent, &mut vec![0.0; freedoms]);
+        evaluated.map_err(|trouble| ModelError(format!("before the first increment: {trouble}")))?;
+        let system = zone.system(model, equations, &coupled, &solids).map_err(|error| ModelError(error.to_string()))?;
         solids.set_active(zone.active());
         Ok(Self {
             model,
@@ -472,7 +473,7 @@ impl<'m> Equilibrium<'m> {
 }
 
 /// Returns the contact of a model before anything has moved.
-pub(super) fn contact_of(model: &Model, solids: &Solids) -> Result<Contact, ContactError> {
+pub(super) fn contact_of(model: &Model, solids: &Solids) -> Result<Contact, ModelError> {
     let Model { mesh, contacts, skipping, fields, .. } = model;
     Contact::new(mesh, contacts, &solids.elastic_moduli(), skipping.contact_search, &fields.initial)
 }

@@ -5,10 +5,10 @@ use super::drag::Drag;
 use crate::assembly::solids::SolidsState;
 use crate::assembly::{Equations, SystemState};
 use crate::contact::ContactState;
-use crate::model::Model;
+use crate::model::{Model, ModelError};
 use crate::solver::Blocks;
+use crate::stepping::Statistics;
 use crate::stepping::zone::Zone;
-use crate::stepping::{ModelError, Statistics};
 use serde::{Deserialize, Serialize};
 
 /// Memory with which the next increment begins: the last evaluation, the findings on tangents and factors, and the scales that
@@ -121,7 +121,7 @@ impl<'m> Equilibrium<'m> {
         }
         if made.zone != state.zone {
             // the solids are virgin still: what is condensed is elastic, and was so
-            made.set_zone(state.zone.clone())?;
+            made.set_zone(state.zone.clone()).map_err(|error| ModelError(error.to_string()))?;
         }
         let fits = state.memory.fits(&made)
             && made.solids.set_state(&state.solids)
@@ -137,5 +137,5 @@ impl<'m> Equilibrium<'m> {
 
 /// The checkpoint is of another model, or no run has made it.
 pub(in crate::stepping) fn foreign_state() -> ModelError {
-    ModelError::Inconsistent("the states to go on from are those of another model".into())
+    ModelError("the states to go on from are those of another model".into())
 }

@@ -52,7 +52,7 @@ impl Canvas {
         view: View,
         side: &Side<'_>,
     ) -> Result<Self, PictureError> {
-        guarded(|| Self::draw(title, note, axes, view, side)).map_err(PictureError::Drawing)
+        guarded(|| Self::draw(title, note, axes, view, side)).map_err(PictureError::Wrong)
     }
 
     fn draw(title: &str, note: &str, axes: &[Quantity; 2], view: View, side: &Side<'_>) -> Result<Self, String> {

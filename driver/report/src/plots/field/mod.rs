@@ -107,36 +107,12 @@ pub struct FieldPicture<'a> {
 /// A picture that cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PictureError {
-    /// Not one value per node.
-    #[error("there are {found} {what}, the picture's mesh has {expected} nodes")]
-    Length {
-        /// Name of the values.
-        what: &'static str,
-        /// Number of values.
-        found: usize,
-        /// Number of nodes.
-        expected: usize,
-    },
-    /// An element with wrong nodes or a part that does not exist.
-    #[error("element {} of the picture's mesh does not fit its nodes and parts", element + 1)]
-    Element {
-        /// Index.
-        element: usize,
-    },
     /// No element inside the window, or no finite position.
     #[error("there is nothing to draw: no element lies in the window")]
     Nothing,
-    /// The window has no area.
-    #[error("the window {x:?} × {y:?} has no area")]
-    Window {
-        /// Range of x from left to right.
-        x: Range<f64>,
-        /// Range of y from below to above.
-        y: Range<f64>,
-    },
-    /// The drawing library failed.
+    /// A mesh that does not fit itself, not one value per node, a window without area, or a failure of the drawing library, in words.
     #[error("{0}")]
-    Drawing(String),
+    Wrong(String),
 }
 
 impl PictureMesh {
@@ -183,14 +159,18 @@ impl PictureMesh {
                 && element.part < self.parts.len()
         };
         match self.elements.iter().position(|element| !fits(element)) {
-            Some(element) => Err(PictureError::Element { element }),
+            Some(index) => {
+                let fault = format!("element {} of the picture's mesh does not fit its nodes and parts", index + 1);
+                Err(PictureError::Wrong(fault))
+            }
             None => Ok(()),
         }
     }
 }
 
-fn expect_length(what: &'static str, found: usize, expected: usize) -> Result<(), PictureError> {
-    if found == expected { Ok(()) } else { Err(PictureError::Length { what, found, expected }) }
+fn expect_length(what: &str, found: usize, expected: usize) -> Result<(), PictureError> {
+    let fault = || PictureError::Wrong(format!("there are {found} {what}, the picture's mesh has {expected} nodes"));
+    if found == expected { Ok(()) } else { Err(fault()) }
 }
 
 impl<'a> FieldPicture<'a> {
@@ -212,7 +192,7 @@ impl<'a> FieldPicture<'a> {
             None => Window::around(positions).ok_or(PictureError::Nothing)?,
         };
         if !window.is_proper() {
-            return Err(PictureError::Window { x: window.x, y: window.y });
+            return Err(PictureError::Wrong(format!("the window {:?} × {:?} has no area", window.x, window.y)));
         }
         Ok(View::new(&window))
     }
