@@ -1,8 +1,8 @@
-//! Vectors of the plane.
+//! Vectors of the plane, and others as short.
 
 /// a · b.
-pub(crate) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
+pub(crate) fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// a − b.

@@ -15,6 +15,9 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 
+#[cfg(test)]
+mod test;
+
 /// Places in the matrix of the entries of an element's stiffness.
 #[derive(Clone, Debug)]
 enum Scatter {
@@ -179,12 +182,6 @@ impl System {
         self.equations.freedoms()[self.equation_of_row[row]] / 2
     }
 
-    /// Returns how many freedoms are condensed.
-    #[cfg(test)]
-    pub(crate) fn condensed_count(&self) -> usize {
-        self.far_field.as_ref().map_or(0, |far| far.interior.len())
-    }
-
     /// Adds all elements into the matrix. Each thread has its own range of the values, and every value the same sum.
     pub(crate) fn assemble_elements(&mut self, elements: &Solids) {
         let values = &mut self.matrix.values;
@@ -220,14 +217,6 @@ impl System {
             values.iter().step_by(rows.len() + 1).fold(0.0, |largest: f64, value| largest.max(value.abs()))
         };
         elements + self.matrix.contact.iter().map(of_block).fold(0.0, f64::max)
-    }
-
-    /// K times unknowns by rows.
-    #[cfg(test)]
-    pub(crate) fn multiply(&self, unknowns: &[f64]) -> Vec<f64> {
-        let mut product = vec![0.0; unknowns.len()];
-        self.matrix.multiply(unknowns, &mut product);
-        product
     }
 
     /// Takes over the blocks of contact and of loads that follow the body, by freedoms.

@@ -220,7 +220,7 @@ impl Guarded {
 
 /// Returns whether numbers are the same to the last bit.
 #[inline]
-pub(super) fn same_bits(a: &[f64], b: &[f64]) -> bool {
+pub fn same_bits(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 

@@ -38,7 +38,7 @@ pub use initial::{InitialPoint, InitialStates, InitialStresses};
 pub use interface_call::{Contact, FricAnswer, FricCall, FricInputs, SurfaceFields, UinterCall, UinterInputs};
 pub use library::{Library, LoadError, Routine, Stamp, binds_deeply, stamp};
 pub use manner::{Manner, TangentDeviation, TangentSource};
-pub use memory::{NotFinite, Overrun, Trespass};
+pub use memory::{NotFinite, Overrun, Trespass, same_bits};
 pub use plugin::Plugin;
 pub use plugin_call::PluginCall;
 pub use prints::{flush_prints, print_by_lines, write_messages_to};

@@ -7,8 +7,8 @@ use super::messages::Capture;
 use super::metadata::parameter_of;
 use super::report::{Ledger, Verdict};
 use super::sample::State;
-use super::subject::{Answer, Committed, Entry, Subject, same_bits};
-use umat_abi::host::{Alteration, CallOutcome, Library};
+use super::subject::{Answer, Committed, Entry, Subject};
+use umat_abi::host::{Alteration, CallOutcome, Library, same_bits};
 use umat_abi::law::StressState;
 use umat_abi::metadata::flags;
 

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use umat_abi::host::{
     Alignment, Alteration, CallFailure, CallOutcome, FricAnswer, FricCall, LoadError, NotFinite, Plugin, Probed,
-    SurfaceFields, UinterCall, UmatCall, Validation, judge,
+    SurfaceFields, UinterCall, UmatCall, Validation, judge, same_bits,
 };
 use umat_abi::law::{Request, StressState};
 
@@ -206,11 +206,6 @@ impl Answer {
     pub(super) fn same(&self, other: &Self) -> bool {
         self.same_response(other) && same_bits(&self.tangent, &other.tangent) && self.outcome == other.outcome
     }
-}
-
-/// Returns whether the values are bit for bit the same.
-pub(super) fn same_bits(a: &[f64], b: &[f64]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(x, y)| x.to_bits() == y.to_bits())
 }
 
 /// The largest absolute value.

@@ -3,12 +3,12 @@
 
 use super::element::{Motions, Task, advance_finite, advance_small, stiffness_finite, stiffness_small};
 use super::kernel::Nodal;
-use super::points::same_bits;
 use super::record::{Body, Record, Spalled, number_of};
 use super::summary::Counters;
 use crate::assembly::{Place, Trouble};
 use crate::element::ElementKind;
 use crate::model::{FieldValues, IncrementContext};
+use umat_abi::host::same_bits;
 use umat_abi::law::Request;
 
 /// Block of an element, and its place in it.

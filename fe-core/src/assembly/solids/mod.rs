@@ -52,9 +52,9 @@ use super::{Place, Trouble};
 use crate::model::{Fields, IncrementContext, Model, ModelError, Step};
 use crate::threads::Threads;
 use block::{Block, BlockPlace, Evaluation};
-use points::same_bits;
 use record::{Body, Divided, Record, blocks, may_share_threads};
 use trust::Trust;
+use umat_abi::host::same_bits;
 use umat_abi::law::Request;
 
 #[cfg(test)]

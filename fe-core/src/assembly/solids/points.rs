@@ -5,8 +5,9 @@ use crate::assembly::Setback;
 use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::{ModelError, PluginLaw};
+use crate::plane::dot;
 use serde::{Deserialize, Serialize};
-use umat_abi::host::{TangentSource, UmatCall, judge};
+use umat_abi::host::{TangentSource, UmatCall, judge, same_bits};
 use umat_abi::law::{Request, StressState};
 
 /// The fraction of the increment to repeat with by default.
@@ -275,11 +276,11 @@ impl Points {
         self.acting[point] = self.trial.stress[point];
         let volume_ratio = volume_ratios.map_or(1.0, |[_, middle]| middle);
         if let Some(work) = self.trial.work.get_mut(point) {
-            let spent = 0.5 * (dot(&stress, &increment.strain) + dot(&self.trial.stress[point], &increment.strain));
+            let spent = 0.5 * (dot(stress, increment.strain) + dot(self.trial.stress[point], increment.strain));
             *work = self.committed.work[point] + volume_ratio * spent;
         }
         if self.viscosity > 0.0 {
-            self.add_viscous_stress(point, &increment.strain, volume_ratio);
+            self.add_viscous_stress(point, increment.strain, volume_ratio);
         }
         if thickness != 1.0 {
             self.acting[point] = self.acting[point].map(|stress| thickness * stress);
@@ -399,11 +400,11 @@ impl Points {
     }
 
     /// η/Δt C Δε.
-    fn add_viscous_stress(&mut self, point: usize, strain_increment: &Components, volume_ratio: f64) {
+    fn add_viscous_stress(&mut self, point: usize, strain_increment: Components, volume_ratio: f64) {
         let start = self.committed.viscous_stress[point];
-        let end = self.elastic.map(|row| self.viscosity * dot(&row, strain_increment));
+        let end = self.elastic.map(|row| self.viscosity * dot(row, strain_increment));
         self.acting[point].iter_mut().zip(&end).for_each(|(sum, viscous)| *sum += viscous);
-        let spent = 0.5 * (dot(&start, strain_increment) + dot(&end, strain_increment));
+        let spent = 0.5 * (dot(start, strain_increment) + dot(end, strain_increment));
         self.trial.viscous[point] = self.committed.viscous[point] + volume_ratio * spent;
         self.trial.viscous_stress[point] = end;
     }
@@ -480,15 +481,6 @@ fn remove_rounding(moduli: &mut Moduli) {
     if below_diagonal().all(|place| asymmetry(place) <= SYMMETRY_ROUNDING * greatest) {
         below_diagonal().for_each(|(row, column)| moduli[row][column] = moduli[column][row]);
     }
-}
-
-fn dot(a: &Components, b: &Components) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// Returns whether numbers are the same to the last bit.
-pub(super) fn same_bits(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
 /// Returns whether DDSDDE is symmetric to the last bit.

@@ -2,6 +2,7 @@
 
 use super::{Components, FiniteIncrement, GRADIENT_COMPONENTS, Gradient, Moduli};
 use crate::kinematics::MAX_COMPONENTS;
+use crate::plane::dot;
 
 /// `[k][l]`: ∂P_k/∂F_l.
 pub type NominalTangent = [[f64; GRADIENT_COMPONENTS]; GRADIENT_COMPONENTS];
@@ -60,7 +61,7 @@ impl FiniteIncrement {
         // Ω t − t Ω of a symmetric t is (−2 t₁₂, 2 t₁₂, 0, t₁₁ − t₂₂); its shear twice for a strain.
         let strain = [-e12, e12, 0.0, 2.0 * (e11 - e22)];
         let own = [-2.0 * stress[3], 2.0 * stress[3], 0.0, stress[0] - stress[1]];
-        std::array::from_fn(|row| own[row] - dot(&moduli[row], &strain))
+        std::array::from_fn(|row| own[row] - dot(moduli[row], strain))
     }
 
     /// J a F⁻ᵀ, column by column of a 4 × 5 matrix of rates of stress.
@@ -175,8 +176,4 @@ fn stress_rates(
             material + by_angle[row] * angle[l]
         })
     })
-}
-
-fn dot(a: &Components, b: &Components) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

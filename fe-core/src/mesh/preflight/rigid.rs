@@ -3,6 +3,7 @@
 use super::Body;
 use crate::kinematics::PlaneModel;
 use crate::mesh::Mesh;
+use crate::plane::dot;
 
 /// A motion counts as free if the constraints resist less than this of it.
 const TOLERANCE: f64 = 1e-6;
@@ -106,11 +107,10 @@ fn centre_and_size(mesh: &Mesh, body: &Body) -> ([f64; 2], f64) {
 /// An orthonormal basis of what `vectors` add to the orthonormal `known`: Gram–Schmidt that always takes the vector
 /// with the largest remainder, so that the order of nearly parallel ones does not matter.
 fn orthonormal_basis(known: &[[f64; 3]], vectors: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let remove = |vector: &mut [f64; 3], unit: &[f64; 3]| {
         // Twice: the second pass takes what rounding left.
         for _ in 0..2 {
-            let along = dot(vector, unit);
+            let along = dot(*vector, *unit);
             vector.iter_mut().zip(unit).for_each(|(entry, unit)| *entry -= along * unit);
         }
     };
@@ -121,9 +121,9 @@ fn orthonormal_basis(known: &[[f64; 3]], vectors: &[[f64; 3]]) -> Vec<[f64; 3]> 
     let mut basis: Vec<[f64; 3]> = Vec::new();
     while known.len() + basis.len() < 3 {
         // Backwards, so that of equal ones the first is taken: x before y.
-        let longest = remainders.iter().rev().copied().max_by(|a, b| dot(a, a).total_cmp(&dot(b, b)));
+        let longest = remainders.iter().rev().copied().max_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)));
         let Some(largest) = longest else { break };
-        let length = dot(&largest, &largest).sqrt();
+        let length = dot(largest, largest).sqrt();
         if length <= TOLERANCE {
             break;
         }

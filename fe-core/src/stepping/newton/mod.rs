@@ -518,22 +518,6 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-#[cfg(test)]
-impl Equilibrium<'_> {
-    /// Returns the residual at a trial state.
-    pub(super) fn residual_at(&mut self, trial: &Committed, context: IncrementContext) -> Result<Vec<f64>, Trouble> {
-        self.evaluate(&Attempt::new(trial, &Target::Drives(Vec::new()), context))?;
-        Ok(self.memory.residual.clone())
-    }
-
-    /// Multiplies unknowns by the stiffness K of the last evaluation; the result is by rows.
-    pub(super) fn tangent_times(&mut self, unknowns: &[f64]) -> Vec<f64> {
-        self.system.assemble_elements(&self.solids);
-        self.system.set_blocks(&self.memory.blocks);
-        self.system.multiply(unknowns)
-    }
-}
-
 fn stored_and_spent(solids: SolidEnergies, contact: contact::Energies, drag: f64) -> Energies {
     let opening = contact.opening + contact.released;
     Energies {

@@ -19,8 +19,8 @@ pub(in crate::stepping) struct Memory {
     pub(super) contact_forces: Vec<f64>,
     pub(super) external: Vec<f64>,
     /// Residual forces by rows of the equations, N.
-    pub(super) residual: Vec<f64>,
-    pub(super) blocks: Blocks,
+    pub(in crate::stepping) residual: Vec<f64>,
+    pub(in crate::stepping) blocks: Blocks,
     /// Whether a factor of the present pattern exists.
     pub(super) factorised: bool,
     /// Whether its tangents are of contact laws that were called elsewhere than at their gaps.
