@@ -3,10 +3,11 @@
 use crate::element::{EdgeKind, LinePoint, gauss_legendre};
 use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
 use crate::model::ModelError;
+use std::sync::LazyLock;
 
-/// Points of the rule for arc lengths. |X'| of a quadratic edge is the root of a parabola, smooth while the middle node
-/// lies well between its ends: ten points leave no error above rounding.
-const ARC_LENGTH_POINTS: usize = 10;
+/// The rule for arc lengths. |X'| of a quadratic edge is the root of a parabola, smooth while the middle node lies well
+/// between its ends: ten points leave no error above rounding.
+pub(super) static ARC_LENGTH_RULE: LazyLock<Vec<LinePoint>> = LazyLock::new(|| gauss_legendre(10));
 
 /// Directions of neighbouring edges that differ by less than this do not need smoothing; rad.
 const STRAIGHT: f64 = 1e-6;
@@ -30,7 +31,6 @@ pub(super) struct Chain {
     pub closed: bool,
     /// Whether normals are smoothed where each edge meets the next.
     smooth: Vec<bool>,
-    rule: Vec<LinePoint>,
 }
 
 /// A place on a chain.
@@ -87,7 +87,7 @@ impl Chain {
     /// They are no single row, open or closed.
     pub fn new(mesh: &Mesh, edges: &[ElementEdge], pair: &str, bends: bool) -> Result<Self, ModelError> {
         let (order, closed) = order(mesh, edges, pair)?;
-        let mut chain = Self::empty(closed);
+        let mut chain = Self { closed, ..Self::default() };
         for edge in order {
             let edge = mesh.edge_nodes(edge);
             chain.add(&edge, mesh.edge_positions(&edge, None));
@@ -99,13 +99,9 @@ impl Chain {
 
     /// A chain of one edge.
     pub fn of_edge(edge: &EdgeNodes, reference: &[[f64; 2]; 3]) -> Self {
-        let mut chain = Self::empty(false);
+        let mut chain = Self::default();
         chain.add(edge, *reference);
         chain
-    }
-
-    fn empty(closed: bool) -> Self {
-        Self { closed, rule: gauss_legendre(ARC_LENGTH_POINTS), ..Self::default() }
     }
 
     /// Adds an edge at the end.
@@ -238,7 +234,7 @@ impl Chain {
             let at = half * (point.coordinate + 1.0) - 1.0;
             point.weight * self.kinds[index].point(&self.reference[index], at).stretch()
         };
-        half * self.rule.iter().map(part).sum::<f64>()
+        half * ARC_LENGTH_RULE.iter().map(part).sum::<f64>()
     }
 }
 

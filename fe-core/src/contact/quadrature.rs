@@ -1,6 +1,6 @@
 //! Contact points of a slave surface: their positions, and the area and length that belong to each.
 
-use super::chain::Chain;
+use super::chain::{ARC_LENGTH_RULE, Chain};
 use super::kinematics::SlavePoint;
 use super::projection::Projection;
 use crate::element::{EdgeKind, LinePoint, gauss_legendre};
@@ -82,8 +82,7 @@ impl SlaveEdge {
     /// Length from one ξ to another.
     fn length(&self, from: f64, to: f64) -> f64 {
         let half = 0.5 * (to - from);
-        let rule = gauss_legendre(MOST_POINTS);
-        rule.iter().map(|p| half * p.weight * self.measure(from + half * (p.coordinate + 1.0))[0]).sum()
+        ARC_LENGTH_RULE.iter().map(|p| half * p.weight * self.measure(from + half * (p.coordinate + 1.0))[0]).sum()
     }
 
     fn direction(&self, coordinate: f64) -> [f64; 2] {
