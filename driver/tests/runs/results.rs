@@ -346,17 +346,15 @@ fn a_case_is_not_run_into_what_it_is_read_from() {
 }
 
 #[test]
-fn results_of_an_older_version_are_replaced() {
+fn results_without_a_manifest_are_replaced_only_on_demand() {
     let desk = Desk::new();
-    let case = finished(&desk);
+    finished(&desk);
     std::fs::remove_file(desk.path("out/manifest.json")).expect("a manifest");
-    desk.write("out/plots/old.svg", "<svg/>");
-    desk.run(&case, &[], "out", 0);
-    assert!(!desk.path("out/plots/old.svg").exists());
-    // without the summary nothing tells whose they are
-    std::fs::remove_file(desk.path("out/manifest.json")).expect("a manifest");
-    std::fs::remove_file(desk.path("out/summary.json")).expect("a summary");
-    desk.pullout(["run", "case.json", "--out", "out"]).expect(2);
+    let before = everything(&desk.path("out"));
+    let stderr = desk.pullout(["run", "case.json", "--out", "out"]).expect(2).stderr;
+    assert!(stderr.contains("history.csv") && stderr.contains("--overwrite"), "{stderr}");
+    assert_eq!(everything(&desk.path("out")), before);
+    desk.pullout(["run", "case.json", "--out", "out", "--overwrite"]).expect(0);
 }
 
 #[test]

@@ -65,8 +65,8 @@ impl Manifest {
         Self { pullout, kind, files: BTreeMap::new(), earlier: BTreeMap::new() }
     }
 
-    /// Reads the manifest of a directory; `None`: nothing there is ours. An older version's results have none, but are known.
-    pub(super) fn read(directory: &Path, kind: Kind) -> io::Result<Option<Self>> {
+    /// Reads the manifest of a directory; `None`: nothing there is ours.
+    pub(super) fn read(directory: &Path) -> io::Result<Option<Self>> {
         let path = directory.join(MANIFEST);
         match input::read(&path, Input::Result) {
             Ok(text) => {
@@ -76,12 +76,7 @@ impl Manifest {
                 let ours = manifest.filter(Self::names_results);
                 ours.map(Some).ok_or_else(|| super::super::malformed(&path, "not ours"))
             }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                let files = kind.of_older_version(directory);
-                let mut manifest = Self::new(kind);
-                manifest.claim(files.iter().map(String::as_str));
-                Ok((!manifest.is_empty()).then_some(manifest))
-            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(at(&path)(error)),
         }
     }

@@ -126,7 +126,7 @@ impl ResultDirectory {
     /// # Errors
     /// The manifest cannot be read.
     pub fn join(path: &Path, kind: Kind) -> io::Result<Self> {
-        let manifest = Manifest::read(path, kind)?.unwrap_or_else(|| Manifest::new(kind));
+        let manifest = Manifest::read(path)?.unwrap_or_else(|| Manifest::new(kind));
         let (lock, replaced, notes, made) = (None, Vec::new(), Vec::new(), Vec::new());
         let directory = Self { path: path.to_owned(), kind, manifest, lock, replaced, notes, made };
         directory.refuse_links()?;
@@ -170,7 +170,7 @@ impl ResultDirectory {
     fn survey(&mut self, access: Access<'_>) -> Result<(), Refusal> {
         let path = self.path.clone();
         let mut foreign = Vec::new();
-        match Manifest::read(&path, self.kind) {
+        match Manifest::read(&path) {
             Ok(Some(manifest)) => self.manifest = manifest,
             Ok(None) => {}
             Err(error) if error.kind() == io::ErrorKind::InvalidData => foreign.push(MANIFEST.to_owned()),

@@ -1,7 +1,5 @@
 //! The names of results.
 
-use super::super::summary::Summary;
-use pullout_run::input::{self, Input};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::fs;
@@ -112,27 +110,6 @@ impl Kind {
     /// Files in a directory that have such a name.
     pub(super) fn present(self, directory: &Path) -> BTreeSet<String> {
         self.patterns().into_iter().flat_map(|pattern| present(pattern, directory)).collect()
-    }
-
-    /// Files in a directory without a manifest that a program of an older version wrote: what it concluded with tells.
-    pub(super) fn of_older_version(self, directory: &Path) -> BTreeSet<String> {
-        let json = |name: &str| -> Option<serde_json::Value> {
-            serde_json::from_slice(&input::read(&directory.join(name), Input::Result).ok()?).ok()
-        };
-        let has = |name: &str, keys: &[&str]| {
-            json(name).is_some_and(|document| keys.iter().all(|key| document.get(key).is_some()))
-        };
-        match self {
-            // with what a study leaves there
-            Self::Run | Self::Member if Summary::read(&directory.join("summary.json")).is_ok() => {
-                Self::Member.present(directory)
-            }
-            Self::Study if has("study.json", &["title", "curve", "series", "runs", "claims"]) => {
-                self.present(directory)
-            }
-            Self::Fit if has("fit.json", &["curve", "slip_at", "fibre", "forms"]) => self.present(directory),
-            _ => BTreeSet::new(),
-        }
     }
 
     /// Returns whether results of one kind may take the place of those of the other unasked.
