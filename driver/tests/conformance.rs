@@ -130,7 +130,7 @@ fn a_plain_umat_is_warned_of_not_failed() {
 /// Each error of `tests/faulty/selected_fault` by its number, and the check that must fail.
 #[test]
 fn every_check_can_fail() {
-    const FAULTS: [(f64, &str); 17] = [
+    const FAULTS: [(f64, &str); 18] = [
         (1.0, "isotropy"),
         (2.0, "energy balance"),
         (3.0, "zero increment"),
@@ -147,6 +147,7 @@ fn every_check_can_fail() {
         (22.0, "wrong counts"),
         (23.0, "NULL arguments"),
         (24.0, "inputs untouched"),
+        (27.0, "inputs untouched"),
         (25.0, "DROT"),
     ];
     let plugin = plugin("selected_fault");

@@ -16,7 +16,7 @@ use pullout_run::path::{FailedAt, Statistics};
 use pullout_run::pullout;
 use std::io;
 use std::path::Path;
-use umat_abi::host::{Law, Library, WrittenInput};
+use umat_abi::host::{Law, Library};
 
 /// End of a run.
 #[derive(Debug)]
@@ -228,15 +228,7 @@ fn warnings(case: &Case) -> Vec<String> {
     for (name, library) in libraries {
         let written = library.written_inputs();
         let Some([step, increment, ..]) = written.values().map(|written| written.place).min() else { continue };
-        let name_of = |(name, written): (&&str, &WrittenInput)| match written.neighbours {
-            [None, None] => (*name).to_owned(),
-            [Some(before), None] => format!("{name} (or {before} behind its end, where {name} lies)"),
-            [None, Some(after)] => format!("{name} (or {after} in front of its beginning, where {name} lies)"),
-            [Some(before), Some(after)] => {
-                format!("{name} (or {before} behind its end, or {after} in front of its beginning, where {name} lies)")
-            }
-        };
-        let names: Vec<String> = written.iter().map(name_of).collect();
+        let names: Vec<String> = written.iter().map(|(name, written)| written.named(name)).collect();
         warnings.push(format!(
             "{}: '{name}' writes {}, which are inputs (first in step {step}, increment {increment}): each call gets copies, \
              what it changed there was lost with the call",

@@ -41,7 +41,7 @@ fn a_sound_umat_passes() {
 }
 
 /// Error number, mode, check, verdict, words.
-const PLANTED: [(u32, &str, &str, &str, &str); 18] = [
+const PLANTED: [(u32, &str, &str, &str, &str); 19] = [
     (1, "3d", "repeated call", "FAIL", "stress"),
     (1, "3d", "data between calls", "warn", "variable count"),
     (2, "3d", "order of calls", "FAIL", "hidden memory"),
@@ -60,6 +60,13 @@ const PLANTED: [(u32, &str, &str, &str, &str); 18] = [
     (15, "3d", "double precision", "FAIL", "stresses jump by"),
     (16, "3d", "answers", "FAIL", "SPD(1) = NaN"),
     (14, "plane_strain", "outside arrays", "FAIL", "STRESS(6), which has 4 elements"),
+    (
+        17,
+        "3d",
+        "inputs untouched",
+        "warn",
+        ": writes to COORDS, DFGRD0, DFGRD1, DROT, DSTRAN, PROPS, STRAN, TEMP, TIME",
+    ),
 ];
 
 #[test]

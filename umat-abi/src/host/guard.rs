@@ -28,6 +28,20 @@ pub struct WrittenInput {
     pub neighbours: [Option<&'static str>; 2],
 }
 
+impl WrittenInput {
+    /// Returns the name of its argument, with the arrays that the call may have missed.
+    pub fn named(&self, argument: &str) -> String {
+        match self.neighbours {
+            [None, None] => argument.to_owned(),
+            [Some(before), None] => format!("{argument} (or {before} behind its end, where {argument} lies)"),
+            [None, Some(after)] => format!("{argument} (or {after} in front of its beginning, where {argument} lies)"),
+            [Some(before), Some(after)] => format!(
+                "{argument} (or {before} behind its end, or {after} in front of its beginning, where {argument} lies)"
+            ),
+        }
+    }
+}
+
 /// The turn of each library file: handles of one file share its COMMON blocks.
 static TURNS: Mutex<Vec<(PathBuf, Weak<Mutex<()>>)>> = Mutex::new(Vec::new());
 
@@ -74,6 +88,11 @@ impl Guard {
     /// The inputs that calls wrote.
     pub(super) fn written(&self) -> BTreeMap<&'static str, WrittenInput> {
         locked(&self.written).clone()
+    }
+
+    /// The same for calls that wrote nothing so far.
+    pub(super) fn afresh(&self) -> Self {
+        Self { written: Arc::default(), ..self.clone() }
     }
 
     /// The same without waiting for other threads.

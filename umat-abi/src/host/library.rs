@@ -221,9 +221,17 @@ impl Library {
         self.changes_floating_point
     }
 
-    /// Returns the inputs that calls so far wrote into, each with the first call that did. The changes were lost with the calls. Not looked for where somebody vouches for the library.
+    /// Returns the inputs that calls so far wrote into, each with the first call that did. The changes were lost with the calls. Not looked for where somebody vouches for the library, but if it is [`Self::watched`].
     pub fn written_inputs(&self) -> BTreeMap<&'static str, WrittenInput> {
         self.guard.as_ref().map(Guard::written).unwrap_or_default()
+    }
+
+    /// Returns the same library for calls that get copies of their inputs even where somebody vouches for it. Its
+    /// [`Self::written_inputs`] are those of calls prepared from now on, with what this returns.
+    #[must_use]
+    pub fn watched(mut self) -> Self {
+        self.guard = Some(self.guard.as_ref().map_or_else(Guard::without_turn, Guard::afresh));
+        self
     }
 
     /// Returns whether a call so far switched floating-point modes; they were restored behind it. Not looked for where metadata

@@ -10,6 +10,7 @@
 use super::Options;
 use super::case_path::CasePath;
 use super::entry_call::{fric, prepare_fric, prepare_uinter, prepare_umat, uinter, umat};
+use super::report::Verdict;
 use super::sample::State;
 use nalgebra::Matrix3;
 use pullout_run::deformation::{columns, incremental_motion, of_constant_volume, rotated, spinless, symmetric};
@@ -373,8 +374,18 @@ impl<'p> Subject<'p> {
 
     /// A twin with buffers of its own, for another thread or other properties.
     pub(super) fn twin(&self, props: &[f64], nstatv: usize) -> Result<Self, LoadError> {
-        Ok(Self {
-            plugin: self.plugin,
+        self.twin_of(self.plugin, props, nstatv)
+    }
+
+    /// [`Self::twin`], whose calls are those of another handle of the library.
+    pub(super) fn twin_of<'q>(
+        &self,
+        plugin: &'q Plugin,
+        props: &[f64],
+        nstatv: usize,
+    ) -> Result<Subject<'q>, LoadError> {
+        Ok(Subject {
+            plugin,
             entry: self.entry,
             props: props.to_vec(),
             length: self.length,
@@ -390,7 +401,7 @@ impl<'p> Subject<'p> {
             calls: 0,
             call_time: 0.0,
             overruns: BTreeMap::new(),
-            call: self.call.twin(Self::prepare(self.plugin, self.entry, props, nstatv)?),
+            call: self.call.twin(Self::prepare(plugin, self.entry, props, nstatv)?),
         })
     }
 
@@ -431,6 +442,11 @@ impl<'p> Subject<'p> {
     /// Returns whether the plugin has metadata: then the contract binds it.
     pub(super) fn described(&self) -> bool {
         self.plugin.law.is_some()
+    }
+
+    /// The verdict on what the contract demands of plugins with metadata.
+    pub(super) fn blame(&self) -> Verdict {
+        if self.described() { Verdict::Fail } else { Verdict::Warn }
     }
 
     /// The point before the first increment: the case's, or one of zeros.
@@ -663,24 +679,6 @@ impl<'p> Subject<'p> {
                 prepare_fric(call, from, step, self.share);
             }
         }
-    }
-
-    /// Arguments that the last call changed although they are inputs.
-    pub(super) fn changed_inputs(&self, from: &Committed, step: &[f64]) -> Vec<&'static str> {
-        let mut changed = Vec::new();
-        let n = from.input.len();
-        let (props, pairs) = match &self.call {
-            Call::Umat(call) => {
-                (call.props(), vec![("STRAN", &call.stran[..n], &from.input[..]), ("DSTRAN", &call.dstran[..n], step)])
-            }
-            Call::Uinter(call) => (call.props(), vec![("DRDISP", &call.drdisp[..n], step)]),
-            Call::Fric(call) => (call.props(), vec![("DGAM", &call.dgam[..n - 1], &step[..n - 1])]),
-        };
-        changed.extend(pairs.iter().filter(|(_, now, before)| !same_bits(now, before)).map(|(name, ..)| *name));
-        if !same_bits(props, &self.props) {
-            changed.push("PROPS");
-        }
-        changed
     }
 }
 

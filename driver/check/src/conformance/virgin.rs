@@ -9,11 +9,6 @@ use super::tolerances;
 use umat_abi::law::StressState;
 use umat_abi::metadata::OVERSTRESS_WORK;
 
-/// The verdict on what the contract demands of plugins with metadata.
-fn blame(subject: &Subject<'_>) -> Verdict {
-    if subject.described() { Verdict::Fail } else { Verdict::Warn }
-}
-
 /// Zero step from the start: no stress but an initial one. (Contact in a soft layer begins before the gap closes: there the shear.)
 pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     ledger.begin("virgin state");
@@ -22,12 +17,12 @@ pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     let answer = subject.evaluate(&virgin, &vec![0.0; subject.entry.inputs()]);
     subject.share = 1.0;
     match answer {
-        Err(trouble) => ledger.add(blame(subject), "", trouble.to_string()),
+        Err(trouble) => ledger.add(subject.blame(), "", trouble.to_string()),
         Ok(answer) => {
             let skipped = usize::from(matches!(subject.entry, Entry::Uinter(_)));
             // an initial stress of the case stays
             let stress = distance(&answer.output[skipped..], &virgin.output[skipped..]);
-            let verdict = if stress == 0.0 { Verdict::Pass } else { blame(subject) };
+            let verdict = if stress == 0.0 { Verdict::Pass } else { subject.blame() };
             let initialised: Vec<_> = (0..answer.statev.len())
                 .filter(|&k| answer.statev[k] != virgin.statev[k])
                 .map(|k| format!("{} = {:e}", subject.state_name(k), answer.statev[k]))
@@ -61,7 +56,7 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger
         let answer = match answer {
             Ok(answer) => answer,
             Err(trouble) => {
-                return ledger.add(blame(subject), "", format!("{state}: {trouble}"));
+                return ledger.add(subject.blame(), "", format!("{state}: {trouble}"));
             }
         };
         let floor = tolerances::CANCELLATION / tolerances::ZERO_INCREMENT * subject.elastic_size(&point.input);
@@ -88,7 +83,7 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger
             let detail = format!("settles what the law, which extrapolates, lags behind: {}", worst.1);
             return ledger.add(Verdict::Info, format!("{:.1e}", worst.0), detail);
         }
-        false => blame(subject),
+        false => subject.blame(),
     };
     ledger.add(verdict, format!("{:.1e}", worst.0), worst.1);
 }
@@ -237,7 +232,7 @@ fn agreement(plane: &mut Subject<'_>, solid: &mut Subject<'_>, stress_state: Str
         true => Verdict::Pass,
         // A law may define a plane-stress variant of its own; plane strain is 3D.
         false if condensed => Verdict::Warn,
-        false => blame(plane),
+        false => plane.blame(),
     };
     ledger.add(verdict, format!("{:.1e}", worst.0), worst.1);
 }

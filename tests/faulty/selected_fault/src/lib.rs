@@ -37,7 +37,7 @@ impl Fault for Selected {
 /// Errors in the entry point.
 unsafe fn body(a: &UmatArguments) {
     // SAFETY: forwarded to the caller, who passes valid counts; the faults write within the arrays they are told of,
-    // and DSTRAN, the planted error.
+    // and DSTRAN and PROPS, the planted errors.
     unsafe {
         let count = usize::try_from(*a.nprops).unwrap_or(0);
         let fault = if count == 5 { a.props.add(4).read() as i32 } else { 0 };
@@ -54,6 +54,8 @@ unsafe fn body(a: &UmatArguments) {
             20 if !a.pnewdt.is_null() => a.pnewdt.write(1.0),
             23 if a.temp.is_null() => a.stress.write(1.0 + a.stress.read()),
             24 => a.dstran.cast_mut().write(0.0),
+            // little: the calls after it get what it wrote
+            27 => a.props.cast_mut().write(a.props.read().next_up()),
             25 if !a.drot.is_null() && a.drot.read() != 1.0 => a.statev.write(1.5 * a.statev.read() + 1e-9),
             26 if !a.celent.is_null() && a.celent.read() == 0.0 => a.stress.write(f64::NAN),
             _ => {}
