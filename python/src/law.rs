@@ -225,7 +225,6 @@ fn modes(law: &host::Law) -> Vec<&'static str> {
 }
 
 fn description(law: &host::Law) -> Value {
-    let kinds = [("umat", kinds::UMAT), ("uinter", kinds::UINTER), ("fric", kinds::FRIC)];
     // what is unbounded is null
     let finite = |value: f64| value.is_finite().then_some(value);
     let parameter = |p: &Parameter| {
@@ -239,7 +238,7 @@ fn description(law: &host::Law) -> Value {
         "name": law.name,
         "version": law.version,
         "description": law.description,
-        "entries": kinds.iter().filter(|(_, bit)| law.kinds & bit != 0).map(|(name, _)| name).collect::<Vec<_>>(),
+        "entries": law.entry_points(),
         "modes": modes(law),
         "parameters": law.parameters.iter().map(parameter).collect::<Vec<_>>(),
         "repeated": law.group.as_ref().map(|group| json!({ "name": group.name, "size": group.size })),

@@ -4,6 +4,7 @@
 //! (`document`, `structure`), and resolved: plugin and parameters, steps, tables, curves. No step stops at
 //! the first problem; only broken JSON and an unknown kind leave nothing to go on with.
 
+pub mod abaqus;
 mod bridging;
 mod constraints;
 mod document;

@@ -1,18 +1,18 @@
 //! `pullout plugin list | info | check | build`.
 
-mod abaqus;
 mod build;
 mod check;
 
 use super::{DONE, NO_PLUGIN, Place, Refusal, complain, isolated, say};
 use clap::Subcommand;
+use pullout_check::description;
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{self, End, Job, Need};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use umat_abi::host::{Found, Law, Library, Routine, binds_deeply, library_path, names_a_file, search_paths};
-use umat_abi::metadata::{PLUGIN_SYMBOL, flags, kinds, stress_states};
+use umat_abi::host::{Found, Law, Library, library_path, names_a_file, search_paths};
+use umat_abi::metadata::PLUGIN_SYMBOL;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
@@ -128,7 +128,7 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
             Err(message) => complain(message),
         }
     }
-    let mut text = table(&rows);
+    let mut text = description::table(&rows);
     text.push_str("\nSearched:\n");
     for path in &paths {
         let _ = writeln!(text, "  {}{}", path.display(), if path.is_dir() { "" } else { " (does not exist)" });
@@ -140,73 +140,10 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
     DONE
 }
 
-fn entry_points(law: &Law) -> Vec<&'static str> {
-    let named = [(kinds::UMAT, "umat"), (kinds::UINTER, "uinter"), (kinds::FRIC, "fric")];
-    named.into_iter().filter(|(kind, _)| law.kinds & kind != 0).map(|(_, name)| name).collect()
-}
-
-/// Left-aligned columns, two blanks apart.
-fn table<const N: usize>(rows: &[[String; N]]) -> String {
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: [usize; N] = std::array::from_fn(width);
-    let mut text = String::new();
-    for row in rows {
-        let line = row.iter().zip(widths).fold(String::new(), |line, (cell, width)| line + &format!("{cell:width$}  "));
-        text.push_str(line.trim_end());
-        text.push('\n');
-    }
-    text
-}
-
 fn info(library: &Library) -> Result<u8, Refusal> {
-    if library.laws().is_empty() {
-        let entry_points = library.entry_points();
-        if entry_points.is_empty() {
-            return Err(no_plugin(format!("{}: has neither metadata nor an entry point", library.path().display())));
-        }
-        say(&format!(
-            "{}: a library without metadata; entry points: {}; a case that uses it gives props, nstatv and, if needed, \
-             symbol\n{}{}",
-            library.path().display(),
-            entry_points.join(", "),
-            routines(library),
-            place_of(library) + memory()
-        ));
-        return Ok(DONE);
-    }
-    for law in library.laws() {
-        say(&describe(law, library.path()));
-    }
-    say(&(routines(library) + &place_of(library) + memory()));
+    let nothing = || no_plugin(format!("{}: has neither metadata nor an entry point", library.path().display()));
+    say(&description::of_library(library).ok_or_else(nothing)?);
     Ok(DONE)
-}
-
-/// Returns where cases call it.
-fn place_of(library: &Library) -> String {
-    if isolation::is_shipped(library.path()) {
-        "Process: the program's own; the library was built with it\n".into()
-    } else {
-        "Process: one of its own, or with --in-process the program's\n".into()
-    }
-}
-
-/// Says whose memory plugins take, where that changes how they are loaded; nothing otherwise.
-fn memory() -> &'static str {
-    if !cfg!(target_os = "linux") || binds_deeply() {
-        ""
-    } else {
-        "Memory: not the C library's (LD_PRELOAD of another malloc): names that several libraries define are those of the \
-         one that was loaded first\n"
-    }
-}
-
-/// The routines around the laws, in a line; nothing if there are none.
-fn routines(library: &Library) -> String {
-    let name = |routine: &Routine| {
-        routine.symbol.to_uppercase() + if routine.is_called { "" } else { " (not called by this program)" }
-    };
-    let names: Vec<String> = library.routines().iter().map(name).collect();
-    if names.is_empty() { String::new() } else { format!("Other routines: {}\n", names.join(", ")) }
 }
 
 /// Name, version and entry points of the laws of a library, which is loaded into this process only if it may be.
@@ -226,7 +163,7 @@ fn rows_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
 fn laws_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
     let _prints = Prints::discard();
     let library = isolation::load(library).map_err(|error| error.to_string())?;
-    let row = |law: &Law| [law.name.clone(), law.version.clone(), entry_points(law).join(" ")];
+    let row = |law: &Law| [law.name.clone(), law.version.clone(), law.entry_points().join(" ")];
     Ok(library.laws().iter().map(row).collect())
 }
 
@@ -242,73 +179,7 @@ fn abaqus_input(library: &Library) -> Result<u8, Refusal> {
         let message = "has no metadata: the order of its constants is not known";
         return Err(Refusal::input(format!("{}: {message}", library.path().display())));
     }
-    let laws: Result<Vec<_>, _> = library.laws().iter().map(abaqus::input).collect();
+    let laws: Result<Vec<_>, _> = library.laws().iter().map(pullout_case::abaqus::input).collect();
     say(&laws.map_err(Refusal::input)?.join("**\n"));
     Ok(DONE)
-}
-
-fn describe(law: &Law, path: &Path) -> String {
-    let mut text = format!("{} {}: {}\n{}\n", law.name, law.version, law.description, path.display());
-    let mut modes: Vec<_> = [
-        (stress_states::THREE_D, "3d (NTENS 6)"),
-        (stress_states::PLANE_STRAIN, "plane_strain (NTENS 4)"),
-        (stress_states::AXISYMMETRIC, "axisymmetric (NTENS 4)"),
-        (stress_states::PLANE_STRESS, "plane_stress (NTENS 3)"),
-    ]
-    .into_iter()
-    .filter(|(bit, _)| law.stress_states & bit != 0)
-    .map(|(_, name)| name)
-    .collect();
-    if law.kinds & kinds::UMAT == 0 {
-        modes = vec!["a contact point (NDIR 2 or 3, NFDIR 1 or 2)"];
-    }
-    let claims: Vec<_> = [
-        (flags::SYMMETRIC_TANGENT, "symmetric tangent"),
-        (flags::THREAD_SAFE, "thread-safe"),
-        (flags::USES_CELENT, "uses CELENT"),
-        (flags::FINITE_STRAIN, "finite strain"),
-        (flags::STRESS_ONLY, "stress-only calls"),
-        (flags::PATH_EXACT, "exact for any increment on proportional paths"),
-        (flags::ISOTROPIC, "isotropic"),
-    ]
-    .into_iter()
-    .filter(|(flag, _)| law.has(*flag))
-    .map(|(_, name)| name)
-    .collect();
-    let _ = writeln!(text, "Entry points: {}", entry_points(law).join(", "));
-    let _ = writeln!(text, "Modes: {}", modes.join(", "));
-    let _ = writeln!(text, "Claims: {}", claims.join(", "));
-    let _ = writeln!(text, "\nPROPS ({}):", law.parameters.len());
-    let header = ["#", "name", "unit", "default", "bounds", "usual", "meaning"].map(String::from);
-    let rows = law.parameters.iter().enumerate().map(|(k, p)| {
-        let default = match p.choices.iter().find(|choice| choice.value == p.default_value) {
-            Some(choice) => format!("{} ({})", p.default_value, choice.name),
-            None => p.default_value.to_string(),
-        };
-        let usual = p.typical.map_or(String::new(), |[lower, upper]| format!("{lower} to {upper}"));
-        [(k + 1).to_string(), p.name.clone(), p.unit.clone(), default, p.bounds(), usual, p.doc.clone()]
-    });
-    text.push_str(&table(&std::iter::once(header).chain(rows).collect::<Vec<_>>()));
-    if let Some(group) = &law.group {
-        let _ = writeln!(
-            text,
-            "The last {} may occur several times (at least {}); in JSON \"{}\": [[...], ...]",
-            group.size, group.minimum, group.name
-        );
-    }
-    let _ = writeln!(text, "\nSTATEV ({}), all zero when virgin:", law.states.len());
-    let header = ["#", "name", "unit", "meaning"].map(String::from);
-    let rows = law
-        .states
-        .iter()
-        .enumerate()
-        .map(|(k, s)| [(k + 1).to_string(), s.name.clone(), s.unit.clone(), s.doc.clone()]);
-    text.push_str(&table(&std::iter::once(header).chain(rows).collect::<Vec<_>>()));
-    if !law.derived.is_empty() {
-        let derived: Vec<_> =
-            law.derived.iter().map(|d| format!("{} from {}", d.name, law.states[d.state].name)).collect();
-        let _ = writeln!(text, "Derived: {}", derived.join(", "));
-    }
-    text.push('\n');
-    text
 }

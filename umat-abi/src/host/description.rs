@@ -165,6 +165,13 @@ impl Law {
         self.flags & flag != 0
     }
 
+    /// Names of its entry points: those of `umat`, `uinter`, `fric` that it has.
+    pub fn entry_points(&self) -> Vec<&'static str> {
+        let named =
+            [(metadata::kinds::UMAT, "umat"), (metadata::kinds::UINTER, "uinter"), (metadata::kinds::FRIC, "fric")];
+        named.into_iter().filter(|(kind, _)| self.kinds & kind != 0).map(|(_, name)| name).collect()
+    }
+
     /// Position in STATEV of the state of this name, if the law has it.
     pub fn state_index(&self, name: &CStr) -> Option<usize> {
         self.states.iter().position(|state| state.name.as_bytes() == name.to_bytes())

@@ -1,6 +1,6 @@
 //! A law as ABAQUS input: keywords, constants and state variables in the order of PROPS and STATEV.
 
-use super::entry_points;
+use crate::props::props_from_json;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use umat_abi::host::Law;
@@ -9,11 +9,12 @@ use umat_abi::metadata::{flags, kinds};
 /// Values on a data line of `*USER MATERIAL`, `*FRICTION, USER` and `*SURFACE INTERACTION, USER`.
 const VALUES_A_LINE: usize = 8;
 
-/// The keywords that give a law with its default parameters to ABAQUS, one block for each entry point.
+/// The keywords that give a law with its default parameters to ABAQUS, one block for each entry point: lines, the last one
+/// ended as well.
 ///
 /// # Errors
 /// In words, if the defaults of its metadata make no PROPS.
-pub(super) fn input(law: &Law) -> Result<String, String> {
+pub fn input(law: &Law) -> Result<String, String> {
     let props = defaults(law)?;
     let mut text = format!(
         "** {} {}: {}\n** Units N, mm, MPa. Default values: put in your own.\n",
@@ -59,7 +60,7 @@ pub(super) fn input(law: &Law) -> Result<String, String> {
             }
         }
     }
-    let _ = writeln!(text, "** entry points: {}", entry_points(law).join(", "));
+    let _ = writeln!(text, "** entry points: {}", law.entry_points().join(", "));
     Ok(text)
 }
 
@@ -73,7 +74,7 @@ fn defaults(law: &Law) -> Result<Vec<f64>, String> {
         }
         _ => Value::Null,
     };
-    pullout_case::props_from_json(law, &named).map_err(|problems| {
+    props_from_json(law, &named).map_err(|problems| {
         let problems: Vec<_> = problems.iter().map(ToString::to_string).collect();
         format!("{}: its defaults make no PROPS: {}", law.name, problems.join("; "))
     })

@@ -1,0 +1,133 @@
+//! Plugins in words: what `pullout plugin info` prints.
+
+use pullout_run::isolation;
+use std::fmt::Write;
+use std::path::Path;
+use umat_abi::host::{Law, Library, Routine, binds_deeply};
+use umat_abi::metadata::{flags, kinds, stress_states};
+
+/// Returns what a library has, in lines: each law by its metadata, or the entry points of a library without; the routines
+/// around them; where cases call it. `None`: it has neither metadata nor an entry point.
+pub fn of_library(library: &Library) -> Option<String> {
+    let path = library.path();
+    let mut text: String = library.laws().iter().map(|law| of_law(law, path)).collect();
+    if text.is_empty() {
+        let entry_points = Some(library.entry_points()).filter(|names| !names.is_empty())?;
+        let _ = writeln!(
+            text,
+            "{}: a library without metadata; entry points: {}; a case that uses it gives props, nstatv and, if needed, \
+             symbol",
+            path.display(),
+            entry_points.join(", ")
+        );
+    }
+    Some(text + &routines(library) + place_of(library) + memory())
+}
+
+/// Returns rows as lines, with left-aligned columns, two blanks apart.
+pub fn table<const N: usize>(rows: &[[String; N]]) -> String {
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; N] = std::array::from_fn(width);
+    let mut text = String::new();
+    for row in rows {
+        let line = row.iter().zip(widths).fold(String::new(), |line, (cell, width)| line + &format!("{cell:width$}  "));
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+/// Returns where cases call it.
+fn place_of(library: &Library) -> &'static str {
+    if isolation::is_shipped(library.path()) {
+        "Process: the program's own; the library was built with it\n"
+    } else {
+        "Process: one of its own, or with --in-process the program's\n"
+    }
+}
+
+/// Says whose memory plugins take, where that changes how they are loaded; nothing otherwise.
+fn memory() -> &'static str {
+    if !cfg!(target_os = "linux") || binds_deeply() {
+        ""
+    } else {
+        "Memory: not the C library's (LD_PRELOAD of another malloc): names that several libraries define are those of the \
+         one that was loaded first\n"
+    }
+}
+
+/// The routines around the laws, in a line; nothing if there are none.
+fn routines(library: &Library) -> String {
+    let name = |routine: &Routine| {
+        routine.symbol.to_uppercase() + if routine.is_called { "" } else { " (not called by this program)" }
+    };
+    let names: Vec<String> = library.routines().iter().map(name).collect();
+    if names.is_empty() { String::new() } else { format!("Other routines: {}\n", names.join(", ")) }
+}
+
+/// Parameters, states and claims of a law, with an empty line behind them.
+fn of_law(law: &Law, path: &Path) -> String {
+    let mut text = format!("{} {}: {}\n{}\n", law.name, law.version, law.description, path.display());
+    let mut modes: Vec<_> = [
+        (stress_states::THREE_D, "3d (NTENS 6)"),
+        (stress_states::PLANE_STRAIN, "plane_strain (NTENS 4)"),
+        (stress_states::AXISYMMETRIC, "axisymmetric (NTENS 4)"),
+        (stress_states::PLANE_STRESS, "plane_stress (NTENS 3)"),
+    ]
+    .into_iter()
+    .filter(|(bit, _)| law.stress_states & bit != 0)
+    .map(|(_, name)| name)
+    .collect();
+    if law.kinds & kinds::UMAT == 0 {
+        modes = vec!["a contact point (NDIR 2 or 3, NFDIR 1 or 2)"];
+    }
+    let claims: Vec<_> = [
+        (flags::SYMMETRIC_TANGENT, "symmetric tangent"),
+        (flags::THREAD_SAFE, "thread-safe"),
+        (flags::USES_CELENT, "uses CELENT"),
+        (flags::FINITE_STRAIN, "finite strain"),
+        (flags::STRESS_ONLY, "stress-only calls"),
+        (flags::PATH_EXACT, "exact for any increment on proportional paths"),
+        (flags::ISOTROPIC, "isotropic"),
+    ]
+    .into_iter()
+    .filter(|(flag, _)| law.has(*flag))
+    .map(|(_, name)| name)
+    .collect();
+    let _ = writeln!(text, "Entry points: {}", law.entry_points().join(", "));
+    let _ = writeln!(text, "Modes: {}", modes.join(", "));
+    let _ = writeln!(text, "Claims: {}", claims.join(", "));
+    let _ = writeln!(text, "\nPROPS ({}):", law.parameters.len());
+    let header = ["#", "name", "unit", "default", "bounds", "usual", "meaning"].map(String::from);
+    let rows = law.parameters.iter().enumerate().map(|(k, p)| {
+        let default = match p.choices.iter().find(|choice| choice.value == p.default_value) {
+            Some(choice) => format!("{} ({})", p.default_value, choice.name),
+            None => p.default_value.to_string(),
+        };
+        let usual = p.typical.map_or(String::new(), |[lower, upper]| format!("{lower} to {upper}"));
+        [(k + 1).to_string(), p.name.clone(), p.unit.clone(), default, p.bounds(), usual, p.doc.clone()]
+    });
+    text.push_str(&table(&std::iter::once(header).chain(rows).collect::<Vec<_>>()));
+    if let Some(group) = &law.group {
+        let _ = writeln!(
+            text,
+            "The last {} may occur several times (at least {}); in JSON \"{}\": [[...], ...]",
+            group.size, group.minimum, group.name
+        );
+    }
+    let _ = writeln!(text, "\nSTATEV ({}), all zero when virgin:", law.states.len());
+    let header = ["#", "name", "unit", "meaning"].map(String::from);
+    let rows = law
+        .states
+        .iter()
+        .enumerate()
+        .map(|(k, s)| [(k + 1).to_string(), s.name.clone(), s.unit.clone(), s.doc.clone()]);
+    text.push_str(&table(&std::iter::once(header).chain(rows).collect::<Vec<_>>()));
+    if !law.derived.is_empty() {
+        let derived: Vec<_> =
+            law.derived.iter().map(|d| format!("{} from {}", d.name, law.states[d.state].name)).collect();
+        let _ = writeln!(text, "Derived: {}", derived.join(", "));
+    }
+    text.push('\n');
+    text
+}
