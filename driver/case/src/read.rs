@@ -62,6 +62,11 @@ impl Case {
         })
     }
 
+    /// Name of its file, without folder and suffix.
+    pub fn name(&self) -> String {
+        self.about().case_file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
     /// The history's columns, in the order of the CSV; of bridging those of all its files.
     pub fn columns(&self) -> Vec<String> {
         match self {

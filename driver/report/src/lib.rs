@@ -1,8 +1,8 @@
 //! Results of runs as files (docs/reference/result-folder.md).
 //!
 //! [`history`] is written while the run goes on, one system call a line; [`progress`] shows the user how far it is.
-//! Afterwards the history is read back: [`compare`] measures it against experiments, [`plots`] draws it, [`summary`]
-//! and [`page`] report the results. Nothing of the curve is kept in memory during the run.
+//! Afterwards the history is read back: [`compare`] measures it against experiments, [`plots`] draws it, [`summary`],
+//! [`page`] and [`outcome`] report the results. Nothing of the curve is kept in memory during the run.
 
 use std::io;
 use std::path::Path;
@@ -12,6 +12,7 @@ pub mod compare;
 pub mod directory;
 pub mod ending;
 pub mod history;
+pub mod outcome;
 pub mod page;
 pub mod pictures;
 pub mod plots;

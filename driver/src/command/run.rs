@@ -7,14 +7,13 @@ use pullout_case::Case;
 use pullout_engine::{Followed, extent, follow};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_report::ending::{RunEnd, conclude};
+use pullout_report::outcome;
 use pullout_report::progress::Progress;
 use pullout_report::record::{Kept, Record};
 use pullout_report::summary::{Status, Summary};
-use pullout_run::columns::{self, LEADING};
 use pullout_run::isolation::prints::{Prints, say};
 use pullout_run::isolation::{Need, worker};
 use pullout_run::path::Stop;
-use pullout_run::program::{self, STRESS_NAMES};
 use pullout_run::pullout::checkpoint::{self, Checkpoints};
 use pullout_run::signals;
 use std::collections::BTreeSet;
@@ -288,7 +287,7 @@ fn tell(case: &Case, folder: &Path, quiet: bool, concluded: io::Result<(Summary,
         }
     };
     if !quiet {
-        say(&outcome(&summary, case, folder));
+        say(&outcome::of_run(&summary, case, folder));
     }
     summary.warnings.iter().for_each(|warning| complain(&format!("warning: {warning}")));
     summary.message.iter().for_each(|message| complain(message));
@@ -343,7 +342,7 @@ fn run_case(
     let columns = case.columns();
     let history_file = folder.join("history.csv");
     worker::note_start();
-    let progress = Progress::new(&title(case), extent(case), shown(case), telling.quiet);
+    let progress = Progress::of(case, extent(case), telling.quiet);
     let mut record = match kept {
         None => Record::new(&history_file, &columns, progress, checkpoints.every.is_some())?,
         Some(kept) => Record::resume(&history_file, &columns, progress, kept)?,
@@ -372,66 +371,4 @@ fn run_case(
     };
     let end = RunEnd::after(&mut record, statistics, message, failed_at);
     conclude(case, directory, end, specimen)
-}
-
-fn title(case: &Case) -> String {
-    let stem = &case.about().case_file.file_stem().unwrap_or_default();
-    stem.to_string_lossy().into_owned()
-}
-
-/// Columns that a progress line tells: the first strain and stress, slip and traction, or slip and load.
-fn shown(case: &Case) -> Vec<(String, usize)> {
-    let names: &[&str] = match case {
-        Case::Path(program) => match &program.kind {
-            program::Kind::Point(_) => &["e11", "s11"],
-            program::Kind::Interface(_) => &["slip", "tau"],
-        },
-        Case::Pullout(_) => &["slip", "load"],
-        Case::Bridging(_) => &[],
-    };
-    let columns = case.columns();
-    let index = |name: &str| columns.iter().position(|column| column == name).map(|k| k - LEADING.len());
-    names.iter().filter_map(|name| Some(((*name).to_owned(), index(name)?))).collect()
-}
-
-/// A few lines on standard output.
-fn outcome(summary: &Summary, case: &Case, folder: &Path) -> String {
-    use std::fmt::Write;
-    let done = match summary.status {
-        Status::Done => "done",
-        Status::Failed => "FAILED",
-        Status::Interrupted => "interrupted",
-    };
-    let effort = match case {
-        Case::Bridging(_) => String::new(),
-        _ => format!("{} increments, {} plugin calls, ", summary.increments, summary.plugin_calls),
-    };
-    let mut text = format!("{}: {done}, {effort}{:.3} s -> {}\n", title(case), summary.wall_time_s, folder.display());
-    text.push_str(&bridging::outcome(summary));
-    let interesting = match case {
-        Case::Path(program) => match &program.kind {
-            program::Kind::Point(_) => &STRESS_NAMES[..],
-            program::Kind::Interface(_) => &["tau", "p"],
-        },
-        Case::Pullout(_) => &["load", "load_lateral"],
-        Case::Bridging(_) => &[],
-    };
-    for name in interesting {
-        if let Some(peak) = summary.peaks.get(*name)
-            && let (Some(max), Some(min)) = (peak.max, peak.min)
-            && (max.abs() > 1e-6 || min.abs() > 1e-6)
-        {
-            let unit = columns::shown(name).map_or("", |(_, unit, _)| unit);
-            let _ = writeln!(text, "  {name}: max {max:.6} {unit}, min {min:.6} {unit}");
-        }
-    }
-    for comparison in &summary.compare {
-        let _ = match comparison.rms {
-            Some(rms) => {
-                writeln!(text, "  {}: RMS {rms:.4} over {} points", comparison.file, comparison.points)
-            }
-            None => writeln!(text, "  {}: no point within the path's range", comparison.file),
-        };
-    }
-    text
 }

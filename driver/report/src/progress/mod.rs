@@ -1,9 +1,12 @@
 //! Progress of a run: a bar on a terminal, now and then a line otherwise, nothing when quiet.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use pullout_case::Case;
+use pullout_run::columns::LEADING;
 use pullout_run::isolation::worker;
 use pullout_run::number;
 use pullout_run::path::Row;
+use pullout_run::program::Kind;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -63,9 +66,14 @@ enum Display {
 pub type Listener = Box<dyn FnMut(f64, &Row<'_>) + Send>;
 
 impl Progress {
+    /// Shows the progress of a case's run of some extent.
+    pub fn of(case: &Case, extent: Extent, quiet: bool) -> Self {
+        Self::new(&case.name(), extent, shown(case), quiet)
+    }
+
     /// Shows the progress of a run of some extent. `shown`: what to tell of the present state, as (name, index among the
     /// values of a row), for example `("s11", 7)`.
-    pub fn new(title: &str, extent: Extent, shown: Vec<(String, usize)>, quiet: bool) -> Self {
+    fn new(title: &str, extent: Extent, shown: Vec<(String, usize)>, quiet: bool) -> Self {
         let display = if quiet {
             Display::Quiet
         } else if let Some(terminal) = worker::terminal() {
@@ -150,6 +158,21 @@ impl Drop for Progress {
     fn drop(&mut self) {
         self.finish();
     }
+}
+
+/// Columns that a progress line tells: the first strain and stress, slip and traction, or slip and load.
+fn shown(case: &Case) -> Vec<(String, usize)> {
+    let names: &[&str] = match case {
+        Case::Path(program) => match &program.kind {
+            Kind::Point(_) => &["e11", "s11"],
+            Kind::Interface(_) => &["slip", "tau"],
+        },
+        Case::Pullout(_) => &["slip", "load"],
+        Case::Bridging(_) => &[],
+    };
+    let columns = case.columns();
+    let index = |name: &str| columns.iter().position(|column| column == name).map(|k| k - LEADING.len());
+    names.iter().filter_map(|name| Some(((*name).to_owned(), index(name)?))).collect()
 }
 
 /// After how many increments the clock is read again: doubled or halved until that takes about [`REFRESH`].

@@ -8,9 +8,7 @@ use pullout_report::directory::ResultDirectory;
 use pullout_report::record::cpu_time;
 use pullout_report::summary::Summary;
 use pullout_run::bridging::{Program, SimulationFindings, Source, run};
-use pullout_run::number::significant;
 use pullout_study::Execution;
-use std::fmt::Write;
 use std::io;
 use std::time::Instant;
 
@@ -39,10 +37,6 @@ pub(super) fn run_case(
     conclude(case, directory, done, times)
 }
 
-fn number(value: f64) -> String {
-    significant(value, 4)
-}
-
 /// Curves of runs of a specimen, if the case asks for them.
 fn curves(
     program: &Program,
@@ -68,31 +62,4 @@ fn curves(
         }
     };
     pullout_study::curves_of_fibres(simulations, &execution, &tell).map(Some)
-}
-
-/// A few lines of what came out.
-pub(super) fn outcome(summary: &Summary) -> String {
-    let mut text = String::new();
-    let Some(findings) = &summary.bridging else { return text };
-    // writing to a String cannot fail
-    let _ = writeln!(
-        text,
-        "  sigma: max {} MPa at w = {} mm; of the fibres {} MPa at {} mm, eta {}, {} per cm²",
-        number(findings.sigma_peak),
-        number(findings.w_peak),
-        number(findings.sigma_fibre_peak),
-        number(findings.w_fibre_peak),
-        number(findings.efficiency),
-        number(findings.fibres_per_cm2)
-    );
-    if let Some(beam) = &findings.beam {
-        let residual = beam.residual.map(number).join(", ");
-        let _ = writeln!(text, "  f_L {} MPa, f_R1–4 {residual} MPa", number(beam.limit));
-    }
-    if let Some(scatter) = &findings.scatter {
-        let residual = scatter.residual.map(|spread| number(spread.characteristic)).join(", ");
-        let class = scatter.class.as_deref().unwrap_or("none");
-        let _ = writeln!(text, "  of {} beams: f_R1k–4k {residual} MPa, class {class}", scatter.beams);
-    }
-    text
 }
