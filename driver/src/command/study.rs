@@ -1,17 +1,14 @@
 //! `pullout study`, and what `pullout check` does with a study.
 
 use super::{BAD_INPUT, DONE, FAILED, Reading, Refusal, complain, isolated, run, say};
-use indicatif::{ProgressBar, ProgressStyle};
 use pullout_case::{CaseErrors, CaseProblem};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_run::isolation::Told;
 use pullout_run::isolation::prints::Prints;
-use pullout_run::number::significant;
 use pullout_run::signals;
-use pullout_study::claims::{self, Finding, Verdict};
-use pullout_study::{Demand, Execution, Results, Run, RunResult, Study};
+use pullout_study::{Demand, Execution, Progress, Results, Run, Study, claims};
 use std::collections::BTreeSet;
-use std::io::{self, IsTerminal};
+use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -213,12 +210,13 @@ fn open(study: &Study, folder: &Path, arguments: &Arguments) -> Result<ResultDir
 fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &Arguments) -> io::Result<u8> {
     directory.begin(&[])?;
     let folder = &directory.path().to_owned();
-    let progress = Progress::new(study, arguments.quiet);
+    let progress = Progress::new(study, folder, arguments.quiet);
     let states = pullout_study::execute(study, &execution(folder, arguments), &|run, code, count, of| {
-        let result = RunResult::of_one(run, study, folder, code);
-        progress.tell(&study.name_of(run), code, &result, count, of);
+        if let Some(line) = progress.ended(run, code, count, of) {
+            say(&line);
+        }
     })?;
-    progress.bar.as_ref().inspect(|bar| bar.finish_and_clear());
+    progress.finish();
     let results = Results::read(study, folder, &states);
     let findings = claims::test_all(study, &results);
     pullout_study::write_csv(&mut directory, study, &results)?;
@@ -228,7 +226,7 @@ fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &Arguments)
     pullout_study::write_report(&mut directory, study, &results, &findings, &drawings.pictures)?;
     directory.finish()?;
     if !arguments.quiet {
-        say(&outcome(study, &results, &findings, folder));
+        say(&pullout_study::outcome(study, &results, &findings, folder));
     }
     drawings.warnings.iter().for_each(|warning| complain(format!("{}: warning: {warning}", study.file.display())));
     for (run, result) in study.runs.iter().zip(&results.runs) {
@@ -252,70 +250,4 @@ fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &Arguments)
         pullout_study::State::Kept | pullout_study::State::NotRun => DONE,
     });
     Ok(of_run.chain(of_kept).max().unwrap_or(DONE))
-}
-
-/// Tells of runs as they end.
-struct Progress {
-    bar: Option<ProgressBar>,
-    quiet: bool,
-    end_unit: String,
-}
-
-impl Progress {
-    fn new(study: &Study, quiet: bool) -> Self {
-        let bar = (!quiet && io::stderr().is_terminal()).then(|| {
-            let style = ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {elapsed}");
-            let bar = ProgressBar::new(study.runs.len() as u64);
-            if let Ok(style) = style {
-                bar.set_style(style);
-            }
-            bar.enable_steady_tick(std::time::Duration::from_secs(1));
-            bar
-        });
-        Self { bar, quiet, end_unit: study.units[1].clone() }
-    }
-
-    fn tell(&self, name: &str, code: u8, result: &RunResult, count: usize, of: usize) {
-        if self.quiet {
-            return;
-        }
-        let unit = &self.end_unit;
-        let peak = result.peak.map_or(String::new(), |peak| format!(", peak {} {unit}", significant(peak, 5)));
-        let time = result.summary.as_ref().map_or(String::new(), |s| format!(", {} s", significant(s.wall_time_s, 3)));
-        let how = match code {
-            DONE => String::from("done"),
-            _ if signals::received().is_some() => "interrupted".into(),
-            // its increments went to their end, but a file of its results could not be written
-            _ if result.is_done() => format!("done, FAILED with exit code {code}"),
-            _ => "FAILED".into(),
-        };
-        let line = format!("[{count}/{of}] {name}: {how}{peak}{time}");
-        match &self.bar {
-            Some(bar) => {
-                bar.set_length(of as u64);
-                bar.set_position(count as u64);
-                bar.println(line);
-            }
-            None => say(&(line + "\n")),
-        }
-    }
-}
-
-/// A few lines on standard output.
-fn outcome(study: &Study, results: &Results, findings: &[Finding], folder: &Path) -> String {
-    use std::fmt::Write;
-    let count = |wanted: fn(&RunResult) -> bool| results.runs.iter().filter(|run| wanted(run)).count();
-    let (done, kept) = (count(RunResult::is_done), count(|run| run.is_kept));
-    let kept = if kept > 0 { format!(" ({kept} as they were)") } else { String::new() };
-    let mut text =
-        format!("{}: {done} of {} runs done{kept} -> {}\n", study.title, results.runs.len(), folder.display());
-    for Finding { claim, verdict, figures, .. } in findings {
-        let mark = if *verdict == Verdict::Found { ' ' } else { '!' };
-        // writing to a String cannot fail
-        let _ = writeln!(text, "{mark} {}: {claim}", verdict.words());
-        figures.iter().for_each(|line| {
-            let _ = writeln!(text, "      {line}");
-        });
-    }
-    text
 }

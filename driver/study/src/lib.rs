@@ -3,8 +3,8 @@
 //! A study file (`document`) is read and every run's case is checked (`read`) before anything runs. Each run is a process
 //! of its own, so that a plugin meets the same program as in a single run; its results are an ordinary result directory
 //! (`execution`). What is done already is not done again while neither the case, nor its files, nor the program changed
-//! (`fingerprint`). Then the runs are compared ([`results`]), the claims are tested ([`claims`]), and pictures, tables and
-//! a report are made ([`pictures`], `table`, `report`).
+//! (`fingerprint`), and the user hears of each run that ends ([`Progress`]). Then the runs are compared ([`results`]), the
+//! claims are tested ([`claims`]), and pictures, tables and a report are made ([`pictures`], `table`, `report`).
 
 pub mod claims;
 
@@ -13,6 +13,7 @@ mod execution;
 mod fibres;
 mod fingerprint;
 pub mod pictures;
+mod progress;
 mod read;
 mod report;
 pub mod results;
@@ -22,6 +23,7 @@ pub use claims::{Expectation, Finding, Verdict};
 pub use demand::Demand;
 pub use execution::{Execution, State, execute};
 pub use fibres::curves_of_fibres;
+pub use progress::{Progress, outcome};
 pub use pullout_case::study::{Columns, NamedQuantity, QuantityOfFile as Quantity};
 pub use read::{default_curve, read};
 pub use report::write as write_report;

@@ -74,7 +74,7 @@ impl Results {
 
 impl RunResult {
     /// Reads the results of a run that has just ended.
-    pub fn of_one(run: &Run, study: &Study, out: &Path, code: u8) -> Self {
+    pub(super) fn of_one(run: &Run, study: &Study, out: &Path, code: u8) -> Self {
         Self::read(run, study, out, State::Ran(code))
     }
 
