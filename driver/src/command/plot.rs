@@ -2,12 +2,9 @@
 
 use super::{DONE, Refusal, complain, say};
 use pullout_report::directory::{Kind, ResultDirectory};
-use pullout_report::history::History;
 use pullout_report::plots::export::{self, Export};
-use pullout_report::plots::{self, Run, SPEC_FILE, Spec, selection, within};
-use pullout_run::input::{self, Input};
-use std::io;
-use std::path::{Path, PathBuf};
+use pullout_report::plots::redraw::{self, Redrawing};
+use std::path::PathBuf;
 
 /// Settings for drawing pictures again.
 #[derive(Debug, clap::Args)]
@@ -39,77 +36,23 @@ pub(super) fn plot(arguments: &Arguments) -> Result<u8, Refusal> {
     }
     for folder in arguments.results.iter().filter(|_| !is_study) {
         let refused = |error| Refusal::input(format!("{error}: is it the result directory of a run with pictures?"));
-        runs.push(read(folder).map_err(refused)?);
+        runs.push(redraw::read(folder).map_err(refused)?);
     }
     let (root, kind, folder) = match &arguments.out {
         Some(out) => (out, Kind::Pictures, ""),
         None => (first, if is_study { Kind::Study } else { Kind::Run }, "plots"),
     };
-    let paths = draw(&runs, ResultDirectory::open_to_add(root, kind)?, folder, arguments)?;
-    paths.iter().for_each(|path| say(&format!("{}\n", path.display())));
-    Ok(DONE)
-}
-
-/// Draws into a folder of a directory; the result is the files.
-fn draw(
-    runs: &[(History, Spec)],
-    mut directory: ResultDirectory,
-    folder: &str,
-    arguments: &Arguments,
-) -> Result<Vec<PathBuf>, Refusal> {
-    let runs: Vec<_> = runs.iter().map(|(history, spec)| Run { history, spec }).collect();
-    let figures = selection::figures(&runs);
-    let drawn: Vec<String> = figures.iter().map(|figure| within(folder, &format!("{}.svg", figure.name))).collect();
     let formats: [(bool, &str, Export); 2] = [(arguments.png, "png", export::png), (arguments.pdf, "pdf", export::pdf)];
-    let formats: Vec<_> = formats.into_iter().filter(|(is_wanted, ..)| *is_wanted).collect();
-    let mut drawings = drawn.clone();
-    if !formats.is_empty() {
-        drawings.extend(present(&directory.path().join(folder)).into_iter().map(|name| within(folder, &name)));
-        drawings.sort();
-        drawings.dedup();
-    }
-    let named =
-        |drawing: &String, extension: &str| Path::new(drawing).with_extension(extension).to_string_lossy().into_owned();
-    let exports: Vec<(&String, String, Export)> = drawings
-        .iter()
-        .flat_map(|drawing| formats.iter().map(move |&(_, name, export)| (drawing, named(drawing, name), export)))
-        .collect();
-    let names = drawn.iter().chain(exports.iter().map(|(_, name, _)| name));
-    let foreign = directory.foreign(names.map(String::as_str));
-    if !foreign.is_empty() && !arguments.overwrite {
-        return Err(Refusal::input(format!(
-            "{}: {} would be replaced, but this program did not write it, or it was changed since: choose another \
-             --out, or replace it with --overwrite",
-            directory.path().display(),
-            foreign.join(", ")
-        )));
-    }
-    if !foreign.is_empty() {
-        complain(format!("{}: --overwrite replaces {}", directory.path().display(), foreign.join(", ")));
-    }
-    let drawings = plots::write_all(&mut directory, folder, &figures)?;
+    let formats = formats.iter().filter(|(is_wanted, ..)| *is_wanted).map(|&(_, name, export)| (name, export));
+    let mut directory = ResultDirectory::open_to_add(root, kind)?;
+    let redrawing = Redrawing::new(&runs, &directory, folder, &Vec::from_iter(formats));
+    directory.admit(redrawing.names(), arguments.overwrite)?;
+    directory.notes().iter().for_each(complain);
+    let drawings = redrawing.draw(&mut directory)?;
     drawings.warnings.iter().for_each(|warning| complain(format!("warning: {warning}")));
-    let mut paths: Vec<PathBuf> = drawings.pictures.into_iter().map(|picture| picture.path).collect();
-    for (drawing, name, export) in &exports {
-        let svg = input::text(&directory.path().join(drawing), Input::Result)?;
-        paths.push(directory.write(name, export(&svg)?)?);
-    }
+    let exported = redrawing.export(&mut directory)?;
     directory.finish()?;
-    Ok(paths)
-}
-
-/// The drawings in a folder.
-fn present(folder: &Path) -> Vec<String> {
-    let names = std::fs::read_dir(folder)
-        .into_iter()
-        .flatten()
-        .flatten()
-        .filter_map(|entry| entry.file_name().into_string().ok());
-    names.filter(|name| name.ends_with(".svg")).collect()
-}
-
-fn read(folder: &Path) -> io::Result<(History, Spec)> {
-    let history = History::of_run(folder, |table| table.for_pictures())?;
-    let spec = Spec::read(&folder.join("plots").join(SPEC_FILE))?;
-    Ok((history, spec))
+    let drawn = drawings.pictures.iter().map(|picture| &picture.path);
+    drawn.chain(&exported).for_each(|path| say(&format!("{}\n", path.display())));
+    Ok(DONE)
 }

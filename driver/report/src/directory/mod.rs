@@ -199,18 +199,22 @@ impl ResultDirectory {
                 self.manifest.kind.words()
             )));
         }
+        self.make_way(foreign, access.overwrite)
+    }
+
+    /// Notes files of the user's that are replaced, or refuses.
+    fn make_way(&mut self, foreign: Vec<String>, overwrite: bool) -> Result<(), Refusal> {
         if foreign.is_empty() {
             return Ok(());
         }
-        let listed = listed(&foreign);
-        if !access.overwrite {
+        let (path, listed) = (self.path.display(), listed(&foreign));
+        if !overwrite {
             return Err(Refusal::Content(format!(
-                "{}: {listed} would be replaced, but this program did not write it, or it was changed since: choose \
-                 another --out, or replace it with --overwrite",
-                path.display()
+                "{path}: {listed} would be replaced, but this program did not write it, or it was changed since: choose \
+                 another --out, or replace it with --overwrite"
             )));
         }
-        self.notes.push(format!("{}: --overwrite replaces {listed}", path.display()));
+        self.notes.push(format!("{path}: --overwrite replaces {listed}"));
         self.replaced = foreign;
         Ok(())
     }
@@ -272,11 +276,16 @@ impl ResultDirectory {
         Ok(path)
     }
 
-    /// The names of which a file is there that the program did not write.
-    pub fn foreign<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Vec<String> {
+    /// Makes sure that files of these names may be added: none is there that the program did not write, or it is to be
+    /// replaced, which is noted ([`Self::notes`]).
+    ///
+    /// # Errors
+    /// One is there, and `overwrite` does not ask for its end.
+    pub fn admit<'n>(&mut self, names: impl IntoIterator<Item = &'n str>, overwrite: bool) -> Result<(), Refusal> {
         let is_there = |name: &&str| fs::symlink_metadata(self.path.join(name)).is_ok();
         let names = names.into_iter().filter(is_there).filter(|name| !self.manifest.owns(name, &self.path));
-        names.map(str::to_owned).collect()
+        let foreign = names.map(str::to_owned).collect();
+        self.make_way(foreign, overwrite)
     }
 
     /// Removes the earlier results: new ones stand.

@@ -1,7 +1,7 @@
 //! The pictures of a run, or of several on top of each other, as SVG.
 //!
 //! [`Spec`] says what a history's columns mean and which measured curves belong to it; it is kept beside the pictures
-//! so that `pullout plot` can redraw them without the case. [`selection`] decides which pictures there are,
+//! so that [`redraw`] makes them anew without the case. [`selection`] decides which pictures there are,
 //! [`figure`] draws one; [`field`] draws what a mesh carries.
 
 use super::directory::ResultDirectory;
@@ -26,6 +26,7 @@ mod inset;
 mod legend;
 mod markup;
 pub mod quantity;
+pub mod redraw;
 pub mod selection;
 
 #[cfg(test)]
