@@ -3,8 +3,7 @@
 use super::{BAD_INPUT, DONE, FAILED, Refusal, complain, say};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
-use pullout_sweep::{Collection, Standing, Store, Work, Worked, batch};
-use std::collections::BTreeMap;
+use pullout_sweep::{Collection, Standing, Store, Work, Worked, batch, slurm};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -124,7 +123,12 @@ pub(super) fn act(action: &Action) -> u8 {
         Action::Work(toil) => work(toil),
         Action::Status { folder } => status(&Store::new(folder)),
         Action::Collect { folder, out, overwrite } => collect(&Store::new(folder), out.as_deref(), *overwrite),
-        Action::Submit { folder, slurm: _, array, jobs } => submit(folder, *array, *jobs),
+        Action::Submit { folder, slurm: _, array, jobs } => {
+            slurm::script(&Store::new(folder), *array, *jobs).map(|script| {
+                say(&script);
+                DONE
+            })
+        }
         Action::Batch { batch, rows } => batch::carry_out(batch, rows).map(|()| DONE),
     };
     done.unwrap_or_else(|error| {
@@ -165,18 +169,7 @@ fn work(toil: &Toil) -> io::Result<u8> {
 }
 
 fn status(store: &Store) -> io::Result<u8> {
-    let standing = Standing::of(store)?;
-    let over: usize = standing.over.values().sum();
-    let counts: BTreeMap<&str, usize> = standing.over.iter().map(|(name, count)| (name.as_str(), *count)).collect();
-    let words: Vec<String> = counts.iter().map(|(name, count)| format!("{count} {name}")).collect();
-    let words = if words.is_empty() { String::new() } else { format!(" ({})", words.join(", ")) };
-    let mut text =
-        format!("{}: {} runs, {over} over{words}, {} left", store.folder().display(), standing.runs, standing.left());
-    if over > 0 {
-        let each = standing.wall_s / over as f64;
-        text += &format!("; {each:.4} s each, {:.0} s of work left", each * standing.left() as f64);
-    }
-    say(&format!("{text}\n"));
+    say(&format!("{}: {}\n", store.folder().display(), Standing::of(store)?));
     Ok(DONE)
 }
 
@@ -191,19 +184,5 @@ fn collect(store: &Store, out: Option<&Path>, overwrite: bool) -> io::Result<u8>
             say(&String::from_utf8_lossy(&text));
         }
     }
-    Ok(DONE)
-}
-
-/// The script of an array of jobs, each of which runs its part.
-fn submit(folder: &Path, (first, last): (usize, usize), jobs: u16) -> io::Result<u8> {
-    let sweep = Store::new(folder).sweep()?;
-    let name: String = sweep.title.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
-    let folder = std::path::absolute(folder)?;
-    let quoted = format!("'{}'", folder.display().to_string().replace('\'', "'\\''"));
-    let count = last - first + 1;
-    say(&format!(
-        "#!/bin/sh\n#SBATCH --job-name={name}\n#SBATCH --array={first}-{last}\n#SBATCH --ntasks=1\n#SBATCH --cpus-per-task={jobs}\n\
-         exec pullout sweep work --quiet --jobs {jobs} --chunk $((SLURM_ARRAY_TASK_ID - {first}))/{count} -- {quoted}\n"
-    ));
     Ok(DONE)
 }

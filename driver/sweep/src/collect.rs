@@ -9,7 +9,7 @@ use pullout_run::path::FailureKind;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
-use std::{fs, io};
+use std::{fmt, fs, io};
 
 /// Machine and program that make rows.
 #[derive(Default)]
@@ -200,6 +200,20 @@ impl Standing {
     /// Runs that are left.
     pub fn left(&self) -> usize {
         self.runs - self.over.values().sum::<usize>()
+    }
+}
+
+impl fmt::Display for Standing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (over, left) = (self.over.values().sum::<usize>(), self.left());
+        write!(f, "{} runs, {over} over", self.runs)?;
+        if over == 0 {
+            return write!(f, ", {left} left");
+        }
+        let words: Vec<String> = self.over.iter().map(|(name, count)| format!("{count} {name}")).collect();
+        let each = self.wall_s / over as f64;
+        let work = each * left as f64;
+        write!(f, " ({}), {left} left; {each:.4} s each, {work:.0} s of work left", words.join(", "))
     }
 }
 

@@ -10,6 +10,7 @@ mod collect;
 mod collection;
 mod plan;
 mod run;
+pub mod slurm;
 pub mod store;
 pub mod table;
 mod work;
