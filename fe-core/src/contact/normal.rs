@@ -81,7 +81,8 @@ impl HostNormal {
         let opening = if law.p_0 > 0.0 { state.opening.max(-penetration - cap_gap) } else { 0.0 };
         let left = remaining(law, opening);
         let response = NormalResponse { opening, closed: left > 0.0, ..NormalResponse::default() };
-        if left == 0.0 && elastic.pressure <= 0.0 {
+        // surfaces that touch have the penalty's stiffness: nothing else holds a body that a force presses on at first
+        if left == 0.0 && elastic.pressure < 0.0 {
             response
         } else if left == 0.0 || penetration >= 0.0 {
             NormalResponse { opening, ..elastic }

@@ -78,6 +78,23 @@ fn penalties_are_filled_by_role_and_left_alone_otherwise() {
     assert!((contact.points().next().unwrap().shear.abs() / (1e-4 * penalty) - 1.0).abs() < 1e-9);
 }
 
+/// Pressed by a force, bodies that touch without pressing would otherwise be free.
+#[test]
+fn surfaces_that_touch_are_stiff_and_open_as_they_part() {
+    let scene = Scene::straight(Q4);
+    let mut contact = scene.contact(scene.pair(hard(0.0, 0.0, &[("law", 2.0), ("mu", 0.3)])));
+    let largest_stiffness = |contact: &mut Contact, lifted: f64| {
+        let stiffness = stiffness(contact, &scene.moved(1, |_| [0.0, lifted]));
+        stiffness.iter().map(|row| largest(row)).fold(0.0, f64::max)
+    };
+    let touching = largest_stiffness(&mut contact, 0.0);
+    assert!(touching > 1.0, "{touching}");
+    assert_eq!(contact.counts().open, 0);
+    assert!(contact.points().all(|point| point.pressure == 0.0 && point.shear == 0.0));
+    assert!((largest_stiffness(&mut contact, -0.01) / touching - 1.0).abs() < 0.1);
+    assert_eq!((largest_stiffness(&mut contact, 1e-6), contact.counts().open), (0.0, 6));
+}
+
 #[test]
 fn a_tenth_of_the_points_over_the_cap_open_at_a_time() {
     let scene = Scene::straight(Q8);
