@@ -107,10 +107,12 @@ impl PointState {
         self.work += area * (mean(pressing[0], pressing[1]) * (start.own_gap - self.own_gap) + sliding);
         let spent = |state: &Self| state.plugin_energies[1..].iter().sum::<f64>();
         self.dissipated += area * weight * (spent(self) - spent(start));
-        let stored = mean(start.stored(), self.stored());
+        // tractions of a point under a force grow with 1/w, and ψ with 1/w²: the arithmetic mean would release more than there is
+        let [before, after] = [start.stored(), self.stored()];
+        let stored = before.signum() * (before * after).max(0.0).sqrt();
         // the pressure of a patch does its work on the gaps of its points: on the mean gap, but for what fades, as Σ A w (g_N − ḡ) = 0
-        let aside = mean(start.own_gap - start.gap, self.own_gap - self.gap);
-        let fading = stored - mean(start.pressure, self.pressure) * aside;
+        let aside = |state: &Self| state.own_gap - state.gap;
+        let fading = stored - mean(start.pressure * aside(self), self.pressure * aside(start));
         self.released += area * fading * (start.weight - self.weight);
         if self.normal.opening > start.normal.opening || self.normal.latched != start.normal.latched {
             let work = mean(start.pressure, self.pressure) * (start.gap - self.gap);

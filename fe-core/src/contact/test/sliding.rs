@@ -3,6 +3,7 @@
 use super::*;
 use crate::assembly::Place;
 use crate::contact::chain::Foot;
+use crate::contact::history::PointState;
 use crate::contact::law::PointLaw;
 use crate::contact::{PointIndex, PointStatus};
 use crate::element::ElementKind::{Q4, Q8};
@@ -210,6 +211,33 @@ fn cycles_dissipate_and_energies_balance() {
             assert_eq!(now.released != 0.0, release && contact.points().any(|point| point.weight < 1.0));
         }
     }
+}
+
+/// A point under a given force leaves the master: what it stored is released, the force on the slider's way dissipated.
+#[test]
+fn a_point_that_fades_under_a_force_releases_no_more_than_there_is() {
+    let (force, stiffness, slide) = (3.0, 100.0, 10.0);
+    let at = |weight: f64, slip: f64| {
+        let shear = force / weight;
+        let mut state = PointState { weight, slip, shear, ..PointState::default() };
+        state.plugin_energies[0] = 0.5 * shear * shear / stiffness;
+        state
+    };
+    let dissipated = |start: &PointState, end: &mut PointState| {
+        end.book(start, 1.0);
+        let stored = |state: &PointState| state.weight * state.stored();
+        end.work - (stored(end) - stored(start)) - end.released
+    };
+    for left in [0.4, 0.01, 0.004] {
+        let (start, mut end) = (at(0.5, 0.0), at(left, slide));
+        let elastic = force / stiffness * (1.0 / left - 1.0 / 0.5);
+        assert!((dissipated(&start, &mut end) - force * (slide - elastic)).abs() < 1e-9, "{left}: {end:?}");
+        assert!(end.released > 0.0);
+    }
+    // past the end nothing is left: all that was stored is released, and no more
+    let (start, mut end) = (at(0.5, 0.0), PointState { weight: 0.0, shear: 0.0, slip: slide, ..at(0.5, 0.0) });
+    assert!((dissipated(&start, &mut end) - 0.5 * force * slide).abs() < 1e-9);
+    assert!((end.released - 0.5 * start.stored()).abs() < 1e-12);
 }
 
 #[test]
