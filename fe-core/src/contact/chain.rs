@@ -12,7 +12,7 @@ pub(super) static ARC_LENGTH_RULE: LazyLock<Vec<LinePoint>> = LazyLock::new(|| g
 /// Directions of neighbouring edges that differ by less than this do not need smoothing; rad.
 const STRAIGHT: f64 = 1e-6;
 /// Directions that differ by more are meant: a corner; rad.
-const CORNER: f64 = 0.5;
+pub(super) const CORNER: f64 = 0.5;
 /// Nodes of an edge (three) and of its neighbours (two more each).
 pub(super) const MAX_SHAPE_NODES: usize = 7;
 

@@ -1,6 +1,7 @@
 #![doc = include_str!("doc.md")]
 
 mod chain;
+mod facets;
 mod foretold;
 mod history;
 mod kinematics;

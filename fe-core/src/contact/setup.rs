@@ -1,6 +1,7 @@
 //! A pair made from its definition in the model: numbers checked, penalty chosen, every point put on its foot.
 
 use super::chain::Chain;
+use super::facets::Facets;
 use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
@@ -14,9 +15,8 @@ use crate::mesh::Mesh;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, ModelError, NormalLaw, Width};
 use crate::plane::{distance, dot};
 
-/// Gaps at the start up to this × the contact width (a given one, otherwise the slave edge's length) come from faceted
-/// curves: stored and subtracted.
-const INITIAL_GAP: f64 = 1e-3;
+/// The largest gap and slip at which a law is asked whether it is bonded, as part of an edge.
+const BOND_PROBE: f64 = 1e-3;
 
 /// The first slip at which a law is asked for its elastic limit, as part of an edge.
 const FIRST_PROBE: f64 = 1e-7;
@@ -69,8 +69,9 @@ impl Pair {
             foretold: Foretold::default(),
             points,
         };
+        let facets = Facets::new(mesh, &pair.slave, &pair.master);
         for index in 0..pair_points.points.len() {
-            pair_points.start_point(mesh, pair, index)?;
+            pair_points.start_point(mesh, &facets, index)?;
         }
         pair_points.share_gaps();
         pair_points.trial.points.clone_from(&pair_points.committed.points);
@@ -136,22 +137,19 @@ impl Pair {
     }
 
     /// Finds where a point starts.
-    fn start_point(&mut self, mesh: &Mesh, pair: &ContactPair, index: usize) -> Result<(), ModelError> {
+    fn start_point(&mut self, mesh: &Mesh, facets: &Facets, index: usize) -> Result<(), ModelError> {
         let position = |node: usize| mesh.nodes()[node];
         let point = self.points[index];
         let at = point.slave.position(&position);
+        let name = self.name.clone();
         let wrong = |reason: &str| {
-            let place = Place::Contact { pair: pair.name.clone(), point: index, position: at };
+            let place = Place::Contact { pair: name.clone(), point: index, position: at };
             ModelError(format!("{place}: {reason}"))
         };
         let projection = Projection { chain: &self.chain, position };
         let foot = projection.anywhere(at).ok_or_else(|| wrong("no foot on the master"))?;
         let kinematics = Kinematics::new(&self.chain, &point.slave, foot, &position).map_err(wrong)?;
-        let width = match pair.width {
-            Width::Given(width) => width,
-            Width::OfPart => point.edge_length,
-        };
-        let (gap, allowed) = (kinematics.gap, INITIAL_GAP * width);
+        let (gap, allowed) = (kinematics.gap, facets.allowed(&point, at, foot));
         let too_large = || {
             let open = if gap > 0.0 { "; more may only open a pair that carries neither tension nor bond" } else { "" };
             let limit = format!("up to ±{allowed:.3e} is taken as a fault of the mesh{open}");
@@ -167,11 +165,12 @@ impl Pair {
         let (weight, _) = self.weight(index, kinematics.arc_length);
         let mut state = PointState::new(foot, weight);
         state.gap = gap - self.data[index].gap;
+        state.own_gap = state.gap;
         if weight == 0.0 {
             state.status = PointStatus::Released;
         }
         self.committed.points.push(state);
-        if !is_fault && self.is_bonded(index, &kinematics, allowed)? {
+        if !is_fault && self.is_bonded(index, &kinematics, gap.min(BOND_PROBE * point.edge_length))? {
             return Err(too_large());
         }
         Ok(())

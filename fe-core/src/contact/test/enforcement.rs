@@ -29,8 +29,8 @@ fn above(gap: f64) -> Scene {
 #[test]
 fn small_initial_gaps_are_subtracted_and_large_ones_only_open_what_carries_nothing() {
     let unbonded = [("law", 2.0), ("mu", 0.3)];
-    // The width is 30 mm: up to 0.03 mm is a fault of the mesh.
-    for gap in [0.02, -0.02] {
+    // The width is 30 mm, which is no size of the mesh.
+    for gap in [1e-6, -1e-6] {
         let scene = above(gap);
         let mut contact = scene.contact(scene.pair(uinter(&[])));
         let none = vec![0.0; scene.freedom_count()];
@@ -42,7 +42,7 @@ fn small_initial_gaps_are_subtracted_and_large_ones_only_open_what_carries_nothi
             Contact::new(&scene.mesh, &[scene.pair(law)], &[86.0; 2], true, &FieldValues::default()).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "contact 'fibre', point 1 at (1.683148, 0.100000): its gap is 1.000e-1 mm at the start, up to ±3.000e-2 is taken \
+            "contact 'fibre', point 1 at (1.683148, 0.100000): its gap is 1.000e-1 mm at the start, up to ±1.686e-6 is taken \
              as a fault of the mesh; more may only open a pair that carries neither tension nor bond"
         );
     }
@@ -54,6 +54,34 @@ fn small_initial_gaps_are_subtracted_and_large_ones_only_open_what_carries_nothi
         assert!(largest(&forces(&mut contact, &scene.moved(1, |_| [0.0, -0.11]))) > 0.0, "the whole gap closes");
         let scene = above(-0.1);
         assert!(Contact::new(&scene.mesh, &[scene.pair(law)], &[86.0; 2], true, &FieldValues::default()).is_err());
+    }
+}
+
+/// Straight surfaces keep the smallest gap, whatever the contact width; an overlap of them is refused.
+#[test]
+fn straight_surfaces_keep_their_gaps() {
+    let free = hard(0.0, 0.0, &[("law", 2.0), ("mu", 0.3)]);
+    for width in [Width::Given(1000.0), Width::OfPart] {
+        let pair = |scene: &Scene| ContactPair { width, ..scene.pair(free.clone()) };
+        let scene = above(5e-4);
+        let mut contact = scene.contact(pair(&scene));
+        assert_eq!(largest(&forces(&mut contact, &scene.moved(1, |_| [0.0, -4e-4]))), 0.0);
+        assert!(largest(&forces(&mut contact, &scene.moved(1, |_| [0.0, -6e-4]))) > 0.0);
+        let scene = above(-5e-4);
+        let refused = Contact::new(&scene.mesh, &[pair(&scene)], &[86.0; 2], true, &FieldValues::default());
+        assert!(refused.unwrap_err().to_string().contains("its gap is -5.000e-4 mm"));
+    }
+}
+
+/// The chords of one curve miss each other by the sagitta: no gap, with any width.
+#[test]
+fn facets_of_one_curve_touch() {
+    for kind in [Q4, Q8] {
+        for curve in [parabola as fn(f64) -> f64, |x: f64| 0.3 * x.cos()] {
+            let scene = Scene::rows(kind, curve, PlaneModel::PlaneStrain);
+            let mut contact = scene.contact(ContactPair { width: Width::OfPart, ..scene.pair(uinter(&[])) });
+            assert!(largest(&forces(&mut contact, &vec![0.0; scene.freedom_count()])) < 1e-9, "{kind}");
+        }
     }
 }
 

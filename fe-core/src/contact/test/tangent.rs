@@ -162,7 +162,6 @@ fn past_the_end_of_the_master_with_and_without_release() {
 fn axial_symmetry_and_all_quadratures() {
     for kind in [Q4, Q8] {
         for model in [PlaneModel::Axisymmetric, PlaneModel::PlaneStrain] {
-            // Facets of a curve would be a fault where the width is a part's.
             let scene = Scene::rows(kind, if kind == Q8 { parabola } else { |_| 0.0 }, model);
             for quadrature in [Gauss { points: 3 }, Nodes, Segments { points: 2 }] {
                 for width in [Width::OfPart, Width::Given(3.0)] {

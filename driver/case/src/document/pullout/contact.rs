@@ -15,7 +15,7 @@ pub enum Contact {
     Pairs(Vec<Piece<Pair>>),
 }
 
-/// Two surfaces that touch.
+/// Two surfaces that touch. Where both are pieces of one curve, the gaps that their edges make of it are no gaps; all others, and those of straight surfaces, are kept, and an overlap at the start is refused.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pair {
