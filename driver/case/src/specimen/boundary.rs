@@ -309,10 +309,8 @@ impl Boundary {
                 reader.problem(&place.key("load"), format!("there is no support '{name}'{}", hint(name, &names)));
             }
             if let Some(index) = index {
+                self.measured.direction = self.pull_direction(&self.supports[index]);
                 self.measured.supports = vec![index];
-            }
-            if let (Some(index), None) = (index, given.direction) {
-                self.measured.direction = normalised(self.supports[index].direction);
             }
         }
         if let Some(direction) = given.direction.and_then(|given| unit(reader, given, &place.key("direction"))) {
@@ -326,6 +324,21 @@ impl Boundary {
         self.measured.axis = defaults.and_then(|defaults| defaults.fibre_direction);
         self.measured.exit_node = find(given.exit.as_ref(), defaults.and_then(|d| d.exit), "exit");
         self.measured.tail_node = find(given.tail.as_ref(), defaults.and_then(|d| d.tail), "tail");
+    }
+
+    /// The direction in which the reaction of a support is the load, where the case names none: the support's if it has only
+    /// one, else the grip's, or that of what the slip moves without one.
+    fn pull_direction(&self, support: &Support) -> [f64; 2] {
+        let is_held_once = self.supports.iter().filter(|other| other.name == support.name).count() == 1;
+        if is_held_once {
+            return normalised(support.direction);
+        }
+        // a grip is what is measured until the case names another support
+        if !self.measured.supports.is_empty() {
+            return self.measured.direction;
+        }
+        let moves = |support: &&Support| support.drive.is_some_and(|drive| self.measured.slip.contains(&drive));
+        normalised(self.supports.iter().find(moves).unwrap_or(support).direction)
     }
 }
 

@@ -982,6 +982,32 @@ fn without_a_grip_nothing_slips() {
     assert_eq!((measured.slip, measured.direction), (vec![0], [0.0, 1.0]));
 }
 
+#[test]
+fn the_reaction_of_a_support_is_the_load_along_the_pull() {
+    let direction = |overrides: &[&str]| program(overrides).model.measured.direction;
+    // both directions: the first of them, x, is across the pull
+    assert_eq!(direction(&["measure.load=side"]), [0.0, 1.0]);
+    assert_eq!(direction(&["measure.load=side", "grip.direction=[3, 4]"]), [0.6, 0.8]);
+    assert_eq!(direction(&["measure.load=side", "measure.direction=x"]), [1.0, 0.0]);
+    // one direction: across it there is no reaction
+    let roller = r#"supports.roller={"nodes": "bottom", "direction": "x"}"#;
+    assert_eq!(direction(&[roller, "measure.load=roller"]), [1.0, 0.0]);
+    let mut case = pullout_case();
+    case.as_object_mut().expect("an object").remove("grip");
+    case["steps"] = json!([{ "drives": { "lift": 1 } }]);
+    case["supports"]["fibre_bottom"] = json!({ "direction": "y", "drive": "lift" });
+    case["measure"] = json!({ "slip": "lift", "load": "side" });
+    assert_eq!(accepted(&case, &[]).model.measured.direction, [0.0, 1.0], "that of what the slip moves");
+    let specimen = json!({ "type": "inclined_fibre", "angle_deg": 30 });
+    let mut case = specimen_case(specimen, &["fibre", "matrix"]);
+    case["contact"] = json!({ "law": { "plugin": "bond_slip", "props": { "normal_law": "hard" } } });
+    case["steps"] = json!([{ "slip": 1 }]);
+    let [own, sides] =
+        [&[] as &[&str], &["measure.load=sides"]].map(|overrides| accepted(&case, overrides).model.measured);
+    assert_eq!(sides.direction, own.direction);
+    assert_ne!(sides.supports, own.supports);
+}
+
 /// Two fibres, 4 mm from each other.
 fn two_fibres() -> Value {
     let fibre = |name: &str, exit: f64| {

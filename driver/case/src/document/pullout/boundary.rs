@@ -176,7 +176,7 @@ pub struct Measure {
     pub slip: Option<String>,
     /// Support whose reaction is the load; default: the grip. Without either the load is nan.
     pub load: Option<String>,
-    /// Pull direction; default: the grip's.
+    /// Pull direction; default: that of the support named as load if it has only one, else the grip's.
     pub direction: Option<Direction>,
     /// Node of slip_exit.
     pub exit: Option<NodeReference>,
