@@ -10,6 +10,7 @@ mod constraints;
 mod document;
 mod fields;
 mod history;
+mod host_normal;
 pub mod import;
 mod increments;
 mod interface;

@@ -1,6 +1,8 @@
 //! The plugin of a case: found, loaded, its law chosen, its parameters filled in and checked.
 
+use crate::document::pullout::Normal;
 use crate::document::{CalledAs, Entry, Material, Piece, Positive, Props, Tangent};
+use crate::host_normal;
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;
 use crate::reader::Reader;
@@ -30,6 +32,8 @@ pub struct Use {
     pub mode: Option<(Mode, Place)>,
     /// CELENT.
     pub length: Length,
+    /// The host's normal law beside FRIC, if it is known, and where the case gives it.
+    pub normal: Option<(Normal, Place)>,
 }
 
 /// Kind of object that a plugin describes.
@@ -340,7 +344,11 @@ fn properties(
             }
         };
     };
-    match props::resolve(law, material.props.as_ref(), &place) {
+    let beside = purpose.normal.as_ref().and_then(|(normal, place_of_normal)| {
+        host_normal::beside(reader, law, material.props.as_ref(), *normal, [&place, place_of_normal])
+    });
+    let given = beside.as_ref().or(material.props.as_ref());
+    match props::resolve(law, given, &place) {
         Ok(values) => {
             let filled = match purpose.entry {
                 Entry::Umat => values.clone(),
@@ -355,7 +363,7 @@ fn properties(
                     reader.warn_unusual(place.key(&parameter.name).in_words(), *value, &parameter.unit, range);
                 }
             }
-            reader.note_defaults(&place, &props::defaults(law, material.props.as_ref()));
+            reader.note_defaults(&place, &props::defaults(law, given));
             if purpose.subject == Subject::Specimen {
                 // the contact pair fills them in from the bodies' stiffness
                 return Some(values);

@@ -54,7 +54,12 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
             reader.problem(&place.key("entry"), message);
         }
         let mode = mode.map(|mode| (mode, root.key("mode")));
-        plugin::resolve(reader, material, &place, Use { subject: Subject::Point, entry: Entry::Umat, mode, length })
+        plugin::resolve(
+            reader,
+            material,
+            &place,
+            Use { subject: Subject::Point, entry: Entry::Umat, mode, length, normal: None },
+        )
     });
     let columns = plugin.as_ref().map(|plugin| columns::of_point(nlgeom, &plugin.state_names()));
     let measure = measure(reader, case.measure.as_ref(), nlgeom);

@@ -23,6 +23,8 @@ const UZAWA_TOLERANCE: f64 = 1e-6;
 const UZAWA_UPDATES: usize = 4;
 /// Tension that a bonded surface bears where it separates at the exit, MPa (6.27).
 const SEPARATION_TENSION: f64 = 2.0;
+/// The law's parameter for it.
+const SEPARATION_PARAMETER: &str = "p_0";
 /// Stiffness of a perturbed multiplier over the penalty.
 const PERTURBATION: f64 = 1e4;
 
@@ -161,13 +163,17 @@ fn law_of_role(
         SurfaceRole::Bonded => return Some(bonded.clone()),
         SurfaceRole::Exit => (&pair.exit, "exit", Some(("law", PropValue::Choice("none".into())))),
         SurfaceRole::Separation => {
-            (&pair.separation, "separation", Some(("p_0", PropValue::Number(SEPARATION_TENSION))))
+            (&pair.separation, "separation", Some((SEPARATION_PARAMETER, PropValue::Number(SEPARATION_TENSION))))
         }
         // it is there where the case gives it
         SurfaceRole::End => (&pair.end, "end", None),
     };
     let other = match (given, default.filter(|default| has_default(bonded, default))) {
         (Some(given), _) => reader.piece(given, &place.key(key))?.clone(),
+        // beside FRIC the tension is the host's
+        (None, Some((SEPARATION_PARAMETER, _))) if matches!(bonded, ContactLaw::Fric { .. }) => {
+            return Some(bonded.clone());
+        }
         (None, Some((name, value))) => BTreeMap::from([(name.to_owned(), value)]),
         (None, None) => {
             let message =
@@ -343,10 +349,11 @@ fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<
     if material.statev0.is_some() {
         reader.problem(&place_of_law.key("statev0"), "the states of contact start from 0: leave it out");
     }
-    let purpose = Use { subject: Subject::Specimen, entry, mode: None, length: Length::Unknown };
-    let law = plugin::resolve(reader, material, &place_of_law, purpose).map(PluginLaw::from);
     let place = place.key("normal");
     let normal = reader.optional(pair.normal.as_ref(), &place);
+    let beside = normal.filter(|_| entry == Entry::Fric).map(|normal| (*normal, place.clone()));
+    let purpose = Use { subject: Subject::Specimen, entry, mode: None, length: Length::Unknown, normal: beside };
+    let law = plugin::resolve(reader, material, &place_of_law, purpose).map(PluginLaw::from);
     match (entry, normal) {
         (Entry::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal: normal_law(*normal) }),
         (Entry::Fric, None) if pair.normal.is_none() => {

@@ -253,7 +253,11 @@ fn contact_in_all_its_forms() {
     let fric = pairs(&["contact.law.entry=fric", "contact.normal={\"hard\": {\"p_0\": 3, \"delta_N\": 0.1}}"]);
     let law = NormalLaw::Hard(HardLaw { p_0: 3.0, delta_n: 0.1 });
     assert!(matches!(&fric[0].law, ContactLaw::Fric { normal, .. } if *normal == law));
-    let soft = pairs(&["contact.law.entry=fric", "contact.normal={\"soft\": {\"p_0\": 2, \"g_0\": 0.05}}"]);
+    let soft = pairs(&[
+        "contact.law.entry=fric",
+        "contact.law.props={}",
+        "contact.normal={\"soft\": {\"p_0\": 2, \"g_0\": 0.05}}",
+    ]);
     let law = NormalLaw::Soft(SoftLaw { p_0: 2.0, g_0: 0.05 });
     assert!(matches!(&soft[0].law, ContactLaw::Fric { normal, .. } if *normal == law));
     let other = pairs(&[
@@ -980,6 +984,54 @@ fn without_a_grip_nothing_slips() {
     case["measure"] = json!({ "slip": "lift", "load": "fibre_bottom" });
     let measured = accepted(&case, &[]).model.measured;
     assert_eq!((measured.slip, measured.direction), (vec![0], [0.0, 1.0]));
+}
+
+/// μ⟨p − p_ref⟩, where p_ref is the host's pressure at gap 0.
+#[test]
+fn a_law_called_as_fric_has_the_normal_law_of_its_host() {
+    const HARD: &str = r#"contact.normal={"hard": {"p_0": 1}}"#;
+    const SOFT: &str = r#"contact.normal={"soft": {"p_0": 3, "g_0": 0.05}}"#;
+    let fric = |props: &str, normal: &str| {
+        let mut case = pullout_case();
+        case["contact"]["law"] = json!({ "plugin": "bond_slip", "entry": "fric" });
+        (case, [format!("contact.law.props={props}"), normal.to_owned()])
+    };
+    // normal_law and p_0 of PROPS
+    let read = |props: &str, normal: &str| {
+        let (case, overrides) = fric(props, normal);
+        let program = accepted(&case, &overrides.each_ref().map(String::as_str));
+        let ContactLaw::Fric { law, .. } = &program.model.contacts[0].law else { panic!("FRIC") };
+        ([law.props[2], law.props[4]], program.about.warnings)
+    };
+    assert_eq!(read(r#"{"law": "none", "mu": 0.3}"#, HARD).0[0], 0.0, "its own would be soft");
+    assert_eq!(read("{}", SOFT).0, [1.0, 3.0]);
+    assert_eq!(read(r#"{"normal_law": "soft", "p_0": 3}"#, SOFT).0, [1.0, 3.0]);
+    let (values, warnings) = read(r#"{"p_0": 2}"#, HARD);
+    assert_eq!(values, [0.0, 2.0]);
+    let told = "$.contact.law.props.p_0: has no effect: under FRIC the tension that opens is $.contact.normal.hard.p_0";
+    assert!(warnings.iter().any(|warning| warning == told), "{warnings:?}");
+    for (props, normal, expected) in [
+        (
+            r#"{"normal_law": "soft"}"#,
+            HARD,
+            "$.contact.law.props.normal_law: is another normal law than $.contact.normal.hard: ",
+        ),
+        (
+            r#"{"normal_law": "hard"}"#,
+            SOFT,
+            "$.contact.law.props.normal_law: is another normal law than $.contact.normal.soft: ",
+        ),
+        (r#"{"p_0": 2}"#, SOFT, "$.contact.law.props.p_0: p_0 is 2, but $.contact.normal.soft.p_0 is 3: "),
+        (
+            "[2, 0, 1, 0, 2, 0.32, 0.05, 950, 1.5921, 0.0832, 0.87, -0.2678, 0.5, 850, 0.1, 0, 0, 0]",
+            HARD,
+            "$.contact.law.props[2]: is another normal law than $.contact.normal.hard: ",
+        ),
+    ] {
+        let (case, overrides) = fric(props, normal);
+        let told = problems_of(&case, &overrides.each_ref().map(String::as_str));
+        assert!(told.contains(expected), "{told}");
+    }
 }
 
 #[test]

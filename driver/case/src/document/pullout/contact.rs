@@ -35,7 +35,8 @@ pub struct Pair {
     pub end: Option<Piece<OtherProps>>,
     /// Parameters in place of the law's along the separation length (default: tensile capacity "p_0": 2 of bond_slip).
     pub separation: Option<Piece<OtherProps>>,
-    /// The host's normal law beside a FRIC plugin.
+    /// The host's normal law beside a FRIC plugin, also where the law's parameters have one (normal_law and p_0 of
+    /// bond_slip).
     pub normal: Option<Piece<Normal>>,
     /// Position of the contact points (default 2 Gauss points on each slave edge).
     pub quadrature: Option<Piece<Quadrature>>,
