@@ -8,6 +8,9 @@
 //!
 //! Under large displacements a pressure acts on the present edge, with the present radius or thickness. Its stiffness leaves
 //! the change of the thickness out: no law of plane stress returns it at an edge. Tractions and forces keep direction and area.
+//!
+//! What acts on released elements fades with their forces: on an edge with those of its element, at a node with those of the
+//! last of its elements.
 
 use crate::element::EdgePoint;
 use crate::kinematics::PlaneModel;
@@ -22,18 +25,57 @@ mod test;
 const RULE: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
+/// What bears loads.
+pub struct Bearers<'a> {
+    /// The present thickness of an element with large displacements, mm.
+    pub thickness: &'a dyn Fn(usize) -> Option<f64>,
+    /// What is left of them; `None`: no element was released.
+    pub shares: Option<Shares>,
+}
+
+impl Bearers<'_> {
+    fn of_element(&self, element: usize) -> f64 {
+        self.shares.as_ref().map_or(1.0, |shares| shares.elements[element])
+    }
+
+    fn of_node(&self, node: usize) -> f64 {
+        self.shares.as_ref().map_or(1.0, |shares| shares.nodes[node])
+    }
+}
+
+/// The parts of their loads that elements and nodes bear.
+#[derive(Clone, Debug)]
+pub struct Shares {
+    elements: Vec<f64>,
+    nodes: Vec<f64>,
+}
+
+impl Shares {
+    /// Makes the shares of nodes from those of the elements: a node bears its force as long as any of its elements does, one
+    /// without elements always.
+    pub fn new(mesh: &Mesh, of_element: impl Fn(usize) -> f64) -> Self {
+        let elements: Vec<f64> = (0..mesh.elements().len()).map(of_element).collect();
+        let mut nodes: Vec<Option<f64>> = vec![None; mesh.nodes().len()];
+        for (element, &share) in mesh.elements().iter().zip(&elements) {
+            for &node in element.nodes() {
+                nodes[node] = Some(nodes[node].map_or(share, |most| most.max(share)));
+            }
+        }
+        Self { elements, nodes: nodes.into_iter().map(|share| share.unwrap_or(1.0)).collect() }
+    }
+}
+
 /// Adds the nodal forces (N) of `factor` times a load to `forces`.
 ///
-/// `displacements` (two per node, mm) matter to pressures on elements with large displacements, for which `thickness` gives the present
-/// one, mm. Then, if `blocks` are given, each loaded edge adds one: −∂force/∂displacement, what the load adds to the system's stiffness.
-/// It is not symmetric.
+/// `displacements` (two per node, mm) matter to pressures on elements with large displacements. Then, if `blocks` are given, each
+/// loaded edge adds one: −∂force/∂displacement, what the load adds to the system's stiffness. It is not symmetric.
 ///
 /// # Panics
 ///
 /// If the load names nodes or edges that the mesh does not have, or the vectors do not hold two per node.
 pub fn external(
     mesh: &Mesh,
-    thickness: &dyn Fn(usize) -> Option<f64>,
+    bearers: &Bearers<'_>,
     load: &LoadKind,
     factor: f64,
     displacements: &[f64],
@@ -43,6 +85,7 @@ pub fn external(
     match load {
         LoadKind::Force { nodes, force } => {
             for &node in nodes {
+                let factor = factor * bearers.of_node(node);
                 for component in 0..2 {
                     forces[Freedom { node, component }.index()] += factor * force[component];
                 }
@@ -51,13 +94,14 @@ pub fn external(
         LoadKind::Traction { edges, traction } => {
             for &edge in edges {
                 let loaded = LoadedEdge::new(mesh, edge, None);
+                let factor = factor * bearers.of_element(edge.element);
                 loaded.add(forces, |point| traction.map(|component| factor * component * point.stretch()));
             }
         }
         LoadKind::Pressure { edges, pressure } => {
-            let pressure = factor * pressure;
             for &edge in edges {
-                let present = thickness(edge.element);
+                let pressure = factor * pressure * bearers.of_element(edge.element);
+                let present = (bearers.thickness)(edge.element);
                 let mut loaded = LoadedEdge::new(mesh, edge, present.map(|_| displacements));
                 loaded.thickness = present.unwrap_or(loaded.thickness);
                 loaded.add(forces, |point| [-pressure * point.tangent[1], pressure * point.tangent[0]]);

@@ -28,7 +28,8 @@ fn all_edges() -> Vec<ElementEdge> {
 
 fn forces(mesh: &Mesh, nlgeom: bool, load: &LoadKind, factor: f64, displacements: &[f64]) -> Vec<f64> {
     let mut forces = vec![0.0; 2 * mesh.nodes().len()];
-    external(mesh, &|_| nlgeom.then_some(0.7), load, factor, displacements, &mut forces, None);
+    let bearers = Bearers { thickness: &|_| nlgeom.then_some(0.7), shares: None };
+    external(mesh, &bearers, load, factor, displacements, &mut forces, None);
     forces
 }
 
@@ -41,6 +42,43 @@ fn a_force_acts_at_each_of_its_nodes() {
     let mesh = block(ElementKind::Q4, PlaneModel::PlaneStrain, 0.0);
     let load = LoadKind::Force { nodes: vec![1, 3], force: [2.0, -3.0] };
     assert_eq!(forces(&mesh, false, &load, 0.5, &[0.0; 8]), [0.0, 0.0, 1.0, -1.5, 0.0, 0.0, 1.0, -1.5]);
+}
+
+/// Two elements side by side and a node beside them; the left one is half gone, the right one has a tenth left.
+#[test]
+fn loads_fade_with_what_bears_them() {
+    let nodes = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 1.0], [9.0, 9.0]];
+    let element = |nodes: [usize; 4]| ElementDefinition { kind: ElementKind::Q4, part: 0, nodes: nodes.to_vec() };
+    let elements = vec![element([0, 1, 4, 3]), element([1, 2, 5, 4])];
+    let parts = vec![Part::new("block", PlaneModel::PlaneStress, 0.7)];
+    let mesh = Mesh::new(MeshDefinition { nodes, parts, elements, ..MeshDefinition::default() }).unwrap();
+    let shares = [0.5, 0.1];
+    let top = |element: usize| ElementEdge { element, edge: 2 };
+    let edges = vec![top(0), top(1)];
+    let found = |load: &LoadKind, nlgeom: bool| {
+        let mut forces = vec![0.0; 14];
+        let bearers = Bearers {
+            thickness: &|_| nlgeom.then_some(0.7),
+            shares: Some(Shares::new(&mesh, |element| shares[element])),
+        };
+        external(&mesh, &bearers, load, 2.0, &[0.0; 14], &mut forces, None);
+        [3, 4, 5].map(|node| forces[2 * node + 1])
+    };
+    // half of each edge's load at each of its ends
+    let expected = [shares[0], shares[0] + shares[1], shares[1]].map(|share| share * 2.0 * 3.0 * 0.7 / 2.0);
+    for (load, nlgeom) in [
+        (LoadKind::Traction { edges: edges.clone(), traction: [0.0, 3.0] }, false),
+        (LoadKind::Pressure { edges: edges.clone(), pressure: -3.0 }, false),
+        (LoadKind::Pressure { edges, pressure: -3.0 }, true),
+    ] {
+        for (found, expected) in found(&load, nlgeom).into_iter().zip(expected) {
+            assert_relative_eq!(found, expected, max_relative = 1e-14);
+        }
+    }
+    let force = LoadKind::Force { nodes: vec![3, 4, 5], force: [0.0, 1.0] };
+    assert_eq!(found(&force, false), [1.0, 1.0, 0.2], "the middle one as the last of its elements");
+    let alone = Shares::new(&mesh, |_| 0.0);
+    assert_eq!(alone.nodes, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], "nothing bears the last node, nothing lets it go");
 }
 
 #[test]
@@ -123,7 +161,8 @@ fn stiffness_of_a_follower_pressure_agrees_with_differences() {
             let load = LoadKind::Pressure { edges: vec![RIGHT, ElementEdge { element: 0, edge: 2 }], pressure: 5.0 };
             let mut blocks = Blocks::default();
             let size = displacements.len();
-            external(&mesh, &|_| Some(0.7), &load, 0.4, &displacements, &mut vec![0.0; size], Some(&mut blocks));
+            let bearers = Bearers { thickness: &|_| Some(0.7), shares: None };
+            external(&mesh, &bearers, &load, 0.4, &displacements, &mut vec![0.0; size], Some(&mut blocks));
             assert_eq!(blocks.len(), 2);
             let mut stiffness = vec![0.0; size * size];
             for (rows, values) in blocks.iter() {
@@ -159,7 +198,8 @@ fn small_displacements_and_dead_loads_have_no_stiffness() {
     let mut blocks = Blocks::default();
     for (nlgeom, load) in [(false, &pressure), (true, &traction)] {
         let mut found = vec![0.0; 16];
-        external(&mesh, &|_| nlgeom.then_some(0.7), load, 1.0, &displacements, &mut found, Some(&mut blocks));
+        let bearers = Bearers { thickness: &|_| nlgeom.then_some(0.7), shares: None };
+        external(&mesh, &bearers, load, 1.0, &displacements, &mut found, Some(&mut blocks));
         assert!(blocks.is_empty());
         assert_eq!(found, forces(&mesh, nlgeom, load, 1.0, &[0.0; 16]), "the reference edge bears it");
     }

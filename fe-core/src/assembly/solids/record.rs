@@ -90,6 +90,11 @@ impl Spalled {
         }
     }
 
+    /// Returns the part of its forces that acts.
+    pub(super) fn share(&self) -> f64 {
+        self.share
+    }
+
     /// Sets the part of its forces that acts, and returns the part of the virgin stiffness that it then has.
     pub(super) fn set_share(&mut self, share: f64) -> f64 {
         self.share = share;

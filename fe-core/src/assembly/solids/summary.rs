@@ -237,6 +237,11 @@ impl Solids {
         self.record(element).built.spalled.is_some()
     }
 
+    /// Returns what part of its forces an element has: 1 but for released ones.
+    pub(crate) fn share(&self, element: usize) -> f64 {
+        self.record(element).built.spalled.as_ref().map_or(1.0, Spalled::share)
+    }
+
     /// The elements that were released, ascending.
     pub fn spalled(&self) -> Vec<usize> {
         (0..self.places.len()).filter(|&element| self.is_spalled(element)).collect()

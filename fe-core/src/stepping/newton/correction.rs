@@ -1,7 +1,11 @@
 //! The correction of an iteration, under direct and indirect control, and how much of it is applied.
 
 use super::beside::Beside;
-use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, largest, present_thickness, trouble, unsolvable};
+use super::{
+    Attempt, CUT, Committed, Equilibrium, Leader, Target, largest, present_shares, present_thickness, trouble,
+    unsolvable,
+};
+use crate::assembly::loads::Bearers;
 use crate::assembly::{Place, Trouble, loads};
 use crate::contact::PointIndex;
 use crate::model::IncrementContext;
@@ -170,9 +174,10 @@ impl Equilibrium<'_> {
         forces.iter_mut().for_each(|force| *force = -*force);
         let mut external = vec![0.0; start.displacements.len()];
         let thickness = present_thickness(self.model, &self.solids);
+        let bearers = Bearers { thickness: &thickness, shares: present_shares(self.model, &self.solids) };
         for load in &self.model.loads {
             let (mesh, factor) = (&self.model.mesh, drives[load.drive]);
-            loads::external(mesh, &thickness, &load.kind, factor, &start.displacements, &mut external, None);
+            loads::external(mesh, &bearers, &load.kind, factor, &start.displacements, &mut external, None);
         }
         let reduced = self.system.reduce(&external);
         forces.iter_mut().zip(&reduced).for_each(|(force, load)| *force += load);

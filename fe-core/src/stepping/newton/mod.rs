@@ -28,6 +28,7 @@ use super::times::timed;
 use super::trail::Lead;
 use super::zone::Zone;
 use super::{Counts, Energies, Times};
+use crate::assembly::loads::{Bearers, Shares};
 use crate::assembly::solids::SolidEnergies;
 use crate::assembly::{Equations, Place, Solids, System, Trouble, loaded_freedoms, loads};
 use crate::contact::{self, Contact, PointIndex};
@@ -450,10 +451,11 @@ impl<'m> Equilibrium<'m> {
         drag.evaluate(attempt.resistance(), contact.freedoms(), moved, system.equations(), internal, blocks);
         memory.external.fill(0.0);
         let thickness = present_thickness(self.model, solids);
+        let bearers = Bearers { thickness: &thickness, shares: present_shares(self.model, solids) };
         for load in loads {
             let factor = trial.drives[load.drive];
             let blocks = Some(&mut memory.blocks);
-            loads::external(mesh, &thickness, &load.kind, factor, &trial.displacements, &mut memory.external, blocks);
+            loads::external(mesh, &bearers, &load.kind, factor, &trial.displacements, &mut memory.external, blocks);
         }
         system.add_far_forces(&trial.displacements, 1.0, &mut memory.internal);
         let unbalanced = memory.unbalanced();
@@ -496,6 +498,12 @@ pub(super) fn present_thickness<'a>(model: &'a Model, solids: &'a Solids) -> imp
         let element = model.mesh.elements()[index];
         model.nlgeom[element.part()].then(|| element.thickness() * solids.thickness_ratio(index))
     }
+}
+
+/// Returns what is left of the loads of released elements; `None` where none can be.
+pub(super) fn present_shares(model: &Model, solids: &Solids) -> Option<Shares> {
+    let may_spall = model.controls.spalling.is_some() && !model.loads.is_empty();
+    may_spall.then(|| Shares::new(&model.mesh, |element| solids.share(element)))
 }
 
 fn unsolvable(error: &SolverError) -> Trouble {

@@ -94,6 +94,33 @@ fn a_torn_quarter_is_released_its_force_fades_and_the_energies_balance() {
     assert!(words(&rest.records) == words(&records[records.len() - rest.records.len()..]), "to the last bit");
 }
 
+/// The softening quarter is pulled apart across the bar as well: by less than what it still bears when it is torn.
+#[test]
+fn loads_on_a_released_quarter_fade_and_the_energies_balance() {
+    let mut model = torn_bar();
+    model.drives.push("press".into());
+    model.steps[0].targets = vec![Some(END), Some(1.0)];
+    for (name, element, edge, traction) in [("below", 3, 0, -1e-3), ("above", 7, 2, 1e-3)] {
+        let kind = LoadKind::Traction { edges: vec![ElementEdge { element, edge }], traction: [0.0, traction] };
+        model.loads.push(Load { name: name.into(), drive: 1, kind });
+    }
+    let mut watch = Watch::default();
+    let mut analysis = Analysis::new(&model).unwrap();
+    analysis.run(&mut watch).unwrap();
+    let records = &watch.records;
+    let released = records.iter().position(|record| record.spalled_volume > 0.9 * AREA * LENGTHS[1]).expect("both are");
+    let last = records.last().unwrap();
+    assert_eq!(last.slip, END);
+    let state = &analysis.present.committed;
+    assert!(state.drives[1] == 1.0 && state.external.iter().all(|force| *force == 0.0), "nothing is loaded any more");
+    // loaded middle nodes of what is gone are not driven away
+    assert!(state.displacements.iter().all(|displacement| displacement.abs() <= 1.01 * END));
+    let imbalance = |record: &Record| record.energies.imbalance();
+    let changes = records[released..].windows(2).map(|pair| imbalance(&pair[1]) - imbalance(&pair[0]));
+    let largest = changes.map(f64::abs).fold(0.0, f64::max);
+    assert!(largest < 1e-7 * last.energies.external_work, "{largest:e} of {}", last.energies.external_work);
+}
+
 #[test]
 fn what_holds_on_to_nothing_is_loose() {
     let mut model = torn_bar();
