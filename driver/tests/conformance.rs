@@ -130,7 +130,7 @@ fn a_plain_umat_is_warned_of_not_failed() {
 /// Each error of `tests/faulty/selected_fault` by its number, and the check that must fail.
 #[test]
 fn every_check_can_fail() {
-    const FAULTS: [(f64, &str); 18] = [
+    const FAULTS: [(f64, &str); 19] = [
         (1.0, "isotropy"),
         (2.0, "energy balance"),
         (3.0, "zero increment"),
@@ -149,6 +149,7 @@ fn every_check_can_fail() {
         (24.0, "inputs untouched"),
         (27.0, "inputs untouched"),
         (25.0, "DROT"),
+        (28.0, "order of calls"),
     ];
     let plugin = plugin("selected_fault");
     let checked = |fault: f64| {

@@ -219,3 +219,34 @@ fn a_law_that_ends_in_its_first_increment_is_judged_in_the_virgin_state_only() {
     let row = row(&outcome, "answers");
     assert!(row.starts_with("void") && row.contains("only the virgin state was judged"), "{row}");
 }
+
+/// Memory that is full once the case has been run: later calls find it the same, however they follow each other.
+#[test]
+fn memory_that_is_full_is_found() {
+    const STRAIN: &str = "const double e = stran[0] + dstran[0];";
+    for memory in [
+        "static double most; if (e > most) most = e; const double part = most > 5e-4 ? 5e-4 / most : 1.0;",
+        "static int cracked; if (e > 5e-4) cracked = 1; const double part = cracked ? 0.5 : 1.0;",
+        // one that begins anew with a run, where the sides have not moved yet, and with no state of the sample
+        "static double *most; if (!most) most = calloc(1, sizeof *most); if (*kinc == 1 && dstran[1] == 0.0) *most = 0.0; \
+         if (e > *most) *most = e; const double part = *most > 5e-4 ? 5e-4 / *most : 1.0;",
+    ] {
+        let weaker = "const double weaker[2] = { part * props[0], props[1] }; props = weaker;";
+        let Some(outcome) = checked_with(&format!("{STRAIN} {memory} {weaker}"), 1) else { return };
+        let row = row(&outcome, "order of calls");
+        assert!(row.starts_with("FAIL") && row.contains("hidden memory") && row.contains("gave s11 = "), "{row}");
+    }
+}
+
+/// What UEXTERNALDB counts in between goes on where a case is run again: no error of the law.
+#[test]
+fn what_uexternaldb_changes_is_no_hidden_memory() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "database.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [0.2], "nstatv": 4 });
+    let case = desk.case("case.json", &point(material, "3d", json!([{ "increments": 3, "target": { "e11": 1e-3 } }])));
+    let paths = [library.as_str().expect("a path"), case.to_str().expect("UTF-8")];
+    let outcome = desk.pullout(["plugin", "check", paths[0], "--states", "20", "--case", paths[1]]);
+    let row = row(&outcome, "order of calls");
+    assert!(row.starts_with("pass") && row.contains("UEXTERNALDB"), "{row}");
+}

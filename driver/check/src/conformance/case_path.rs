@@ -23,6 +23,8 @@ pub(super) struct Increment {
     /// The point before it.
     pub(super) from: Committed,
     pub(super) step: Vec<f64>,
+    /// Outputs, STATEV and energies behind it.
+    pub(super) answer: Vec<f64>,
 }
 
 /// Path that a case takes a plugin along.
@@ -31,8 +33,12 @@ pub(super) struct CasePath {
     /// The entry point that it calls.
     pub(super) entry: Entry,
     pub(super) increments: Vec<Increment>,
+    /// One of so many is kept.
+    stride: usize,
     /// Number of increments, kept or not.
     pub(super) taken: u64,
+    /// Whether it ended with a failure, and not for its length.
+    pub(super) is_failed: bool,
 }
 
 impl CasePath {
@@ -59,13 +65,44 @@ impl CasePath {
         let mut ledger = Ledger::new(report, entry.label());
         ledger.is_muted = is_muted;
         ledger.begin(CHECK);
+        let time_limit = TIME_LIMIT.min(options.share_of_time());
+        let (path, failure) = Self::along(program, entry, options, time_limit, databases, &mut || ());
+        let reason = reason.map(|reason| format!("called with NTENS = 6, as a run calls it: {reason}"));
+        let words: Vec<String> = reason.into_iter().chain(failure).collect();
+        let verdict = if words.is_empty() { Verdict::Info } else { Verdict::Warn };
+        ledger.add(verdict, format!("{} increments", path.taken), words.join("; "));
+        path
+    }
+
+    /// Runs the same case once more, in a part of the time, with `between` behind each increment.
+    pub(super) fn again(
+        &self,
+        program: &Program,
+        options: &Options,
+        databases: &mut ExternalDatabases,
+        between: &mut dyn FnMut(),
+    ) -> Self {
+        const PART: u32 = 4;
+        let time_limit = TIME_LIMIT.min(options.share_of_time()) / PART;
+        Self::along(program, self.entry, options, time_limit, databases, between).0
+    }
+
+    /// Runs a case, with `between` behind each increment; the path, and why it was left if it was.
+    fn along(
+        program: &Program,
+        entry: Entry,
+        options: &Options,
+        time_limit: Duration,
+        databases: &mut ExternalDatabases,
+        between: &mut dyn FnMut(),
+    ) -> (Self, Option<String>) {
         let mut program = program.clone();
         program.about.every = 1;
         let longest = options.longest_path.unwrap_or(u64::MAX);
-        let time_limit = TIME_LIMIT.min(options.share_of_time());
         let end = super::processor_time() + time_limit;
-        let mut keeper = Keeper { entry, increments: Vec::new(), stride: 1, count: 0, end, longest };
+        let mut keeper = Keeper { entry, increments: Vec::new(), stride: 1, count: 0, end, longest, between };
         let (statistics, result) = path::run_within(&program, databases, &mut keeper);
+        let is_failed = matches!(result, Err(Stop::Failed(_)));
         let failure = match result {
             Ok(()) => None,
             Err(Stop::Failed(failure)) => Some(failure.message),
@@ -78,12 +115,15 @@ impl CasePath {
                 time_limit.as_secs_f64()
             )),
         };
-        let taken = statistics.increments;
-        let reason = reason.map(|reason| format!("called with NTENS = 6, as a run calls it: {reason}"));
-        let words: Vec<String> = reason.into_iter().chain(failure).collect();
-        let verdict = if words.is_empty() { Verdict::Info } else { Verdict::Warn };
-        ledger.add(verdict, format!("{taken} increments"), words.join("; "));
-        Self { entry, increments: keeper.increments, taken }
+        let Keeper { increments, stride, .. } = keeper;
+        (Self { entry, increments, stride, taken: statistics.increments, is_failed }, failure)
+    }
+
+    /// The increments that both have, in pairs.
+    pub(super) fn pairs<'p>(&'p self, other: &'p Self) -> impl Iterator<Item = (&'p Increment, &'p Increment)> {
+        let stride = self.stride.max(other.stride);
+        let [these, others] = [self, other].map(|path| path.increments.iter().step_by(stride / path.stride));
+        these.zip(others)
     }
 
     /// The largest magnitude of each input, at the ends of the increments.
@@ -108,7 +148,7 @@ fn entry(program: &Program) -> Entry {
 }
 
 /// Keeps the increments of a run.
-struct Keeper {
+struct Keeper<'k> {
     entry: Entry,
     increments: Vec<Increment>,
     stride: usize,
@@ -116,9 +156,11 @@ struct Keeper {
     /// Processor time ([`super::processor_time`]) at which it ends.
     end: Duration,
     longest: u64,
+    /// Called behind each increment.
+    between: &'k mut dyn FnMut(),
 }
 
-impl Observer for Keeper {
+impl Observer for Keeper<'_> {
     fn row(&mut self, _row: Row<'_>) -> io::Result<()> {
         if super::processor_time() > self.end || self.count as u64 >= self.longest {
             Err(io::ErrorKind::TimedOut.into())
@@ -132,6 +174,7 @@ impl Observer for Keeper {
     fn accepted(&mut self, accepted: Accepted<'_>) {
         self.count += 1;
         worker::note_call();
+        (self.between)();
         if !(self.count - 1).is_multiple_of(self.stride) {
             return;
         }
@@ -177,7 +220,8 @@ fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
         },
         ..Committed::zero(entry, before.statev.len())
     };
-    Increment { from, step: called.dstran[..called.ntens()].to_vec() }
+    let answer = [called.stress(), called.statev(), &called.energies].concat();
+    Increment { from, step: called.dstran[..called.ntens()].to_vec(), answer }
 }
 
 fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
@@ -194,7 +238,8 @@ fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
         setting: Setting::of_contact(&call.fields, call.dtime),
         ..Committed::zero(entry, before.statev.len())
     };
-    Increment { from, step: call.drdisp[..directions].to_vec() }
+    let answer = [call.stress(), call.statev(), &call.energies].concat();
+    Increment { from, step: call.drdisp[..directions].to_vec(), answer }
 }
 
 fn of_fric(before: &ContactPoint, call: &FricCall) -> Increment {
@@ -213,5 +258,6 @@ fn of_fric(before: &ContactPoint, call: &FricCall) -> Increment {
         setting: Setting::of_contact(&call.fields, call.dtime),
         ..Committed::zero(entry, before.statev.len())
     };
-    Increment { from, step: call.dgam[..directions].iter().copied().chain([call.pressure[1]]).collect() }
+    let answer = [call.stress(), call.statev(), &call.energies].concat();
+    Increment { from, step: call.dgam[..directions].iter().copied().chain([call.pressure[1]]).collect(), answer }
 }

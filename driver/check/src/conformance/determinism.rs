@@ -1,11 +1,12 @@
 //! Same input, same output: repeated, in another order, from several threads, with and without tangent.
 
+use super::Options;
 use super::random::SEED;
 use super::report::{Ledger, Verdict};
 use super::sample::State;
 use super::subject::{Answer, Subject, distance, largest};
 use pullout_run::PLUGIN_STACK;
-use umat_abi::host::Alteration;
+use umat_abi::host::{Alteration, ExternalDatabases, same_bits};
 use umat_abi::metadata::flags;
 
 /// Threads that call at once.
@@ -41,8 +42,24 @@ pub(super) fn repeatability(subject: &mut Subject<'_>, sample: &[State], ledger:
     ledger.add(Verdict::Pass, "bit for bit", "");
 }
 
-/// Every state again after all others, in reversed order, and one in between each pair.
-pub(super) fn call_order(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+/// Asks for a small step from the virgin state: at first before other calls fill a memory, then behind them.
+pub(super) fn first_call(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) -> Answer {
+    const SMALL: f64 = 1e-6;
+    ledger.begin("order of calls");
+    let (virgin, step) = (subject.virgin(), vec![SMALL; subject.entry.inputs()]);
+    subject.call(&virgin, &step, 0.0, Alteration::None)
+}
+
+/// Every state again after all others, in reversed order, and one in between each pair; then the case, and the call whose
+/// answer `first` is: a memory that is full since then changes no more between later calls.
+pub(super) fn call_order(
+    subject: &mut Subject<'_>,
+    sample: &[State],
+    first: &Answer,
+    options: &Options,
+    databases: &mut ExternalDatabases,
+    ledger: &mut Ledger<'_>,
+) {
     ledger.begin("order of calls");
     let forward: Vec<Answer> = sample.iter().map(|state| answer(subject, state)).collect();
     for (state, before) in sample.iter().zip(&forward).rev() {
@@ -52,7 +69,47 @@ pub(super) fn call_order(subject: &mut Subject<'_>, sample: &[State], ledger: &m
             return ledger.add(Verdict::Fail, "", detail);
         }
     }
-    ledger.add(Verdict::Pass, "bit for bit", "");
+    let mut words = "";
+    if subject.path.is_some() && ExternalDatabases::is_in([&subject.plugin.library]) {
+        // a table of the time, or averages that increments hand on, may be its business
+        words = "the case was not run again: its UEXTERNALDB may change what the law reads";
+    } else if let Some(detail) = run_again(subject, options, databases) {
+        return ledger.add(Verdict::Fail, "", format!("hidden memory: {detail}"));
+    }
+    let again = first_call(subject, ledger);
+    if !first.same(&again) {
+        let detail = format!("hidden memory: the first call of all, after others: {}", difference(first, &again));
+        return ledger.add(Verdict::Fail, "", detail);
+    }
+    ledger.add(Verdict::Pass, "bit for bit", words);
+}
+
+/// Runs the case again, as it was run, beside another point that goes its way backwards; returns what differs.
+fn run_again(subject: &mut Subject<'_>, options: &Options, databases: &mut ExternalDatabases) -> Option<String> {
+    let path = subject.path.clone().filter(|path| !path.increments.is_empty())?;
+    let mut others = path.increments.iter().rev().cycle();
+    let mut between = || {
+        if let Some(other) = others.next() {
+            subject.call(&other.from, &other.step, 0.0, Alteration::None);
+        }
+    };
+    let again = path.again(options.program.as_deref()?, options, databases, &mut between);
+    let difference = path.pairs(&again).find_map(|(before, after)| {
+        let mut values = before.answer.iter().zip(&after.answer).enumerate();
+        let (k, (before_it, after_it)) = values.find(|(_, (a, b))| !same_bits(&[**a], &[**b]))?;
+        let (outputs, [step, increment]) = (subject.entry.outputs(), before.from.counters);
+        let name = match k {
+            k if k < outputs => subject.entry.output_name(k),
+            k if k < outputs + before.from.statev.len() => subject.state_name(k - outputs),
+            _ => "an energy".to_owned(),
+        };
+        let gave = format!("gave {name} = {before_it:e} in its run and {after_it:e} afterwards");
+        Some(format!("step {step}, increment {increment} of the case {gave}, with calls of another point in between"))
+    });
+    let is_shorter = again.is_failed && again.taken < path.taken;
+    difference.or_else(|| {
+        is_shorter.then(|| format!("the case fails after {} of its {} increments afterwards", again.taken, path.taken))
+    })
 }
 
 /// All threads at once on different states, against the answers of one.

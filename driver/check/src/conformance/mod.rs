@@ -171,7 +171,8 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
         }
     }
     for subject in &mut subjects {
-        check_subject(subject, options, &mut Ledger::new(&mut report, subject.entry.label()));
+        let label = subject.entry.label();
+        check_subject(subject, options, &mut databases, &mut Ledger::new(&mut report, label));
     }
     if options.wants(Group::Paths) {
         virgin::agreement_with_three_d(&mut subjects, &mut report);
@@ -207,7 +208,12 @@ fn entries(law: Option<&Law>, path: Option<&CasePath>, options: &Options) -> Vec
 }
 
 /// All checks of one entry point and stress state.
-fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+fn check_subject(
+    subject: &mut Subject<'_>,
+    options: &Options,
+    databases: &mut ExternalDatabases,
+    ledger: &mut Ledger<'_>,
+) {
     ledger.is_muted = !options.wants(Group::States);
     if !ledger.is_muted {
         virgin::virgin_state(subject, ledger);
@@ -218,6 +224,7 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
             "not tested: the plugin does not survive the case's first increment: only the virgin state was judged";
         return ledger.row("answers", Verdict::NotTested, "none", detail);
     }
+    let first = options.wants(Group::Memory).then(|| determinism::first_call(subject, ledger));
     scale::find(subject, ledger);
     let sample = sample::draw(subject, options, ledger);
     if sample.is_empty() {
@@ -237,11 +244,11 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
         tangent::check(subject, &sample, ledger);
         tangent::symmetry(subject, &sample, ledger);
     }
-    if options.wants(Group::Memory) {
+    if let Some(first) = &first {
         memory::unset_entries(subject, &sample, ledger);
         memory::inputs_untouched(subject, &sample, ledger);
         determinism::repeatability(subject, &sample, ledger);
-        determinism::call_order(subject, &sample, ledger);
+        determinism::call_order(subject, &sample, first, options, databases, ledger);
         hidden_data::check(subject, &sample, ledger);
         bounds::check(subject, &sample, ledger);
         precision::check(subject, &sample, ledger);

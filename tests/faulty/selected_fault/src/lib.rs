@@ -1,9 +1,13 @@
 //! Many planted errors; the parameter `fault` says which. The numbers are those of `driver/tests/conformance.rs`.
 
 use faulty_law::{Damage, Fault, Parts, State};
+use std::sync::atomic::{AtomicU64, Ordering};
 use umat_abi::law::{Request, Response, StressState};
 use umat_abi::metadata::flags;
 use umat_abi::umat::UmatArguments;
+
+/// The largest damage of all points and calls; the bits of such numbers are in their order.
+static LARGEST: AtomicU64 = AtomicU64::new(0);
 
 /// Errors in the law.
 pub struct Selected;
@@ -27,6 +31,10 @@ impl Fault for Selected {
             8 => response.tangent = parts.elastic,
             9 if parts.stress_state == StressState::PlaneStrainOrAxisymmetric => {
                 response.stress = response.stress.map(|s| 1.01 * s);
+            }
+            28 => {
+                let before = f64::from_bits(LARGEST.fetch_max(parts.damage.to_bits(), Ordering::Relaxed));
+                response.stress = response.stress.map(|s| (1.0 - 0.5 * before.max(parts.damage)) * s);
             }
             10 => response.stress[0] *= 1.0 + parts.strain_increment[0].powi(2),
             _ => {}
