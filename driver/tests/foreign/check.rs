@@ -250,3 +250,14 @@ fn what_uexternaldb_changes_is_no_hidden_memory() {
     let row = row(&outcome, "order of calls");
     assert!(row.starts_with("pass") && row.contains("UEXTERNALDB"), "{row}");
 }
+
+/// Each call finds on the stack what the last one left there, so that it seems to depend on nothing.
+#[test]
+fn a_variable_that_is_used_before_it_is_set_is_found() {
+    // volatile: read from the stack whatever the compiler makes of it; in the middle, where no other call writes
+    let unset = "volatile double unset[64]; const double part = unset[32] != 0.0 ? 0.999 : 1.0;";
+    let weaker = "const double weaker[2] = { part * props[0], props[1] }; props = weaker;";
+    let Some(outcome) = checked_with(&format!("{unset} {weaker}"), 1) else { return };
+    let row = row(&outcome, "repeated call");
+    assert!(row.starts_with("FAIL") && row.contains("a variable is used before it is set"), "{row}");
+}

@@ -8,6 +8,7 @@ use super::memory::{CANARIES, Overrun};
 use crate::fric::FricArguments;
 use crate::uinter::UinterArguments;
 use crate::umat::UmatArguments;
+use std::hint::black_box;
 
 /// Fault that is put into a call on purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +23,8 @@ pub enum Alteration<'a> {
     StateCount(i32),
     /// NPROPS; a few more than there are is possible, they are NaN.
     PropertyCount(i32),
+    /// Fills the stack that the plugin is about to use with this word: variables that it reads before it sets them have that value.
+    Stack(u64),
 }
 
 impl Alteration<'_> {
@@ -30,12 +33,20 @@ impl Alteration<'_> {
     fn counts(self, [components, states, properties]: [usize; 3]) -> [i32; 3] {
         let at_most = |count: i32, length: usize| count.min(i32::try_from(length).unwrap_or(i32::MAX));
         match self {
-            Self::None | Self::Null(_) => [0; 3],
+            Self::None | Self::Null(_) | Self::Stack(_) => [0; 3],
             Self::Components([count, direct, shear]) => [at_most(count, components), direct, shear],
             Self::StateCount(count) => [at_most(count, states); 3],
             Self::PropertyCount(count) => [at_most(count, properties + CANARIES); 3],
         }
     }
+}
+
+/// Leaves a word all over the stack below its caller.
+#[inline(never)]
+fn fill_stack(word: u64) {
+    // deeper than the frames of a law reach, shallow enough for any thread
+    const WORDS: usize = 16 << 10;
+    black_box([word; WORDS].as_mut_slice());
 }
 
 /// Makes altered calls: the tangent, what a call has besides the filling and the alteration, the counts of components, and what may
@@ -67,6 +78,7 @@ macro_rules! altered {
                     }
                     Alteration::StateCount(_) => arguments.nstatv = &raw const counts[0],
                     Alteration::PropertyCount(_) => arguments.nprops = &raw const counts[0],
+                    Alteration::Stack(word) => fill_stack(word),
                 };
                 // SAFETY: pointers became NULL or point to counts that are alive and not greater than the memory behind.
                 unsafe { self.call_with($($own,)? filling, alter) }

@@ -29,7 +29,10 @@ fn difference(a: &Answer, b: &Answer) -> String {
     )
 }
 
-/// Each call twice in a row.
+/// Words that a call finds on its stack: zeros, and a number that computes.
+const STACKS: [u64; 2] = [0, 1e-4_f64.to_bits()];
+
+/// Each call twice in a row, and on other stacks.
 pub(super) fn repeatability(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     ledger.begin("repeated call");
     for state in sample {
@@ -37,6 +40,11 @@ pub(super) fn repeatability(subject: &mut Subject<'_>, sample: &[State], ledger:
         if !first.same(&second) {
             let detail = format!("{state}: {}", difference(&first, &second));
             return ledger.add(Verdict::Fail, "", detail);
+        }
+        let [zeros, numbers] = STACKS.map(|word| subject.call(&state.from, &state.step, 0.0, Alteration::Stack(word)));
+        if let Some(other) = [zeros, numbers].iter().find(|other| !first.same(other)) {
+            let why = "the result depends on what the stack held before: a variable is used before it is set";
+            return ledger.add(Verdict::Fail, "", format!("{state}: {why}; {}", difference(&first, other)));
         }
     }
     ledger.add(Verdict::Pass, "bit for bit", "");
