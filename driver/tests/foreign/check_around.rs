@@ -282,6 +282,7 @@ fn the_end_of_one_group_is_not_that_of_the_others() {
     let file =
         desk.write("ends.f", &source.replace("      E=PROPS(1)\n", "      E=PROPS(1)\n      IF (KINC.GT.500) STOP\n"));
     let Some(library) = built(&desk, file.to_str().expect("UTF-8"), &[]) else { return };
+    desk.write("plugin-check-replay.json", "mine");
     let report = in_json(&desk, &library, &tension(&library, &[30e3, 0.2], 0), &[], 1);
     let row = json_row(&report, "increment size");
     assert_eq!((&row["verdict"], &row["figure"]), (&json!("fail"), &json!("ended")));
@@ -292,8 +293,18 @@ fn the_end_of_one_group_is_not_that_of_the_others() {
         json_row(&report, check);
     }
     assert_eq!(report["laws"][0]["replays"].as_array().map(Vec::len), Some(1));
-    let replayed = desk.pullout(["run", "--quiet", "plugin-check-replay.json"]).expect(1);
+    // what has the name already stays
+    assert_eq!(std::fs::read_to_string(desk.path("plugin-check-replay.json")).expect("a file"), "mine");
+    assert!(words.contains("(replay case: plugin-check-replay-2.json)"), "{words}");
+    let replayed = desk.pullout(["run", "--quiet", "plugin-check-replay-2.json"]).expect(1);
     assert!(replayed.stderr.contains("increment 501: it ended the process"), "{}", replayed.stderr);
+    // a replay that was changed stays, one of the same call serves again
+    in_json(&desk, &library, &tension(&library, &[30e3, 0.2], 0), &[], 1);
+    assert!(!desk.path("plugin-check-replay-3.json").exists());
+    desk.write("plugin-check-replay-2.json", "changed");
+    in_json(&desk, &library, &tension(&library, &[30e3, 0.2], 0), &[], 1);
+    assert_eq!(std::fs::read_to_string(desk.path("plugin-check-replay-2.json")).expect("a file"), "changed");
+    assert!(desk.path("plugin-check-replay-3.json").exists());
 }
 
 #[test]

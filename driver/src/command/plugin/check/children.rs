@@ -6,7 +6,8 @@ use clap::ValueEnum;
 use pullout_check::conformance::{Event, Group, Report, Row, Verdict};
 use pullout_run::isolation::{self, End, Failure, Job, Need};
 use std::borrow::Cow;
-use std::io::{Read, Seek};
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -201,10 +202,10 @@ impl Tally<'_> {
         };
         let file = self.arguments.case.as_deref().unwrap_or(Path::new(""));
         if let Some(case) = isolated::replay(failure, file, &self.arguments.overrides()) {
-            let path = replay_path(self.judged[law].replays.len());
-            if std::fs::write(&path, format!("{case:#}\n")).is_ok() {
-                detail += &format!(" (replay case: {})", path.display());
-            }
+            detail += &match keep(&format!("{case:#}\n")) {
+                Ok(path) => format!(" (replay case: {})", path.display()),
+                Err(error) => format!(" (no replay case could be written: {error})"),
+            };
             self.judged[law].replays.push(case);
         }
         // what makes no sense, or what the case never does, may end the analysis
@@ -233,10 +234,32 @@ impl Tally<'_> {
     }
 }
 
-/// Returns where a replay case goes: the current folder.
-fn replay_path(number: usize) -> PathBuf {
-    match number {
-        0 => "plugin-check-replay.json".into(),
-        number => format!("plugin-check-replay-{}.json", number + 1).into(),
+/// Writes a replay case into the current folder, under the first name that is free; returns the name. A file that is there may
+/// be the user's, or a replay that they changed: it stays, and serves if it is the same.
+fn keep(text: &str) -> io::Result<PathBuf> {
+    let mut number = 1;
+    loop {
+        let path = match number {
+            1 => PathBuf::from("plugin-check-replay.json"),
+            _ => format!("plugin-check-replay-{number}.json").into(),
+        };
+        match File::create_new(&path) {
+            Ok(mut file) => {
+                let written = file.write_all(text.as_bytes());
+                if written.is_err() {
+                    let _ = fs::remove_file(&path);
+                }
+                return written.map(|()| path);
+            }
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                // no pipe is opened, and nothing large is read
+                let is_as_long = fs::metadata(&path).is_ok_and(|it| it.is_file() && it.len() == text.len() as u64);
+                if is_as_long && fs::read(&path).is_ok_and(|content| content == text.as_bytes()) {
+                    return Ok(path);
+                }
+            }
+            Err(error) => return Err(error),
+        }
+        number += 1;
     }
 }
