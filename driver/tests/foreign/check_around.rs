@@ -118,6 +118,20 @@ fn temperatures_are_those_of_the_case() {
     assert!(row(&outcome, "consistent tangent").starts_with("pass"), "{}", row(&outcome, "consistent tangent"));
 }
 
+/// Free expansion raises no stress but what rounding leaves of two thermal ones: that is not nonlinear.
+#[test]
+fn free_expansion_is_linear() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "check_laws.f", &[]) else { return };
+    let mut case = tension(&library, &[3.0, 30e3, 0.2, 1e-5, 0.0], 0);
+    case["temperature"] = json!(293.0);
+    let free = json!({ "increments": 10, "target": {}, "temperature": 393.0 });
+    case["steps"] = json!([free, { "increments": 10, "target": { "e11": 2e-3 } }]);
+    let outcome = checked(&desk, &library, &case, 0);
+    let row = row(&outcome, "nonlinear states");
+    assert!(row.contains("linear everywhere it was looked at") && row.contains("0 of 20 increments"), "{row}");
+}
+
 /// The check calls FRIC with the LM that a run calls it with: 1 at first, not 0.
 #[test]
 fn friction_begins_sticking() {

@@ -38,7 +38,9 @@ pub(super) fn is_nonlinear(subject: &mut Subject<'_>, from: &Committed, step: &[
     // what rounding makes of F, seen through the small step
     let of_gradient = if subject.finite { ROUNDING_OF_F / SMALL } else { 0.0 };
     let stiffness = largest(&subject.output_size) / largest(&subject.size);
-    let rounding = 1e-9 * largest(&end).max(largest(&virgin.output)) + of_gradient * stiffness;
+    // where the strain is free to follow temperature or time, both responses are small differences of these
+    let sizes = [&end, &virgin.output, &base, &probe].map(|stress| largest(stress));
+    let rounding = 1e-9 * largest(&sizes) + of_gradient * stiffness;
     Some(distance(&raised, &elastic) > NONLINEAR * largest(&elastic).max(largest(&raised)) + rounding)
 }
 
