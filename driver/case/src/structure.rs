@@ -180,17 +180,7 @@ impl Findings<'_> {
         let message = match error.kind() {
             Kind::AdditionalProperties { unexpected } => {
                 let valid = self.property_names(error.schema_path());
-                for key in unexpected {
-                    // to look for a similar name takes longer than all else
-                    let is_shown = self.problems.len() < MOST_SHOWN;
-                    let nearest = if is_shown { nearest(key, &valid) } else { None };
-                    let hint = if is_shown { suggestion(nearest, &valid) } else { String::new() };
-                    let meant = nearest.filter(|nearest| error.instance().get(nearest).is_none());
-                    self.meant.extend(meant.map(|nearest| place.key(nearest)));
-                    self.problems.push(Problem::new(place.key(key), format!("unknown key{hint}")));
-                }
-                self.unknown.entry(pointer).or_default().extend(unexpected.iter().cloned());
-                return;
+                return self.describe_unknown(error, unexpected, &valid);
             }
             Kind::Required { property } => {
                 let key = property.as_str().unwrap_or_default();
@@ -220,8 +210,23 @@ impl Findings<'_> {
         self.problems.push(Problem::new(place, message));
     }
 
+    fn describe_unknown(&mut self, error: &ValidationError<'_>, unexpected: &[String], valid: &[String]) {
+        let here = error.instance_path();
+        let place = place_of(here);
+        for key in unexpected {
+            // to look for a similar name takes longer than all else
+            let is_shown = self.problems.len() < MOST_SHOWN;
+            let nearest = if is_shown { nearest(key, valid) } else { None };
+            let hint = if is_shown { suggestion(nearest, valid) } else { String::new() };
+            let meant = nearest.filter(|nearest| error.instance().get(nearest).is_none());
+            self.meant.extend(meant.map(|nearest| place.key(nearest)));
+            self.problems.push(Problem::new(place.key(key), format!("unknown key{hint}")));
+        }
+        self.unknown.entry(here.as_str().to_owned()).or_default().extend(unexpected.iter().cloned());
+    }
+
     /// Describes the branch that was meant: the one whose type fits, then the one with the fewest missing and
-    /// unknown keys. If none fits in type, what each expects.
+    /// unknown keys. If none fits in type, what each expects. Where no branch knows any key, the names in all.
     fn describe_union(&mut self, error: &ValidationError<'_>, context: &[Vec<ValidationError<'static>>]) {
         let here = error.instance_path();
         if let Some(tag) = wrong_tag(context, here) {
@@ -245,8 +250,19 @@ impl Findings<'_> {
         let best = best.map(|(_, branch)| branch);
         let fits = best.filter(|branch| branch.iter().all(|e| misfit(e, here) < MISFIT_OF_TYPE));
         if let Some(branch) = fits {
+            let strange: Option<Vec<_>> = context.iter().map(|branch| wholly_unknown(branch, here)).collect();
             for error in branch {
-                self.describe(error);
+                match (wholly_unknown(std::slice::from_ref(error), here), &strange) {
+                    (Some((_, keys)), Some(strange)) => {
+                        let mut valid = self.property_names(error.schema_path());
+                        if !keys.iter().any(|key| nearest(key, &valid).is_some()) {
+                            let of_all = strange.iter().flat_map(|(error, _)| self.property_names(error.schema_path()));
+                            valid = of_all.collect::<BTreeSet<_>>().into_iter().collect();
+                        }
+                        self.describe_unknown(error, keys, &valid);
+                    }
+                    _ => self.describe(error),
+                }
             }
             return;
         }
@@ -281,6 +297,20 @@ impl Findings<'_> {
         }
         schema["properties"].as_object().map(|p| p.keys().cloned().collect()).unwrap_or_default()
     }
+}
+
+/// Returns the error of a branch that knows none of an object's keys, and these.
+fn wholly_unknown<'e, 'v>(
+    branch: &'e [ValidationError<'v>],
+    here: &Location,
+) -> Option<(&'e ValidationError<'v>, &'e Vec<String>)> {
+    branch.iter().find_map(|error| match error.kind() {
+        Kind::AdditionalProperties { unexpected } if error.instance_path() == here => {
+            let is_all = error.instance().as_object().is_some_and(|object| object.len() == unexpected.len());
+            is_all.then_some((error, unexpected))
+        }
+        _ => None,
+    })
 }
 
 /// A word in a member that no branch has.

@@ -187,12 +187,16 @@ fn contact_laws_that_leave_their_arrays_are_told() {
 
 /// The check of elasticity in C with a statement before all others.
 fn checked_with(statement: &str, code: i32) -> Option<Outcome> {
+    altered("    const int n = *ntens;\n", statement, code)
+}
+
+/// The check of elasticity in C with a statement behind a line.
+fn altered(line: &str, statement: &str, code: i32) -> Option<Outcome> {
     let desk = Desk::new();
     find(Tool::C)?;
     let source = std::fs::read_to_string(workspace("tests/umats/elastic.c")).expect("a source");
     let headers = "#include <stdlib.h>\n#include <unistd.h>\n";
-    let source =
-        source.replacen("    const int n = *ntens;\n", &format!("    const int n = *ntens;\n    {statement}\n"), 1);
+    let source = source.replacen(line, &format!("{line}    {statement}\n"), 1);
     let source = desk.write("altered.c", &format!("{headers}{source}"));
     desk.pullout(["plugin", "build", source.to_str().expect("UTF-8"), "-o", "libaltered.so"]).expect(0);
     let material = json!({ "plugin": "./libaltered.so", "props": [30e3, 0.2], "nstatv": 0 });
@@ -200,6 +204,23 @@ fn checked_with(statement: &str, code: i32) -> Option<Outcome> {
     let outcome = desk.pullout(["plugin", "check", "./libaltered.so", "--case", "case.json"]).expect(code);
     println!("{}", outcome.stdout);
     Some(outcome)
+}
+
+/// A path that ends is told with its reason, which is no cut-back request where PNEWDT was left alone; a stress that grows in time
+/// is none in an instant, and another is named.
+#[test]
+fn reasons_are_the_true_ones() {
+    let behind = |statement| altered("    *spd = 0.0;\n", statement, 0);
+    let Some(outcome) = behind("if (dstran[0] == 0.0) stress[0] = 0.0 / 0.0;") else { return };
+    let told = row(&outcome, "energy balance");
+    assert!(told.contains("no path led to its end: it returned STRESS(1) = NaN"), "{told}");
+    let states = [("100.0 * *dtime", "pass", ""), ("1e-9", "warn", "s11 = -1e-9 after a step of zero, 0e0 before")];
+    for (stress, verdict, words) in states {
+        let Some(outcome) = behind(&format!("stress[0] -= {stress};")) else { return };
+        let told = row(&outcome, "virgin state");
+        assert!(told.starts_with(verdict) && told.contains(words), "{told}");
+        assert_eq!(told.contains("after a step of zero"), verdict == "warn", "{told}");
+    }
 }
 
 /// A law whose calls take long is looked at as far as the time goes; what was left out is said, and nothing passes for it.

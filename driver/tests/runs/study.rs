@@ -140,7 +140,8 @@ fn everything_wrong_is_told_at_once_and_nothing_is_run() {
             { "claim": "b", "expect": { "maximum_at": 45 } },
             { "claim": "c", "quantity": { "column": "s1" }, "expect": { "greater_than": 1 } },
             { "claim": "d", "expect": { "trend": "upwards" } },
-            { "claim": "e", "expect": { "greater_than": 2, "less_than": 1 } }
+            { "claim": "e", "expect": { "greater_than": 2, "less_than": 1 } },
+            { "claim": "f", "expect": { "increasing": true } }
         ]),
     );
     study["members"][1]["set"]["material.props.F"] = value!(1);
@@ -157,6 +158,8 @@ fn everything_wrong_is_told_at_once_and_nothing_is_run() {
         "$.claims[2].quantity.column: the histories have no column 's1'; nearest valid name: 's11'",
         "$.claims[3].expect.trend: ",
         "$.claims[4].expect: nothing is greater than 2 and less than 1",
+        "$.claims[5].expect.increasing: unknown key; valid names: above, below, curve_within, done, greater_than, less_than, \
+         maximum_at, minimum_at, of, over_series, ratio_of, to, tolerance, trend, within",
     ] {
         assert!(outcome.stderr.contains(expected), "{expected}\n{}", outcome.stderr);
     }

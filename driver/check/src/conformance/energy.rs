@@ -86,6 +86,7 @@ pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
         .map(|_| Path { targets: (0..LEGS).map(|_| target(subject, &mut random)).collect(), errors: Vec::new() })
         .collect();
     let (mut errors, mut fall, mut returned, mut is_told) = (Vec::new(), 0.0_f64, false, true);
+    let mut why = String::new();
     for halvings in 0..=MOST_HALVINGS {
         let increments = INCREMENTS << halvings;
         let affordable = || subject.affordable(usize::MAX, LEGS * increments as usize, TIME) >= paths.len();
@@ -99,7 +100,13 @@ pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
         paths.retain_mut(|path| {
             let balance = run(subject, &path.targets, increments);
             subject.share = 1.0;
-            let Ok(balance) = balance else { return false };
+            let balance = match balance {
+                Ok(balance) => balance,
+                Err(trouble) => {
+                    why = trouble.to_string();
+                    return false;
+                }
+            };
             let work = balance.absolute_work.max(f64::MIN_POSITIVE);
             path.errors.push((balance.work - balance.energy).abs() / work);
             fall = fall.max(balance.fall / work);
@@ -107,7 +114,7 @@ pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
             true
         });
         if paths.is_empty() {
-            return ledger.add(Verdict::Warn, "", "every path was cut short by a cut-back request");
+            return ledger.add(Verdict::Warn, "", format!("no path led to its end: {why}"));
         }
         let mean = |level| paths.iter().map(|path| path.errors[level]).sum::<f64>() / paths.len() as f64;
         errors = (0..=halvings).map(mean).collect();

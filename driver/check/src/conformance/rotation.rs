@@ -57,7 +57,7 @@ pub(super) fn check(subject: &mut Subject<'_>, paths: usize, ledger: &mut Ledger
     let mut random = Random::of_check(0x707);
     let entry = subject.entry;
     let start = if claimed { subject.blank() } else { subject.virgin() };
-    let (mut worst, mut elastic, mut refused) = (0.0_f64, 0.0_f64, 0);
+    let (mut worst, mut elastic, mut refused, mut why) = (0.0_f64, 0.0_f64, 0, String::new());
     for _ in 0..paths {
         let rotation = random_rotation(subject, &mut random);
         let (mut point, mut turned) = (start.clone(), start.clone());
@@ -68,9 +68,13 @@ pub(super) fn check(subject: &mut Subject<'_>, paths: usize, ledger: &mut Ledger
                 elastic = elastic.max(elastic_anisotropy(subject, &start, &step, &rotation).unwrap_or(f64::INFINITY));
             }
             let answers = (subject.evaluate(&point, &step), subject.evaluate(&turned, &turned_step));
-            let (Ok(answer), Ok(turned_answer)) = answers else {
-                refused += 1;
-                break;
+            let (answer, turned_answer) = match answers {
+                (Ok(answer), Ok(turned_answer)) => (answer, turned_answer),
+                (Err(trouble), _) | (_, Err(trouble)) => {
+                    refused += 1;
+                    why = trouble.to_string();
+                    break;
+                }
             };
             let expected = rotated(entry, &answer.output, &rotation, 1.0);
             worst = worst.max(relative_error(subject, &end, &turned_answer.output, &expected));
@@ -91,7 +95,7 @@ pub(super) fn check(subject: &mut Subject<'_>, paths: usize, ledger: &mut Ledger
     };
     if refused > 0 {
         let space = if detail.is_empty() { "" } else { "; " };
-        detail += &format!("{space}{refused} paths cut short by cut-backs");
+        detail += &format!("{space}{refused} paths cut short: {why}");
     }
     ledger.add(verdict, format!("{worst:.1e}"), detail);
 }

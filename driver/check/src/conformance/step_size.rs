@@ -3,7 +3,7 @@
 use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::sample::target;
-use super::subject::{Subject, distance, largest};
+use super::subject::{Subject, Trouble, distance, largest};
 use super::tolerances;
 use pullout_run::deformation::exponential;
 use umat_abi::metadata::flags;
@@ -13,9 +13,9 @@ const PATHS: usize = 20;
 /// Time that a slow law may take, s.
 const TIME: f64 = 2.0;
 
-/// The end stress of a path from the virgin state; `None` if an increment has no answer. Where F follows the strain, it is F that
+/// The end stress of a path from the virgin state, or why an increment has none. Where F follows the strain, it is F that
 /// grows in proportion: sums of DSTRAN lead to an end that depends on their number.
-fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Option<Vec<f64>> {
+fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<f64>, Trouble> {
     let mut point = subject.virgin();
     let virgin = point.gradient;
     let gradient = if subject.finite { Some(exponential(&subject.entry.six(end)) * virgin) } else { None };
@@ -25,27 +25,34 @@ fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Option<Vec<
         let fraction = f64::from(k) / f64::from(count);
         if let Some(gradient) = gradient {
             let there = if k == count { gradient } else { virgin + (gradient - virgin) * fraction };
-            point = subject.deformed(&point, &there)?.1;
+            let deformed = subject.deformed(&point, &there);
+            point = deformed.ok_or_else(|| Trouble::Refused("it has no answer on a path of F".into()))?.1;
             continue;
         }
         let step: Vec<f64> = end.iter().zip(&point.input).map(|(x, start)| fraction * x - start).collect();
-        let answer = subject.evaluate(&point, &step).ok()?;
+        let answer = subject.evaluate(&point, &step)?;
         point = subject.advanced(&point, &step, &answer);
     }
-    Some(point.output)
+    Ok(point.output)
 }
 
 /// Errors against 1000 increments; a law that claims to be exact must be.
 pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     ledger.begin("increment size");
     let mut random = Random::of_check(0x57E9);
-    let (mut errors, mut paths) = ([0.0_f64; 3], 0);
+    let (mut errors, mut paths, mut why) = ([0.0_f64; 3], 0, String::new());
     let calls: u32 = COUNTS.iter().sum();
     for _ in 0..subject.affordable(PATHS, calls as usize, TIME) {
         let end = target(subject, &mut random);
-        let stresses: Option<Vec<_>> = COUNTS.iter().map(|&count| end_stress(subject, &end, count)).collect();
+        let stresses: Result<Vec<_>, _> = COUNTS.iter().map(|&count| end_stress(subject, &end, count)).collect();
         subject.share = 1.0;
-        let Some(stresses) = stresses else { continue };
+        let stresses = match stresses {
+            Ok(stresses) => stresses,
+            Err(trouble) => {
+                why = trouble.to_string();
+                continue;
+            }
+        };
         paths += 1;
         let floor = tolerances::CANCELLATION / tolerances::PATH_EXACT * subject.elastic_size(&end);
         let scale = (largest(&stresses[3]) + floor).max(f64::MIN_POSITIVE);
@@ -54,7 +61,7 @@ pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
         }
     }
     if paths == 0 {
-        return ledger.add(Verdict::Warn, "", "every path was cut short by a cut-back request");
+        return ledger.add(Verdict::Warn, "", format!("no path led to its end: {why}"));
     }
     let worst = largest(&errors);
     let detail = format!(
