@@ -35,7 +35,8 @@
 //!
 //! - the worker's end: exit code or signal;
 //! - the time of one call, `call_time_limit_s`: the recorder's sequence numbers are the heartbeat. Time in which the
-//!   supervisor was stopped itself does not count; what the host computes between calls takes as long as it takes;
+//!   supervisor was stopped itself does not count, nor in `plugin check` that in which the worker waited for a
+//!   processor; what the host computes between calls takes as long as it takes;
 //! - the standard output and the standard error, by the worker after each increment: if a plugin closes one, the next
 //!   file that is opened takes its number, and what is printed goes there;
 //! - copies of the worker that a plugin makes by `fork`: one that comes back from the call is ended there;

@@ -9,6 +9,7 @@ use crate::input;
 use crate::path::Statistics;
 use crate::signals;
 use serde_json::Value;
+use std::cell::Cell;
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::{self, Write};
@@ -32,8 +33,11 @@ pub struct Job<'a> {
     pub command: &'a [OsString],
     /// The result directory, if what the plugins print there is shown as they do.
     pub echo: Option<&'a Path>,
-    /// Longest time of all that it does.
+    /// Longest time of all that it does. Where there is one, time in which it waits for a processor counts neither here nor for
+    /// a call: verdicts do not depend on how busy the machine is.
     pub time_limit: Option<Duration>,
+    /// Told what counts of its time.
+    pub spent: Option<&'a Cell<Duration>>,
     /// Lines that other workers told, which are not told again.
     pub told: Option<&'a Told>,
 }
@@ -83,7 +87,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
         Some(echo) if recording.note(Note::Running as usize) == 1 => echo.tell(),
         _ => {}
     };
-    let ended = watch(&mut child, &recording, need, job.time_limit, &mut tell);
+    let ended = watch(&mut child, &recording, need, job, &mut tell);
     tell();
     if ended.is_err() {
         // nothing watches it any more
@@ -160,11 +164,11 @@ fn watch(
     child: &mut Child,
     recording: &Recording,
     need: &Need,
-    time_limit: Option<Duration>,
+    job: &Job<'_>,
     look: &mut dyn FnMut(),
 ) -> io::Result<Watched> {
     let mut heartbeat = Heartbeat::default();
-    let (start, mut last) = (Instant::now(), Instant::now());
+    let (mut clock, mut last) = (Clock::default(), Instant::now());
     let mut passed_on = false;
     loop {
         if let Some(status) = child.wait_timeout(POLL)? {
@@ -177,19 +181,45 @@ fn watch(
             passed_on = true;
             interrupt.pass_on_to(child);
         }
-        // Where this process was stopped (Ctrl-Z), so was the worker.
-        let passed = last.elapsed().min(2 * POLL);
+        let waited = job.time_limit.map_or(Duration::ZERO, |_| system::waiting_time(child.id()));
+        let passed = clock.count(last.elapsed(), waited);
         last = Instant::now();
+        if let Some(spent) = job.spent {
+            spent.set(clock.counted);
+        }
         if let Some(limit) = heartbeat.overdue(recording, need, passed) {
             child.kill()?;
             child.wait()?;
             return Ok(Watched::Killed(limit));
         }
-        if let Some(limit) = time_limit.filter(|limit| start.elapsed() > *limit) {
+        if let Some(limit) = job.time_limit.filter(|limit| clock.counted > *limit) {
             child.kill()?;
             child.wait()?;
             return Ok(Watched::OutOfTime(limit.as_secs_f64()));
         }
+    }
+}
+
+/// Counts the time in which a worker had a processor, or wanted none.
+#[derive(Default)]
+pub(super) struct Clock {
+    counted: Duration,
+    /// Time that the worker waited for a processor so far, and the part of it that is still to be taken off: the kernel tells it
+    /// when the waiting is over.
+    waited: Duration,
+    owed: Duration,
+}
+
+impl Clock {
+    /// Returns what counts of the time since the last look; `waited`: for a processor, in all.
+    pub(super) fn count(&mut self, passed: Duration, waited: Duration) -> Duration {
+        self.owed += waited.saturating_sub(self.waited);
+        self.waited = self.waited.max(waited);
+        // Where this process was stopped (Ctrl-Z), so was the worker.
+        let counted = passed.saturating_sub(self.owed).min(2 * POLL);
+        self.owed = self.owed.saturating_sub(passed);
+        self.counted += counted;
+        counted
     }
 }
 

@@ -2,12 +2,13 @@
 
 use crate::input::{self, Input};
 use rustix::event::{PollFd, PollFlags, Timespec};
-use std::fs::File;
+use std::fs::{DirEntry, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::sync::mpsc::{self, Sender};
 use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::Duration;
 use umat_abi::host;
 
 /// Whether this system has the means that isolation needs.
@@ -90,6 +91,16 @@ pub fn spawn(command: Command) -> io::Result<Child> {
         orders.send((command, answer)).map_err(io::Error::other)?;
     }
     answered.recv().map_err(io::Error::other)?
+}
+
+/// Returns how long the thread of a process that waited most for a processor has done so; zero where the kernel does not tell.
+pub fn waiting_time(process: u32) -> Duration {
+    let of_thread = |thread: DirEntry| {
+        let times = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
+        times.split_whitespace().nth(1)?.parse::<u64>().ok()
+    };
+    let threads = std::fs::read_dir(format!("/proc/{process}/task")).into_iter().flatten().flatten();
+    Duration::from_nanos(threads.filter_map(of_thread).max().unwrap_or(0))
 }
 
 /// Lets the kernel end this process with the thread that started it; says whether that one still lives.

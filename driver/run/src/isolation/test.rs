@@ -1,8 +1,11 @@
 use super::need::{Need, need};
+use super::supervisor::Clock;
+use super::system::waiting_time;
 use super::{replay, trust};
 use end_to_end_tests::{plugin, shipped_laws};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use umat_abi::host::UmatInputs;
 use umat_abi::host::recorder::{Arguments, CallRecord, UmatRecord};
 use umat_abi::metadata::PLUGIN_SYMBOL;
@@ -18,6 +21,37 @@ fn need_of(case: &Value) -> Option<Need> {
         let name = |path: PathBuf| path.file_stem().map(PathBuf::from).unwrap_or_default();
         Need { libraries: need.libraries.into_iter().map(|(path, limit)| (name(path), limit)).collect(), ..need }
     })
+}
+
+/// The kernel tells of waiting when it is over: what was counted before is taken off then, and a hanging call still ends.
+#[test]
+fn time_of_a_worker_that_waits_for_a_processor_does_not_count() {
+    let milliseconds = Duration::from_millis;
+    let mut clock = Clock::default();
+    assert_eq!(clock.count(milliseconds(20), milliseconds(0)), milliseconds(20));
+    assert_eq!(clock.count(milliseconds(20), milliseconds(30)), milliseconds(0));
+    assert_eq!(clock.count(milliseconds(20), milliseconds(30)), milliseconds(10));
+    // this process was stopped; then both waited
+    assert_eq!(clock.count(milliseconds(5000), milliseconds(30)), milliseconds(40));
+    assert_eq!(clock.count(milliseconds(200), milliseconds(190)), milliseconds(40));
+}
+
+/// More processes than processors: each waits.
+#[test]
+fn a_busy_machine_is_seen() {
+    if std::fs::read("/proc/self/schedstat").is_err() {
+        return;
+    }
+    let count = 4 * std::thread::available_parallelism().expect("a number").get();
+    let busy = || std::process::Command::new("sh").args(["-c", "while :; do :; done"]).spawn().expect("a shell");
+    let mut children: Vec<_> = (0..count).map(|_| busy()).collect();
+    std::thread::sleep(Duration::from_millis(500));
+    let waited: Duration = children.iter().map(|child| waiting_time(child.id())).sum();
+    for child in &mut children {
+        child.kill().expect("it runs");
+        child.wait().expect("its end");
+    }
+    assert!(waited > Duration::from_millis(100), "{waited:?}");
 }
 
 fn point(material: Value) -> Option<Need> {

@@ -6,12 +6,13 @@ use clap::ValueEnum;
 use pullout_check::conformance::{Event, Group, Report, Row, Verdict};
 use pullout_run::isolation::{self, End, Failure, Job, Need};
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// Longest time of all groups, so that a check ends within twenty seconds.
+/// Longest time of all groups, so that a check ends within twenty seconds where it need not wait for a processor.
 const TIME_OF_ALL: Duration = Duration::from_secs(19);
 /// Ends of a process that the sample is drawn again for, without what led to it.
 const MOST_ENDS: usize = 16;
@@ -43,20 +44,22 @@ pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
     }
     let mut tally = Tally { arguments, judged: Vec::new(), bounds: Vec::new() };
     let (mut skip, mut longest_path) = (Vec::new(), None);
-    let start = Instant::now();
+    let mut spent = Duration::ZERO;
     let groups = Group::value_variants();
     for (index, group) in groups.iter().enumerate() {
         loop {
             // the first is what the others rest on
             let part = 2.0 / (1 + groups.len() - index) as f64;
-            let time_limit = TIME_OF_ALL.saturating_sub(start.elapsed()).mul_f64(part);
+            let time_limit = TIME_OF_ALL.saturating_sub(spent).mul_f64(part);
             let Ok(mut rows) = tempfile::NamedTempFile::new() else {
                 complain("no temporary file can be made");
                 return BAD_INPUT;
             };
             let command = arguments.command_line(*group, rows.path(), &skip, longest_path, time_limit.as_secs_f64());
-            let job = Job { command: &command, time_limit: Some(time_limit), ..Job::default() };
+            let time = Cell::new(Duration::ZERO);
+            let job = Job { command: &command, time_limit: Some(time_limit), spent: Some(&time), ..Job::default() };
             let end = isolation::supervise(&job, &need);
+            spent += time.get();
             let mut text = String::new();
             let _ = rows.as_file_mut().rewind().and_then(|()| rows.as_file_mut().read_to_string(&mut text));
             let told = tally.read(&text);
