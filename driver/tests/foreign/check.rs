@@ -210,13 +210,14 @@ fn altered(line: &str, statement: &str, code: i32) -> Option<Outcome> {
 /// is none in an instant, and another is named.
 #[test]
 fn reasons_are_the_true_ones() {
-    let behind = |statement| altered("    *spd = 0.0;\n", statement, 0);
+    let behind = |statement: &str| altered("    *spd = 0.0;\n", statement, 0);
     let Some(outcome) = behind("if (dstran[0] == 0.0) stress[0] = 0.0 / 0.0;") else { return };
     let told = row(&outcome, "energy balance");
     assert!(told.contains("no path led to its end: it returned STRESS(1) = NaN"), "{told}");
     let states = [("100.0 * *dtime", "pass", ""), ("1e-9", "warn", "s11 = -1e-9 after a step of zero, 0e0 before")];
     for (stress, verdict, words) in states {
-        let Some(outcome) = behind(&format!("stress[0] -= {stress};")) else { return };
+        let statement = format!("stress[0] -= {stress};");
+        let Some(outcome) = behind(&statement) else { return };
         let told = row(&outcome, "virgin state");
         assert!(told.starts_with(verdict) && told.contains(words), "{told}");
         assert_eq!(told.contains("after a step of zero"), verdict == "warn", "{told}");
