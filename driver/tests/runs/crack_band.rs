@@ -165,7 +165,7 @@ fn an_aligned_crack_is_the_cohesive_crack_in_every_kind_of_element() {
 }
 
 /// Warnings are given where the elements cannot reach the fracture energy: columns that lean by 27° lock; a column of
-/// Q8 that is not quite regular opens at one of its two columns of points.
+/// Q8 that is not quite regular opens at one of its two columns of points; a column of flat elements is not as wide as √A.
 #[test]
 fn a_crack_that_misses_its_energy_is_told() {
     let leaning = |[x, y]: [f64; 2]| {
@@ -184,4 +184,9 @@ fn a_crack_that_misses_its_energy_is_told() {
     let ([peak, work], warnings) = against_cohesive_crack("concrete_damage_implex", &beam(16, uneven));
     println!("uneven Q8: peak {peak:.3}, work {work:.3}, {warnings:?}");
     assert!(work < 0.7 && warnings.iter().any(|warning| warning.contains("open in part")), "{work} {warnings:?}");
+    // a column above the notch as wide as a quarter of its elements' height: √A is twice that
+    let narrow = |[x, y]: [f64; 2]| if x.abs() < 3.0 { [0.25 * x, y] } else { [x, y] };
+    let ([peak, work], warnings) = against_cohesive_crack("concrete_damage", &beam(3, narrow));
+    println!("narrow Q4: peak {peak:.3}, work {work:.3}, {warnings:?}");
+    assert!(work < 0.7 && warnings.iter().any(|warning| warning.contains("not as wide")), "{work} {warnings:?}");
 }
