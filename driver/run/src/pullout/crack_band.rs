@@ -12,7 +12,7 @@ const ALONG: f64 = 10.0;
 /// Below this share an element counts as open in part: one of two columns of points gives ½, strain that falls to a third
 /// across an element ¾.
 const OPEN_IN_PART: f64 = 0.7;
-/// Widths of a band over the one that the law is told that still count as right.
+/// Widths of a band, over that which the law is told, that count as right.
 const RIGHT_WIDTHS: std::ops::RangeInclusive<f64> = 0.75..=1.25;
 /// Share of the damage up to which there is no warning.
 const SMALL_SHARE: f64 = 0.2;
@@ -62,18 +62,19 @@ pub fn warnings(model: &Model, solids: &Solids) -> Vec<String> {
              points: they dissipate down to 0.6 times the fracture energy (T6 and Q4 do not)"
         )
     });
-    let is_wrong = |kind: ElementKind, crack: &Crack| {
-        let in_part = kind == ElementKind::Q8 && crack.open < OPEN_IN_PART;
-        crack.angle <= ALONG && !in_part && !RIGHT_WIDTHS.contains(&crack.width)
+    // the mean, since of two T6 that make a square one opens more and the other less
+    let is_straight = |kind: ElementKind, crack: &Crack| {
+        crack.angle <= ALONG && !(kind == ElementKind::Q8 && crack.open < OPEN_IN_PART)
     };
-    let wide = told(share(&is_wrong)).map(|share| {
-        let wrong = || cracks.iter().filter(|(kind, crack)| is_wrong(*kind, crack)).map(|(_, crack)| crack);
-        let energy: f64 = wrong().map(|crack| crack.damage / crack.width).sum();
-        let times = significant(wrong().map(|crack| crack.damage).sum::<f64>() / energy, 2);
+    let straight = || cracks.iter().filter(|(kind, crack)| is_straight(*kind, crack)).map(|(_, crack)| crack);
+    let times = straight().map(|crack| crack.damage).sum::<f64>()
+        / straight().map(|crack| crack.damage / crack.width).sum::<f64>();
+    let wide = told(share(&is_straight)).filter(|_| !RIGHT_WIDTHS.contains(&times)).map(|share| {
+        let times = significant(times, 2);
         format!(
-            "crack band: {share} % of the damage is in elements where the band is not as wide as the law is told (flat ones, and T6 that \
-             open all over): there they dissipate about {times} times the fracture energy (square elements do not; Q4, of a column that \
-             cracks as a whole)"
+            "crack band: the band is not as wide as the law is told (elements are flat, or T6 open all over): cracks along edges, {share} % \
+             of the damage, dissipate about {times} times the fracture energy (make elements as wide as long; where a whole column \
+             cracks, Q4)"
         )
     });
     across.into_iter().chain(in_part).chain(wide).collect()

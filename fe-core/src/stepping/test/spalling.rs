@@ -99,8 +99,11 @@ fn a_torn_quarter_is_released_its_force_fades_and_the_energies_balance() {
 fn loads_on_a_released_quarter_fade_and_the_energies_balance() {
     let mut model = torn_bar();
     model.drives.push("press".into());
-    model.steps[0].targets = vec![Some(END), Some(1.0)];
-    for (name, element, edge, traction) in [("below", 3, 0, -1e-3), ("above", 7, 2, 1e-3)] {
+    // pressed first: no load grows while what bears it goes
+    let pull = model.steps[0].clone();
+    model.steps[0].targets = vec![None, Some(1.0)];
+    model.steps.push(Step { targets: vec![Some(END), None], ..pull });
+    for (name, element, edge, traction) in [("below", 3, 0, -1e-5), ("above", 7, 2, 1e-5)] {
         let kind = LoadKind::Traction { edges: vec![ElementEdge { element, edge }], traction: [0.0, traction] };
         model.loads.push(Load { name: name.into(), drive: 1, kind });
     }
