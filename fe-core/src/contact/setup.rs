@@ -71,7 +71,7 @@ impl Pair {
         };
         let facets = Facets::new(mesh, &pair.slave, &pair.master);
         for index in 0..pair_points.points.len() {
-            pair_points.start_point(mesh, &facets, index)?;
+            pair_points.start_point(mesh, &pair.name, &facets, index)?;
         }
         pair_points.share_gaps();
         pair_points.trial.points.clone_from(&pair_points.committed.points);
@@ -137,13 +137,12 @@ impl Pair {
     }
 
     /// Finds where a point starts.
-    fn start_point(&mut self, mesh: &Mesh, facets: &Facets, index: usize) -> Result<(), ModelError> {
+    fn start_point(&mut self, mesh: &Mesh, name: &str, facets: &Facets, index: usize) -> Result<(), ModelError> {
         let position = |node: usize| mesh.nodes()[node];
         let point = self.points[index];
         let at = point.slave.position(&position);
-        let name = self.name.clone();
         let wrong = |reason: &str| {
-            let place = Place::Contact { pair: name.clone(), point: index, position: at };
+            let place = Place::Contact { pair: name.to_owned(), point: index, position: at };
             ModelError(format!("{place}: {reason}"))
         };
         let projection = Projection { chain: &self.chain, position };

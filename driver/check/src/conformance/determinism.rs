@@ -6,7 +6,7 @@ use super::report::{Ledger, Verdict};
 use super::sample::State;
 use super::subject::{Answer, Subject, distance, largest};
 use pullout_run::PLUGIN_STACK;
-use umat_abi::host::{Alteration, ExternalDatabases, same_bits};
+use umat_abi::host::{Alteration, ExternalDatabases};
 use umat_abi::metadata::flags;
 
 /// Threads that call at once.
@@ -104,7 +104,7 @@ fn run_again(subject: &mut Subject<'_>, options: &Options, databases: &mut Exter
     let again = path.again(options.program.as_deref()?, options, databases, &mut between);
     let difference = path.pairs(&again).find_map(|(before, after)| {
         let mut values = before.answer.iter().zip(&after.answer).enumerate();
-        let (k, (before_it, after_it)) = values.find(|(_, (a, b))| !same_bits(&[**a], &[**b]))?;
+        let (k, (before_it, after_it)) = values.find(|(_, (a, b))| a.to_bits() != b.to_bits())?;
         let (outputs, [step, increment]) = (subject.entry.outputs(), before.from.counters);
         let name = match k {
             k if k < outputs => subject.entry.output_name(k),

@@ -21,6 +21,7 @@ const SMALL_DAMAGE: f64 = 0.01;
 
 /// Crack of an element.
 struct Crack {
+    kind: ElementKind,
     /// Energy that it has dissipated, N·mm.
     damage: f64,
     /// The angle between the crack and the nearest edge, degrees.
@@ -31,42 +32,47 @@ struct Crack {
     width: f64,
 }
 
+impl Crack {
+    /// Returns whether it opens one of two columns of points.
+    fn is_in_part(&self) -> bool {
+        self.kind == ElementKind::Q8 && self.open < OPEN_IN_PART
+    }
+}
+
 /// Warns of cracks that miss their energy; the table is that of `bench/crack-band`.
 pub fn warnings(model: &Model, solids: &Solids) -> Vec<String> {
     let has_band: Vec<bool> = model.laws.iter().map(has_band).collect();
     let elements = model.mesh.elements().iter().enumerate();
-    let cracks: Vec<(ElementKind, Crack)> = elements
+    let cracks: Vec<Crack> = elements
         .filter(|(element, definition)| has_band[definition.part()] && solids.damages(*element))
-        .filter_map(|(element, definition)| Some((definition.kind(), crack(model, solids, element)?)))
+        .filter_map(|(element, _)| crack(model, solids, element))
         .collect();
     let energies = solids.energies();
-    let all: f64 = cracks.iter().map(|(_, crack)| crack.damage).sum();
+    let all: f64 = cracks.iter().map(|crack| crack.damage).sum();
     if all <= SMALL_DAMAGE * (energies.stored + all) {
         return Vec::new();
     }
-    let share = |holds: &dyn Fn(ElementKind, &Crack) -> bool| {
-        let held = cracks.iter().filter(|(kind, crack)| holds(*kind, crack));
-        held.map(|(_, crack)| crack.damage).sum::<f64>() / all
+    let share = |holds: &dyn Fn(&Crack) -> bool| {
+        let held = cracks.iter().filter(|crack| holds(crack));
+        held.map(|crack| crack.damage).sum::<f64>() / all
     };
     let told = |share: f64| (share > SMALL_SHARE).then(|| significant(100.0 * share, 2));
-    let across = told(share(&|_, crack| crack.angle > ALONG)).map(|share| {
+    let across = told(share(&|crack| crack.angle > ALONG)).map(|share| {
         format!(
             "crack band: {share} % of the damage is in elements that cracks cross at more than {ALONG}° to their edges, where they \
              lock: T6 dissipate up to 1.5 times the fracture energy, others up to twice (with edges along the crack they do not; \
              T6 stay within 15 % with concrete_damage_fixed)"
         )
     });
-    let in_part = told(share(&|kind, crack| kind == ElementKind::Q8 && crack.open < OPEN_IN_PART)).map(|share| {
+    let in_part = told(share(&Crack::is_in_part)).map(|share| {
         format!(
             "crack band: {share} % of the damage is in Q8 elements that cracks open in part, as a rule at one of two columns of \
              points: they dissipate down to 0.6 times the fracture energy (T6 and Q4 do not)"
         )
     });
     // the mean, since of two T6 that make a square one opens more and the other less
-    let is_straight = |kind: ElementKind, crack: &Crack| {
-        crack.angle <= ALONG && !(kind == ElementKind::Q8 && crack.open < OPEN_IN_PART)
-    };
-    let straight = || cracks.iter().filter(|(kind, crack)| is_straight(*kind, crack)).map(|(_, crack)| crack);
+    let is_straight = |crack: &Crack| crack.angle <= ALONG && !crack.is_in_part();
+    let straight = || cracks.iter().filter(|crack| is_straight(crack));
     let times = straight().map(|crack| crack.damage).sum::<f64>()
         / straight().map(|crack| crack.damage / crack.width).sum::<f64>();
     let wide = told(share(&is_straight)).filter(|_| !RIGHT_WIDTHS.contains(&times)).map(|share| {
@@ -105,7 +111,8 @@ fn crack(model: &Model, solids: &Solids, element: usize) -> Option<Crack> {
     // the crack stands across the greatest principal strain
     let crack = 0.5 * mean[2].atan2(mean[0] - mean[1]) + std::f64::consts::FRAC_PI_2;
     let (positions, _) = model.mesh.element_positions(element);
-    let corners = model.mesh.elements()[element].kind().corner_count();
+    let kind = model.mesh.elements()[element].kind();
+    let corners = kind.corner_count();
     let angle = |corner: usize| {
         let [[x0, y0], [x1, y1]] = [positions[corner], positions[(corner + 1) % corners]];
         let between = ((y1 - y0).atan2(x1 - x0) - crack).rem_euclid(std::f64::consts::PI);
@@ -116,8 +123,7 @@ fn crack(model: &Model, solids: &Solids, element: usize) -> Option<Crack> {
     let (sine, cosine) = crack.sin_cos();
     let across = positions[..corners].iter().map(|[x, y]| y * cosine - x * sine);
     let [low, high] = across.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
-    let kind = model.mesh.elements()[element].kind();
     let opens = if kind == ElementKind::T6 { open } else { 1.0 };
     let width = opens * (high - low) / model.mesh.characteristic_length(element);
-    Some(Crack { damage, angle, open, width })
+    Some(Crack { kind, damage, angle, open, width })
 }

@@ -500,10 +500,11 @@ pub(super) fn present_thickness<'a>(model: &'a Model, solids: &'a Solids) -> imp
     }
 }
 
-/// Returns what is left of the loads of released elements; `None` where none can be.
+/// Returns what is left of the loads of released elements; `None` while there are none.
 pub(super) fn present_shares(model: &Model, solids: &Solids) -> Option<Shares> {
     let may_spall = model.controls.spalling.is_some() && !model.loads.is_empty();
-    may_spall.then(|| Shares::new(&model.mesh, |element| solids.share(element)))
+    let is_any_released = may_spall && (0..model.mesh.elements().len()).any(|element| solids.is_spalled(element));
+    is_any_released.then(|| Shares::new(&model.mesh, |element| solids.share(element)))
 }
 
 fn unsolvable(error: &SolverError) -> Trouble {
