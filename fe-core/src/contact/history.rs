@@ -27,6 +27,10 @@ pub(super) struct PointState {
     /// g_N, ḡ of a patch, and g, mm.
     pub gap: f64,
     pub slip: f64,
+    /// Arc length of the master from which the slip counts, mm.
+    pub origin: f64,
+    /// Whether it lies on a surface that came to light and has not touched the master yet: it transmits nothing, and has not slid.
+    pub apart: bool,
     /// The point's own g_N, mm.
     pub own_gap: f64,
     /// n·dx/ds₀ where normals are smoothed.
@@ -73,7 +77,7 @@ impl PointState {
     fn is_sound(&self) -> bool {
         /// Edges of all rounds about a closed master.
         const MOST_EDGES: u64 = 1 << 40;
-        let Self { foot, gap, slip, own_gap, lean, largest_slip, weight, pressure, shear, normal, .. } = *self;
+        let Self { foot, gap, slip, origin, own_gap, lean, largest_slip, weight, pressure, shear, normal, .. } = *self;
         let Self {
             inelastic_slip,
             plugin_energies,
@@ -87,8 +91,19 @@ impl PointState {
             own_energy,
             ..
         } = *self;
-        let place =
-            [foot.coordinate, gap, slip, own_gap, lean, largest_slip, weight, pressure, shear, normal.multiplier];
+        let place = [
+            foot.coordinate,
+            gap,
+            slip,
+            origin,
+            own_gap,
+            lean,
+            largest_slip,
+            weight,
+            pressure,
+            shear,
+            normal.multiplier,
+        ];
         let sums = [normal.opening, inelastic_slip, normal_energy, work, leaning, dissipated, opening, released];
         let mut numbers = place.into_iter().chain(sums).chain(plugin_energies).chain([own_pressure, own_energy]);
         numbers.all(f64::is_finite) && foot.edge.unsigned_abs() < MOST_EDGES

@@ -1,6 +1,7 @@
 #![doc = include_str!("doc.md")]
 
 mod chain;
+mod exposed;
 mod facets;
 mod foretold;
 mod history;
@@ -22,7 +23,7 @@ pub use state::ContactState;
 
 use crate::assembly::Trouble;
 use crate::mesh::Mesh;
-use crate::model::{ContactPair, FieldValues, Freedom, IncrementContext, ModelError};
+use crate::model::{ContactPair, FieldValues, IncrementContext, ModelError};
 use crate::solver::Blocks;
 use history::PointState;
 use kinematics::Kinematics;
@@ -146,9 +147,7 @@ impl Contact {
     ) -> Result<Self, ModelError> {
         assert_eq!(moduli.len(), mesh.parts().len(), "one modulus for each part");
         let edges = pairs.iter().flat_map(|pair| pair.slave.iter().chain(&pair.master));
-        let nodes = edges.flat_map(|&edge| mesh.edge_nodes(edge).nodes().to_vec());
-        let mut freedoms: Vec<usize> =
-            nodes.flat_map(|node| [0, 1].map(|component| Freedom { node, component }.index())).collect();
+        let mut freedoms: Vec<usize> = exposed::freedoms_of(mesh, edges).collect();
         freedoms.sort_unstable();
         freedoms.dedup();
         let pairs = pairs.iter().map(|pair| Pair::new(mesh, pair, moduli, contact_search, initial));
@@ -230,18 +229,6 @@ impl Contact {
         self.foretell_nothing();
     }
 
-    /// Releases the points on slave edges of elements that are gone, after a commit.
-    pub fn release(&mut self, is_gone: impl Fn(usize) -> bool) {
-        for pair in &mut self.pairs {
-            for (point, state) in pair.points.iter().zip(&mut pair.committed.points) {
-                if point.elements.into_iter().all(&is_gone) {
-                    state.release(point.area);
-                }
-            }
-            pair.trial.copy_from(&pair.committed);
-        }
-    }
-
     /// The attempt is given up: back to the committed state.
     pub fn restore(&mut self) {
         for pair in &mut self.pairs {
@@ -267,7 +254,7 @@ impl Contact {
 
     /// Returns how much of the reference length of these pairs is open after the last evaluation, mm.
     pub(crate) fn open_length(&self, pairs: &[usize]) -> f64 {
-        let points = pairs.iter().flat_map(|&pair| self.pairs[pair].points.iter().zip(&self.pairs[pair].trial.points));
+        let points = pairs.iter().flat_map(|&pair| self.pairs[pair].own_points());
         let open = points.filter(|(_, state)| state.status == PointStatus::Open);
         // the sum of nothing would be -0
         open.fold(0.0, |sum, (point, _)| sum + point.length)
@@ -326,8 +313,8 @@ impl Contact {
     /// sides of a fibre run in opposite directions. Released points keep their last slip.
     pub(crate) fn mean_slip(&self) -> f64 {
         let slips = self.pairs.iter().map(|pair| {
-            let terms = pair.points.iter().zip(&pair.trial.points);
-            sliding_direction(pair) * terms.map(|(point, state)| point.area * state.slip).sum::<f64>()
+            let terms = pair.own_points().map(|(point, state)| point.area * state.slip);
+            sliding_direction(pair) * terms.sum::<f64>()
         });
         slips.sum::<f64>() / self.area()
     }
@@ -374,14 +361,17 @@ impl Contact {
 
     fn points_in_contact(&self) -> impl Iterator<Item = (PointIndex, &Kinematics)> {
         self.pairs.iter().enumerate().flat_map(|(pair, of_pair)| {
-            let points = of_pair.kinematics.iter().enumerate();
-            points.filter_map(move |(point, of_point)| Some((PointIndex { pair, point }, of_point.as_ref()?)))
+            let points = of_pair.kinematics.iter().zip(&of_pair.trial.points).enumerate();
+            points.filter_map(move |(point, (of_point, state))| {
+                let kinematics = of_point.as_ref().filter(|_| !state.apart)?;
+                Some((PointIndex { pair, point }, kinematics))
+            })
         })
     }
 
-    /// Contact area of all pairs.
+    /// Contact area of all pairs as the model has it.
     fn area(&self) -> f64 {
-        self.pairs.iter().flat_map(|pair| &pair.points).map(|point| point.area).sum()
+        self.pairs.iter().flat_map(Pair::own_points).map(|(point, _)| point.area).sum()
     }
 
     /// The growth of the closed point whose slip grows most for its history in the increment that was evaluated last; `None`
@@ -408,7 +398,7 @@ impl Contact {
 /// ±1: where the points of a pair slid on average, up to the start of the increment if they did.
 fn sliding_direction(pair: &Pair) -> f64 {
     let slip = |states: &[history::PointState]| -> f64 {
-        pair.points.iter().zip(states).map(|(point, state)| point.area * state.slip).sum()
+        pair.points.iter().zip(states).take(pair.own).map(|(point, state)| point.area * state.slip).sum()
     };
     match slip(&pair.committed.points) {
         0.0 if slip(&pair.trial.points) < 0.0 => -1.0,

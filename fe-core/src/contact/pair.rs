@@ -1,6 +1,7 @@
 //! One contact pair: its points from displacements to forces.
 
 use super::chain::{Chain, Foot};
+use super::exposed::Torn;
 use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
@@ -9,6 +10,7 @@ use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::ContactPoint;
 use crate::assembly::{Place, Setback, Trouble};
+use crate::mesh::ElementEdge;
 use crate::model::{Enforcement, IncrementContext};
 use crate::solver::Blocks;
 use std::ops::Range;
@@ -19,11 +21,10 @@ const WEIGHT_ROUNDING: f64 = 1e-9;
 /// Fraction of the increment that is tried next after a point lost the master.
 const FRACTION_AFTER_LOSS: f64 = 0.5;
 
-/// Reference of a point: its gap and its place on the master at the start.
+/// Reference of a point: its gap at the start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Datum {
     pub gap: f64,
-    pub arc_length: f64,
     /// Part of its length that lies behind the point in the direction of the master, mm.
     pub behind: f64,
 }
@@ -76,9 +77,20 @@ pub(super) struct Pair {
     pub state_count: usize,
     /// Gaps of the patches that are predicted along a correction.
     pub foretold: Foretold,
+    /// Number of points on the slave surface of the model; those behind them are on surfaces that came to light.
+    pub own: usize,
+    /// Edges that came to light, by the releases with which they did.
+    pub exposed: Vec<Vec<ElementEdge>>,
+    /// A point of a torn surface, if matter may be torn.
+    pub torn: Option<Torn>,
 }
 
 impl Pair {
+    /// The points on the slave surface of the model with their states on trial.
+    pub fn own_points(&self) -> impl Iterator<Item = (&ContactPoint, &PointState)> {
+        self.points.iter().zip(&self.trial.points).take(self.own)
+    }
+
     /// w and dw/ds at an arc length.
     pub fn weight(&self, index: usize, arc_length: f64) -> (f64, f64) {
         if !self.release || self.chain.closed {
@@ -148,13 +160,21 @@ impl Pair {
             return Ok(false);
         }
         let at = self.points[index].slave.position(position);
-        let (kinematics, foot, searched) =
-            self.project(index, at, position).map_err(|lost| lost.at(self.place(index, at)))?;
+        let (kinematics, foot, searched) = match self.project(index, at, position) {
+            // nothing is lost that was never touched
+            Err(_) if self.committed.points[index].apart => {
+                self.kinematics[index] = None;
+                self.trial.points[index] = self.committed.points[index];
+                return Ok(false);
+            }
+            found => found.map_err(|lost| lost.at(self.place(index, at)))?,
+        };
         let (weight, slope) = self.weight(index, kinematics.arc_length);
         self.kinematics[index] = Some(kinematics);
         self.weight_slopes[index] = slope;
         let (start, end) = (&self.committed.points[index], &mut self.trial.points[index]);
-        (end.foot, end.weight, end.slip) = (foot, weight, kinematics.arc_length - self.data[index].arc_length);
+        (end.foot, end.weight, end.slip) = (foot, weight, kinematics.arc_length - start.origin);
+        (end.origin, end.apart) = (start.origin, start.apart);
         (end.own_gap, end.lean) = (kinematics.gap - self.data[index].gap, kinematics.lean);
         end.largest_slip = start.largest_slip.max(end.slip.abs());
         Ok(searched)
@@ -201,6 +221,14 @@ impl Pair {
         end.gap = gap;
         let states = index * *state_count..(index + 1) * *state_count;
         let (start_statev, statev) = (&committed.statev[states.clone()], &mut trial.statev[states]);
+        if start.apart && (end.weight == 0.0 || asked_at > 0.0) {
+            (end.pressure, end.shear, end.held, end.status) = (0.0, 0.0, false, PointStatus::Open);
+            (end.origin, end.slip, end.largest_slip) = (kinematics.arc_length, 0.0, 0.0);
+            statev.copy_from_slice(start_statev);
+            tangents[index] = [[0.0; 2]; 2];
+            return Ok(());
+        }
+        end.apart = false;
         if end.weight == 0.0 {
             (end.pressure, end.shear, end.held, end.status) = (0.0, 0.0, false, PointStatus::Released);
             (end.own_pressure, end.own_energy) = (0.0, start.own_energy);

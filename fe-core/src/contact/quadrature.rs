@@ -119,13 +119,18 @@ impl SlaveEdge {
     }
 }
 
-/// The contact points of a pair.
+/// The contact points of a pair on some edges.
 ///
 /// # Errors
-/// No slave edges, or a number of points that is not possible.
-pub(super) fn contact_points(mesh: &Mesh, pair: &ContactPair, master: &Chain) -> Result<Vec<ContactPoint>, ModelError> {
+/// No edges, or a number of points that is not possible.
+pub(super) fn contact_points(
+    mesh: &Mesh,
+    pair: &ContactPair,
+    slave: &[ElementEdge],
+    master: &Chain,
+) -> Result<Vec<ContactPoint>, ModelError> {
     let unusable = |reason: String| Err(ModelError::of_pair(&pair.name, reason));
-    if pair.slave.is_empty() {
+    if slave.is_empty() {
         return unusable("the slave surface has no edges".to_owned());
     }
     if let Quadrature::Gauss { points } | Quadrature::Segments { points } = pair.quadrature
@@ -133,9 +138,9 @@ pub(super) fn contact_points(mesh: &Mesh, pair: &ContactPair, master: &Chain) ->
     {
         return unusable(format!("{points} points per edge, from 1 to {MOST_POINTS} are possible"));
     }
-    let mut edges = Vec::with_capacity(pair.slave.len());
+    let mut edges = Vec::with_capacity(slave.len());
     let mut start = 0.0;
-    for (index, &edge) in pair.slave.iter().enumerate() {
+    for (index, &edge) in slave.iter().enumerate() {
         let edge = SlaveEdge::new(mesh, edge, pair.width, start, index);
         start += edge.length(-1.0, 1.0);
         edges.push(edge);

@@ -25,7 +25,7 @@ const ELASTIC_PROBE: f64 = 1e-6;
 /// Halvings by which the limit is found: to a hundredth of itself.
 const PROBES: usize = 7;
 /// The increment in which a law is asked.
-const FIRST: IncrementContext =
+pub(super) const FIRST: IncrementContext =
     IncrementContext { step: 1, increment: 1, iteration: 1, step_time: 0.0, total_time: 0.0, time_increment: 1.0 };
 
 impl Pair {
@@ -39,7 +39,7 @@ impl Pair {
     ) -> Result<Self, ModelError> {
         check_numbers(pair)?;
         let chain = Chain::new(mesh, &pair.master, &pair.name, pair.master_bends)?;
-        let points = contact_points(mesh, pair, &chain)?;
+        let points = contact_points(mesh, pair, &pair.slave, &chain)?;
         let penalty = penalty(mesh, pair, moduli, &points);
         let law = PointLaw::new(pair, penalty, initial)?;
         let state_count = match &law {
@@ -67,6 +67,9 @@ impl Pair {
             data: Vec::with_capacity(points.len()),
             state_count,
             foretold: Foretold::default(),
+            own: points.len(),
+            exposed: Vec::new(),
+            torn: None,
             points,
         };
         let facets = Facets::new(mesh, &pair.slave, &pair.master);
@@ -160,9 +163,9 @@ impl Pair {
         }
         let along = dot(kinematics.tangent, point.direction) >= 0.0;
         let behind = if along { point.behind } else { point.length - point.behind };
-        self.data.push(Datum { gap: if is_fault { gap } else { 0.0 }, arc_length: kinematics.arc_length, behind });
+        self.data.push(Datum { gap: if is_fault { gap } else { 0.0 }, behind });
         let (weight, _) = self.weight(index, kinematics.arc_length);
-        let mut state = PointState::new(foot, weight);
+        let mut state = PointState { origin: kinematics.arc_length, ..PointState::new(foot, weight) };
         state.gap = gap - self.data[index].gap;
         state.own_gap = state.gap;
         if weight == 0.0 {

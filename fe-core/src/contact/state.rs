@@ -6,6 +6,8 @@ use super::kinematics::Kinematics;
 use super::law::Tangent;
 use super::pair::Pair;
 use crate::assembly::GREATEST_COUNT;
+use crate::mesh::{ElementEdge, Mesh};
+use crate::model::{ContactPair, Model};
 use serde::{Deserialize, Serialize};
 
 /// The history of all pairs, and what their last evaluation left.
@@ -17,6 +19,8 @@ pub struct ContactState {
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct PairState {
+    /// Edges that came to light, by releases.
+    exposed: Vec<Vec<ElementEdge>>,
     committed: History,
     trial: History,
     kinematics: Vec<Option<Kinematics>>,
@@ -28,6 +32,7 @@ struct PairState {
 impl PairState {
     fn of(pair: &Pair) -> Self {
         Self {
+            exposed: pair.exposed.clone(),
             committed: pair.committed.clone(),
             trial: pair.trial.clone(),
             kinematics: pair.kinematics.clone(),
@@ -38,7 +43,7 @@ impl PairState {
     }
 
     fn fits(&self, pair: &Pair, nodes: usize) -> bool {
-        let Self { committed, trial, kinematics, tangents, weight_slopes, shear_stiffness } = self;
+        let Self { exposed: _, committed, trial, kinematics, tangents, weight_slopes, shear_stiffness } = self;
         let mut numbers = tangents.as_flattened().as_flattened().iter().chain(weight_slopes).chain(shear_stiffness);
         pair.committed.fits(committed)
             && pair.trial.fits(trial)
@@ -48,6 +53,16 @@ impl PairState {
             && shear_stiffness.len() == pair.shear_stiffness.len()
             && kinematics.iter().flatten().all(|kinematics| kinematics.is_sound(nodes))
             && numbers.all(|number| number.is_finite())
+    }
+
+    /// Adds the points on edges that came to light to a pair that is made anew; `false` if it cannot have such edges.
+    fn expose(&self, pair: &mut Pair, mesh: &Mesh, of_model: &ContactPair) -> bool {
+        self.exposed.iter().all(|edges| {
+            let is_edge = |edge: &ElementEdge| {
+                mesh.elements().get(edge.element).is_some_and(|element| edge.edge < element.kind().corner_count())
+            };
+            edges.iter().all(is_edge) && pair.add_exposed(mesh, of_model, edges.clone()).is_ok()
+        })
     }
 
     fn give_to(&self, pair: &mut Pair) {
@@ -66,14 +81,17 @@ impl Contact {
         ContactState { pairs: self.pairs.iter().map(PairState::of).collect(), law_calls: self.law_calls() }
     }
 
-    /// Takes over a history and what the last evaluation left; `false`, and nothing done, if it is of other pairs.
+    /// Takes over a history and what the last evaluation left; `false` if it is of other pairs.
     #[must_use]
-    pub(crate) fn set_state(&mut self, state: &ContactState) -> bool {
+    pub(crate) fn set_state(&mut self, state: &ContactState, model: &Model) -> bool {
         let nodes = self.reference.len();
-        let fits = self.pairs.len() == state.pairs.len()
+        let mut exposed = self.pairs.iter_mut().zip(&state.pairs).zip(&model.contacts);
+        let fits = state.pairs.len() == model.contacts.len()
             && state.law_calls < GREATEST_COUNT
+            && exposed.all(|((pair, state), of_model)| state.expose(pair, &model.mesh, of_model))
             && self.pairs.iter().zip(&state.pairs).all(|(pair, state)| state.fits(pair, nodes));
         if fits {
+            self.take_exposed(&model.mesh);
             self.pairs.iter_mut().zip(&state.pairs).for_each(|(pair, state)| state.give_to(pair));
             // calls that were made to get here have been counted before
             let own: u64 = self.pairs.iter().map(|pair| pair.law.calls()).sum();

@@ -96,7 +96,7 @@ impl ElementDefinition {
 }
 
 /// One edge of one element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 pub struct ElementEdge {
     /// Index of the element.
     pub element: usize,

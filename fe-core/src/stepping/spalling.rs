@@ -78,7 +78,7 @@ impl Analysis<'_> {
             let lowest = lowest.fold(f64::INFINITY, f64::min);
             spalled.depth = spalled.depth.max(face.map_or(0.0, |face| face - lowest));
         }
-        self.equilibrium.release(&elements);
+        self.equilibrium.release(&elements, &self.present.committed.displacements);
         let external_work = self.present.energies.external_work;
         self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
     }

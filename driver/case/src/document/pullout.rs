@@ -62,7 +62,8 @@ pub struct PulloutCase {
 }
 
 /// Criterion by which an element is torn matter: its forces fade, it is no longer part of its body and has no contact,
-/// and the same goes for whatever is then attached to nothing.
+/// and the same goes for whatever is then attached to nothing. Contact moves to the surface behind it, which has friction and
+/// no bond.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spalling {

@@ -375,10 +375,11 @@ impl<'m> Equilibrium<'m> {
         self.memory.at_committed_state = self.memory.drag.largest() == 0.0;
     }
 
-    /// Releases torn elements after an increment was accepted, and the points of contact on them.
-    pub(super) fn release(&mut self, elements: &[usize]) {
+    /// Releases torn elements after an increment was accepted, and the points of contact on them: contact moves to the surface
+    /// that is left. Its nodes are those of released elements, which iterate.
+    pub(super) fn release(&mut self, elements: &[usize], displacements: &[f64]) {
         self.solids.release(elements);
-        self.contact.release(|element| self.solids.is_spalled(element));
+        self.contact.release(self.model, displacements, |element| self.solids.is_spalled(element));
         self.memory.at_committed_state = false;
     }
 
@@ -477,7 +478,11 @@ impl<'m> Equilibrium<'m> {
 /// Returns the contact of a model before anything has moved.
 pub(super) fn contact_of(model: &Model, solids: &Solids) -> Result<Contact, ModelError> {
     let Model { mesh, contacts, skipping, fields, .. } = model;
-    Contact::new(mesh, contacts, &solids.elastic_moduli(), skipping.contact_search, &fields.initial)
+    let mut contact = Contact::new(mesh, contacts, &solids.elastic_moduli(), skipping.contact_search, &fields.initial)?;
+    if model.controls.spalling.is_some() {
+        contact.tear(mesh)?;
+    }
+    Ok(contact)
 }
 
 /// The freedoms that blocks may couple, ascending: those of contact, and of pressures that follow the body, which have

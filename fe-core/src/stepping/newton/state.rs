@@ -125,7 +125,7 @@ impl<'m> Equilibrium<'m> {
         }
         let fits = state.memory.fits(&made)
             && made.solids.set_state(&state.solids)
-            && made.contact.set_state(&state.contact)
+            && made.contact.set_state(&state.contact, model)
             && made.system.set_state(&state.system);
         if !fits {
             return Err(foreign_state());

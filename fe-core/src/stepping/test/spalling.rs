@@ -2,7 +2,7 @@
 
 use super::snap_back::{AREA, LENGTHS, MODULUS, bar, stress};
 use super::*;
-use crate::model::Spalling;
+use crate::model::{ContactLaw, ContactPair, Enforcement, Quadrature, Spalling, Width};
 use crate::output::Activity;
 
 const SPALLING: Spalling = Spalling { opening: 0.01, stress: 0.005, wait: 0.002, fade: 0.004 };
@@ -122,6 +122,84 @@ fn loads_on_a_released_quarter_fade_and_the_energies_balance() {
     let changes = records[released..].windows(2).map(|pair| imbalance(&pair[1]) - imbalance(&pair[0]));
     let largest = changes.map(f64::abs).fold(0.0, f64::max);
     assert!(largest < 1e-7 * last.energies.external_work, "{largest:e} of {}", last.energies.external_work);
+}
+
+/// The bar of [`torn_bar`], pulled by a block that is bonded to its end.
+fn bonded_bar() -> Model {
+    let mut model = torn_bar();
+    let mesh = &model.mesh;
+    let definition = |element: usize| {
+        let of_mesh = mesh.elements()[element];
+        ElementDefinition { kind: of_mesh.kind(), part: of_mesh.part(), nodes: of_mesh.nodes().to_vec() }
+    };
+    let (mut nodes, mut elements) = (mesh.nodes().to_vec(), (0..8).map(definition).collect::<Vec<_>>());
+    let first = nodes.len();
+    nodes.extend([[4.0, 0.0], [5.0, 0.0], [5.0, 1.0], [4.0, 1.0], [4.5, 0.0], [5.0, 0.5], [4.5, 1.0], [4.0, 0.5]]);
+    elements.push(ElementDefinition { kind: ElementKind::Q8, part: 2, nodes: (first..first + 8).collect() });
+    let parts = (0..3).map(|k| Part::new(format!("part {k}"), PlaneModel::PlaneStress, 0.5)).collect();
+    model.mesh = Mesh::new(MeshDefinition { nodes, parts, elements, ..MeshDefinition::default() }).unwrap();
+    model.laws.push(PluginLaw::shipped("linear_elastic", &[("E", BLOCK), ("nu", 0.0)]));
+    (model.average_dilatation, model.nlgeom) = (vec![false; 3], vec![false; 3]);
+    let end = vec![first + 1, first + 2, first + 5];
+    model.supports[2].nodes.clone_from(&end);
+    model.supports.push(Support { name: "guide".into(), nodes: end, direction: [0.0, 1.0], drive: None });
+    let bond = PluginLaw::shipped("bond_slip", &[("normal_law", 0.0), ("p_0", 1000.0), ("delta_N", 0.1), ("mu", 0.3)]);
+    model.contacts.push(ContactPair {
+        name: "bond".into(),
+        slave: [3, 7].map(|element| ElementEdge { element, edge: 1 }).to_vec(),
+        master: vec![ElementEdge { element: 8, edge: 3 }],
+        law: ContactLaw::Uinter(bond),
+        quadrature: Quadrature::Gauss { points: 2 },
+        width: Width::OfPart,
+        penalty_factor: 100.0,
+        enforcement: Enforcement::Penalty,
+        release: false,
+        critical_slip: 0.0,
+        master_bends: false,
+    });
+    model
+}
+
+/// Modulus of the block, MPa.
+const BLOCK: f64 = 1e6;
+
+#[test]
+fn contact_moves_to_the_surface_behind_what_was_torn_off_and_is_not_bonded_to_it() {
+    let mut model = bonded_bar();
+    let control = StepControl::Automatic { initial: 0.02, maximum: 0.05, minimum: 1e-8 };
+    let step = |target| Step { time: 1.0, targets: vec![Some(target)], control };
+    // torn, pushed on to what is left, and away from it
+    let pushed = 0.1;
+    model.steps = vec![step(END), step(-LENGTHS[1] - pushed), step(0.0)];
+    let mut watch = Watch::default();
+    let mut analysis = Analysis::new(&model).unwrap();
+    analysis.checkpoint_every(1);
+    analysis.run(&mut watch).unwrap();
+    let records = &watch.records;
+    let compliance =
+        (LENGTHS[0] / 5000.0 + LENGTHS[1] / BLOCK + 1.0 / analysis.equilibrium.contact.penalties().next().unwrap())
+            / AREA;
+    let (mut apart, mut pressed) = (0, 0);
+    for record in records.iter().filter(|record| record.step > 1) {
+        let shortening = -record.slip - LENGTHS[1];
+        let expected = -shortening.max(0.0) / compliance;
+        approx::assert_relative_eq!(record.load, expected, max_relative = 1e-6, epsilon = 1e-6);
+        *(if shortening > 0.0 { &mut pressed } else { &mut apart }) += 1;
+    }
+    assert!(pressed > 3 && apart > 3, "{pressed} {apart}");
+    let last = records.last().unwrap();
+    assert_eq!(last.slip, 0.0);
+    let imbalance = |record: &Record| record.energies.imbalance();
+    let torn = records.iter().rfind(|record| record.step == 1).unwrap();
+    let changes = records.iter().filter(|record| record.step > 1).map(|record| imbalance(record) - imbalance(torn));
+    let largest = changes.map(f64::abs).fold(0.0, f64::max);
+    assert!(largest < 1e-6 * 0.5 * pushed * pushed / compliance, "{largest:e}");
+
+    let checkpoint = watch.checkpoint.expect("a checkpoint after the release");
+    let mut rest = Watch::default();
+    Analysis::resume(&model, &checkpoint).unwrap().run(&mut rest).unwrap();
+    let words = |records: &[Record]| format!("{records:?}");
+    assert!(words(&rest.records) == words(&records[records.len() - rest.records.len()..]), "to the last bit");
 }
 
 #[test]

@@ -1,0 +1,190 @@
+//! Surfaces that come to light where a slave body loses matter: contact moves to them.
+
+use super::Contact;
+use super::chain::Foot;
+use super::history::{PointState, PointStatus};
+use super::kinematics::Kinematics;
+use super::law::Situation;
+use super::normal::NormalState;
+use super::pair::{Datum, Pair};
+use super::projection::Projection;
+use super::quadrature::{ContactPoint, contact_points, patches};
+use super::setup::FIRST;
+use crate::mesh::{ElementEdge, Mesh};
+use crate::model::{ContactPair, Freedom, Model, ModelError};
+use crate::plane::dot;
+use std::collections::BTreeSet;
+
+/// The gap at which no bond is left, as part of an edge.
+const FAR: f64 = 1e3;
+
+/// What a point of a torn surface starts from: matter was there, so that no bond holds it, and no law says otherwise.
+#[derive(Clone, Debug)]
+pub(super) struct Torn {
+    state: PointState,
+    statev: Vec<f64>,
+}
+
+impl Pair {
+    /// Asks the law what is left of a virgin point after an opening that no bond outlasts.
+    fn tear(&mut self, mesh: &Mesh) -> Result<(), ModelError> {
+        let position = |node: usize| mesh.nodes()[node];
+        let (index, point, foot) = (0, self.points[0], self.committed.points[0].foot);
+        let refused = |reason: String| {
+            ModelError::of_pair(&self.name, format!("at the gap of a surface that was torn free: {reason}"))
+        };
+        let kinematics = Kinematics::new(&self.chain, &point.slave, foot, &position);
+        let kinematics = kinematics.map_err(|reason| refused(reason.to_owned()))?;
+        let gap = FAR * point.edge_length;
+        let normal = NormalState { latched: true, opening: gap, ..NormalState::default() };
+        let start = PointState { normal, ..PointState::new(foot, 1.0) };
+        let (virgin, mut statev) = (vec![0.0; self.state_count], vec![0.0; self.state_count]);
+        let (point, kinematics, start, start_statev, context) = (&point, &kinematics, &start, &virgin, &FIRST);
+        let situation = Situation { gap, slip: 0.0, point, index, kinematics, start, start_statev, context };
+        let mut state = *start;
+        let asked = self.law.advance(&situation, &mut state, &mut statev);
+        asked.map_err(|setback| refused(setback.reason))?;
+        (state.pressure, state.shear, state.status, state.apart) = (0.0, 0.0, PointStatus::Open, true);
+        self.torn = Some(Torn { state, statev });
+        Ok(())
+    }
+
+    /// Adds points on some edges, which start from the state of a torn surface; their places are not known yet.
+    ///
+    /// # Errors
+    /// No matter of this pair may be torn.
+    pub fn add_exposed(&mut self, mesh: &Mesh, pair: &ContactPair, edges: Vec<ElementEdge>) -> Result<(), ModelError> {
+        let whole = || ModelError::of_pair(&self.name, "no surface of it comes to light");
+        let torn = self.torn.as_ref().ok_or_else(whole)?;
+        let mut points = contact_points(mesh, pair, &edges, &self.chain)?;
+        let before = self.points.iter().map(|point| point.coordinate + point.edge_length).fold(0.0, f64::max);
+        points.iter_mut().for_each(|point| point.coordinate += before);
+        let first = self.points.len();
+        self.patches.extend(patches(&points).into_iter().map(|patch| patch.start + first..patch.end + first));
+        for point in &points {
+            self.data.push(Datum { gap: 0.0, behind: 0.5 * point.length });
+            for history in [&mut self.committed, &mut self.trial] {
+                history.points.push(torn.state);
+                history.statev.extend_from_slice(&torn.statev);
+            }
+        }
+        self.points.extend(points);
+        let count = self.points.len();
+        self.kinematics.resize(count, None);
+        self.tangents.resize(count, [[0.0; 2]; 2]);
+        self.weight_slopes.resize(count, 0.0);
+        self.shear_stiffness.resize(count, 0.0);
+        self.exposed.push(edges);
+        Ok(())
+    }
+
+    /// Releases the points on edges of elements that are gone, and adds points on the edges behind them that face the master.
+    fn release(
+        &mut self,
+        mesh: &Mesh,
+        pair: &ContactPair,
+        covers: &[usize],
+        position: &impl Fn(usize) -> [f64; 2],
+        is_gone: &impl Fn(usize) -> bool,
+    ) {
+        for (point, state) in self.points.iter().zip(&mut self.committed.points) {
+            if point.elements.into_iter().all(is_gone) {
+                state.release(point.area);
+            }
+        }
+        let known: BTreeSet<ElementEdge> = self.exposed.iter().flatten().copied().collect();
+        let edges = behind(mesh, &pair.slave, covers, is_gone);
+        let edges: Vec<ElementEdge> =
+            edges.into_iter().filter(|edge| !known.contains(edge) && self.faces(mesh, pair, *edge, position)).collect();
+        if !edges.is_empty() {
+            let first = self.points.len();
+            self.add_exposed(mesh, pair, edges).expect("points are put on edges as when the pair was made");
+            for index in first..self.points.len() {
+                let Some((foot, kinematics)) = self.over(&self.points[index], position) else { continue };
+                let state = &mut self.committed.points[index];
+                (state.foot, state.gap, state.own_gap) = (foot, kinematics.gap, kinematics.gap);
+                (state.origin, state.lean) = (kinematics.arc_length, kinematics.lean);
+            }
+        }
+        self.trial.copy_from(&self.committed);
+    }
+
+    /// Returns whether an edge lies before the master, with its body behind it.
+    fn faces(&self, mesh: &Mesh, pair: &ContactPair, edge: ElementEdge, position: &impl Fn(usize) -> [f64; 2]) -> bool {
+        let [start, end] = [0, 1].map(|end| position(mesh.edge_nodes(edge).nodes()[end]));
+        // the body is on the left
+        let outward = [end[1] - start[1], start[0] - end[0]];
+        let Ok(points) = contact_points(mesh, pair, &[edge], &self.chain) else { return false };
+        points.iter().all(|point| {
+            let over = self.over(point, position);
+            over.is_some_and(|(_, over)| over.gap > 0.0 && dot(over.normal, outward) < 0.0)
+        })
+    }
+
+    /// A point over the master; `None` where it has no foot.
+    fn over(&self, point: &ContactPoint, position: &impl Fn(usize) -> [f64; 2]) -> Option<(Foot, Kinematics)> {
+        let projection = Projection { chain: &self.chain, position };
+        let foot = projection.anywhere(point.slave.position(position))?;
+        let kinematics = Kinematics::new(&self.chain, &point.slave, foot, position).ok()?;
+        Some((foot, kinematics))
+    }
+}
+
+/// The edges behind what is gone from a slave surface inwards, of what is left, ascending. What slides does so in front of covers:
+/// they have no surface for it.
+fn behind(mesh: &Mesh, slave: &[ElementEdge], covers: &[usize], is_gone: &impl Fn(usize) -> bool) -> Vec<ElementEdge> {
+    let is_cover = |element: usize| covers.contains(&mesh.elements()[element].part());
+    let mut gone: Vec<usize> = slave.iter().map(|edge| edge.element).filter(|&element| is_gone(element)).collect();
+    let mut seen: BTreeSet<usize> = gone.iter().copied().collect();
+    let mut edges = BTreeSet::new();
+    while let Some(element) = gone.pop() {
+        for edge in 0..mesh.elements()[element].kind().corner_count() {
+            match mesh.neighbour(ElementEdge { element, edge }) {
+                Some(other) if is_cover(other.element) => {}
+                Some(other) if !is_gone(other.element) => _ = edges.insert(other),
+                Some(other) if seen.insert(other.element) => gone.push(other.element),
+                _ => {}
+            }
+        }
+    }
+    edges.into_iter().collect()
+}
+
+/// The freedoms of the nodes of some edges; several times where edges meet.
+pub(super) fn freedoms_of<'e>(
+    mesh: &Mesh,
+    edges: impl Iterator<Item = &'e ElementEdge>,
+) -> impl Iterator<Item = usize> {
+    let nodes = edges.flat_map(|&edge| mesh.edge_nodes(edge).nodes().to_vec());
+    nodes.flat_map(|node| [0, 1].map(|component| Freedom { node, component }.index()))
+}
+
+impl Contact {
+    /// Asks the laws what is left of their bonds where matter is torn off, so that [`Self::release`] finds it.
+    ///
+    /// # Errors
+    /// A law that does not say.
+    pub(crate) fn tear(&mut self, mesh: &Mesh) -> Result<(), ModelError> {
+        self.pairs.iter_mut().try_for_each(|pair| pair.tear(mesh))
+    }
+
+    /// Releases, after a commit, the points on slave edges of elements that are gone; contact moves to the edges behind them
+    /// that face the master.
+    pub(crate) fn release(&mut self, model: &Model, displacements: &[f64], is_gone: impl Fn(usize) -> bool) {
+        let reference = &self.reference;
+        let position = |node: usize| [0, 1].map(|k| reference[node][k] + displacements[2 * node + k]);
+        let covers = model.parts_behind();
+        for (pair, of_model) in self.pairs.iter_mut().zip(&model.contacts) {
+            pair.release(&model.mesh, of_model, &covers, &position, &is_gone);
+        }
+        self.take_exposed(&model.mesh);
+    }
+
+    /// Counts the freedoms of edges that came to light among those of contact.
+    pub(super) fn take_exposed(&mut self, mesh: &Mesh) {
+        let edges = self.pairs.iter().flat_map(|pair| pair.exposed.iter().flatten());
+        self.freedoms.extend(freedoms_of(mesh, edges));
+        self.freedoms.sort_unstable();
+        self.freedoms.dedup();
+    }
+}
