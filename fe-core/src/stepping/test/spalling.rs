@@ -124,22 +124,30 @@ fn loads_on_a_released_quarter_fade_and_the_energies_balance() {
     assert!(largest < 1e-7 * last.energies.external_work, "{largest:e} of {}", last.energies.external_work);
 }
 
+/// Adds nodes, and a stiff element that is a part of its own.
+fn add_part(model: &mut Model, added: &[[f64; 2]], of_element: Vec<usize>) {
+    let mesh = &model.mesh;
+    let definition = |element: &crate::mesh::Element| ElementDefinition {
+        kind: element.kind(),
+        part: element.part(),
+        nodes: element.nodes().to_vec(),
+    };
+    let mut elements: Vec<_> = mesh.elements().iter().map(definition).collect();
+    let part = mesh.parts().len();
+    elements.push(ElementDefinition { kind: ElementKind::Q8, part, nodes: of_element });
+    let nodes = mesh.nodes().iter().chain(added).copied().collect();
+    let parts = (0..=part).map(|k| Part::new(format!("part {k}"), PlaneModel::PlaneStress, 0.5)).collect();
+    model.mesh = Mesh::new(MeshDefinition { nodes, parts, elements, ..MeshDefinition::default() }).unwrap();
+    model.laws.push(PluginLaw::shipped("linear_elastic", &[("E", BLOCK), ("nu", 0.0)]));
+    (model.average_dilatation, model.nlgeom) = (vec![false; part + 1], vec![false; part + 1]);
+}
+
 /// The bar of [`torn_bar`], pulled by a block that is bonded to its end.
 fn bonded_bar() -> Model {
     let mut model = torn_bar();
-    let mesh = &model.mesh;
-    let definition = |element: usize| {
-        let of_mesh = mesh.elements()[element];
-        ElementDefinition { kind: of_mesh.kind(), part: of_mesh.part(), nodes: of_mesh.nodes().to_vec() }
-    };
-    let (mut nodes, mut elements) = (mesh.nodes().to_vec(), (0..8).map(definition).collect::<Vec<_>>());
-    let first = nodes.len();
-    nodes.extend([[4.0, 0.0], [5.0, 0.0], [5.0, 1.0], [4.0, 1.0], [4.5, 0.0], [5.0, 0.5], [4.5, 1.0], [4.0, 0.5]]);
-    elements.push(ElementDefinition { kind: ElementKind::Q8, part: 2, nodes: (first..first + 8).collect() });
-    let parts = (0..3).map(|k| Part::new(format!("part {k}"), PlaneModel::PlaneStress, 0.5)).collect();
-    model.mesh = Mesh::new(MeshDefinition { nodes, parts, elements, ..MeshDefinition::default() }).unwrap();
-    model.laws.push(PluginLaw::shipped("linear_elastic", &[("E", BLOCK), ("nu", 0.0)]));
-    (model.average_dilatation, model.nlgeom) = (vec![false; 3], vec![false; 3]);
+    let first = model.mesh.nodes().len();
+    let block = [[4.0, 0.0], [5.0, 0.0], [5.0, 1.0], [4.0, 1.0], [4.5, 0.0], [5.0, 0.5], [4.5, 1.0], [4.0, 0.5]];
+    add_part(&mut model, &block, (first..first + 8).collect());
     let end = vec![first + 1, first + 2, first + 5];
     model.supports[2].nodes.clone_from(&end);
     model.supports.push(Support { name: "guide".into(), nodes: end, direction: [0.0, 1.0], drive: None });
@@ -200,6 +208,41 @@ fn contact_moves_to_the_surface_behind_what_was_torn_off_and_is_not_bonded_to_it
     Analysis::resume(&model, &checkpoint).unwrap().run(&mut rest).unwrap();
     let words = |records: &[Record]| format!("{records:?}");
     assert!(words(&rest.records) == words(&records[records.len() - rest.records.len()..]), "to the last bit");
+}
+
+/// The lower half of the bar's end is gone, and of a cover in front of the block what is fixed to it.
+#[test]
+fn contact_moves_to_what_faces_the_master_and_not_to_a_cover() {
+    let mut model = bonded_bar();
+    let at = |place: [f64; 2]| model.mesh.nodes().iter().position(|node| *node == place).unwrap();
+    let [below, above, middle] = [[4.0, 0.0], [4.0, 0.5], [4.0, 0.25]].map(at);
+    let first = model.mesh.nodes().len();
+    let cover = [[4.5, 0.0], [4.5, 0.5], [4.25, 0.0], [4.5, 0.25], [4.25, 0.5]];
+    let nodes = vec![below, first, first + 1, above, first + 2, first + 3, first + 4, middle];
+    add_part(&mut model, &cover, nodes);
+    let first = model.mesh.nodes().len();
+    let further = [[5.0, 0.0], [5.0, 0.5], [4.75, 0.0], [5.0, 0.25], [4.75, 0.5]];
+    let nodes = vec![first - 5, first, first + 1, first - 4, first + 2, first + 3, first + 4, first - 2];
+    add_part(&mut model, &further, nodes);
+    assert_eq!(model.parts_behind(), [3]);
+
+    let mut analysis = Analysis::new(&model).unwrap();
+    let displacements = vec![0.0; 2 * model.mesh.nodes().len()];
+    let count = analysis.equilibrium.contact.points().count();
+    analysis.equilibrium.release(&[3, 9], &displacements);
+    let contact = &mut analysis.equilibrium.contact;
+    let mut forces = displacements.clone();
+    let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
+    let request = umat_abi::law::Request::Stress;
+    contact.evaluate(&displacements, &context, request, &mut forces, &mut Default::default()).unwrap();
+    let new: Vec<_> = contact.points().skip(count).map(|point| (point.position, point.gap)).collect();
+    let place = |y: f64| (Some([3.0, y]), 1.0);
+    let half = 0.25 / 3.0_f64.sqrt();
+    for ((position, gap), (expected, distance)) in new.iter().zip([place(0.25 - half), place(0.25 + half)]) {
+        approx::assert_relative_eq!(position.unwrap()[..], expected.unwrap()[..], max_relative = 1e-14);
+        approx::assert_relative_eq!(*gap, distance, max_relative = 1e-14);
+    }
+    assert_eq!(new.len(), 2, "neither the upper half's side nor the rest of the cover");
 }
 
 #[test]
