@@ -11,10 +11,10 @@ const PLASTIC_MOMENT: f64 = YIELD_STRESS * THICKNESS * DIAMETER * DIAMETER / 4.0
 
 /// Returns the deviation of a case's load from M_p times a change of curvature, 1/mm, on average from a slip to the
 /// end, and at most.
-fn off_from_rigid_plastic(case: &str, change_of_curvature: f64, from: f64) -> [f64; 2] {
+fn off_from_rigid_plastic(case: &str, overrides: &[&str], change_of_curvature: f64, from: f64) -> [f64; 2] {
     let expected = PLASTIC_MOMENT * change_of_curvature;
     let (mut sum, mut length, mut worst, mut last) = (0.0, 0.0, 0.0_f64, [f64::NAN; 2]);
-    run_to_end(&model(case, &[]), |record, _| {
+    run_to_end(&model(case, overrides), |record, _| {
         let [slip, load] = last;
         if slip > from {
             sum += 0.5 * (load + record.load) * (record.slip - slip);
@@ -33,7 +33,7 @@ fn off_from_rigid_plastic(case: &str, change_of_curvature: f64, from: f64) -> [f
 #[test]
 fn a_hook_takes_its_plastic_moment_for_each_change_of_curvature() {
     const RADIUS: f64 = 2.5;
-    let [mean, worst] = off_from_rigid_plastic("hook", 4.0 / RADIUS, 0.05);
+    let [mean, worst] = off_from_rigid_plastic("hook", &[], 4.0 / RADIUS, 0.05);
     assert!(mean < 0.02 && worst < 0.05, "{mean:.3}, {worst:.3}");
 }
 
@@ -45,7 +45,8 @@ fn a_wave_takes_its_plastic_moment_for_each_change_of_curvature() {
     const YOUNGS_MODULUS: f64 = 600e3;
     let bending_stiffness = YOUNGS_MODULUS * THICKNESS * DIAMETER.powi(3) / 12.0;
     let change = 6.0 * GREATEST - 3.0 * 2.0 * PLASTIC_MOMENT / bending_stiffness;
-    let [mean, worst] = off_from_rigid_plastic("wave", change, 0.06);
+    let coarse = "mesh.specimen.largest_fibre_size=0.6";
+    let [mean, worst] = off_from_rigid_plastic("wave", &[coarse], change, 0.06);
     assert!(mean < 0.05 && worst < 0.06, "{mean:.3}, {worst:.3}");
 }
 
