@@ -110,7 +110,7 @@ fn after_extraction(overrides: &[&str]) -> [f64; 2] {
 
 #[test]
 fn an_inclined_fibre_is_pulled_out_to_the_last() {
-    // the study full-extraction has it on the usual mesh
+    // full-extraction-study has it on the usual mesh
     let coarse = "mesh.specimen.mesh_size=2";
     for angle in ["mesh.specimen.angle_deg=30", "mesh.specimen.angle_deg=45"] {
         let [load, slip] = after_extraction(&[angle, coarse]);
