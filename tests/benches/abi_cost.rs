@@ -4,7 +4,7 @@
 //! `cargo bench -p end-to-end-tests --bench abi_cost`. The ways alternate in short repeats, and medians are compared:
 //! other work of the machine then affects all of them alike.
 
-use end_to_end_tests::{PointMemory, Sample, plugin, sample, strain_path};
+use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, sample, strain_path};
 use models::concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex};
 use models::{
     biaxial_damage::BiaxialDamage, drucker_prager::DruckerPrager, inelastic_damage::InelasticDamage,
@@ -145,6 +145,7 @@ fn main() {
         measure::<J2Plasticity>(sample("j2_plasticity"), linked::j2_plasticity, calls),
         measure::<DruckerPrager>(sample("drucker_prager"), linked::drucker_prager, calls),
     ];
+    assert_eq!(accepted.len(), LAWS.len(), "every law of the table");
     if calls > 10 && accepted.contains(&false) {
         std::process::exit(1);
     }

@@ -29,7 +29,11 @@ impl Pair {
     /// Asks the law what is left of a virgin point after an opening that no bond outlasts.
     fn tear(&mut self, mesh: &Mesh) -> Result<(), ModelError> {
         let position = |node: usize| mesh.nodes()[node];
-        let (index, point, foot) = (0, self.points[0], self.committed.points[0].foot);
+        // an edge on the axis has no points
+        let Some((point, &PointState { foot, .. })) = self.points.first().zip(self.committed.points.first()) else {
+            return Ok(());
+        };
+        let index = 0;
         let refused = |reason: String| {
             ModelError::of_pair(&self.name, format!("at the gap of a surface that was torn free: {reason}"))
         };
@@ -39,7 +43,7 @@ impl Pair {
         let normal = NormalState { latched: true, opening: gap, ..NormalState::default() };
         let start = PointState { normal, ..PointState::new(foot, 1.0) };
         let (virgin, mut statev) = (vec![0.0; self.state_count], vec![0.0; self.state_count]);
-        let (point, kinematics, start, start_statev, context) = (&point, &kinematics, &start, &virgin, &FIRST);
+        let (kinematics, start, start_statev, context) = (&kinematics, &start, &virgin, &FIRST);
         let situation = Situation { gap, slip: 0.0, point, index, kinematics, start, start_statev, context };
         let mut state = *start;
         let asked = self.law.advance(&situation, &mut state, &mut statev);
@@ -96,7 +100,7 @@ impl Pair {
         let edges = behind(mesh, &pair.slave, covers, is_gone);
         let edges: Vec<ElementEdge> =
             edges.into_iter().filter(|edge| !known.contains(edge) && self.faces(mesh, pair, *edge, position)).collect();
-        if !edges.is_empty() {
+        if self.torn.is_some() && !edges.is_empty() {
             let first = self.points.len();
             self.add_exposed(mesh, pair, edges).expect("points are put on edges as when the pair was made");
             for index in first..self.points.len() {

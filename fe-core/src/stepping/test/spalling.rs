@@ -24,6 +24,20 @@ struct Watch {
     checkpoint: Option<Checkpoint>,
 }
 
+impl Watch {
+    /// Asserts that a run from its checkpoint goes on to the same records.
+    fn is_resumed_to_the_bit(&self, model: &Model) {
+        let checkpoint = self.checkpoint.as_ref().expect("a checkpoint after the release");
+        let mut rest = Watch::default();
+        Analysis::resume(model, checkpoint).unwrap().run(&mut rest).unwrap();
+        let words = |records: &[Record]| format!("{records:?}");
+        assert!(
+            words(&rest.records) == words(&self.records[self.records.len() - rest.records.len()..]),
+            "to the last bit"
+        );
+    }
+}
+
 impl Observer for Watch {
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
         self.records.push(record.clone());
@@ -87,11 +101,7 @@ fn a_torn_quarter_is_released_its_force_fades_and_the_energies_balance() {
     let expected = |element: usize| if element % 4 == 3 { Activity::Spalled } else { Activity::Elastic };
     assert!(watch.activities.iter().enumerate().all(|(element, activity)| *activity == expected(element)));
 
-    let checkpoint = watch.checkpoint.expect("a checkpoint after the release");
-    let mut rest = Watch::default();
-    Analysis::resume(&model, &checkpoint).unwrap().run(&mut rest).unwrap();
-    let words = |records: &[Record]| format!("{records:?}");
-    assert!(words(&rest.records) == words(&records[records.len() - rest.records.len()..]), "to the last bit");
+    watch.is_resumed_to_the_bit(&model);
 }
 
 /// The softening quarter is pulled apart across the bar as well: by less than what it still bears when it is torn.
@@ -203,11 +213,7 @@ fn contact_moves_to_the_surface_behind_what_was_torn_off_and_is_not_bonded_to_it
     let largest = changes.map(f64::abs).fold(0.0, f64::max);
     assert!(largest < 1e-6 * 0.5 * pushed * pushed / compliance, "{largest:e}");
 
-    let checkpoint = watch.checkpoint.expect("a checkpoint after the release");
-    let mut rest = Watch::default();
-    Analysis::resume(&model, &checkpoint).unwrap().run(&mut rest).unwrap();
-    let words = |records: &[Record]| format!("{records:?}");
-    assert!(words(&rest.records) == words(&records[records.len() - rest.records.len()..]), "to the last bit");
+    watch.is_resumed_to_the_bit(&model);
 }
 
 /// The lower half of the bar's end is gone, and of a cover in front of the block what is fixed to it.
