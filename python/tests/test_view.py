@@ -6,6 +6,7 @@ import html
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -80,15 +81,7 @@ def test_it_is_drawn_and_follows_the_slider(fibre: po.Run, tmp_path: Path) -> No
     frames = "".join(f'<iframe srcdoc="{html.escape(page)}"></iframe>' for page in pages)
     style = f"body {{ margin: 0; display: grid; grid-template-columns: 1fr 1fr; }} iframe {{ width: {WIDTH}px; height: {HEIGHT}px; border: 0; }}"
     (tmp_path / "page.html").write_text(f"<!DOCTYPE html><style>{style}</style>{frames}", encoding="utf-8")
-    shot = tmp_path / "shot.png"
-    options = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"]
-    options += [f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={2 * WIDTH},{2 * HEIGHT + 100}", "--virtual-time-budget=20000"]
-    command = [chromium, *options, f"--screenshot={shot}", (tmp_path / "page.html").as_uri()]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
-    assert shot.is_file(), ended.stderr
-    if kept := os.environ.get("PULLOUT_KEEP_SCREENSHOT"):
-        shutil.copy(shot, kept)
-    image = np.asarray(Image.open(shot).convert("RGB"))
+    image = screenshot(tmp_path / "page.html", 2 * WIDTH, 2 * HEIGHT + 100, tmp_path)
     assert image.shape[0] >= 2 * HEIGHT and image.shape[1] == 2 * WIDTH
     found = {}
     for k, name in enumerate(["report, begin", "notebook, begin", "report, end", "notebook, end"]):
@@ -101,6 +94,49 @@ def test_it_is_drawn_and_follows_the_slider(fibre: po.Run, tmp_path: Path) -> No
         assert sum(begin.values()) > 0.05 * WIDTH * HEIGHT, f"{place}: nothing is drawn"
         assert max(begin.values()) > 0.5 * sum(begin.values()) and max(end.values()) < 0.3 * sum(end.values()), place
         assert len(end) > 1.5 * len(begin), (place, len(begin), len(end))
+
+
+def test_labels_of_pictures_stand_where_the_program_draws_them(tmp_path: Path) -> None:
+    case = ROOT / "cases/chapter-5/5.3-compression-concrete-damage.json"
+    program = Path(sys.executable).with_name("pullout")
+    subprocess.run([program, "run", "--quiet", case, "--out", tmp_path / "out"], check=True)
+    subprocess.run([program, "plot", "--png", tmp_path / "out"], check=True)
+    picture = tmp_path / "out/plots/stress_strain.svg"
+    # an index lowers the text that follows, and takes the place of what moves the label away from the edge if it begins with one
+    assert "<tspan" in picture.read_text(encoding="utf-8")
+    shots = {"Chromium": screenshot(picture, 640, 600, tmp_path), "the program": pixels(picture.with_suffix(".png"))}
+    for who, image in shots.items():
+        scale = image.shape[1] / 640
+        # where the labels of both axes have ink: from the left edge and from the lower one, px
+        dark = image[: int(464 * scale)].max(axis=2) < 128
+        left = np.flatnonzero(dark[:, : int(60 * scale)].any(axis=0))
+        below = np.flatnonzero(dark[::-1][: int(50 * scale)].any(axis=1))
+        assert left[0] / scale > 4, f"{who} cuts the label at the left: ink from {left[0] / scale} px on"
+        assert below[0] / scale > 4, f"{who} cuts the label below: ink from {below[0] / scale} px on"
+
+
+def pixels(picture: Path) -> NDArray[np.uint8]:
+    from PIL import Image
+
+    return np.asarray(Image.open(picture).convert("RGB"))
+
+
+def screenshot(page: Path, width: int, height: int, place: Path) -> NDArray[np.uint8]:
+    """What Chromium shows of a page."""
+    chromium = shutil.which("chromium")
+    if not os.environ.get("PULLOUT_REQUIRE_CHROMIUM"):
+        pytest.importorskip("PIL")
+        if chromium is None:
+            pytest.skip("no chromium")
+    assert chromium is not None
+    shot = place / "shot.png"
+    options = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"]
+    options += [f"--user-data-dir={place / 'profile'}", f"--window-size={width},{height}", "--virtual-time-budget=20000"]
+    ended = subprocess.run([chromium, *options, f"--screenshot={shot}", page.as_uri()], capture_output=True, text=True, timeout=120)
+    assert shot.is_file(), ended.stderr
+    if kept := os.environ.get("PULLOUT_KEEP_SCREENSHOT"):
+        shutil.copy(shot, kept)
+    return pixels(shot)
 
 
 def coloured(image: NDArray[np.uint8]) -> dict[int, int]:

@@ -1,6 +1,6 @@
 //! A run as a series of VTK files.
 
-use super::fields::{ContactPoint, Fields, FieldsError};
+use super::fields::{Activity, ContactPoint, Fields, FieldsError};
 use super::principal::{Principal, von_mises};
 use super::recovery::Recovery;
 use super::vtu::{Array, Cells, Grid, VERTEX, cell_type};
@@ -21,8 +21,9 @@ const STRAIN: [&str; 4] = ["e11", "e22", "e33", "g12"];
 /// of their thickness behind the plane. Where parts share a node the file has
 /// a point for each of them. Point data: `node`, `displacement`, `reaction`, `stress`, `principal_stress_max`, `_mid`,
 /// `_min`, `principal_direction`, `von_mises`, `strain`, and each state variable by its name (NaN in parts without
-/// it). Cell data: `part`, `element` and `thickness` (without meaning in axial symmetry). Numbers count from 1; field data tell them by name (`part fibre`). The second file, `contact_000000.vtu`, part 1 of the
-/// series, holds the contact points where they are now: `pair`, `arc`, `gap`, `pressure`, `slip`, `bond_traction`,
+/// it). Cells are the elements that were not torn off. Cell data: `part`, `element` and `thickness` (without meaning in axial
+/// symmetry). Numbers count from 1; field data tell them by name (`part fibre`). The second file, `contact_000000.vtu`, part 1
+/// of the series, holds the contact points where they are now: `pair`, `arc`, `gap`, `pressure`, `slip`, `bond_traction`,
 /// `open`, `weight`. A model without contact pairs has none.
 ///
 /// A file appears under its name only when it is complete, and in the list only after that: a killed run leaves a
@@ -187,9 +188,12 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
         let shown = if taken { format!("state_{name}") } else { name.to_owned() };
         point_data.push(Array::scalars(shown, recovery.recover_limited(mesh, &fields.state(name))?));
     }
-    let elements = mesh.elements();
+    // without what was torn off
+    let shown: Vec<usize> =
+        (0..mesh.elements().len()).filter(|&element| fields.activities[element] != Activity::Spalled).collect();
+    let elements = || shown.iter().map(|&index| &mesh.elements()[index]);
     let mut cells = Cells { connectivity: Vec::new(), offsets: Vec::new(), types: Vec::new() };
-    for (index, element) in elements.iter().enumerate() {
+    for (&index, element) in std::iter::zip(&shown, elements()) {
         cells.connectivity.extend(places.of_element(index).iter().map(|&place| place as i64));
         cells.offsets.push(cells.connectivity.len() as i64);
         cells.types.push(cell_type(element.kind()));
@@ -207,9 +211,9 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
         cells,
         point_data,
         cell_data: vec![
-            Array::numbers("part", elements.iter().map(Element::part)),
-            Array::numbers("element", 0..elements.len()),
-            Array::scalars("thickness", elements.iter().map(Element::thickness)),
+            Array::numbers("part", elements().map(Element::part)),
+            Array::numbers("element", shown.iter().copied()),
+            Array::scalars("thickness", elements().map(Element::thickness)),
         ],
     })
 }

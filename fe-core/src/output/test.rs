@@ -384,6 +384,24 @@ fn a_written_increment_reads_back() {
 }
 
 #[test]
+fn torn_elements_are_no_cells() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = two_parts(ElementKind::Q4, Integration::Full);
+    let snapshot = Snapshot::new(&mesh);
+    let mut fields = snapshot.fields(&mesh, 0.0);
+    fields.activities[2] = Activity::Spalled;
+    let mut series = Series::create(folder.path(), &mesh).unwrap();
+    series.write(&fields).unwrap();
+    let vtu = Vtu::read(&folder.path().join("fields/000000.vtu"));
+    let left: Vec<i64> = (1..=mesh.elements().len() as i64).filter(|&number| number != 3).collect();
+    let numbers: Vec<i64> =
+        vtu.bytes("element").as_chunks::<4>().0.iter().map(|&chunk| i64::from(i32::from_le_bytes(chunk))).collect();
+    assert_eq!(numbers, left);
+    assert_eq!(vtu.integers("offsets"), (1..=left.len() as i64).map(|cell| 4 * cell).collect::<Vec<_>>());
+    assert_eq!(vtu.reals("thickness").len(), left.len());
+}
+
+#[test]
 fn the_list_is_whole_after_each_increment() {
     let folder = tempfile::tempdir().unwrap();
     let mesh = two_parts(ElementKind::Q4, Integration::Full);

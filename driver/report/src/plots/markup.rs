@@ -30,8 +30,10 @@ pub(super) fn raise_and_lower(svg: &str) -> String {
             let shown = text.trim_start_matches(' ');
             let right = if shown.len() < text.len() && level == Level::Base { " dx=\"0.28em\"" } else { "" };
             let percent = 100.0 * size;
+            // a shift of nothing is not written: at the start of the text it would take the place of the text's own
+            let down = if shift == 0.0 { String::new() } else { format!(" dy=\"{shift:.3}em\"") };
             // writing to a String cannot fail
-            let _ = write!(result, "<tspan{right} dy=\"{shift:.3}em\" font-size=\"{percent}%\">{shown}</tspan>");
+            let _ = write!(result, "<tspan{right}{down} font-size=\"{percent}%\">{shown}</tspan>");
         }
         result.push('\n');
     }
