@@ -132,6 +132,18 @@ pub trait Parameters<'p>: Sized {
     fn read(props: &'p [f64]) -> Result<Self, ConfigurationError>;
 }
 
+/// R t Rᵀ of the components 11, 22, 33, 12, 13, 23; `shear` is 2 for strains (engineering shear), 1 for stresses.
+#[inline]
+pub fn rotated(tensor: &[f64; 6], rotation: &[[f64; 3]; 3], shear: f64) -> [f64; 6] {
+    let [a, b, c, d, e, f] = *tensor;
+    let m = [[a, d / shear, e / shear], [d / shear, b, f / shear], [e / shear, f / shear, c]];
+    let entry = |i: usize, j: usize| {
+        let terms = (0..9).map(|n| rotation[i][n / 3] * m[n / 3][n % 3] * rotation[j][n % 3]);
+        terms.fold(0.0, |sum, term| sum + term)
+    };
+    [entry(0, 0), entry(1, 1), entry(2, 2), shear * entry(0, 1), shear * entry(0, 2), shear * entry(1, 2)]
+}
+
 /// A struct that is copied from STATEV and back. All zero is the virgin state.
 pub trait States: Copy {
     /// STATEV in order.
@@ -152,17 +164,8 @@ pub trait States: Copy {
         let values = &mut values[..Self::TABLE.len()];
         self.write(values);
         for start in (0..values.len()).filter(|&k| Self::TABLE[k].tensor_component == 1) {
-            let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|i| values[start + i]);
-            let tensor = [[xx, 0.5 * xy, 0.5 * xz], [0.5 * xy, yy, 0.5 * yz], [0.5 * xz, 0.5 * yz, zz]];
-            for (component, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
-                let mut sum = 0.0;
-                for k in 0..3 {
-                    for l in 0..3 {
-                        sum += rotation[i][k] * tensor[k][l] * rotation[j][l];
-                    }
-                }
-                values[start + component] = if i == j { sum } else { 2.0 * sum };
-            }
+            let tensor = std::array::from_fn(|i| values[start + i]);
+            values[start..start + 6].copy_from_slice(&rotated(&tensor, rotation, 2.0));
         }
         *self = Self::read(values);
     }

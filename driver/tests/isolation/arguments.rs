@@ -2,6 +2,7 @@
 
 use super::program::Desk;
 use super::{Fault, MODULUS, compiled, material, point};
+use end_to_end_tests::Random;
 use serde_json::{Value, json};
 
 /// The arguments that the plugin printed last, by name.
@@ -33,19 +34,6 @@ pub fn value<'p>(printed: &'p [(String, String)], name: &str) -> &'p str {
     printed.iter().find(|(other, _)| other == name).map(|(_, values)| values.as_str()).expect(name)
 }
 
-/// Random numbers of a seed.
-struct Random(fastrand::Rng);
-
-impl Random {
-    fn about(&mut self, size: f64) -> f64 {
-        size * (2.0 * self.0.f64() - 1.0)
-    }
-
-    fn one<T: Copy>(&mut self, of: &[T]) -> T {
-        of[self.0.usize(..of.len())]
-    }
-}
-
 /// Runs a case whose plugin returns NaN from a time on, and its replay: the first call of the replay is one of those that
 /// failed, to the last bit of each argument.
 fn repeats_the_call(desk: &Desk, case: &Value, seed: u64) {
@@ -70,16 +58,16 @@ fn steps(random: &mut Random, mut target: impl FnMut(&mut Random) -> Value) -> (
     let mut total = 0.0;
     let steps: Vec<Value> = (0..STEPS)
         .map(|_| {
-            let time = 0.1 + random.0.f64();
+            let time = 0.1 + random.unit();
             total += time;
             let increments = random.0.u32(1..6);
-            let mut step = json!({ "increments": increments, "time": time, "temperature": random.about(50.0) });
-            step["predef"] = json!([random.about(3.0), random.about(1e-3)]);
+            let mut step = json!({ "increments": increments, "time": time, "temperature": 50.0 * random.signed() });
+            step["predef"] = json!([3.0 * random.signed(), 1e-3 * random.signed()]);
             step["target"] = target(random);
             step
         })
         .collect();
-    let fails_at = total * (0.2 + 0.7 * random.0.f64());
+    let fails_at = total * (0.2 + 0.7 * random.unit());
     (json!(steps), fails_at)
 }
 
@@ -90,8 +78,8 @@ fn of_a_umat_that_returns_nan_on_random_paths() {
         return;
     }
     for seed in 0..40 {
-        let mut random = Random(fastrand::Rng::with_seed(seed));
-        let mode = random.one(&["3d", "axisymmetric", "plane_strain", "plane_stress"]);
+        let mut random = Random::new(seed);
+        let mode = random.0.choice(["3d", "axisymmetric", "plane_strain", "plane_stress"]).expect("one of them");
         let components: &[&str] = match mode {
             "3d" => &["11", "22", "33", "12", "13", "23"],
             "axisymmetric" => &["11", "22", "33", "12"],
@@ -104,9 +92,9 @@ fn of_a_umat_that_returns_nan_on_random_paths() {
             for component in components {
                 let shear = component.as_bytes()[0] != component.as_bytes()[1];
                 match if strains_only { 0 } else { random.0.u32(..3) } {
-                    0 if shear => target[format!("g{component}")] = json!(random.about(0.02)),
-                    0 => target[format!("e{component}")] = json!(random.about(0.02)),
-                    1 => target[format!("s{component}")] = json!(random.about(5.0)),
+                    0 if shear => target[format!("g{component}")] = json!(0.02 * random.signed()),
+                    0 => target[format!("e{component}")] = json!(0.02 * random.signed()),
+                    1 => target[format!("s{component}")] = json!(5.0 * random.signed()),
                     _ => {}
                 }
             }
@@ -115,7 +103,7 @@ fn of_a_umat_that_returns_nan_on_random_paths() {
         let mut material = material("misbehaving", Fault::None as u32);
         material["props"] = json!([MODULUS, 0, 0, 0, fails_at]);
         let case = json!({ "kind": "point", "material": material, "mode": mode, "nlgeom": nlgeom, "steps": steps,
-            "temperature": random.about(20.0), "predef": [random.about(2.0), random.about(1.0)],
+            "temperature": 20.0 * random.signed(), "predef": [2.0 * random.signed(), random.signed()],
             "characteristic_length": 2.5 });
         repeats_the_call(&desk, &case, seed);
     }
@@ -128,15 +116,15 @@ fn of_a_uinter_or_fric_that_returns_nan_on_random_paths() {
         return;
     }
     for seed in 0..40 {
-        let mut random = Random(fastrand::Rng::with_seed(seed));
-        let entry = random.one(&["uinter", "fric"]);
-        let normal = if entry == "fric" { "p" } else { random.one(&["gap", "p"]) };
+        let mut random = Random::new(seed);
+        let entry = random.0.choice(["uinter", "fric"]).expect("one of them");
+        let normal = if entry == "fric" { "p" } else { random.0.choice(["gap", "p"]).expect("one of them") };
         let second = random.0.bool();
         let (steps, fails_at) = steps(&mut random, |random| {
-            let mut target = json!({ "slip": random.about(0.1) });
-            target[normal] = json!(random.0.f64());
+            let mut target = json!({ "slip": 0.1 * random.signed() });
+            target[normal] = json!(random.unit());
             if second {
-                target["slip2"] = json!(random.about(0.1));
+                target["slip2"] = json!(0.1 * random.signed());
             }
             target
         });
@@ -144,8 +132,8 @@ fn of_a_uinter_or_fric_that_returns_nan_on_random_paths() {
         material["props"] = json!([MODULUS, 0, 0, 0, fails_at]);
         material["entry"] = json!(entry);
         let case = json!({ "kind": "interface", "material": material, "steps": steps,
-            "temperature": random.about(20.0), "predef": [random.about(2.0), random.about(1.0)],
-            "initial": { "slip": random.about(0.1) } });
+            "temperature": 20.0 * random.signed(), "predef": [2.0 * random.signed(), random.signed()],
+            "initial": { "slip": 0.1 * random.signed() } });
         repeats_the_call(&desk, &case, seed);
     }
 }

@@ -25,13 +25,14 @@ pub use invariants::{check_invariants, check_rotation, check_virgin};
 pub use path::{PATH_COUNTS, check_path_exactness, check_random_paths};
 pub use promises::Promises;
 pub use tangent::{check_tangents, tangent_error};
+pub use umat_abi::table::rotated;
 
 use models::tensor::Spectral;
 use umat_abi::law::{Failure, Increment, Law, Request, Response, StressState, advance_values, parameters_of};
 
 /// Random numbers that a seed repeats, so that a failing state can be named.
 #[derive(Clone, Debug)]
-pub struct Random(fastrand::Rng);
+pub struct Random(pub fastrand::Rng);
 
 impl Random {
     /// Starts a stream of numbers of its own for each seed.
@@ -215,17 +216,7 @@ pub fn worst(errors: impl IntoIterator<Item = f64>) -> f64 {
     })
 }
 
-/// R ε Rᵀ for a strain (engineering shear) or, with `shear = 1`, a stress.
-pub fn rotated(tensor: &[f64; 6], rotation: &[[f64; 3]; 3], shear: f64) -> [f64; 6] {
-    let [a, b, c, d, e, f] = *tensor;
-    let m = [[a, d / shear, e / shear], [d / shear, b, f / shear], [e / shear, f / shear, c]];
-    let entry = |i: usize, j: usize| -> f64 {
-        (0..3).map(|k| (0..3).map(|l| rotation[i][k] * m[k][l] * rotation[j][l]).sum::<f64>()).sum()
-    };
-    [entry(0, 0), entry(1, 1), entry(2, 2), shear * entry(0, 1), shear * entry(0, 2), shear * entry(1, 2)]
-}
-
-/// Rotates the components 11, 22, 33, 12 of such a tensor about axis 3.
+/// [`rotated`] about axis 3, of the components 11, 22, 33, 12.
 pub fn rotated_in_plane([a, b, c, d]: [f64; 4], angle: f64, shear: f64) -> [f64; 4] {
     let (sine, cosine) = angle.sin_cos();
     let rotation = [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]];

@@ -6,7 +6,7 @@
 //! A caller may have floating-point traps on; principal values are computed without.
 
 use models::tensor::{Spectral, deviator, stress_norm_squared, trace};
-use umat_abi::in_default_environment;
+use umat_abi::{in_default_environment, table::rotated};
 
 /// LSTR of a strain.
 const STRAIN: i32 = 2;
@@ -102,18 +102,8 @@ unsafe extern "C" fn rotsig_(
     // SAFETY: as above.
     let given = unsafe { components(s, ndi, nshr) };
     // SAFETY: R is 3 × 3, column-major.
-    let rotation = |row: usize, column: usize| unsafe { *r.add(3 * column + row) };
-    let share = if lstr == STRAIN { 0.5 } else { 1.0 };
-    const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-    let mut tensor = [[0.0; 3]; 3];
-    for (&(i, j), value) in PLACES.iter().zip(given) {
-        tensor[i][j] = if i == j { value } else { share * value };
-        tensor[j][i] = tensor[i][j];
-    }
-    let rotated = PLACES.map(|(i, j)| {
-        let terms = (0..9).map(|k| (k / 3, k % 3)).map(|(k, l)| rotation(i, k) * tensor[k][l] * rotation(j, l));
-        terms.sum::<f64>() / if i == j { 1.0 } else { share }
-    });
+    let rotation = std::array::from_fn(|i| std::array::from_fn(|j| unsafe { *r.add(3 * j + i) }));
+    let rotated = rotated(&given, &rotation, if lstr == STRAIN { 2.0 } else { 1.0 });
     for (place, source) in places(ndi, nshr) {
         // SAFETY: SPRIME has NDI + NSHR values.
         unsafe { *sprime.add(place) = rotated[source] };

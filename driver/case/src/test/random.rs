@@ -1,4 +1,4 @@
-//! Mutated documents: no panic, and no word of the machinery in a message.
+//! Mutated documents, one for each seed: no panic, and no word of the machinery in a message.
 //!
 //! The long form, with a limit on memory:
 //! `(ulimit -v 8000000; PROPTEST_CASES=1000000 cargo test -p driver --lib case::test::random)`; so for `case::test::damaged`.
@@ -7,130 +7,122 @@ use super::super::structure;
 use super::specimen::pullout_case;
 use super::{Bench, interface_case, point_case, schema_accepts};
 use end_to_end_tests::fuzz::{self, WILD_NUMBERS, WILD_WORDS};
+use fastrand::Rng;
 use proptest::test_runner::TestRunner;
 use serde_json::{Value, json};
 use std::cell::Cell;
 
-/// A seed is a document.
-struct Random(fastrand::Rng);
+fn value(random: &mut Rng) -> Value {
+    let f = json!([[1, 0, 0], [0, 1, 0.5], [0, 0, 1]]);
+    let choices = [
+        json!(null),
+        json!(true),
+        json!(0),
+        json!(-1),
+        json!(2.5),
+        json!(1e300),
+        json!("hold"),
+        json!("plane_stress"),
+        json!(""),
+        json!("abs(s11)"),
+        json!([]),
+        json!([1, 2]),
+        json!([[1, 2]]),
+        json!({}),
+        json!({ "e11": 1 }),
+        json!("path.csv"),
+        json!("text.csv"),
+        json!({ "table": "path.csv" }),
+        f,
+        json!({ "repeat": 3, "steps": [{ "increments": 2 }] }),
+        json!({ "quantity": "s11", "less_than": 0 }),
+        json!([{ "s22": 1, "s11": 0.5 }]),
+        json!({ "slip": 1 }),
+        json!({ "nodes": "side", "direction": "x" }),
+        json!({ "tie": "surface", "to": "hole" }),
+        json!({ "hard": {} }),
+        json!("hole"),
+        json!(18_446_744_073_709_551_615_u64),
+        json!(i64::MIN),
+        json!("NaN"),
+        json!("linear_elastic"),
+        json!(random.choice(WILD_WORDS)),
+        // not finite: null in JSON
+        json!(random.choice(WILD_NUMBERS)),
+        nested(random),
+    ];
+    random.choice(choices).expect("there are some")
+}
 
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0.usize(..bound.max(1))
-    }
+/// Arrays, objects or cycles in each other, no deeper than what JSON text is read.
+fn nested(random: &mut Rng) -> Value {
+    let (depth, what) = (random.usize(..60), random.usize(..3));
+    (0..depth).fold(json!(1), |inner, _| match what {
+        0 => json!([inner]),
+        1 => json!({ "steps": inner }),
+        _ => json!([{ "repeat": 1, "steps": inner }]),
+    })
+}
 
-    fn value(&mut self) -> Value {
-        let f = json!([[1, 0, 0], [0, 1, 0.5], [0, 0, 1]]);
-        let choices = [
-            json!(null),
-            json!(true),
-            json!(0),
-            json!(-1),
-            json!(2.5),
-            json!(1e300),
-            json!("hold"),
-            json!("plane_stress"),
-            json!(""),
-            json!("abs(s11)"),
-            json!([]),
-            json!([1, 2]),
-            json!([[1, 2]]),
-            json!({}),
-            json!({ "e11": 1 }),
-            json!("path.csv"),
-            json!("text.csv"),
-            json!({ "table": "path.csv" }),
-            f,
-            json!({ "repeat": 3, "steps": [{ "increments": 2 }] }),
-            json!({ "quantity": "s11", "less_than": 0 }),
-            json!([{ "s22": 1, "s11": 0.5 }]),
-            json!({ "slip": 1 }),
-            json!({ "nodes": "side", "direction": "x" }),
-            json!({ "tie": "surface", "to": "hole" }),
-            json!({ "hard": {} }),
-            json!("hole"),
-            json!(18_446_744_073_709_551_615_u64),
-            json!(i64::MIN),
-            json!("NaN"),
-            json!("linear_elastic"),
-            json!(WILD_WORDS[self.below(WILD_WORDS.len())]),
-            // not finite: null in JSON
-            json!(WILD_NUMBERS[self.below(WILD_NUMBERS.len())]),
-            self.nested(),
-        ];
-        choices[self.below(choices.len())].clone()
-    }
+fn key(random: &mut Rng) -> &'static str {
+    const KEYS: [&str; 33] = [
+        "e11",
+        "s22",
+        "g12",
+        "F",
+        "target",
+        "time",
+        "table",
+        "repeat",
+        "steps",
+        "cycles",
+        "until",
+        "constraints",
+        "props",
+        "nstatv",
+        "symbol",
+        "mode",
+        "nlgeom",
+        "measure",
+        "initial",
+        "strain",
+        "predef",
+        "temperature",
+        "compare",
+        "E",
+        "x y",
+        "slip",
+        "direction",
+        "nodes",
+        "width",
+        "specimen",
+        "increments",
+        "thickness",
+        "drives",
+    ];
+    random.choice(KEYS).expect("there are some")
+}
 
-    /// Arrays, objects or cycles in each other, no deeper than what JSON text is read.
-    fn nested(&mut self) -> Value {
-        let (depth, what) = (self.below(60), self.below(3));
-        (0..depth).fold(json!(1), |inner, _| match what {
-            0 => json!([inner]),
-            1 => json!({ "steps": inner }),
-            _ => json!([{ "repeat": 1, "steps": inner }]),
-        })
-    }
-
-    fn key(&mut self) -> &'static str {
-        const KEYS: [&str; 33] = [
-            "e11",
-            "s22",
-            "g12",
-            "F",
-            "target",
-            "time",
-            "table",
-            "repeat",
-            "steps",
-            "cycles",
-            "until",
-            "constraints",
-            "props",
-            "nstatv",
-            "symbol",
-            "mode",
-            "nlgeom",
-            "measure",
-            "initial",
-            "strain",
-            "predef",
-            "temperature",
-            "compare",
-            "E",
-            "x y",
-            "slip",
-            "direction",
-            "nodes",
-            "width",
-            "specimen",
-            "increments",
-            "thickness",
-            "drives",
-        ];
-        KEYS[self.below(KEYS.len())]
-    }
-
-    /// Changes one place of the document.
-    fn mutate(&mut self, value: &mut Value) {
-        match value {
-            Value::Object(members) if self.below(4) > 0 && !members.is_empty() => {
-                let key = members.keys().nth(self.below(members.len())).cloned().unwrap_or_default();
-                match self.below(8) {
-                    0 => drop(members.shift_remove(&key)),
-                    1 => drop(members.insert(self.key().into(), self.value())),
-                    _ => self.mutate(&mut members[&key]),
-                }
+/// Changes one place of the document.
+fn mutate(random: &mut Rng, document: &mut Value) {
+    match document {
+        Value::Object(members) if random.usize(..4) > 0 && !members.is_empty() => {
+            let place = random.choice(members.keys()).cloned().unwrap_or_default();
+            match random.usize(..8) {
+                0 => drop(members.shift_remove(&place)),
+                1 => drop(members.insert(key(random).into(), value(random))),
+                _ => mutate(random, &mut members[&place]),
             }
-            Value::Array(elements) if self.below(4) > 0 && !elements.is_empty() => {
-                let index = self.below(elements.len());
-                match self.below(6) {
-                    0 => drop(elements.remove(index)),
-                    1 => elements.push(self.value()),
-                    _ => self.mutate(&mut elements[index]),
-                }
-            }
-            other => *other = self.value(),
         }
+        Value::Array(elements) if random.usize(..4) > 0 && !elements.is_empty() => {
+            let index = random.usize(..elements.len());
+            match random.usize(..6) {
+                0 => drop(elements.remove(index)),
+                1 => elements.push(value(random)),
+                _ => mutate(random, &mut elements[index]),
+            }
+        }
+        other => *other = value(random),
     }
 }
 
@@ -156,14 +148,14 @@ fn mutated_documents_are_refused_in_plain_words_or_read() {
     ]);
     let (accepted, refused) = (Cell::new(0), Cell::new(0));
     let check = |round: u8, seed: u64| {
-        let mut random = Random(fastrand::Rng::with_seed(seed));
+        let mut random = Rng::with_seed(seed);
         let mut document = match round {
             0 => interface_case(),
             1 => specimen.clone(),
             _ => full.clone(),
         };
-        for _ in 0..=random.below(3) {
-            random.mutate(&mut document);
+        for _ in 0..=random.usize(..3) {
+            mutate(&mut random, &mut document);
         }
         let fits = schema_accepts(&document);
         match bench.read(&document, &[]) {
