@@ -75,7 +75,10 @@ impl Page {
             text += "\n## Pictures\n\n";
             pictures.iter().for_each(|(name, title)| text += &format!("![{title}]({name})\n"));
         }
-        let _ = write!(text, "\nAll numbers: [{stem}.csv]({stem}.csv). Made anew by `pullout-bench {stem}`.\n");
+        let _ = write!(
+            text,
+            "\nAll numbers: [{stem}.csv]({stem}.csv). Made anew by `cargo run --release -p pullout-bench -- {stem}`.\n"
+        );
         text
     }
 
