@@ -6,7 +6,7 @@ use pullout_case::Case;
 use pullout_run::columns::place_in_specimen;
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout::checkpoint::Checkpoints;
-use pullout_run::pullout::{self, Findings, Program};
+use pullout_run::pullout::{self, Findings, PulloutProgram};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -104,7 +104,7 @@ pub(super) fn run_within(
 ///
 /// # Errors
 /// It is refused.
-pub(super) fn read(file: &Path, overrides: &[String], plugins: &[PathBuf]) -> Result<Box<Program>, BenchError> {
+pub(super) fn read(file: &Path, overrides: &[String], plugins: &[PathBuf]) -> Result<Box<PulloutProgram>, BenchError> {
     match pullout_case::read(file, overrides, plugins)? {
         Case::Pullout(program) => Ok(program),
         _ => Err(BenchError::Failed(format!("{}: not a specimen", file.display()))),
@@ -112,7 +112,7 @@ pub(super) fn read(file: &Path, overrides: &[String], plugins: &[PathBuf]) -> Re
 }
 
 /// Runs what was read, on this thread, whose stack must do for plugins.
-pub(super) fn run_program(program: &Program, limit: Limit, folder: &Path) -> Ran {
+pub(super) fn run_program(program: &PulloutProgram, limit: Limit, folder: &Path) -> Ran {
     let start = thread_time();
     let mut keeper = Keeper { rows: 0, last: Vec::new(), start, limit, over_limit: false };
     let outcome = pullout::run(program, folder, &Checkpoints::default(), &mut keeper);

@@ -10,7 +10,7 @@ use pullout_run::PLUGIN_STACK;
 use pullout_run::number::significant;
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout::checkpoint::Checkpoints;
-use pullout_run::pullout::{self, Program};
+use pullout_run::pullout::{self, PulloutProgram};
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -126,7 +126,7 @@ median of turns; *processors*: of all threads together; *speedup*: the median ov
 of every row is that of one thread.";
 
 /// Runs a scene on a thread of its own, which can be one of those that share the work.
-fn run(scene: &Scene, program: &Program, threads: usize, folder: &Path) -> Result<Ran, BenchError> {
+fn run(scene: &Scene, program: &PulloutProgram, threads: usize, folder: &Path) -> Result<Ran, BenchError> {
     let failed = |message: String| BenchError::Failed(format!("{}: {message}", scene.name));
     let count = NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN);
     let work = || {

@@ -7,7 +7,7 @@
 use fe_core::assembly::Solids;
 use fe_core::element::{ElementKind, Integration};
 use fe_core::kinematics::PlaneModel;
-use fe_core::mesh::structured::{Block, Grading};
+use fe_core::mesh::structured::{Grading, MeshBlock};
 use fe_core::mesh::{Mesh, MeshDefinition, Part};
 use fe_core::model::{Controls, IncrementContext, Measured, Model, PluginLaw, Skipping};
 use std::hint::black_box;
@@ -55,7 +55,7 @@ fn square(case: &Case) -> Mesh {
     let shift = |[x, y]: [f64; 2]| [1.0 + x, y];
     let mut mesh = MeshDefinition::default();
     let part = mesh.add_part(Part { integration: case.integration, ..Part::new("square", case.model, 1.0) });
-    mesh.block(&Block::new(part, case.kind, &line, &line).mapped(&shift)).expect("a square");
+    mesh.block(&MeshBlock::new(part, case.kind, &line, &line).mapped(&shift)).expect("a square");
     Mesh::new(mesh).expect("a square")
 }
 

@@ -57,7 +57,7 @@ pub fn is_shipped(path: PathBuf) -> bool {
 #[pyclass(frozen, module = "pullout_fe._core")]
 pub struct Plugin {
     library: Library,
-    law: Option<host::Law>,
+    law: Option<host::LawDescription>,
     cmname: String,
 }
 
@@ -201,7 +201,7 @@ impl Plugin {
 }
 
 /// The law of a library that is meant.
-fn choose(library: &Library, law: Option<&str>) -> PyResult<Option<host::Law>> {
+fn choose(library: &Library, law: Option<&str>) -> PyResult<Option<host::LawDescription>> {
     let laws = library.laws();
     let names = || laws.iter().map(|law| law.name.as_str()).collect::<Vec<_>>();
     match (laws, law) {
@@ -210,7 +210,7 @@ fn choose(library: &Library, law: Option<&str>) -> PyResult<Option<host::Law>> {
             let message = format!("the library has several laws: name one of {} as law=…", names().join(", "));
             Err(Exception::Plugin.with(message))
         }
-        (_, Some(law)) => match host::Law::named(laws, law) {
+        (_, Some(law)) => match host::LawDescription::named(laws, law) {
             None if !laws.is_empty() => {
                 let message = format!("'{law}' begins with the name of no law of the library{}", hint(law, names()));
                 Err(Exception::Plugin.with(message))
@@ -220,11 +220,11 @@ fn choose(library: &Library, law: Option<&str>) -> PyResult<Option<host::Law>> {
     }
 }
 
-fn modes(law: &host::Law) -> Vec<&'static str> {
+fn modes(law: &host::LawDescription) -> Vec<&'static str> {
     MODES.into_iter().filter(|(_, _, bit)| law.stress_states & bit != 0).map(|(name, ..)| name).collect()
 }
 
-fn description(law: &host::Law) -> Value {
+fn description(law: &host::LawDescription) -> Value {
     // what is unbounded is null
     let finite = |value: f64| value.is_finite().then_some(value);
     let parameter = |p: &Parameter| {

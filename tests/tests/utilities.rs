@@ -294,7 +294,7 @@ fn the_run_is_described() {
 
 #[test]
 fn there_are_no_part_instances_and_no_output_variables() {
-    type Part = unsafe extern "C" fn(*const i32, *const i32, *mut u8, *mut i32, *mut i32, usize);
+    type GetPartInfo = unsafe extern "C" fn(*const i32, *const i32, *mut u8, *mut i32, *mut i32, usize);
     type Variable = unsafe extern "C" fn(
         *const u8,
         *mut f64,
@@ -312,7 +312,7 @@ fn there_are_no_part_instances_and_no_output_variables() {
     let (zero, mut code) = (0, -1);
     // SAFETY: the routines' types, and memory as their manual says.
     unsafe {
-        let part = routine::<Part>(library, "getpartinfo_");
+        let part = routine::<GetPartInfo>(library, "getpartinfo_");
         for (number, kind, expected) in [(12, 1, (12, 0)), (3, 0, (3, 0)), (0, 1, (0, 1)), (4, 2, (0, 1))] {
             let (mut name, mut local) = ([b'x'; 80], -1);
             part(&number, &kind, name.as_mut_ptr(), &mut local, &mut code, name.len());

@@ -2,7 +2,7 @@
 //! where they fail.
 
 use super::path::{Components, LEGS, Path};
-use super::subject::Subject;
+use super::subject::MeasuredLaw;
 use crate::BenchError;
 use pullout_case::Case;
 use pullout_run::path::{self, Observer, Row, Statistics, Stop};
@@ -33,7 +33,7 @@ impl Driven {
     ///
     /// # Errors
     /// The plugin is missing or refuses the parameters.
-    pub fn new(subject: &Subject, path: Path, n: usize, plugin_paths: &[PathBuf]) -> Result<Self, BenchError> {
+    pub fn new(subject: &MeasuredLaw, path: Path, n: usize, plugin_paths: &[PathBuf]) -> Result<Self, BenchError> {
         let document = json!({
             "kind": "point",
             "title": format!("{}, {}", subject.name, path.name()),
@@ -73,7 +73,7 @@ impl Driven {
     }
 }
 
-fn steps(subject: &Subject, path: Path, n: usize) -> Value {
+fn steps(subject: &MeasuredLaw, path: Path, n: usize) -> Value {
     let extent = &subject.extent;
     match path {
         Path::Tension => json!([{ "increments": n, "target": { "e11": extent.tension } }]),

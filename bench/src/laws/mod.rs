@@ -20,7 +20,7 @@ use path::{Components, Path};
 use pullout_run::path::Statistics;
 use std::hint::black_box;
 use std::path::PathBuf;
-use subject::{Subject, subjects};
+use subject::{MeasuredLaw, subjects};
 
 /// Algorithm that finds the stress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,7 +123,7 @@ turns that alternate between the series.";
 /// The series of a path, and the times of the same N in turns.
 fn measure_path(
     index: usize,
-    subject: &Subject,
+    subject: &MeasuredLaw,
     path: Path,
     counts: &Counts,
     settings: &Settings,
@@ -178,7 +178,7 @@ fn measure_path(
 
 /// The driver's own reference, with the stresses at the increments of its finest run; or why it has none.
 fn driver_reference(
-    subject: &Subject,
+    subject: &MeasuredLaw,
     path: Path,
     counts: &Counts,
     reference: &[Components],
@@ -193,7 +193,7 @@ fn driver_reference(
 }
 
 fn time(
-    subject: &Subject,
+    subject: &MeasuredLaw,
     strains: &[Components],
     driver: Option<&Driven>,
     timed: &[Series],
@@ -217,7 +217,7 @@ fn time(
 }
 
 impl Series {
-    fn name(self, subject: &Subject) -> &'static str {
+    fn name(self, subject: &MeasuredLaw) -> &'static str {
         match self {
             Self::Law => "law",
             Self::Thesis => subject.thesis.map_or("thesis", |(name, _)| name),
@@ -226,7 +226,7 @@ impl Series {
     }
 }
 
-fn data(subjects: &[Subject], measurements: &[Measurement]) -> Table {
+fn data(subjects: &[MeasuredLaw], measurements: &[Measurement]) -> Table {
     let mut table = Table::new([
         "law",
         "path",

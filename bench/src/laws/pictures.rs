@@ -2,7 +2,7 @@
 
 use super::error::ROUND_OFF;
 use super::path::Path;
-use super::subject::Subject;
+use super::subject::MeasuredLaw;
 use super::{Measurement, Series};
 use pullout_report::plots::figure::{Figure, Line, Scale, Style};
 use pullout_report::plots::quantity::Quantity;
@@ -12,7 +12,7 @@ const LEAST_ERROR: f64 = 1e-3 * ROUND_OFF;
 
 /// One picture of the laws for each path, one for each law that has an algorithm of the thesis, one of model IV and what
 /// it was made into.
-pub(super) fn figures(subjects: &[Subject], measurements: &[Measurement]) -> Vec<Figure> {
+pub(super) fn figures(subjects: &[MeasuredLaw], measurements: &[Measurement]) -> Vec<Figure> {
     let of_path = |path: Path| {
         let lines = subjects.iter().enumerate().filter_map(|(k, subject)| {
             let style = Style { color: k % COLORS, dash: k / COLORS };
@@ -20,7 +20,7 @@ pub(super) fn figures(subjects: &[Subject], measurements: &[Measurement]) -> Vec
         });
         figure(path.stem().into(), format!("Laws: {}", path.name()), lines.collect())
     };
-    let of_thesis = |(k, subject): (usize, &Subject)| {
+    let of_thesis = |(k, subject): (usize, &MeasuredLaw)| {
         subject.thesis?;
         let series = [Series::Law, Series::Thesis].into_iter().enumerate();
         let lines = series.flat_map(|(dash, series)| {
@@ -38,7 +38,7 @@ pub(super) fn figures(subjects: &[Subject], measurements: &[Measurement]) -> Vec
 }
 
 /// `concrete_damage`, model IV and its box: a proportional path, one with reversals, one that turns.
-fn concrete(subjects: &[Subject], measurements: &[Measurement]) -> Figure {
+fn concrete(subjects: &[MeasuredLaw], measurements: &[Measurement]) -> Figure {
     let number = |name: &str| subjects.iter().position(|subject| subject.name.starts_with(name));
     let series = [
         ("concrete_damage (IV-H)", Series::Law, "concrete_damage"),

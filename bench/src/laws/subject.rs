@@ -12,9 +12,9 @@ use umat_abi::law::{Increment, Law, MAX_STATES, Request, StressState, advance_va
 /// Follows strains from the virgin state and keeps every k-th stress.
 pub type Follow = fn(props: &[f64], strains: &[Components], every: usize) -> Result<Vec<Components>, String>;
 
-/// A law with parameters.
+/// Law that is measured, with its parameters.
 #[derive(Clone, Debug)]
-pub struct Subject {
+pub struct MeasuredLaw {
     /// Name in tables.
     pub name: &'static str,
     /// The law.
@@ -83,8 +83,8 @@ const STEEL: Extent = Extent { tension: 1e-2, compression: 1e-2, general: 1e-2, 
 const HARDENING: [f64; 6] = [347.0, 0.0, 400.0, 0.004, 420.0, 0.02];
 
 /// All of them.
-pub fn subjects() -> Vec<Subject> {
-    let subject = |name, law, props, extent, is_path_exact, ours| Subject {
+pub fn subjects() -> Vec<MeasuredLaw> {
+    let subject = |name, law, props, extent, is_path_exact, ours| MeasuredLaw {
         name,
         law,
         props,
@@ -93,7 +93,7 @@ pub fn subjects() -> Vec<Subject> {
         ours,
         thesis: None,
     };
-    let with_thesis = |subject, name, follow| Subject { thesis: Some((name, follow)), ..subject };
+    let with_thesis = |subject, name, follow| MeasuredLaw { thesis: Some((name, follow)), ..subject };
     let steel: Vec<f64> = [210_000.0, 0.3].into_iter().chain(HARDENING).collect();
     vec![
         subject(

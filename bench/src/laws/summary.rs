@@ -3,7 +3,7 @@
 use super::error::{ROUND_OFF, order};
 use super::forty_digits::Comparison;
 use super::path::Path;
-use super::subject::Subject;
+use super::subject::MeasuredLaw;
 use super::{Figures, Measurement, Series};
 use crate::table::{Cell, Table};
 use pullout_run::number::significant;
@@ -30,7 +30,7 @@ fn worst(errors: &[(usize, f64)]) -> Option<f64> {
 
 /// All tables of the page.
 pub(super) fn tables(
-    subjects: &[Subject],
+    subjects: &[MeasuredLaw],
     measurements: &[Measurement],
     digits: &[Comparison],
 ) -> Vec<(String, Table)> {
@@ -49,7 +49,7 @@ pub(super) fn tables(
     tables
 }
 
-fn largest_errors(subjects: &[Subject], measurements: &[Measurement]) -> Table {
+fn largest_errors(subjects: &[MeasuredLaw], measurements: &[Measurement]) -> Table {
     let mut table = Table::new(["law", "tension", "compression", "biaxial", "cyclic", "non-proportional"]);
     for (k, subject) in subjects.iter().enumerate() {
         let [a, b, c, d, e] = Path::ALL.map(|path| Cell::from(worst(&errors(measurements, k, path, Series::Law))));
@@ -61,7 +61,7 @@ fn largest_errors(subjects: &[Subject], measurements: &[Measurement]) -> Table {
 /// N at which single errors are shown.
 const SHOWN: usize = 1000;
 
-fn non_proportional(subjects: &[Subject], measurements: &[Measurement]) -> Table {
+fn non_proportional(subjects: &[MeasuredLaw], measurements: &[Measurement]) -> Table {
     let mut table =
         Table::new(["law", "series", "error at N = 10", "at N = 1000", "at the finest", "order", "ns/update"]);
     for (k, subject) in subjects.iter().enumerate() {
@@ -84,7 +84,7 @@ fn non_proportional(subjects: &[Subject], measurements: &[Measurement]) -> Table
     table
 }
 
-fn thesis(subjects: &[Subject], measurements: &[Measurement]) -> Table {
+fn thesis(subjects: &[MeasuredLaw], measurements: &[Measurement]) -> Table {
     let mut table = Table::new([
         "law",
         "path",
@@ -114,7 +114,7 @@ fn thesis(subjects: &[Subject], measurements: &[Measurement]) -> Table {
     table
 }
 
-fn driver(subjects: &[Subject], measurements: &[Measurement]) -> Table {
+fn driver(subjects: &[MeasuredLaw], measurements: &[Measurement]) -> Table {
     let mut table =
         Table::new(["law", "path", "largest error", "iterations/increment", "cut-backs", "runs that failed"]);
     for (k, subject) in subjects.iter().enumerate() {
@@ -149,7 +149,7 @@ fn forty_digits(digits: &[Comparison]) -> Table {
 }
 
 /// Sentences that follow from the numbers.
-pub(super) fn notes(subjects: &[Subject], measurements: &[Measurement], digits: &[Comparison]) -> Vec<String> {
+pub(super) fn notes(subjects: &[MeasuredLaw], measurements: &[Measurement], digits: &[Comparison]) -> Vec<String> {
     let mut notes = Vec::new();
     let mut exact = Vec::new();
     let mut not_exact = Vec::new();

@@ -3,18 +3,18 @@
 use super::error::{ROUND_OFF, error, largest, order};
 use super::forty_digits::compare_in;
 use super::path::{Components, Path};
-use super::subject::{Follow, Subject, follow, subjects};
+use super::subject::{Follow, MeasuredLaw, follow, subjects};
 use models::biaxial_damage::BiaxialDamage;
 
-fn subject(name: &str) -> Subject {
+fn subject(name: &str) -> MeasuredLaw {
     subjects().into_iter().find(|subject| subject.name == name).expect("a subject")
 }
 
-fn stresses(subject: &Subject, path: Path, n: usize, follow: Follow) -> Vec<Components> {
+fn stresses(subject: &MeasuredLaw, path: Path, n: usize, follow: Follow) -> Vec<Components> {
     follow(&subject.props, &path.strains(&subject.extent, n), 1).expect("stresses")
 }
 
-fn thesis(subject: &Subject) -> Follow {
+fn thesis(subject: &MeasuredLaw) -> Follow {
     subject.thesis.expect("an algorithm of the thesis").1
 }
 

@@ -13,7 +13,7 @@ const FULL: (usize, usize) = (20_000, 11);
 const QUICK: (usize, usize) = (500, 3);
 
 /// A law with parameters, as both sides have it.
-pub struct Law {
+pub struct ComparedLaw {
     /// Ours.
     pub plugin: &'static str,
     props: &'static [f64],
@@ -30,15 +30,15 @@ const ELASTIC: [f64; 2] = [210e3, 0.3];
 /// First yield and the modulus of linear hardening, MPa.
 const YIELD: [f64; 2] = [347.0, 2100.0];
 
-const LAWS: [Law; 2] = [
-    Law {
+const LAWS: [ComparedLaw; 2] = [
+    ComparedLaw {
         plugin: "linear_elastic",
         props: &ELASTIC,
         simcoon: ("ELISO", 1, &[ELASTIC[0], ELASTIC[1], 0.0]),
         strain: 0.02,
         exact: |strain| ELASTIC[0] * strain,
     },
-    Law {
+    ComparedLaw {
         plugin: "j2_plasticity",
         props: &[ELASTIC[0], ELASTIC[1], YIELD[0], 0.0, YIELD[0] + YIELD[1], 1.0],
         // hardening k p^m with m = 1
@@ -100,7 +100,7 @@ impl Turns {
         [ratio(&self.analysis, &other.analysis), ratio(&self.process, &other.process)]
     }
 
-    fn run(self, program: &str, law: &Law, increments: usize) -> Result<Run, BenchError> {
+    fn run(self, program: &str, law: &ComparedLaw, increments: usize) -> Result<Run, BenchError> {
         if self.stresses.len() != increments {
             let rows = self.stresses.len();
             return Err(BenchError::Failed(format!("{program}: {rows} rows of {increments} increments")));
@@ -115,7 +115,7 @@ impl Turns {
     }
 }
 
-impl Law {
+impl ComparedLaw {
     fn compare(
         &self,
         settings: &Settings,

@@ -1,6 +1,6 @@
 //! simcoon, a C++ library with a solver of material points, through its Python module.
 
-use super::points::Law;
+use super::points::ComparedLaw;
 use crate::BenchError;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Write};
@@ -30,7 +30,7 @@ impl Simcoon {
         output.status.success().then(|| Self { python, program: format!("simcoon {version}") })
     }
 
-    fn script(&self, law: &Law, increments: usize, folder: &Path) -> Result<Command, BenchError> {
+    fn script(&self, law: &ComparedLaw, increments: usize, folder: &Path) -> Result<Command, BenchError> {
         // named otherwise than the module, which it would hide
         let script = folder.join("point.py");
         std::fs::write(&script, SCRIPT)?;
@@ -45,7 +45,7 @@ impl Simcoon {
     ///
     /// # Errors
     /// It cannot be started.
-    pub fn start(&self, law: &Law, increments: usize, folder: &Path) -> Result<Worker, BenchError> {
+    pub fn start(&self, law: &ComparedLaw, increments: usize, folder: &Path) -> Result<Worker, BenchError> {
         let mut child = self.script(law, increments, folder)?.spawn()?;
         let (input, output) = (child.stdin.take(), child.stdout.take().map(BufReader::new));
         Ok(Worker { child, input, output, stresses: folder.join("stresses.bin") })
@@ -55,7 +55,7 @@ impl Simcoon {
     ///
     /// # Errors
     /// It fails.
-    pub fn run_whole(&self, law: &Law, increments: usize, folder: &Path) -> Result<(), BenchError> {
+    pub fn run_whole(&self, law: &ComparedLaw, increments: usize, folder: &Path) -> Result<(), BenchError> {
         let mut child = self.script(law, increments, folder)?.spawn()?;
         if let Some(mut input) = child.stdin.take() {
             writeln!(input)?;

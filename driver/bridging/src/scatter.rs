@@ -108,9 +108,9 @@ pub fn scatter(
             let mut strips = vec![vec![0.0; openings.len()]; settings.strips];
             for _ in 0..fibres {
                 let strip = (uniform(&mut random) * settings.strips as f64) as usize;
-                let place = population.place(&mut random);
+                let interpolation = population.draw(&mut random);
                 let factors = (bond.sample(&mut random), strength.sample(&mut random));
-                population.add(place, factors, &mut strips[strip.min(settings.strips - 1)]);
+                population.add(interpolation, factors, &mut strips[strip.min(settings.strips - 1)]);
             }
             let scale = settings.strips as f64 / area;
             strips.iter_mut().flatten().for_each(|stress| *stress *= scale);
@@ -163,8 +163,8 @@ struct Population {
     strength: Option<(f64, f64)>,
 }
 
-/// Indices with weights.
-struct Place {
+/// Interpolation of the load of a random fibre: indices of four loads with their weights, and the angle.
+struct Interpolation {
     corners: [(usize, f64); 4],
     angle: f64,
 }
@@ -212,7 +212,7 @@ impl Population {
         Self { loads: loads.into_iter().flatten().collect(), angles, distribution, strength }
     }
 
-    fn place(&self, random: &mut Pcg64) -> Place {
+    fn draw(&self, random: &mut Pcg64) -> Interpolation {
         let length = uniform(random) * LENGTHS as f64;
         let angle = self.distribution.first_reaching(uniform(random));
         let (i, t) = (length as usize, length.fract());
@@ -231,11 +231,11 @@ impl Population {
             (at(i + 1, j), t * (1.0 - s)),
             (at(i + 1, j + beside), t * s),
         ];
-        Place { corners, angle }
+        Interpolation { corners, angle }
     }
 
     /// Adds a fibre's load to those of its strip, up to where it breaks.
-    fn add(&self, Place { corners, angle }: Place, (bond, strength): (f64, f64), strip: &mut [f64]) {
+    fn add(&self, Interpolation { corners, angle }: Interpolation, (bond, strength): (f64, f64), strip: &mut [f64]) {
         let [a, b, c, d] = corners.map(|(at, _)| &self.loads[at][..strip.len()]);
         let [p, q, r, s] = corners.map(|(_, weight)| bond * weight);
         let load = |k: usize| p * a[k] + q * b[k] + r * c[k] + s * d[k];

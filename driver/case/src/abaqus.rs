@@ -3,7 +3,7 @@
 use crate::props::props_from_json;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use umat_abi::host::Law;
+use umat_abi::host::LawDescription;
 use umat_abi::metadata::{flags, kinds};
 
 /// Values on a data line of `*USER MATERIAL`, `*FRICTION, USER` and `*SURFACE INTERACTION, USER`.
@@ -14,7 +14,7 @@ const VALUES_A_LINE: usize = 8;
 ///
 /// # Errors
 /// In words, if the defaults of its metadata make no PROPS.
-pub fn input(law: &Law) -> Result<String, String> {
+pub fn input(law: &LawDescription) -> Result<String, String> {
     let props = defaults(law)?;
     let mut text = format!(
         "** {} {}: {}\n** Units N, mm, MPa. Default values: put in your own.\n",
@@ -65,7 +65,7 @@ pub fn input(law: &Law) -> Result<String, String> {
 }
 
 /// PROPS of the defaults, with the fewest occurrences of the repeating group.
-fn defaults(law: &Law) -> Result<Vec<f64>, String> {
+fn defaults(law: &LawDescription) -> Result<Vec<f64>, String> {
     let named = match &law.group {
         Some(group) if group.minimum > 0 => {
             let repeated = &law.parameters[law.parameters.len() - group.size..];
@@ -81,7 +81,7 @@ fn defaults(law: &Law) -> Result<Vec<f64>, String> {
 }
 
 /// Data lines, each below the names of its values.
-fn constants(text: &mut String, law: &Law, props: &[f64]) {
+fn constants(text: &mut String, law: &LawDescription, props: &[f64]) {
     for (line, values) in props.chunks(VALUES_A_LINE).enumerate() {
         let names: Vec<_> =
             (line * VALUES_A_LINE..).take(values.len()).map(|index| parameter_name(law, index)).collect();
@@ -91,7 +91,7 @@ fn constants(text: &mut String, law: &Law, props: &[f64]) {
 }
 
 /// The name of an entry of PROPS with its unit; the last parameters repeat.
-fn parameter_name(law: &Law, index: usize) -> String {
+fn parameter_name(law: &LawDescription, index: usize) -> String {
     let size = law.group.as_ref().map_or(0, |group| group.size);
     let fixed = law.parameters.len() - size;
     let index = if index < fixed { index } else { fixed + (index - fixed) % size };

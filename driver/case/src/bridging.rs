@@ -8,7 +8,7 @@ use crate::table::CsvFile;
 use pullout_bridging::{
     Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, NotchedBeam, Orientation, Scatter, ShearLag, Softening,
 };
-use pullout_run::bridging::{OPENINGS, Program, Simulation, Simulations, Source};
+use pullout_run::bridging::{BridgingProgram, OPENINGS, Simulation, Simulations, Source};
 use pullout_run::columns::{self, LEADING};
 use pullout_run::input::is_stream;
 use pullout_run::path::{self, Observer, Row, Statistics, Stop};
@@ -57,12 +57,12 @@ pub struct Others {
 }
 
 /// A specimen, or what is wrong.
-pub type ReadSpecimen = Result<Option<Box<pullout::Program>>, String>;
+pub type ReadSpecimen = Result<Option<Box<pullout::PulloutProgram>>, String>;
 /// A law of contact, or what is wrong with it, at its place in the case of bridging.
 pub type ReadLaw = Result<Box<program::Program>, Problem>;
 
 /// Resolves a case; what is wrong with it goes to the reader.
-pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others: &Others) -> Option<Program> {
+pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others: &Others) -> Option<BridgingProgram> {
     let root = Place::root();
     let fibre = reader.piece(&case.fibre, &root.key("fibre")).and_then(|given| fibre(reader, others, given));
     let volume_fraction = reader.piece(&case.volume_fraction, &root.key("volume_fraction")).map(|positive| positive.0);
@@ -96,8 +96,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
         warn_of_units(reader, fibre.as_ref(), matrix.as_ref(), beam.as_ref());
     }
     let program = program_of(case, fibre, volume_fraction, matrix, orientation);
-    let program = program.map(|program| Program { sides, openings: openings(given), beam, scatter, ..program });
-    let columns = program.as_ref().map(Program::columns);
+    let program = program.map(|program| BridgingProgram { sides, openings: openings(given), beam, scatter, ..program });
+    let columns = program.as_ref().map(BridgingProgram::columns);
     let about = history::about(reader, path, &case.head, None, columns.as_deref());
     check_tables(reader, &about, columns.as_deref().unwrap_or_default());
     let about = About {
@@ -107,11 +107,11 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
         defaults: std::mem::take(&mut reader.defaults),
         ..about
     };
-    let program = Program { about, ..program? };
+    let program = BridgingProgram { about, ..program? };
     if reader.problems.is_empty() {
         let checked = match &program.source {
             // without its curves: by those of a bond
-            Source::Simulated(_) => Program { source: stand_in(), ..program.clone() }.composite(&[]),
+            Source::Simulated(_) => BridgingProgram { source: stand_in(), ..program.clone() }.composite(&[]),
             _ => program.composite(&[]),
         };
         tell(reader, checked.map(drop));
@@ -195,10 +195,10 @@ fn program_of(
     volume_fraction: Option<f64>,
     matrix: Option<pullout_bridging::Matrix>,
     orientation: Option<Orientation>,
-) -> Option<Program> {
+) -> Option<BridgingProgram> {
     let ((fibre, source), volume_fraction, matrix) = (fibre?, volume_fraction?, matrix?);
     let composite = fibre.modulus * volume_fraction / (matrix.modulus * (1.0 - volume_fraction));
-    Some(Program {
+    Some(BridgingProgram {
         about: About::default(),
         fibre,
         source,

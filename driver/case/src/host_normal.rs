@@ -6,7 +6,7 @@ use crate::document::{PropValue, Props};
 use crate::problem::Place;
 use crate::reader::Reader;
 use std::collections::BTreeMap;
-use umat_abi::host::Law;
+use umat_abi::host::LawDescription;
 
 /// Parameter that chooses a law's own normal law.
 const KIND: &str = "normal_law";
@@ -17,7 +17,7 @@ const PRESSURE: &str = "p_0";
 /// problems where it names another. `None`: they stay as they are.
 pub fn beside(
     reader: &mut Reader<'_>,
-    law: &Law,
+    law: &LawDescription,
     props: Option<&Props>,
     normal: Normal,
     [place, place_of_normal]: [&Place; 2],
@@ -65,7 +65,7 @@ pub fn beside(
 }
 
 /// The value that a case gives a parameter, and where; `None` as well for what is wrong, which is told with the other parameters.
-fn given(law: &Law, props: Option<&Props>, at: usize, place: &Place) -> Option<(f64, Place)> {
+fn given(law: &LawDescription, props: Option<&Props>, at: usize, place: &Place) -> Option<(f64, Place)> {
     let parameter = &law.parameters[at];
     let named = match props? {
         Props::List(values) => return Some((*values.get(at)?, place.index(at))),

@@ -9,7 +9,7 @@ use crate::reader::Reader;
 use pullout_run::isolation::worker;
 use pullout_run::program::Mode;
 use std::path::{Path, PathBuf};
-use umat_abi::host::{self, Found, Law, Library, LoadError, Manner, Plugin, TangentSource, Validation};
+use umat_abi::host::{self, Found, LawDescription, Library, LoadError, Manner, Plugin, TangentSource, Validation};
 use umat_abi::metadata::{kinds, stress_states};
 
 /// Penalty of a hard normal law, MPa/mm, that this host fills in where the law leaves it to the host: about 100
@@ -24,8 +24,8 @@ pub const ALL_LAWS: &str = "pullout_laws";
 /// Use that the case makes of the plugin.
 #[derive(Clone, Debug)]
 pub struct Use {
-    /// Point, part or contact that the plugin describes.
-    pub subject: Subject,
+    /// Level at which the plugin is called.
+    pub level: Level,
     /// The entry point that is called.
     pub entry: Entry,
     /// The mode of a material point, if it is known, and where the case says so.
@@ -36,9 +36,9 @@ pub struct Use {
     pub normal: Option<(Normal, Place)>,
 }
 
-/// Kind of object that a plugin describes.
+/// Level at which a plugin is called: a point by itself, or a specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
+pub enum Level {
     /// The point that the case is about.
     Point,
     /// A part of a specimen, or the contact between parts.
@@ -205,7 +205,12 @@ pub fn where_to_look(folders: &[PathBuf]) -> String {
 }
 
 /// `Some(None)`: a plain UMAT. Of several laws, CMNAME chooses.
-fn choose_law(reader: &mut Reader<'_>, library: &Library, material: &Material, place: &Place) -> Option<Option<Law>> {
+fn choose_law(
+    reader: &mut Reader<'_>,
+    library: &Library,
+    material: &Material,
+    place: &Place,
+) -> Option<Option<LawDescription>> {
     let laws = library.laws();
     if let [] | [_] = laws {
         return Some(laws.first().cloned());
@@ -216,7 +221,7 @@ fn choose_law(reader: &mut Reader<'_>, library: &Library, material: &Material, p
         reader.problem(&place.key("cmname"), message);
         return None;
     };
-    let law = Law::named(laws, cmname);
+    let law = LawDescription::named(laws, cmname);
     if law.is_none() {
         let message = format!("'{cmname}' begins with the name of no law of the library{}", hint(cmname, names));
         reader.problem(&place.key("cmname"), message);
@@ -247,8 +252,8 @@ fn manner(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: 
 }
 
 /// Returns whether the law has the entry point and the mode.
-fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: &Use, manner: Manner) -> bool {
-    let of_specimen = purpose.subject == Subject::Specimen;
+fn check_kind(reader: &mut Reader<'_>, law: &LawDescription, place: &Place, purpose: &Use, manner: Manner) -> bool {
+    let of_specimen = purpose.level == Level::Specimen;
     let solid =
         if of_specimen { "it is a law of a part" } else { "it is a law of a material point; use kind \"point\"" };
     let contact =
@@ -300,7 +305,7 @@ fn check_symbol(reader: &mut Reader<'_>, library: &Library, material: &Material,
     }
 }
 
-fn nstatv(reader: &mut Reader<'_>, law: Option<&Law>, material: &Material, place: &Place) -> Option<usize> {
+fn nstatv(reader: &mut Reader<'_>, law: Option<&LawDescription>, material: &Material, place: &Place) -> Option<usize> {
     let given = material.nstatv.map(|n| usize::try_from(n.0).unwrap_or(usize::MAX));
     match (law.map(|law| (law.states.len(), &law.name)), given) {
         (None, None) => {
@@ -327,7 +332,7 @@ fn nstatv(reader: &mut Reader<'_>, law: Option<&Law>, material: &Material, place
 
 fn properties(
     reader: &mut Reader<'_>,
-    law: Option<&Law>,
+    law: Option<&LawDescription>,
     material: &Material,
     place: &Place,
     purpose: &Use,
@@ -364,7 +369,7 @@ fn properties(
                 }
             }
             reader.note_defaults(&place, &props::defaults(law, given));
-            if purpose.subject == Subject::Specimen {
+            if purpose.level == Level::Specimen {
                 // the contact pair fills them in from the bodies' stiffness
                 return Some(values);
             }
@@ -380,7 +385,7 @@ fn properties(
     }
 }
 
-fn note_filling(reader: &mut Reader<'_>, law: &Law, k: usize, value: f64) {
+fn note_filling(reader: &mut Reader<'_>, law: &LawDescription, k: usize, value: f64) {
     let name = &law.parameters[k].name;
     reader.warn(format!(
         "material.props.{name} is 0, which leaves it to the host: {value} MPa/mm is used (where the law has a use for it)"
@@ -388,7 +393,7 @@ fn note_filling(reader: &mut Reader<'_>, law: &Law, k: usize, value: f64) {
 }
 
 /// The law's own opinion of its parameters, and of them at each characteristic length.
-fn validate(reader: &mut Reader<'_>, law: &Law, values: &[f64], place: &Place, length: &Length) {
+fn validate(reader: &mut Reader<'_>, law: &LawDescription, values: &[f64], place: &Place, length: &Length) {
     let given = if let Length::Given(length) = length { Some(*length) } else { None };
     match law.validate(values, given) {
         Validation::Valid => {}

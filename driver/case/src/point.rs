@@ -3,7 +3,7 @@
 use crate::constraints::{self, fixed_by_mode};
 use crate::document::{self, Components, EndValue, Entry, Material, Matrix, Piece, PointCase, PointRamp};
 use crate::document::{PointStep as StepDocument, PointTable};
-use crate::plugin::{self, Length, Subject, Use};
+use crate::plugin::{self, Length, Level, Use};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use crate::steps::{self, Found};
@@ -58,7 +58,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
             reader,
             material,
             &place,
-            Use { subject: Subject::Point, entry: Entry::Umat, mode, length, normal: None },
+            Use { level: Level::Point, entry: Entry::Umat, mode, length, normal: None },
         )
     });
     let columns = plugin.as_ref().map(|plugin| columns::of_point(nlgeom, &plugin.state_names()));

@@ -4,14 +4,14 @@ use crate::document::{Occurrence, PropValue, Props};
 use crate::problem::{Place, Problem, hint, nearest};
 use serde_json::Value;
 use std::collections::BTreeMap;
-use umat_abi::host::{Law, Parameter};
+use umat_abi::host::{LawDescription, Parameter};
 
 /// The PROPS that a case's `props` (an object by name or an array) stand for under a law; `null` stands for all
 /// defaults. Places in problems begin with `$.material.props`. The law's own validation is not asked.
 ///
 /// # Errors
 /// Everything that is wrong.
-pub fn props_from_json(law: &Law, props: &Value) -> Result<Vec<f64>, Vec<Problem>> {
+pub fn props_from_json(law: &LawDescription, props: &Value) -> Result<Vec<f64>, Vec<Problem>> {
     let place = Place::root().key("material").key("props");
     match serde_json::from_value::<Option<Props>>(props.clone()) {
         Ok(props) => resolve(law, props.as_ref(), &place),
@@ -22,7 +22,7 @@ pub fn props_from_json(law: &Law, props: &Value) -> Result<Vec<f64>, Vec<Problem
 }
 
 /// Returns PROPS in order, as [`props_from_json`] does.
-pub(super) fn resolve(law: &Law, props: Option<&Props>, place: &Place) -> Result<Vec<f64>, Vec<Problem>> {
+pub(super) fn resolve(law: &LawDescription, props: Option<&Props>, place: &Place) -> Result<Vec<f64>, Vec<Problem>> {
     let mut problems = Vec::new();
     let values = match props {
         Some(Props::List(values)) => {
@@ -37,7 +37,7 @@ pub(super) fn resolve(law: &Law, props: Option<&Props>, place: &Place) -> Result
 }
 
 /// Names and values of the parameters that a case leaves to their defaults.
-pub(super) fn defaults(law: &Law, props: Option<&Props>) -> Vec<String> {
+pub(super) fn defaults(law: &LawDescription, props: Option<&Props>) -> Vec<String> {
     let is_given = |name: &str| match props {
         Some(Props::List(_)) => true,
         Some(Props::Named(named)) => named.contains_key(name),
@@ -54,18 +54,23 @@ pub(super) fn defaults(law: &Law, props: Option<&Props>) -> Vec<String> {
 }
 
 /// The parameters of PROPS in their order, those of the group as often as it occurs.
-pub(super) fn in_order(law: &Law) -> impl Iterator<Item = &Parameter> {
+pub(super) fn in_order(law: &LawDescription) -> impl Iterator<Item = &Parameter> {
     let (fixed, repeated) = split(law);
     fixed.iter().chain(repeated.iter().cycle())
 }
 
 /// The parameters before the repeating group, and those of one occurrence.
-fn split(law: &Law) -> (&[Parameter], &[Parameter]) {
+fn split(law: &LawDescription) -> (&[Parameter], &[Parameter]) {
     let size = law.group.as_ref().map_or(0, |group| group.size).min(law.parameters.len());
     law.parameters.split_at(law.parameters.len() - size)
 }
 
-fn by_name(law: &Law, named: &BTreeMap<String, PropValue>, place: &Place, problems: &mut Vec<Problem>) -> Vec<f64> {
+fn by_name(
+    law: &LawDescription,
+    named: &BTreeMap<String, PropValue>,
+    place: &Place,
+    problems: &mut Vec<Problem>,
+) -> Vec<f64> {
     let (fixed, repeated) = split(law);
     let group = law.group.as_ref();
     let valid: Vec<&str> =
@@ -146,7 +151,12 @@ fn check_bounds(parameter: &Parameter, value: f64, place: &Place, problems: &mut
 }
 
 /// The occurrences of the repeating group.
-fn occurrences(law: &Law, value: Option<&PropValue>, place: &Place, problems: &mut Vec<Problem>) -> Vec<Vec<f64>> {
+fn occurrences(
+    law: &LawDescription,
+    value: Option<&PropValue>,
+    place: &Place,
+    problems: &mut Vec<Problem>,
+) -> Vec<Vec<f64>> {
     let (_, repeated) = split(law);
     let Some(group) = &law.group else { return Vec::new() };
     let names = repeated.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
@@ -202,7 +212,7 @@ fn one_occurrence(
 }
 
 /// Checks PROPS given as an array: count, bounds, choices.
-fn check_list(law: &Law, values: &[f64], place: &Place, problems: &mut Vec<Problem>) {
+fn check_list(law: &LawDescription, values: &[f64], place: &Place, problems: &mut Vec<Problem>) {
     let (fixed, repeated) = split(law);
     let least = fixed.len() + repeated.len() * law.group.as_ref().map_or(0, |group| group.minimum);
     let rest = values.len().saturating_sub(fixed.len());

@@ -22,9 +22,9 @@ pub enum Case {
     /// A material or contact point along a path.
     Path(Box<Program>),
     /// A specimen in two dimensions.
-    Pullout(Box<pullout::Program>),
+    Pullout(Box<pullout::PulloutProgram>),
     /// Fibres across a crack.
-    Bridging(Box<pullout_run::bridging::Program>),
+    Bridging(Box<pullout_run::bridging::BridgingProgram>),
 }
 
 impl Case {

@@ -13,7 +13,7 @@ use fe_core::threads::Threads;
 use mesh::Ground;
 use pullout_run::columns;
 use pullout_run::program::About;
-use pullout_run::pullout::{PictureAt, Program};
+use pullout_run::pullout::{PictureAt, PulloutProgram};
 use std::path::Path;
 use umat_abi::host::ExternalDatabases;
 
@@ -36,7 +36,7 @@ const RUPTURE_STRAIN: f64 = 0.03;
 const USUAL_SLIP: f64 = 0.02;
 
 /// Resolves a case; what is wrong with it goes to the reader.
-pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Option<Program> {
+pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Option<PulloutProgram> {
     let root = Place::root();
     let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
     let ground = mesh::resolve(reader, case);
@@ -130,7 +130,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
             reader.problem(&root, error.to_string());
         }
     }
-    Some(Program {
+    Some(PulloutProgram {
         about: About {
             every: output.every.map_or(1, number),
             plots: output.plots.unwrap_or(true),

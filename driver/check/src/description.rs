@@ -3,7 +3,7 @@
 use pullout_run::isolation;
 use std::fmt::Write;
 use std::path::Path;
-use umat_abi::host::{Law, Library, Routine, binds_deeply};
+use umat_abi::host::{LawDescription, Library, Routine, binds_deeply};
 use umat_abi::metadata::{flags, kinds, stress_states};
 
 /// Returns what a library has, in lines: each law by its metadata, or the entry points of a library without; the routines
@@ -66,7 +66,7 @@ fn routines(library: &Library) -> String {
 }
 
 /// Parameters, states and claims of a law, with an empty line behind them.
-fn of_law(law: &Law, path: &Path) -> String {
+fn of_law(law: &LawDescription, path: &Path) -> String {
     let mut text = format!("{} {}: {}\n{}\n", law.name, law.version, law.description, path.display());
     let mut modes: Vec<_> = [
         (stress_states::THREE_D, "3d (NTENS 6)"),

@@ -8,7 +8,7 @@ use pullout_report::ending::{RunEnd, Specimen, compare_all, summarise};
 use pullout_report::history::History;
 use pullout_report::page;
 use pullout_report::progress::{Extent, Progress};
-use pullout_report::record::Record;
+use pullout_report::record::RunRecorder;
 use pullout_report::summary::Status;
 use pullout_report::viewer::States;
 use pullout_run::path::{self, Statistics, Stop};
@@ -30,7 +30,7 @@ pub struct Followed<'c> {
 }
 
 /// Follows a case of any kind but "bridging" to its end; fields and checkpoints, if it has any, go to `folder`.
-pub fn follow<'c>(case: &'c Case, record: &mut Record, folder: &Path, checkpoints: &Checkpoints) -> Followed<'c> {
+pub fn follow<'c>(case: &'c Case, record: &mut RunRecorder, folder: &Path, checkpoints: &Checkpoints) -> Followed<'c> {
     let (statistics, result, specimen) = match case {
         Case::Bridging(_) => (Statistics::default(), Ok(()), None),
         Case::Path(program) => {
@@ -57,7 +57,7 @@ pub fn extent(case: &Case) -> Extent {
 }
 
 /// The viewer as a page of its own.
-fn view(program: &pullout::Program, history: &History, states: &States) -> io::Result<Option<String>> {
+fn view(program: &pullout::PulloutProgram, history: &History, states: &States) -> io::Result<Option<String>> {
     let curve = ["slip", "load"].map(|name| history.column(name).unwrap_or_default().to_vec());
     Ok(states.page(program, curve)?.map(|viewer| page::around("Over the run", &viewer)))
 }
@@ -88,7 +88,7 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     };
     case.announce();
     let progress = Progress::to(listener, extent(case));
-    let mut record = Record::in_memory(case.columns(), progress, stop, threads == NonZeroUsize::MIN);
+    let mut record = RunRecorder::in_memory(case.columns(), progress, stop, threads == NonZeroUsize::MIN);
     record.recorded = records.then(Recorded::default);
     if views {
         record.keep_states();

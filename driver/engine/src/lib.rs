@@ -45,12 +45,12 @@ pub struct Source {
 #[derive(Debug)]
 pub struct Prepared {
     source: Source,
-    place: Place,
+    process: Process,
 }
 
-/// Process in which a case runs.
+/// Process in which a case runs: this one, or a child.
 #[derive(Debug)]
-enum Place {
+enum Process {
     Here(Box<Case>),
     Apart,
 }
@@ -146,7 +146,7 @@ impl Source {
     /// Everything that is wrong with it.
     pub fn read(self) -> Result<Prepared, CaseErrors> {
         if self.need().is_some() {
-            return Ok(Prepared { source: self, place: Place::Apart });
+            return Ok(Prepared { source: self, process: Process::Apart });
         }
         let case = match self.document.clone() {
             Some(document) => {
@@ -156,8 +156,8 @@ impl Source {
             }
             None => pullout_case::read(&self.file, &self.overrides, &self.plugin_paths),
         }?;
-        let place = if let Case::Bridging(_) = case { Place::Apart } else { Place::Here(Box::new(case)) };
-        Ok(Prepared { source: self, place })
+        let process = if let Case::Bridging(_) = case { Process::Apart } else { Process::Here(Box::new(case)) };
+        Ok(Prepared { source: self, process })
     }
 }
 
@@ -168,9 +168,9 @@ impl Source {
     /// # Errors
     /// Everything that is wrong with it.
     pub fn columns(&self) -> Result<Option<Vec<String>>, CaseErrors> {
-        match self.clone().read()?.place {
-            Place::Here(case) => Ok(Some(case.columns_of_numbers())),
-            Place::Apart => apart::columns(self).map_err(|problems| CaseErrors { file: self.file.clone(), problems }),
+        match self.clone().read()?.process {
+            Process::Here(case) => Ok(Some(case.columns_of_numbers())),
+            Process::Apart => apart::columns(self).map_err(|problems| CaseErrors { file: self.file.clone(), problems }),
         }
     }
 }
@@ -178,9 +178,9 @@ impl Source {
 impl Prepared {
     /// The case, if it runs in this process.
     pub fn case(&self) -> Option<&Case> {
-        match &self.place {
-            Place::Here(case) => Some(case),
-            Place::Apart => None,
+        match &self.process {
+            Process::Here(case) => Some(case),
+            Process::Apart => None,
         }
     }
 
@@ -191,9 +191,9 @@ impl Prepared {
     /// # Errors
     /// Nothing came out.
     pub fn run(&self, settings: Settings) -> Result<Outcome, Error> {
-        match &self.place {
-            Place::Here(case) => Ok(here::run(case, settings)?),
-            Place::Apart => apart::run(&self.source, &settings),
+        match &self.process {
+            Process::Here(case) => Ok(here::run(case, settings)?),
+            Process::Apart => apart::run(&self.source, &settings),
         }
     }
 }

@@ -10,7 +10,7 @@ use pullout_bridging::{
     Residual, SectionLaw, bond_from_bridging, fast_inverse, full_inverse,
 };
 use pullout_case::CsvFile;
-use pullout_run::bridging::{Program, Source};
+use pullout_run::bridging::{BridgingProgram, Source};
 use std::path::Path;
 
 mod output;
@@ -74,7 +74,7 @@ impl BeamFit {
     ///
     /// # Errors
     /// Data that are not those of a test, or a case without sense.
-    pub fn new(program: &Program, test: &Measured) -> Result<Self, Invalid> {
+    pub fn new(program: &BridgingProgram, test: &Measured) -> Result<Self, Invalid> {
         let geometry = program.beam.unwrap_or_default();
         let fast = fast_inverse(&geometry, test)?;
         let full = full_inverse(&geometry, &program.matrix, test)?;

@@ -10,7 +10,7 @@ use crate::plots::{self, Drawings, Spec};
 use crate::summary::{Status, Summary};
 use pullout_bridging::{Composite, Curve};
 use pullout_case::Case;
-use pullout_run::bridging::{Program, Results};
+use pullout_run::bridging::{BridgingProgram, Results};
 use pullout_run::columns::{self, BEAM, BRIDGING, Column, Group, SCATTER};
 use pullout_run::number;
 use std::f64::consts::FRAC_PI_2;
@@ -25,7 +25,7 @@ const FAMILY_POINTS: usize = 200;
 const DIRECTIONS: usize = 180;
 
 /// A run: the program, its fibres and its results.
-pub type Done<'a> = (&'a Program, &'a Composite, &'a Results);
+pub type Done<'a> = (&'a BridgingProgram, &'a Composite, &'a Results);
 
 /// Writes tables, summary, pictures and report; of a run that failed its message. The second result is what could not be
 /// written.
@@ -129,7 +129,7 @@ fn draw(
 }
 
 /// P(w; L_e, θ): a colour for each angle, a dash for each length.
-fn family(program: &Program, composite: &Composite) -> Figure {
+fn family(program: &BridgingProgram, composite: &Composite) -> Figure {
     let half = 0.5 * program.fibre.length;
     let mut lines = Vec::new();
     for (dash, part) in FAMILY_LENGTHS.iter().rev().enumerate() {

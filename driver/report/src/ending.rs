@@ -6,7 +6,7 @@ use crate::history::{HistoryFile, Rows};
 use crate::page::{self, Account};
 use crate::pictures;
 use crate::plots::{self, Drawings, Spec};
-use crate::record::Record;
+use crate::record::RunRecorder;
 use crate::summary::{self, PeakRecorder, PluginFile, PluginOf, Status, Summary};
 use crate::viewer::States;
 use maud::Markup;
@@ -16,7 +16,7 @@ use pullout_run::path::{FailedAt, Statistics};
 use pullout_run::pullout;
 use std::io;
 use std::path::Path;
-use umat_abi::host::{Law, Library};
+use umat_abi::host::{LawDescription, Library};
 
 /// End of a run.
 #[derive(Debug)]
@@ -44,7 +44,7 @@ pub struct RunEnd {
 impl RunEnd {
     /// Takes from a record what it has of a run that has ended.
     pub fn after(
-        record: &mut Record,
+        record: &mut RunRecorder,
         statistics: Statistics,
         message: Option<String>,
         failed_at: Option<FailedAt>,
@@ -78,7 +78,7 @@ impl RunEnd {
 }
 
 /// A specimen's program and what its run gave.
-pub type Specimen<'p> = (&'p pullout::Program, pullout::Outcome<'p>);
+pub type Specimen<'p> = (&'p pullout::PulloutProgram, pullout::Outcome<'p>);
 
 /// Writes summary, plots and report beside a history: the summary first, so that nothing that is drawn can take it away.
 /// The second result is what could not be written.
@@ -188,7 +188,7 @@ pub fn summarise(case: &Case, end: &RunEnd, specimen: Option<&mut Specimen<'_>>)
 
 /// The plugin of a point; of a specimen, the first contact pair's or else the first part's, and all of them.
 fn plugins(case: &Case) -> io::Result<(PluginFile, Vec<PluginOf>)> {
-    let version = |law: Option<&Law>| law.map_or(String::new(), |law| law.version.clone());
+    let version = |law: Option<&LawDescription>| law.map_or(String::new(), |law| law.version.clone());
     match case {
         Case::Path(program) => {
             let plugin = &program.plugin;

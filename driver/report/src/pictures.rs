@@ -21,7 +21,7 @@ use plotters::style::RGBColor;
 use pullout_run::columns::Group;
 use pullout_run::number::significant;
 use pullout_run::pullout::fibre::{Fibre, Wall};
-use pullout_run::pullout::{Outcome, PictureAt, Program, State};
+use pullout_run::pullout::{Outcome, PictureAt, PulloutProgram, State};
 use std::collections::BTreeSet;
 use std::io;
 
@@ -48,7 +48,7 @@ const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 pub fn draw(
     directory: &mut ResultDirectory,
     folder: &str,
-    program: &Program,
+    program: &PulloutProgram,
     outcome: &Outcome<'_>,
 ) -> io::Result<Drawings> {
     let mut album = Album::new(directory, folder, program);
@@ -116,7 +116,7 @@ struct Album<'a> {
 }
 
 impl<'a> Album<'a> {
-    fn new(directory: &'a mut ResultDirectory, folder: &'a str, program: &'a Program) -> Self {
+    fn new(directory: &'a mut ResultDirectory, folder: &'a str, program: &'a PulloutProgram) -> Self {
         let mesh = &program.model.mesh;
         let (fibre, walls) = walls(&program.model);
         Self {

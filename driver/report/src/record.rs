@@ -1,4 +1,4 @@
-//! Record of a run while it goes on.
+//! Recorder of a run while it goes on.
 
 use crate::history::{History, HistoryWriter};
 use crate::progress::Progress;
@@ -19,8 +19,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Takes the history down as the run goes on, and knows the peaks and the progress.
-pub struct Record {
+/// Recorder of a run: writes or keeps the history, and gathers peaks and progress.
+pub struct RunRecorder {
     rows: Rows,
     /// States of a specimen that the report shows; `None`: there is no report.
     states: Option<States>,
@@ -53,7 +53,7 @@ enum Rows {
     Memory(History),
 }
 
-/// Part of a [`Record`] that a checkpoint holds.
+/// Part of a [`RunRecorder`] that a checkpoint holds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Kept {
     /// Length of history.csv.
@@ -86,7 +86,7 @@ impl Kept {
     }
 }
 
-impl Record {
+impl RunRecorder {
     fn begin(rows: Rows, peaks: PeakRecorder, progress: Progress, clock: ClockId) -> Self {
         let (start, cpu_start) = (Instant::now(), time_of(clock));
         Self {
@@ -166,7 +166,7 @@ impl Record {
     }
 }
 
-impl Observer for Record {
+impl Observer for RunRecorder {
     fn row(&mut self, row: Row<'_>) -> io::Result<()> {
         self.place = [row.step, row.increment];
         if row.step == 0 {

@@ -4,7 +4,7 @@ use super::compare::compare;
 use super::directory::{Access, Kind, ResultDirectory};
 use super::history::{History, HistoryWriter};
 use super::page::{self, Account};
-use super::plots::{self, Curve, Spec, Subject};
+use super::plots::{self, CaseKind, Curve, Spec};
 use super::summary::{PeakRecorder, PluginFile, Status, Summary};
 use models::damage_law::{DamageLaw, damage, integrity};
 use pullout_run::path::Row;
@@ -72,7 +72,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
     let spec = Spec {
         title: "Model I, uniaxial compression (Karsan & Jirsa 1969)".into(),
         law: "pure_damage".into(),
-        subject: Subject::Point { controlled: vec![0] },
+        subject: CaseKind::Point { controlled: vec![0] },
         units: Default::default(),
         curves: vec![Curve { label: measured.label.clone(), x: "e11".into(), y: "s11".into(), points }],
     };

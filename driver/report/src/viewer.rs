@@ -13,7 +13,7 @@ use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use maud::{Markup, PreEscaped, html};
 use pullout_run::columns::Group;
-use pullout_run::pullout::Program;
+use pullout_run::pullout::PulloutProgram;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -82,7 +82,7 @@ impl States {
     ///
     /// # Errors
     /// States of another mesh.
-    pub fn page(&self, program: &Program, curve: [Vec<f64>; 2]) -> io::Result<Option<Markup>> {
+    pub fn page(&self, program: &PulloutProgram, curve: [Vec<f64>; 2]) -> io::Result<Option<Markup>> {
         if self.kept.is_empty() {
             return Ok(None);
         }
@@ -122,7 +122,7 @@ impl States {
     }
 
     /// Returns what the script reads: the head, and numbers of all kinds one behind the other.
-    fn encode(&self, program: &Program, curve: [Vec<f64>; 2]) -> Result<(Value, Vec<u8>), FieldsError> {
+    fn encode(&self, program: &PulloutProgram, curve: [Vec<f64>; 2]) -> Result<(Value, Vec<u8>), FieldsError> {
         let model = &program.model;
         let mesh = &model.mesh;
         let recovery = Recovery::new(mesh);

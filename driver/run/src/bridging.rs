@@ -38,7 +38,7 @@ pub(crate) const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
 
 /// A run of fibres across a crack.
 #[derive(Clone, Debug)]
-pub struct Program {
+pub struct BridgingProgram {
     /// Properties that programs of all kinds have.
     pub about: About,
     /// The fibre.
@@ -124,7 +124,7 @@ impl Simulations {
     }
 }
 
-impl Program {
+impl BridgingProgram {
     /// Columns of `bridging.csv`, then those of `beam.csv`.
     pub fn columns(&self) -> Vec<String> {
         let bridging = columns::names_without(&BRIDGING, self.left_out());
@@ -406,7 +406,7 @@ fn number(value: f64) -> String {
 ///
 /// # Errors
 /// Numbers without sense, results that are no finite numbers, or no threads.
-pub fn run(program: &Program, composite: &Composite) -> Result<Results, String> {
+pub fn run(program: &BridgingProgram, composite: &Composite) -> Result<Results, String> {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(program.threads.get());
     let pool = threads.build().map_err(|error| error.to_string())?;
     let results = pool.install(|| run_here(program, composite))?;
@@ -447,7 +447,7 @@ fn first_not_finite(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     values.into_iter().find(|value| !value.is_finite())
 }
 
-fn run_here(program: &Program, composite: &Composite) -> Result<Results, String> {
+fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<Results, String> {
     let told = |error: Invalid| error.to_string();
     let openings = &program.openings;
     let (fibres, shares): (Vec<Average>, Vec<[f64; 9]>) = averages_with_shares(composite, openings).into_iter().unzip();
@@ -530,7 +530,7 @@ fn averages_also_at(composite: &Composite, known: Vec<Average>, openings: &[f64]
     all
 }
 
-fn findings(program: &Program, composite: &Composite, fibres: &[Average]) -> Result<Findings, Invalid> {
+fn findings(program: &BridgingProgram, composite: &Composite, fibres: &[Average]) -> Result<Findings, Invalid> {
     let law = composite.law(fibres);
     let highest = |best: (f64, f64), point: (f64, f64)| if point.1 > best.1 { point } else { best };
     let (w_peak, sigma_peak) = law.points().fold((0.0, 0.0), highest);

@@ -1,7 +1,7 @@
 //! Runs what a case asks for: a material or contact point along a path ([`path`]), a specimen ([`pullout`]), fibres
 //! across a crack ([`bridging`]).
 //!
-//! A program ([`program`], [`pullout::Program`]) comes in, rows go out to an observer. What calls libraries that nobody
+//! A program ([`program`], [`pullout::PulloutProgram`]) comes in, rows go out to an observer. What calls libraries that nobody
 //! here wrote does so in a process of its own ([`isolation`]).
 
 pub mod arguments;

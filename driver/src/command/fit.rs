@@ -1,6 +1,6 @@
 //! `pullout fit`: numbers of a case, and laws, from experiments.
 
-use super::{DONE, FAILED, Place, Refusal, complain, isolated, run, say};
+use super::{DONE, FAILED, Isolation, Refusal, complain, isolated, run, say};
 use clap::{Args, Subcommand, ValueEnum};
 use pullout_fit::{Fibre, FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, Weights};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
@@ -16,14 +16,14 @@ mod case;
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(super) struct Fit {
     #[command(subcommand)]
-    law: Option<Law>,
+    law: Option<FitTarget>,
     #[command(flatten)]
     case: case::Arguments,
 }
 
-/// A law that is fitted.
+/// Law that is fitted.
 #[derive(Debug, Subcommand)]
-enum Law {
+enum FitTarget {
     /// A bond law from the load–slip curve of a perpendicular fibre.
     ///
     /// The mean traction P/(π D (L − g)) over the mean slip g gives a first law by regression: straight lines (form
@@ -116,7 +116,7 @@ pub(super) struct Bond {
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
     #[command(flatten)]
-    place: Place,
+    isolation: Isolation,
     /// Say nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -138,11 +138,11 @@ fn not_negative(text: &str) -> Result<f64, String> {
 
 impl Fit {
     /// Returns where plugins are called.
-    pub(super) fn place(&self) -> Place {
+    pub(super) fn isolation(&self) -> Isolation {
         match (&self.law, &self.case) {
-            (Some(Law::Bond(bond)), _) => bond.place,
-            (Some(Law::Beam(beam)), _) => beam.reading.place,
-            (None, case) => case.place,
+            (Some(FitTarget::Bond(bond)), _) => bond.isolation,
+            (Some(FitTarget::Beam(beam)), _) => beam.reading.isolation,
+            (None, case) => case.isolation,
         }
     }
 }
@@ -150,8 +150,8 @@ impl Fit {
 /// Fits a law, as the command line says, whose words are `line`.
 pub(super) fn act(fit: &Fit, line: &[OsString]) -> Result<u8, Refusal> {
     match &fit.law {
-        Some(Law::Bond(bond)) => act_on_bond(bond, line),
-        Some(Law::Beam(beam)) => beam.act(),
+        Some(FitTarget::Bond(bond)) => act_on_bond(bond, line),
+        Some(FitTarget::Beam(beam)) => beam.act(),
         None => fit.case.act(),
     }
 }

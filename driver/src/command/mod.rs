@@ -104,7 +104,7 @@ enum Command {
     /// Print calibrated parameters of a law.
     Props {
         #[command(subcommand)]
-        law: props::Law,
+        law: props::CalibratedLaw,
     },
 }
 
@@ -122,12 +122,12 @@ struct Reading {
     #[arg(long, conflicts_with = "in_process")]
     untrusted: bool,
     #[command(flatten)]
-    place: Place,
+    isolation: Isolation,
 }
 
 /// Process in which libraries run that were not built with this program.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
-struct Place {
+struct Isolation {
     /// Call all plugins in this process, except where a case says "isolate": true. What ends them ends the program.
     #[arg(long)]
     in_process: bool,
@@ -156,22 +156,22 @@ impl Reading {
 
 impl Command {
     /// Returns where it calls plugins.
-    fn place(&self) -> Place {
+    fn isolation(&self) -> Isolation {
         match self {
-            Self::Run(arguments) => arguments.reading.place,
-            Self::Study(arguments) => arguments.reading.place,
-            Self::Check { reading, .. } => reading.place,
-            Self::Plugin { action } => action.place(),
-            Self::Fit(fit) => fit.place(),
+            Self::Run(arguments) => arguments.reading.isolation,
+            Self::Study(arguments) => arguments.reading.isolation,
+            Self::Check { reading, .. } => reading.isolation,
+            Self::Plugin { action } => action.isolation(),
+            Self::Fit(fit) => fit.isolation(),
             // it measures calls in this process
-            Self::Bench(_) => Place { in_process: true },
+            Self::Bench(_) => Isolation { in_process: true },
             Self::Sweep { .. }
             | Self::Schema
             | Self::Plot(_)
             | Self::Worker(_)
             | Self::Pages { .. }
             | Self::Import(_)
-            | Self::Props { .. } => Place::default(),
+            | Self::Props { .. } => Isolation::default(),
         }
     }
 }
@@ -221,7 +221,7 @@ fn act_on(arguments: &[OsString]) -> u8 {
 
 /// Does what a command says, which `line` is without the program's name; the result is the exit code.
 fn act(command: Command, line: &[OsString]) -> u8 {
-    if command.place().in_process {
+    if command.isolation().in_process {
         isolation::let_all_in();
     }
     // a study and a supervisor end at a second signal, and what they started with them

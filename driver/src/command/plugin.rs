@@ -3,7 +3,7 @@
 mod build;
 mod check;
 
-use super::{DONE, NO_PLUGIN, Place, Refusal, complain, isolated, say};
+use super::{DONE, Isolation, NO_PLUGIN, Refusal, complain, isolated, say};
 use clap::Subcommand;
 use pullout_check::description;
 use pullout_run::isolation::prints::Prints;
@@ -11,7 +11,7 @@ use pullout_run::isolation::{self, End, Job, Need};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use umat_abi::host::{Found, Law, Library, library_path, names_a_file, search_paths};
+use umat_abi::host::{Found, LawDescription, Library, library_path, names_a_file, search_paths};
 use umat_abi::metadata::PLUGIN_SYMBOL;
 
 #[derive(Debug, Subcommand)]
@@ -40,7 +40,7 @@ pub(super) enum Action {
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
         #[command(flatten)]
-        place: Place,
+        isolation: Isolation,
     },
     /// Test a plugin against what its metadata claims, around the path of a case; exit code 1 if it fails, 4 if it was
     /// nowhere seen to be nonlinear although it has states that matter.
@@ -69,11 +69,11 @@ pub(super) fn act(action: &Action, line: &[OsString]) -> Result<u8, Refusal> {
 
 impl Action {
     /// Returns where plugins are called.
-    pub(super) fn place(&self) -> Place {
+    pub(super) fn isolation(&self) -> Isolation {
         match self {
-            Self::Info { place, .. } => *place,
-            Self::Check(arguments) => arguments.place,
-            Self::List { .. } | Self::Build(_) => Place::default(),
+            Self::Info { isolation, .. } => *isolation,
+            Self::Check(arguments) => arguments.isolation,
+            Self::List { .. } | Self::Build(_) => Isolation::default(),
         }
     }
 }
@@ -163,7 +163,7 @@ fn rows_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
 fn laws_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
     let _prints = Prints::discard();
     let library = isolation::load(library).map_err(|error| error.to_string())?;
-    let row = |law: &Law| [law.name.clone(), law.version.clone(), law.entry_points().join(" ")];
+    let row = |law: &LawDescription| [law.name.clone(), law.version.clone(), law.entry_points().join(" ")];
     Ok(library.laws().iter().map(row).collect())
 }
 

@@ -8,7 +8,7 @@ use umat_abi::law::Law as _;
 
 /// Laws that can be calibrated.
 #[derive(Debug, Subcommand)]
-pub(super) enum Law {
+pub(super) enum CalibratedLaw {
     /// concrete_damage from strengths and fracture energies (N, mm, MPa).
     #[command(name = "concrete_damage")]
     ConcreteDamage {
@@ -39,8 +39,8 @@ pub(super) enum Law {
 /// Usual values of concretes, from aerated to ultra-high-performance ones, MPa.
 const USUAL: [(&str, [f64; 2]); 3] = [("--E", [500.0, 1e5]), ("--ft", [0.05, 50.0]), ("--fc", [0.5, 500.0])];
 
-pub(super) fn print(law: &Law) -> Result<u8, Refusal> {
-    let Law::ConcreteDamage {
+pub(super) fn print(law: &CalibratedLaw) -> Result<u8, Refusal> {
+    let CalibratedLaw::ConcreteDamage {
         youngs_modulus,
         poisson_ratio,
         tensile_strength,

@@ -9,7 +9,7 @@ use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_report::ending::{RunEnd, conclude};
 use pullout_report::outcome;
 use pullout_report::progress::Progress;
-use pullout_report::record::{Kept, Record};
+use pullout_report::record::{Kept, RunRecorder};
 use pullout_report::summary::{Status, Summary};
 use pullout_run::isolation::prints::{Prints, say};
 use pullout_run::isolation::{Need, worker};
@@ -344,8 +344,8 @@ fn run_case(
     worker::note_start();
     let progress = Progress::of(case, extent(case), telling.quiet);
     let mut record = match kept {
-        None => Record::new(&history_file, &columns, progress, checkpoints.every.is_some())?,
-        Some(kept) => Record::resume(&history_file, &columns, progress, kept)?,
+        None => RunRecorder::new(&history_file, &columns, progress, checkpoints.every.is_some())?,
+        Some(kept) => RunRecorder::resume(&history_file, &columns, progress, kept)?,
     };
     record.recorded = telling.records.then(Recorded::default);
     let Followed { statistics, result, specimen } = follow(case, &mut record, &folder, checkpoints);

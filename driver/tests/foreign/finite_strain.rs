@@ -102,7 +102,7 @@ fn a_rigid_rotation_turns_the_stress_exactly() {
 }
 
 /// Principal Cauchy stresses of a law by its principal stretches.
-type Law<'l> = &'l dyn Fn([f64; 3]) -> [f64; 3];
+type StressByStretches<'l> = &'l dyn Fn([f64; 3]) -> [f64; 3];
 
 /// λ̄_i = J^(−1/3) λ_i and J.
 fn isochoric(stretches: [f64; 3]) -> ([f64; 3], f64) {
@@ -133,7 +133,7 @@ fn root(function: impl Fn(f64) -> f64) -> f64 {
 const STRETCH: f64 = 3.0;
 
 /// Mode, targets by the strain at the end, and the principal stretches that a law then has.
-fn experiments(law: Law<'_>) -> [(&'static str, Vec<&'static str>, [f64; 3]); 3] {
+fn experiments(law: StressByStretches<'_>) -> [(&'static str, Vec<&'static str>, [f64; 3]); 3] {
     let uniaxial = root(|across| law([STRETCH, across, across])[1]);
     let biaxial = root(|across| law([STRETCH, STRETCH, across])[2]);
     let plane = root(|across| law([STRETCH, across, 1.0])[1]);
@@ -180,7 +180,7 @@ fn hyperelasticity_to_three_times_the_length() {
         let sum = |b: f64| ogden_terms.iter().map(|(mu, alpha)| mu * b.powf(*alpha)).sum::<f64>();
         with_pressure(bar.map(sum), volume, 20.0)
     };
-    let laws: [(&str, Value, Law<'_>); 3] = [
+    let laws: [(&str, Value, StressByStretches<'_>); 3] = [
         ("neo_hooke.f90", json!([0.8, 40.0]), &neo_hooke),
         ("mooney_rivlin.f90", json!([0.3, 0.1, 40.0]), &mooney_rivlin),
         ("ogden.f90", json!([20.0, 0.63, 1.3, 0.0012, 5.0, -0.01, -2.0]), &ogden),

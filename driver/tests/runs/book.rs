@@ -38,8 +38,8 @@ fn pages() -> Vec<String> {
     found.into_iter().map(name).collect()
 }
 
-/// Block of a page.
-struct Block<'a> {
+/// Code block of a page.
+struct CodeBlock<'a> {
     /// The line before it.
     before: &'a str,
     language: &'a str,
@@ -47,7 +47,7 @@ struct Block<'a> {
 }
 
 /// All blocks of a page, with fences of any length.
-fn fenced(text: &str) -> Vec<Block<'_>> {
+fn fenced(text: &str) -> Vec<CodeBlock<'_>> {
     let (mut found, mut before, mut lines) = (Vec::new(), "", text.lines());
     while let Some(line) = lines.next() {
         let line = line.trim_start();
@@ -55,7 +55,7 @@ fn fenced(text: &str) -> Vec<Block<'_>> {
         let fence = &line[..line.len() - language.len()];
         if fence.len() >= 3 {
             let content: Vec<&str> = lines.by_ref().take_while(|line| line.trim() != fence).collect();
-            found.push(Block { before, language, content: content.join("\n") });
+            found.push(CodeBlock { before, language, content: content.join("\n") });
         }
         if !line.is_empty() {
             before = line;
@@ -90,7 +90,7 @@ fn no_block_of_the_book_is_left_out() {
     for name in pages() {
         let is_followed = here.contains(&format!("follow(\"{name}\")"));
         let is_run_by_python = in_python.contains(&format!("{name}\""));
-        for Block { before, language, content } in fenced(&page(&name)) {
+        for CodeBlock { before, language, content } in fenced(&page(&name)) {
             let is_tried = match language {
                 "" | "text" | "formula" | "markdown" => true,
                 "sh" if before == "<!-- run -->" => is_followed,

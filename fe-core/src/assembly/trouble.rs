@@ -1,12 +1,12 @@
-//! Reasons why an attempt of an increment cannot go on, and their places.
+//! Reasons why an attempt of an increment cannot go on, and their locations.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Place in a model where something happened; indices from 0, shown and written from 1.
+/// Location in a model where an attempt failed; indices from 0, shown and written from 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Place {
+pub enum Location {
     /// An integration point of an element.
     Element {
         /// Index of the element.
@@ -53,7 +53,7 @@ mod from_one {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let at = |f: &mut fmt::Formatter<'_>, [x, y]: [f64; 2]| write!(f, " at ({x:.6}, {y:.6})");
         match self {
@@ -85,7 +85,7 @@ pub(crate) struct Setback {
 
 impl Setback {
     /// Tells where it is.
-    pub(crate) fn at(self, place: Place) -> Trouble {
+    pub(crate) fn at(self, place: Location) -> Trouble {
         Trouble { place, reason: self.reason, fraction: self.fraction }
     }
 }
@@ -95,7 +95,7 @@ impl Setback {
 #[error("{place}: {reason}")]
 pub struct Trouble {
     /// Where.
-    pub place: Place,
+    pub place: Location,
     /// What, in words.
     pub reason: String,
     /// The fraction of the increment to repeat with, 0 < fraction < 1; `None`: no smaller increment will help.

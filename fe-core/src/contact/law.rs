@@ -7,7 +7,9 @@ use super::quadrature::ContactPoint;
 use crate::assembly::Setback;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, ModelError, PluginLaw};
 use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
-use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, Plugin, SurfaceFields, UinterCall, Validation, judge};
+use umat_abi::host::{
+    CallFailure, FricAnswer, FricCall, LawDescription, Plugin, SurfaceFields, UinterCall, Validation, judge,
+};
 
 /// Fraction of the increment to repeat with: a plugin that returned NaN or infinity may do better with a smaller one.
 const FRACTION_AFTER_NAN: f64 = 0.25;
@@ -202,7 +204,7 @@ fn filled(
 }
 
 /// The law's objection to parameters. A characteristic length it gets at each call.
-fn refusal(law: &Law, props: &[f64]) -> Option<String> {
+fn refusal(law: &LawDescription, props: &[f64]) -> Option<String> {
     match law.validate(props, None) {
         Validation::Valid | Validation::NeedsCharacteristicLength(_) => None,
         Validation::Invalid(message) => Some(format!("{}: {message}", law.name)),

@@ -9,7 +9,7 @@ use super::law::{PointLaw, Situation, Tangent};
 use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::ContactPoint;
-use crate::assembly::{Place, Setback, Trouble};
+use crate::assembly::{Location, Setback, Trouble};
 use crate::mesh::ElementEdge;
 use crate::model::{Enforcement, IncrementContext};
 use crate::solver::Blocks;
@@ -149,8 +149,8 @@ impl Pair {
         Ok(evaluation)
     }
 
-    fn place(&self, index: usize, position: [f64; 2]) -> Place {
-        Place::Contact { pair: self.name.clone(), point: index, position }
+    fn place(&self, index: usize, position: [f64; 2]) -> Location {
+        Location::Contact { pair: self.name.clone(), point: index, position }
     }
 
     /// Kinematics, foot, slip and weight of a point on trial; whether its foot was searched for on the whole master.

@@ -10,7 +10,7 @@ use super::pair::{Datum, Pair};
 use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
-use crate::assembly::{Place, Setback};
+use crate::assembly::{Location, Setback};
 use crate::mesh::Mesh;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, ModelError, NormalLaw, Width};
 use crate::plane::{distance, dot};
@@ -145,7 +145,7 @@ impl Pair {
         let point = self.points[index];
         let at = point.slave.position(&position);
         let wrong = |reason: &str| {
-            let place = Place::Contact { pair: name.to_owned(), point: index, position: at };
+            let place = Location::Contact { pair: name.to_owned(), point: index, position: at };
             ModelError(format!("{place}: {reason}"))
         };
         let projection = Projection { chain: &self.chain, position };

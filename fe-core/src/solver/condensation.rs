@@ -1,7 +1,7 @@
 //! A linear elastic far field, condensed onto its border once and for all.
 
 use super::cholesky::Refusal;
-use super::zone::Zone;
+use super::zone::SchurComplement;
 use super::{Pattern, SolverError};
 
 /// A body that stays linear, seen from its border: with border B and interior I,
@@ -13,7 +13,7 @@ use super::{Pattern, SolverError};
 ///
 /// One factor L Lᵀ with the border last gives both ([`crate::solver`], Condensation).
 pub struct Superelement {
-    zone: Zone,
+    zone: SchurComplement,
     border: Vec<usize>,
     /// The place in the zone of each border equation.
     places: Vec<usize>,
@@ -31,7 +31,7 @@ impl Superelement {
     /// an eigenvalue far below zero, which no elastic body has.
     pub fn new(pattern: &Pattern, values: &[f64], nodes: &[usize], border: &[usize]) -> Result<Self, SolverError> {
         pattern.check_finite(values)?;
-        let mut zone = Zone::new(pattern, nodes, &[], border)?;
+        let mut zone = SchurComplement::new(pattern, nodes, &[], border)?;
         zone.condense(values).map_err(|refusal| match refusal {
             Refusal::NotDefinite { place } => SolverError::NotDefinite { equation: zone.equation(place) },
             Refusal::Singular { place } => SolverError::Singular { equation: Some(zone.equation(place)) },

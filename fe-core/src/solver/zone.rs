@@ -20,7 +20,7 @@ const SHIFTS: [f64; 2] = [1.0, 100.0];
 /// ```text
 /// A + shift = L Lᵀ      S = A_ZZ − A_ZI A_II⁻¹ A_IZ = L_ZZ L_ZZᵀ − shift
 /// ```
-pub(super) struct Zone {
+pub(super) struct SchurComplement {
     cholesky: Cholesky,
     /// The place in the zone of each equation of the system.
     place_of: Vec<usize>,
@@ -33,7 +33,7 @@ pub(super) struct Zone {
     schur: Mat<f64>,
 }
 
-impl Zone {
+impl SchurComplement {
     /// Analyses a pattern for the zone of these equations. `positions` of all equations: as for the order of elimination.
     pub(super) fn new(
         pattern: &Pattern,

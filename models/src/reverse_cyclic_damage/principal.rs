@@ -45,7 +45,7 @@ fn step(x: f64) -> f64 {
 
 /// The half of the energy that one of D_t, D_c takes away.
 #[derive(Clone, Copy)]
-struct Part {
+struct EnergyShare {
     /// h_i or h̄_i: share of the deviatoric term.
     share: [f64; 3],
     /// v_i or v̄_i.
@@ -65,8 +65,8 @@ pub(super) struct SignSplit {
     values: [f64; 3],
     /// False for a direction that the plane form leaves out.
     present: [bool; 3],
-    tension: Part,
-    compression: Part,
+    tension: EnergyShare,
+    compression: EnergyShare,
 }
 
 impl SignSplit {
@@ -99,7 +99,7 @@ impl SignSplit {
                     (of_present(&|_| step(change).sqrt()), sign * change.max(0.0))
                 }
             };
-            Part { share, volumetric_share, strains, volume_change }
+            EnergyShare { share, volumetric_share, strains, volume_change }
         };
         let tension = part(share, positive, 1.0);
         let compression = part(other_share, negative, -1.0);
@@ -107,7 +107,7 @@ impl SignSplit {
     }
 
     /// ½λV² + μ Σp².
-    fn release_rate(&self, part: &Part) -> f64 {
+    fn release_rate(&self, part: &EnergyShare) -> f64 {
         let squares: f64 = part.strains.iter().map(|e| e * e).sum();
         0.5 * self.lambda * part.volume_change * part.volume_change + self.shear_modulus * squares
     }
@@ -123,7 +123,7 @@ impl SignSplit {
     }
 
     /// y_i = ∂Y/∂ε_i = λ v_i V + 2μ p_i.
-    fn release_rate_gradient(&self, part: &Part) -> [f64; 3] {
+    fn release_rate_gradient(&self, part: &EnergyShare) -> [f64; 3] {
         std::array::from_fn(|i| {
             self.lambda * part.volumetric_share[i] * part.volume_change + 2.0 * self.shear_modulus * part.strains[i]
         })

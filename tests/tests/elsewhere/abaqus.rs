@@ -2,7 +2,7 @@
 
 use super::{Installation, example};
 use end_to_end_tests::{run, shipped_laws};
-use umat_abi::host::Law;
+use umat_abi::host::LawDescription;
 
 fn generated(installation: &Installation, law: &str) -> String {
     let output = run(installation.program().args(["plugin", "info", "--abaqus", law]));
@@ -25,7 +25,7 @@ fn parameter(text: &str, keyword: &str, name: &str) -> usize {
 }
 
 /// The defaults in the order of the metadata; a group that may be absent is absent.
-fn defaults(law: &Law) -> Vec<f64> {
+fn defaults(law: &LawDescription) -> Vec<f64> {
     let absent = law.group.as_ref().filter(|group| group.minimum == 0).map_or(0, |group| group.size);
     law.parameters[..law.parameters.len() - absent].iter().map(|parameter| parameter.default_value).collect()
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// A law in a library, as its metadata describes it.
 #[derive(Clone, Debug)]
-pub struct Law {
+pub struct LawDescription {
     /// The law's name.
     pub name: String,
     /// The plugin's version.
@@ -159,7 +159,7 @@ pub enum Validation {
     NeedsCharacteristicLength(String),
 }
 
-impl Law {
+impl LawDescription {
     /// Returns whether a flag of [`metadata::flags`] is set.
     pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
@@ -333,7 +333,7 @@ impl Law {
 /// Reads the table of parameters. The elements of older libraries end before `typical_lower`: they name no usual values.
 ///
 /// # Safety
-/// As for `Law::read`.
+/// As for `LawDescription::read`.
 unsafe fn read_parameters(table: &Table<metadata::Parameter>) -> Result<Vec<Parameter>, String> {
     const FIRST_SIZE: usize = offset_of!(metadata::Parameter, typical_lower);
     // SAFETY: the elements have `stride` bytes, and `whole` has at least as many as are copied.
@@ -348,7 +348,7 @@ unsafe fn read_parameters(table: &Table<metadata::Parameter>) -> Result<Vec<Para
 }
 
 unsafe fn read_parameter(p: &metadata::Parameter) -> Result<Parameter, String> {
-    // SAFETY: as for `Law::read`.
+    // SAFETY: as for `LawDescription::read`.
     unsafe {
         Ok(Parameter {
             name: text(p.name)?,
@@ -368,7 +368,7 @@ unsafe fn read_parameter(p: &metadata::Parameter) -> Result<Parameter, String> {
 
 unsafe fn read_group(group: &metadata::RepeatingGroup) -> Result<Group, String> {
     Ok(Group {
-        // SAFETY: as for `Law::read`.
+        // SAFETY: as for `LawDescription::read`.
         name: unsafe { text(group.name) }?,
         size: group.size as usize,
         minimum: group.minimum as usize,

@@ -1,6 +1,6 @@
 //! A loaded plugin library.
 
-use super::description::Law;
+use super::description::LawDescription;
 use super::discovery::library_name;
 use super::guard::{Guard, WrittenInput};
 use super::{prints, recorder, utilities};
@@ -113,7 +113,7 @@ impl Routine {
 #[derive(Clone)]
 pub struct Library {
     path: PathBuf,
-    laws: Arc<[Law]>,
+    laws: Arc<[LawDescription]>,
     routines: Arc<[Routine]>,
     changes_floating_point: bool,
     guard: Option<Guard>,
@@ -164,7 +164,7 @@ impl Library {
         // SAFETY: the symbol, if there is one, is the function that the contract defines.
         let laws = match unsafe { own_symbol::<extern "C" fn() -> *const Plugin>(&handle, path, PLUGIN_SYMBOL) } {
             // SAFETY: the pointer comes from the library's own function; each law keeps the library.
-            Some(description) => unsafe { Law::read_all(description(), &handle) }.map_err(metadata_error)?,
+            Some(description) => unsafe { LawDescription::read_all(description(), &handle) }.map_err(metadata_error)?,
             None => Vec::new(),
         };
         if let Some(stamp) = stamp {
@@ -203,7 +203,7 @@ impl Library {
     }
 
     /// The laws that its metadata describes; none for a plain UMAT.
-    pub fn laws(&self) -> &[Law] {
+    pub fn laws(&self) -> &[LawDescription] {
         &self.laws
     }
 
@@ -211,7 +211,7 @@ impl Library {
     pub(super) fn name_of_law(&self, cmname: &str) -> String {
         let law = match &*self.laws {
             [law] => Some(law),
-            laws => Law::named(laws, cmname),
+            laws => LawDescription::named(laws, cmname),
         };
         law.map_or_else(|| library_name(&self.path), |law| law.name.clone())
     }

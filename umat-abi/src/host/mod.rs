@@ -28,7 +28,7 @@ pub const MOMENT: f64 = 1e-12;
 pub use altered::Alteration;
 pub use call::{CallOutcome, UmatCall, UmatInputs};
 pub use data::DataSnapshot;
-pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};
+pub use description::{Choice, Derived, Group, LawDescription, Parameter, State, Validation};
 pub use discovery::{
     Found, library_file_name, library_name, library_path, names_a_file, real_path, search_also, search_beside,
     search_paths,

@@ -1,6 +1,6 @@
 //! A law of a library with everything that its calls need.
 
-use super::{FricCall, Law, Library, LoadError, Manner, UinterCall, UmatCall};
+use super::{FricCall, LawDescription, Library, LoadError, Manner, UinterCall, UmatCall};
 use crate::law::StressState;
 
 /// A law of a library, ready to be called.
@@ -9,7 +9,7 @@ pub struct Plugin {
     /// The loaded library.
     pub library: Library,
     /// Metadata for the law; `None` for a plain UMAT, of which nothing is assumed.
-    pub law: Option<Law>,
+    pub law: Option<LawDescription>,
     /// Name in messages and results: the law's name or the file's stem.
     pub name: String,
     /// The symbol of the entry point; `None`: the usual ones are tried.
@@ -26,7 +26,7 @@ pub struct Plugin {
 
 impl Plugin {
     /// A law of a library; its PROPS stay those of the metadata.
-    pub fn with_defaults(library: &Library, law: &Law) -> Self {
+    pub fn with_defaults(library: &Library, law: &LawDescription) -> Self {
         Self {
             library: library.clone(),
             name: law.name.clone(),

@@ -1,7 +1,7 @@
 //! Steps of a case from what the steps of a job prescribe.
 
 use super::element::Brick;
-use super::keywords::Place;
+use super::keywords::LinePosition;
 use super::model::{Amplitude, Change, Model, Quantity, Step};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -317,7 +317,7 @@ fn partly_driven<'v>(
     model: &Model,
     axis: usize,
     gradient: &[Option<f64>; 3],
-) -> Option<&'v Place> {
+) -> Option<&'v LinePosition> {
     let mut prescribed = BTreeMap::new();
     for (quantity, (_, change)) in values {
         if let Quantity::Displacement(node, along) = *quantity

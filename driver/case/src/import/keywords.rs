@@ -9,14 +9,14 @@ use std::rc::Rc;
 /// Files within files; deeper, a file includes itself.
 const DEEPEST: usize = 10;
 
-/// Place of a line: file and number.
+/// Position of a line: file and number.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(super) struct LinePosition {
     file: Rc<Path>,
     line: usize,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for LinePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.file.display(), self.line)
     }
@@ -25,7 +25,7 @@ impl fmt::Display for Place {
 /// A line of values.
 #[derive(Clone, Debug)]
 pub(super) struct Data {
-    pub(super) place: Place,
+    pub(super) place: LinePosition,
     /// Text between the commas, without surrounding blanks.
     pub(super) fields: Vec<String>,
 }
@@ -57,7 +57,7 @@ impl Data {
 /// A keyword with what belongs to it.
 #[derive(Clone, Debug)]
 pub(super) struct Keyword {
-    pub(super) place: Place,
+    pub(super) place: LinePosition,
     /// Name in capitals, without the star.
     pub(super) name: String,
     /// Names in capitals, and values.
@@ -76,7 +76,7 @@ impl Keyword {
         self.parameter(name).map(str::to_ascii_uppercase)
     }
 
-    fn new(place: Place, line: &str) -> Self {
+    fn new(place: LinePosition, line: &str) -> Self {
         let mut parts = line.trim_start_matches('*').split(',').map(str::trim);
         let name = parts.next().unwrap_or_default().split_whitespace().collect::<Vec<_>>().join(" ");
         let parameters = parts.filter(|part| !part.is_empty()).map(|part| {
@@ -106,7 +106,7 @@ fn read_into(keywords: &mut Vec<Keyword>, file: &Path, folder: &Path, depth: usi
     let file: Rc<Path> = file.into();
     let mut lines = text.lines().enumerate().map(|(number, line)| (number + 1, line.trim()));
     while let Some((number, line)) = lines.next() {
-        let place = Place { file: Rc::clone(&file), line: number };
+        let place = LinePosition { file: Rc::clone(&file), line: number };
         if line.is_empty() || line.starts_with("**") {
             continue;
         }

@@ -1,7 +1,7 @@
 //! Interpretation of a job's keywords.
 
 use super::element::{Brick, Shape};
-use super::keywords::{Data, Keyword, Place};
+use super::keywords::{Data, Keyword, LinePosition};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Values on a data line of constants.
@@ -80,7 +80,7 @@ const REFUSED: [&str; 24] = [
 #[derive(Clone, Debug)]
 pub(super) struct Material {
     pub(super) name: String,
-    pub(super) place: Place,
+    pub(super) place: LinePosition,
     pub(super) constants: Vec<f64>,
     /// NSTATV.
     pub(super) states: usize,
@@ -130,7 +130,7 @@ pub(super) struct Change {
     pub(super) value: f64,
     /// Name of its amplitude.
     pub(super) amplitude: Option<String>,
-    pub(super) place: Place,
+    pub(super) place: LinePosition,
 }
 
 /// A factor over time.
@@ -145,7 +145,7 @@ pub(super) struct Amplitude {
 /// A step.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
-    pub(super) place: Place,
+    pub(super) place: LinePosition,
     pub(super) nlgeom: Option<bool>,
     pub(super) time: f64,
     pub(super) increment: f64,
@@ -158,7 +158,7 @@ pub(super) struct Step {
 struct Element {
     shape: Shape,
     nodes: Vec<u64>,
-    place: Place,
+    place: LinePosition,
 }
 
 struct Section {

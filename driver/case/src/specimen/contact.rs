@@ -4,7 +4,7 @@ use super::Scene;
 use super::mesh::{DefaultPair, MATRIX};
 use crate::document::pullout as document;
 use crate::document::{Entry, PropValue, Props, PulloutCase};
-use crate::plugin::{self, Length, Subject, Use};
+use crate::plugin::{self, Length, Level, Use};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use fe_core::mesh::specimen::SurfaceRole;
@@ -352,7 +352,7 @@ fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<
     let place = place.key("normal");
     let normal = reader.optional(pair.normal.as_ref(), &place);
     let beside = normal.filter(|_| entry == Entry::Fric).map(|normal| (*normal, place.clone()));
-    let purpose = Use { subject: Subject::Specimen, entry, mode: None, length: Length::Unknown, normal: beside };
+    let purpose = Use { level: Level::Specimen, entry, mode: None, length: Length::Unknown, normal: beside };
     let law = plugin::resolve(reader, material, &place_of_law, purpose).map(PluginLaw::from);
     match (entry, normal) {
         (Entry::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal: normal_law(*normal) }),

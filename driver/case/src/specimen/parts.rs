@@ -4,7 +4,7 @@ use super::Scene;
 use super::mesh::called;
 use crate::document::pullout as document;
 use crate::document::{Entry, PulloutCase};
-use crate::plugin::{self, Length, Subject, Use};
+use crate::plugin::{self, Length, Level, Use};
 use crate::point::{check_count, components};
 use crate::problem::Place;
 use crate::reader::Reader;
@@ -77,7 +77,7 @@ fn law(
     }
     let mode = known.map(|(index, mesh)| (mode(mesh.parts()[index].model), place.key("model")));
     let length = known.map_or(Length::Unknown, |(index, mesh)| Length::OfElements(extreme_lengths(mesh, index)));
-    let purpose = Use { subject: Subject::Specimen, entry: Entry::Umat, mode, length, normal: None };
+    let purpose = Use { level: Level::Specimen, entry: Entry::Umat, mode, length, normal: None };
     let plugin = plugin::resolve(reader, material, &place_of_material, purpose)?;
     if let Some(statev0) = &material.statev0 {
         check_count(reader, statev0, &plugin, &place_of_material.key("statev0"));

@@ -1,7 +1,7 @@
 use super::malformed::{Sample, Seen::ByMeaning, Seen::BySchema, check};
 use super::{Bench, Case};
 use pullout_bridging::{Bond, Orientation, Polyline};
-use pullout_run::bridging::{Program, Results, Source, run};
+use pullout_run::bridging::{BridgingProgram, Results, Source, run};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -203,7 +203,7 @@ fn stiff_fibres_follow_the_corners_of_their_law() {
 }
 
 /// Stiff fibres in a bond of straight lines without snubbing, pulled out of one side.
-fn of_law(corners: &[[f64; 2]]) -> Program {
+fn of_law(corners: &[[f64; 2]]) -> BridgingProgram {
     let law = json!({ "plugin": "bond_slip", "props": { "law": "A", "form": "piecewise", "normal_law": "hard", "p_0": 1000,
         "delta_N": 0.004, "k_e": corners[0][1] / corners[0][0], "tau_res": 0, "k_u": 0, "mu": 0, "points": corners } });
     let law = format!("fibre.law={law}");

@@ -2,7 +2,7 @@
 
 use super::super::props_from_json;
 use serde_json::json;
-use umat_abi::host::{Choice, Found, Group, Law, Parameter, search_paths};
+use umat_abi::host::{Choice, Found, Group, LawDescription, Parameter, search_paths};
 
 fn parameter(name: &str, default_value: f64, lower: f64, upper: f64) -> Parameter {
     Parameter {
@@ -21,7 +21,7 @@ fn parameter(name: &str, default_value: f64, lower: f64, upper: f64) -> Paramete
 }
 
 /// E, beta_mode (min 0, max 1, blend 2), n_points, then points (slip, traction), at least one.
-fn law(count_parameter: Option<usize>) -> Law {
+fn law(count_parameter: Option<usize>) -> LawDescription {
     let found = Found::by_name("linear_elastic", &search_paths(&[])).expect("the plugin");
     let mut law = pullout_run::isolation::load(&found.path).expect("a library").laws()[0].clone();
     let mut mode = parameter("beta_mode", 0.0, 0.0, 2.0);
@@ -112,7 +112,7 @@ fn cmname_chooses_the_law_with_the_longest_name_that_it_begins_with() {
         law
     };
     let laws = [named("bond"), named("bond_slip"), named("damage")];
-    let chosen = |cmname: &str| Law::named(&laws, cmname).map(|law| law.name.clone());
+    let chosen = |cmname: &str| LawDescription::named(&laws, cmname).map(|law| law.name.clone());
     assert_eq!(chosen("BOND_SLIP_BAR_1").as_deref(), Some("bond_slip"));
     assert_eq!(chosen("Bond-2").as_deref(), Some("bond"));
     assert_eq!(chosen("my_damage"), None);

@@ -9,7 +9,7 @@ use fe_core::model::{
     ContactLaw, Enforcement, Freedom, HardLaw, LoadKind, Model, NormalLaw, Quadrature, Skipping, SoftLaw, Spalling,
     StepControl, Width,
 };
-use pullout_run::pullout::Program;
+use pullout_run::pullout::PulloutProgram;
 use pullout_run::pullout::fibre::Fibre;
 use serde_json::{Value, json};
 
@@ -129,7 +129,7 @@ pub(super) fn pullout_case() -> Value {
     })
 }
 
-fn accepted(case: &Value, overrides: &[&str]) -> Program {
+fn accepted(case: &Value, overrides: &[&str]) -> PulloutProgram {
     assert!(schema_accepts(&overridden(case, overrides)), "the schema refuses {overrides:?}");
     match Bench::new().read(case, overrides) {
         Ok(Case::Pullout(program)) => *program,
@@ -154,7 +154,7 @@ fn plane_parts_beside_round_ones_are_refused() {
     }
 }
 
-fn program(overrides: &[&str]) -> Program {
+fn program(overrides: &[&str]) -> PulloutProgram {
     accepted(&pullout_case(), overrides)
 }
 

@@ -2,12 +2,12 @@
 
 use super::report::{Ledger, Verdict};
 use std::collections::HashSet;
-use umat_abi::host::{Law, Validation};
+use umat_abi::host::{LawDescription, Validation};
 use umat_abi::law::MAX_STATES;
 use umat_abi::metadata::kinds;
 
 /// PROPS made of the defaults, the repeating group as often as it must occur.
-pub(super) fn default_properties(law: &Law) -> Vec<f64> {
+pub(super) fn default_properties(law: &LawDescription) -> Vec<f64> {
     let defaults: Vec<f64> = law.parameters.iter().map(|parameter| parameter.default_value).collect();
     let Some(group) = &law.group else { return defaults };
     let (fixed, repeated) = defaults.split_at(defaults.len() - group.size);
@@ -16,7 +16,7 @@ pub(super) fn default_properties(law: &Law) -> Vec<f64> {
 }
 
 /// The parameter that describes `props[k]`.
-pub(super) fn parameter_of(law: &Law, k: usize) -> usize {
+pub(super) fn parameter_of(law: &LawDescription, k: usize) -> usize {
     match &law.group {
         Some(group) if k >= law.parameters.len() - group.size => {
             let fixed = law.parameters.len() - group.size;
@@ -27,7 +27,7 @@ pub(super) fn parameter_of(law: &Law, k: usize) -> usize {
 }
 
 /// All checks of the description.
-pub(super) fn check(law: &Law, props: &[f64], length: Option<f64>, ledger: &mut Ledger<'_>) {
+pub(super) fn check(law: &LawDescription, props: &[f64], length: Option<f64>, ledger: &mut Ledger<'_>) {
     report(ledger, "parameters", format!("{}", law.parameters.len()), parameter_errors(law));
     report(ledger, "state variables", format!("{}", law.states.len()), state_errors(law));
     let mut errors = Vec::new();
@@ -57,7 +57,7 @@ fn report(ledger: &mut Ledger<'_>, check: &'static str, figure: String, errors: 
     ledger.row(check, verdict, figure, errors.join("; "));
 }
 
-fn parameter_errors(law: &Law) -> Vec<String> {
+fn parameter_errors(law: &LawDescription) -> Vec<String> {
     let mut errors = Vec::new();
     let mut names = HashSet::new();
     for parameter in &law.parameters {
@@ -75,7 +75,7 @@ fn parameter_errors(law: &Law) -> Vec<String> {
     errors
 }
 
-fn state_errors(law: &Law) -> Vec<String> {
+fn state_errors(law: &LawDescription) -> Vec<String> {
     let mut errors = Vec::new();
     let mut names = HashSet::new();
     for state in &law.states {

@@ -41,7 +41,7 @@ use report::Ledger;
 use std::sync::Arc;
 use std::time::Duration;
 use subject::Subject;
-use umat_abi::host::{ExternalDatabases, Law, Plugin};
+use umat_abi::host::{ExternalDatabases, LawDescription, Plugin};
 use umat_abi::law::StressState;
 use umat_abi::metadata::kinds;
 
@@ -184,7 +184,7 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
 }
 
 /// Every entry point and set of components that the law claims.
-fn entries(law: Option<&Law>, path: Option<&CasePath>, options: &Options) -> Vec<Entry> {
+fn entries(law: Option<&LawDescription>, path: Option<&CasePath>, options: &Options) -> Vec<Entry> {
     const SOLID: [StressState; 3] =
         [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
     let Some(law) = law else {

@@ -7,7 +7,7 @@ use pullout_run::program::{
     Constraint, Control, InterfaceEntry, InterfaceGoal, InterfaceProgram, Kind, Measure, Mode, NormalControl, Pace,
     PointDrive, PointGoal, PointProgram, Program, STRAIN_NAMES, STRESS_NAMES, Step, StepFields, Until,
 };
-use umat_abi::host::{Law, Manner, TangentSource};
+use umat_abi::host::{LawDescription, Manner, TangentSource};
 
 mod specimen;
 
@@ -78,7 +78,7 @@ impl Account {
     }
 
     /// Makes an account of fibres across a crack: the parts of the case as it has them.
-    fn of_bridging(program: &bridging::Program) -> Self {
+    fn of_bridging(program: &bridging::BridgingProgram) -> Self {
         let json = |value: serde_json::Result<String>| value.unwrap_or_default();
         let mut settings = vec![("Fibre".to_owned(), json(serde_json::to_string(&program.fibre)))];
         match &program.source {
@@ -155,7 +155,7 @@ fn tell<S>(steps: &[S], step: impl Fn(&S) -> String) -> (Vec<String>, usize) {
 }
 
 /// PROPS with what the metadata say of them.
-fn parameters(law: Option<&Law>, props: &[f64]) -> Vec<Parameter> {
+fn parameters(law: Option<&LawDescription>, props: &[f64]) -> Vec<Parameter> {
     let described = |index: usize| {
         let parameters = &law?.parameters;
         // a repeating group stands once in the metadata, at the end

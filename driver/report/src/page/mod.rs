@@ -3,7 +3,7 @@
 use super::directory::ResultDirectory;
 use super::plots::quantity::capital;
 use super::plots::{Drawings, Picture};
-use super::summary::{self, Peak, Place, Status, Summary};
+use super::summary::{self, HistoryLine, Peak, Status, Summary};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use pullout_run::number::{rounded, significant};
 use std::io;
@@ -202,8 +202,8 @@ fn effort(summary: &Summary) -> Markup {
 
 fn peaks(summary: &Summary) -> Markup {
     let number = |value: Option<f64>| value.map_or("–".into(), rounded);
-    let place = |place: Option<Place>| match place {
-        Some(Place { step, increment, .. }) => format!("{step} / {increment}"),
+    let line = |line: Option<HistoryLine>| match line {
+        Some(HistoryLine { step, increment, .. }) => format!("{step} / {increment}"),
         None => "–".into(),
     };
     let moves = |peak: &Peak| peak.max.is_some() && (peak.max != Some(0.0) || peak.min != Some(0.0));
@@ -220,9 +220,9 @@ fn peaks(summary: &Summary) -> Markup {
                 tr {
                     td { code { (name) } }
                     td.number { (number(peak.max)) }
-                    td.number { (place(peak.max_at)) }
+                    td.number { (line(peak.max_at)) }
                     td.number { (number(peak.min)) }
-                    td.number { (place(peak.min_at)) }
+                    td.number { (line(peak.min_at)) }
                 }
             }
         } }

@@ -41,7 +41,7 @@ pub(super) struct Entry {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum LegendPosition {
     /// Right side, lower side.
     Corner(bool, bool),
     Below,
@@ -50,27 +50,27 @@ enum Place {
 #[derive(Clone, Debug)]
 pub(super) struct Legend {
     entries: Vec<Entry>,
-    place: Place,
+    position: LegendPosition,
 }
 
 impl Legend {
     /// Looks for a corner that is free of lines and points.
     pub fn place(entries: Vec<Entry>, drawn: &[Vec<(f64, f64)>], x: &Axis, y: &Axis) -> Self {
-        let mut legend = Self { entries, place: Place::Below };
+        let mut legend = Self { entries, position: LegendPosition::Below };
         if let Some((right, lower)) = free_corner(legend.size(), drawn, x, y) {
-            legend.place = Place::Corner(right, lower);
+            legend.position = LegendPosition::Corner(right, lower);
         }
         legend
     }
 
     /// Returns what it needs below the picture, px.
     pub fn height_below(&self) -> i32 {
-        if self.place == Place::Below && !self.entries.is_empty() { Self::height(self.rows()) } else { 0 }
+        if self.position == LegendPosition::Below && !self.entries.is_empty() { Self::height(self.rows()) } else { 0 }
     }
 
     /// Returns the rows of a column: all in a corner, as few as there is room for below.
     fn rows(&self) -> usize {
-        let columns = if self.place == Place::Below { (BELOW / self.size().0).max(1) as usize } else { 1 };
+        let columns = if self.position == LegendPosition::Below { (BELOW / self.size().0).max(1) as usize } else { 1 };
         self.entries.len().div_ceil(columns)
     }
 
@@ -92,14 +92,14 @@ impl Legend {
         let (width, height) = (self.size().0 * UNIT, self.size().1 * UNIT);
         let ((left, top), (right, bottom)) = frame;
         let offset = OFFSET * UNIT;
-        let corner = match self.place {
-            Place::Corner(on_right, lower) => {
+        let corner = match self.position {
+            LegendPosition::Corner(on_right, lower) => {
                 let x = if on_right { right - offset - width } else { left + offset };
                 (x, if lower { bottom - offset - height } else { top + offset })
             }
-            Place::Below => (left, bottom + 52 * UNIT),
+            LegendPosition::Below => (left, bottom + 52 * UNIT),
         };
-        if self.place != Place::Below {
+        if self.position != LegendPosition::Below {
             let opposite = (corner.0 + width, corner.1 + height);
             root.draw(&Rectangle::new([corner, opposite], WHITE.mix(0.85).filled()))?;
         }

@@ -43,7 +43,7 @@ pub struct Spec {
     /// Name of the law.
     pub law: String,
     /// Kind of case.
-    pub subject: Subject,
+    pub subject: CaseKind,
     /// Units of state variables by column.
     pub units: BTreeMap<String, String>,
     /// Measured curves.
@@ -53,7 +53,7 @@ pub struct Spec {
 /// Kind of case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Subject {
+pub enum CaseKind {
     /// A material point; these of the six strain components were controlled.
     Point {
         /// Indices of components.
@@ -181,9 +181,9 @@ impl Spec {
             Case::Path(program) => of_point(program),
             Case::Pullout(program) => {
                 let law = program.laws().first().map_or(String::new(), |(_, law)| law.name.clone());
-                (law, Subject::Pullout, BTreeMap::new())
+                (law, CaseKind::Pullout, BTreeMap::new())
             }
-            Case::Bridging(_) => ("computed".into(), Subject::Bridging, BTreeMap::new()),
+            Case::Bridging(_) => ("computed".into(), CaseKind::Bridging, BTreeMap::new()),
         };
         Self { title: case.about().title.to_owned(), law, subject, units, curves }
     }
@@ -208,12 +208,12 @@ impl Curve {
 }
 
 /// Law, subject and units of a material or contact point.
-fn of_point(program: &Program) -> (String, Subject, BTreeMap<String, String>) {
+fn of_point(program: &Program) -> (String, CaseKind, BTreeMap<String, String>) {
     let law = program.plugin.law.as_ref();
     let units = law.map(|law| law.states.iter().map(|state| (state.name.clone(), state.unit.clone())).collect());
     let subject = match &program.kind {
-        Kind::Point(point) => Subject::Point { controlled: controlled(&point.steps) },
-        Kind::Interface(_) => Subject::Interface,
+        Kind::Point(point) => CaseKind::Point { controlled: controlled(&point.steps) },
+        Kind::Interface(_) => CaseKind::Interface,
     };
     (program.plugin.name.clone(), subject, units.unwrap_or_default())
 }

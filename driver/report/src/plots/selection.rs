@@ -2,7 +2,7 @@
 
 use super::figure::{Figure, Line, Marks, PALETTE, Style};
 use super::quantity::{Quantity, capital, group_of};
-use super::{Curve, Run, Subject};
+use super::{CaseKind, Curve, Run};
 use pullout_run::columns::Group;
 use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES};
 
@@ -13,10 +13,10 @@ mod test;
 pub fn figures(runs: &[Run<'_>]) -> Vec<Figure> {
     let Some(first) = runs.first() else { return Vec::new() };
     let mut layouts = match &first.spec.subject {
-        Subject::Point { controlled } => point(first, controlled),
-        Subject::Interface => interface(first),
-        Subject::Pullout => pullout(first),
-        Subject::Bridging => bridging(first),
+        CaseKind::Point { controlled } => point(first, controlled),
+        CaseKind::Interface => interface(first),
+        CaseKind::Pullout => pullout(first),
+        CaseKind::Bridging => bridging(first),
     };
     place_curves(&mut layouts, runs);
     let mut figures: Vec<Figure> = layouts.iter().filter_map(|layout| layout.figure(runs)).collect();

@@ -205,7 +205,7 @@ fn the_spec_survives_its_file_and_errors_name_theirs() {
     let spec = Spec {
         title: "case".into(),
         law: "law".into(),
-        subject: Subject::Point { controlled: vec![0] },
+        subject: CaseKind::Point { controlled: vec![0] },
         units: BTreeMap::from([("eta".to_string(), "-".to_string())]),
         curves: vec![Curve { label: "m".into(), x: "e11".into(), y: "s11".into(), points: vec![(0.1 + 0.2, -1e-9)] }],
     };

@@ -137,14 +137,14 @@ pub struct Peak {
     /// Least value.
     pub min: Option<f64>,
     /// Line in which it was greatest (first time).
-    pub max_at: Option<Place>,
+    pub max_at: Option<HistoryLine>,
     /// Line in which it was least (first time).
-    pub min_at: Option<Place>,
+    pub min_at: Option<HistoryLine>,
 }
 
 /// A line of the history.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct HistoryLine {
     /// Step.
     pub step: u32,
     /// Increment.
@@ -164,8 +164,8 @@ pub struct PeakRecorder {
 struct Extremes {
     max: f64,
     min: f64,
-    max_at: Place,
-    min_at: Place,
+    max_at: HistoryLine,
+    min_at: HistoryLine,
 }
 
 impl PeakRecorder {
@@ -173,8 +173,12 @@ impl PeakRecorder {
     pub fn new(columns: &[String]) -> Self {
         let last = columns.len().saturating_sub(1).max(3.min(columns.len()));
         let names = columns.get(3..last).unwrap_or_default().to_vec();
-        let none =
-            Extremes { max: f64::NEG_INFINITY, min: f64::INFINITY, max_at: Place::default(), min_at: Place::default() };
+        let none = Extremes {
+            max: f64::NEG_INFINITY,
+            min: f64::INFINITY,
+            max_at: HistoryLine::default(),
+            min_at: HistoryLine::default(),
+        };
         Self { extremes: vec![none; names.len()], names }
     }
 
@@ -190,14 +194,14 @@ impl PeakRecorder {
     /// Takes an increment into account.
     pub fn observe(&mut self, row: &Row<'_>) {
         let Some((&time, values)) = row.values.split_first() else { return };
-        let place = Place { step: row.step, increment: row.increment, time };
+        let line = HistoryLine { step: row.step, increment: row.increment, time };
         for (extremes, &value) in self.extremes.iter_mut().zip(values) {
             // comparisons with NaN are false; infinities are no peaks
             if value > extremes.max && value < f64::INFINITY {
-                (extremes.max, extremes.max_at) = (value, place);
+                (extremes.max, extremes.max_at) = (value, line);
             }
             if value < extremes.min && value > f64::NEG_INFINITY {
-                (extremes.min, extremes.min_at) = (value, place);
+                (extremes.min, extremes.min_at) = (value, line);
             }
         }
     }

@@ -257,15 +257,16 @@ impl<'a> Recorder<'a> {
     /// Writes the row if it is due or the last of the step or run.
     fn increment(
         &mut self,
-        place: Place,
+        position: IncrementPosition,
         iterations: u32,
         so_far: Statistics,
         step_until: Option<&Until>,
         fill: impl FnOnce(&mut [f64]),
     ) -> io::Result<Next> {
         fill(&mut self.values);
-        let place_values = [f64::from(place.step), f64::from(place.increment)];
-        let reached = |until: Option<&Until>| until.is_some_and(|u| u.reached(&place_values, &self.values, iterations));
+        let position_values = [f64::from(position.step), f64::from(position.increment)];
+        let reached =
+            |until: Option<&Until>| until.is_some_and(|u| u.reached(&position_values, &self.values, iterations));
         let next = if self.observer.ends_here() || reached(self.until) {
             Next::EndRun
         } else if reached(step_until) {
@@ -273,7 +274,7 @@ impl<'a> Recorder<'a> {
         } else {
             Next::GoOn
         };
-        let Place { step, increment, last } = place;
+        let IncrementPosition { step, increment, last } = position;
         let row = Row { step, increment, values: &self.values, iterations };
         if next != Next::GoOn || last || (increment as usize).is_multiple_of(self.every) {
             self.observer.row(row)?;
@@ -285,7 +286,7 @@ impl<'a> Recorder<'a> {
 
 /// Position of an increment in the program.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct IncrementPosition {
     step: u32,
     increment: u32,
     /// Whether it is the step's last one.

@@ -1,6 +1,6 @@
 //! Sub-incrementation: an increment that fails is taken in smaller pieces; the pieces grow again.
 
-use super::{Failure, Next, Observer, Place, Recorder, Statistics, Stop};
+use super::{Failure, IncrementPosition, Next, Observer, Recorder, Statistics, Stop};
 use crate::program::{Controls, Program, Step, Until};
 use fe_core::stepping::{Tried, Verdict, Way};
 use umat_abi::host::CallFailure;
@@ -74,8 +74,8 @@ pub(super) fn take_steps<P: Divisible>(
         let taken = program.about.recorded.as_ref().map_or(count, |recorded| recorded.of_step(number).len().min(count));
         for (index, increment) in (0..taken).zip(1..) {
             point.aim(step, number, index, statistics);
-            let place = Place { step: number, increment, last: index + 1 == taken };
-            match take_increment(point, program, place, step.until.as_ref(), recorder, statistics)? {
+            let position = IncrementPosition { step: number, increment, last: index + 1 == taken };
+            match take_increment(point, program, position, step.until.as_ref(), recorder, statistics)? {
                 Next::GoOn => {}
                 Next::EndStep => break,
                 Next::EndRun => return Ok(()),
@@ -89,13 +89,13 @@ pub(super) fn take_steps<P: Divisible>(
 fn take_increment(
     point: &mut impl Divisible,
     program: &Program,
-    place: Place,
+    position: IncrementPosition,
     step_until: Option<&Until>,
     recorder: &mut Recorder<'_>,
     statistics: &mut Statistics,
 ) -> Result<Next, Stop> {
     let recorded = program.about.recorded.as_ref().and_then(|recorded| {
-        recorded.of_step(place.step).get((place.increment as usize).checked_sub(1)?).map(Vec::as_slice)
+        recorded.of_step(position.step).get((position.increment as usize).checked_sub(1)?).map(Vec::as_slice)
     });
     let mut tried = Vec::new();
     let taken = match recorded {
@@ -106,11 +106,11 @@ fn take_increment(
     match taken {
         Ok(iterations) => {
             statistics.increments += 1;
-            recorder.observer.tried(place.step, recorded.unwrap_or(&tried));
-            Ok(recorder.increment(place, iterations, *statistics, step_until, |values| point.fill(values))?)
+            recorder.observer.tried(position.step, recorded.unwrap_or(&tried));
+            Ok(recorder.increment(position, iterations, *statistics, step_until, |values| point.fill(values))?)
         }
         Err(GivenUp { reason, first }) => {
-            let Place { step, increment, .. } = place;
+            let IncrementPosition { step, increment, .. } = position;
             let message = format!("plugin '{}', step {step}, increment {increment}: {reason}", program.plugin.name);
             Err(Stop::Failed(Failure { step, increment, message, replay: point.replay(program, first) }))
         }

@@ -7,7 +7,7 @@
 //! in postcard's encoding, which keeps every bit of a number. The file is written beside its place and moved there: a killed
 //! run leaves a whole one. The fingerprint covers all that the case was resolved to, and the plugins' files.
 
-use super::Program;
+use super::PulloutProgram;
 use super::recorder::RecorderState;
 use crate::input::{self, Input, hexadecimal};
 use crate::isolation::worker;
@@ -59,7 +59,7 @@ impl Checkpoints {
     ///
     /// # Errors
     /// A plugin's file that cannot be read.
-    pub fn new(program: &Program, every: Option<u64>) -> io::Result<Self> {
+    pub fn new(program: &PulloutProgram, every: Option<u64>) -> io::Result<Self> {
         let fingerprint = if every.is_some() { fingerprint(program)? } else { String::new() };
         Ok(Self { every, from: None, fingerprint })
     }
@@ -68,7 +68,7 @@ impl Checkpoints {
     ///
     /// # Errors
     /// Why it cannot.
-    pub fn restart(program: &Program, folder: &Path, every: Option<u64>) -> Result<Self, String> {
+    pub fn restart(program: &PulloutProgram, folder: &Path, every: Option<u64>) -> Result<Self, String> {
         let path = folder.join(FILE);
         let named = |message: &str| format!("{}: {message}", path.display());
         let content = input::read(&path, Input::Checkpoint).map_err(|error| named(&error.to_string()))?;
@@ -130,7 +130,7 @@ impl Checkpoints {
 
 /// SHA-256 of everything that decides what a run computes and writes. Members are taken apart by name, so that none is
 /// forgotten.
-fn fingerprint(program: &Program) -> io::Result<String> {
+fn fingerprint(program: &PulloutProgram) -> io::Result<String> {
     let mut hash = Sha256::new();
     let Model {
         mesh,

@@ -3,7 +3,7 @@
 use super::overlap::Overlap;
 use super::peak::PeakLoad;
 use crate::columns::{Group, SPECIMEN};
-use fe_core::assembly::Place;
+use fe_core::assembly::Location;
 use fe_core::model::MeasuredFibre;
 use fe_core::stepping::{Analysis, Record, Times};
 use indexmap::IndexMap;
@@ -103,7 +103,7 @@ pub struct Failure {
     /// Part of the step that was done.
     pub progress: f64,
     /// Where.
-    pub place: Place,
+    pub place: Location,
     /// Why.
     pub reason: String,
 }

@@ -16,5 +16,5 @@ mod replay;
 pub use findings::{Failure, Findings, Rupture};
 pub use overlap::Overlap;
 pub use peak::PeakLoad;
-pub use program::{PictureAt, Program};
+pub use program::{PictureAt, PulloutProgram};
 pub use recorder::{Outcome, State, run};

@@ -1,6 +1,6 @@
 //! Depth of the overlap between deformed bodies at the greatest load and at the end of a run.
 
-use super::{Findings, Program};
+use super::{Findings, PulloutProgram};
 use crate::number::significant;
 use fe_core::mesh::ElementEdge;
 use fe_core::model::Model;
@@ -40,7 +40,7 @@ impl Overlap {
 /// Measures overlaps at the peak, if there was one, and at the end, by displacements and the elements that had been released.
 /// Returns a warning of a large one.
 pub fn measure(
-    program: &Program,
+    program: &PulloutProgram,
     peak: Option<(&[f64], &[usize])>,
     end: (&[f64], &[usize]),
     findings: &mut Findings,
@@ -76,7 +76,7 @@ pub fn measure(
 }
 
 /// The length that overlaps are compared with, mm, and its name.
-fn reference(program: &Program) -> Option<(f64, &'static str)> {
+fn reference(program: &PulloutProgram) -> Option<(f64, &'static str)> {
     if let Some(diameter) = program.fibre_diameter {
         return Some((diameter, "the fibre's diameter"));
     }

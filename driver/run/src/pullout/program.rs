@@ -18,7 +18,7 @@ pub enum PictureAt {
 
 /// A run of a specimen.
 #[derive(Clone, Debug)]
-pub struct Program {
+pub struct PulloutProgram {
     /// Properties that programs of all kinds have.
     pub about: About,
     /// Description of the mesh: "specimen perpendicular_fibre" or "file block.msh".
@@ -43,7 +43,7 @@ pub struct Program {
     pub along: Option<Along>,
 }
 
-impl Program {
+impl PulloutProgram {
     /// The history's columns.
     pub fn columns(&self) -> Vec<String> {
         columns::of_specimen(&self.model.measured.fibres)

@@ -5,7 +5,7 @@ use super::fields::{FieldWriter, WrittenFields};
 use super::findings::{self, Findings, Rupture};
 use super::moments::Moments;
 use super::peak::PeakKeeper;
-use super::{PictureAt, Program, crack_band, overlap, replay};
+use super::{PictureAt, PulloutProgram, crack_band, overlap, replay};
 use crate::columns::{self, place_in_specimen};
 use crate::number::significant;
 use crate::path::{self, Failure, Row, Statistics, Stop};
@@ -75,7 +75,7 @@ pub struct State<'p> {
 
 /// Runs a program to its end, to an `until`, or to a failure; fields and checkpoints go to `folder`.
 pub fn run<'p>(
-    program: &'p Program,
+    program: &'p PulloutProgram,
     folder: &Path,
     checkpoints: &Checkpoints,
     observer: &mut dyn path::Observer,
@@ -238,7 +238,7 @@ fn failure_of(error: &RunError) -> Option<findings::Failure> {
 
 /// Writer of the increments; decides when a step or the run ends early.
 struct Recorder<'p, 'o> {
-    program: &'p Program,
+    program: &'p PulloutProgram,
     observer: &'o mut dyn path::Observer,
     fields: Option<FieldWriter>,
     /// What a run goes on with, but for the fields.
@@ -269,7 +269,7 @@ pub(super) struct RecorderState {
 
 impl RecorderState {
     /// Returns whether a run of this program can have come to it.
-    pub(super) fn fits(&self, program: &Program) -> bool {
+    pub(super) fn fits(&self, program: &PulloutProgram) -> bool {
         let Self { fields, peak, moments, ruptures, present, energies, so_far, .. } = self;
         let Self { energy_error, initial_displacement, step_start, .. } = self;
         present.values.len() == columns::count_in_specimen(&program.model.measured.fibres)
@@ -319,7 +319,7 @@ impl Present {
 }
 
 impl<'p, 'o> Recorder<'p, 'o> {
-    fn new(program: &'p Program, observer: &'o mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
+    fn new(program: &'p PulloutProgram, observer: &'o mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
         let values = vec![0.0; columns::count_in_specimen(&program.model.measured.fibres)];
         let present = Present { step: 0, increment: 0, values, iterations: 0, written: true };
         let state = RecorderState {

@@ -1,11 +1,11 @@
 //! The replay case of a failed run: the state of the failing point before the increment, and the increment.
 
-use super::Program;
+use super::PulloutProgram;
 use crate::isolation::replay::of_call;
 use crate::program::{STRAIN_NAMES, job_folder};
 use crate::replay::{OF_INCREMENT, entitle};
 use fe_core::assembly::solids::PointCall;
-use fe_core::assembly::{Place, Trouble};
+use fe_core::assembly::{Location, Trouble};
 use fe_core::model::{ContactLaw, PluginLaw};
 use fe_core::stepping::Snapshot;
 use serde_json::{Value, json};
@@ -14,11 +14,11 @@ use umat_abi::host::recorder::{Arguments, CallRecord};
 
 /// Returns the case of a material or contact point whose law was called last and stopped the run; null where there is none. What large
 /// displacements turn is given as turned.
-pub fn of(program: &Program, trouble: &Trouble, snapshot: &Snapshot<'_>) -> Value {
+pub fn of(program: &PulloutProgram, trouble: &Trouble, snapshot: &Snapshot<'_>) -> Value {
     let case = match &trouble.place {
-        Place::Element { element, point, .. } => material_point(program, [*element, *point], snapshot),
-        Place::Contact { pair, point, .. } => contact_point(program, pair, *point, snapshot),
-        Place::Node { .. } | Place::System => None,
+        Location::Element { element, point, .. } => material_point(program, [*element, *point], snapshot),
+        Location::Contact { pair, point, .. } => contact_point(program, pair, *point, snapshot),
+        Location::Node { .. } | Location::System => None,
     };
     case.map_or(Value::Null, |mut case| {
         let title = format!("{}, {}", program.about.title, trouble.place);
@@ -28,7 +28,7 @@ pub fn of(program: &Program, trouble: &Trouble, snapshot: &Snapshot<'_>) -> Valu
 }
 
 /// A case of kind "point".
-fn material_point(program: &Program, [element, point]: [usize; 2], snapshot: &Snapshot<'_>) -> Option<Value> {
+fn material_point(program: &PulloutProgram, [element, point]: [usize; 2], snapshot: &Snapshot<'_>) -> Option<Value> {
     let PointCall { arguments, strain_33 } = snapshot.solids().last_call(element, point)?;
     let law = &program.model.laws[program.model.mesh.elements()[element].part()];
     let mut case = of_call(&record(law, Arguments::Umat(arguments)))?;
@@ -44,7 +44,7 @@ fn material_point(program: &Program, [element, point]: [usize; 2], snapshot: &Sn
 }
 
 /// A case of kind "interface".
-fn contact_point(program: &Program, pair: &str, point: usize, snapshot: &Snapshot<'_>) -> Option<Value> {
+fn contact_point(program: &PulloutProgram, pair: &str, point: usize, snapshot: &Snapshot<'_>) -> Option<Value> {
     let (ContactLaw::Uinter(law) | ContactLaw::Fric { law, .. }) =
         &program.model.contacts.iter().find(|other| other.name == pair)?.law;
     of_call(&record(law, snapshot.contact().last_call(pair, point)?))

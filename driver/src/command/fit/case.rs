@@ -1,6 +1,6 @@
 //! `pullout fit CASE`.
 
-use super::super::{DONE, Place, Refusal, complain, run, say};
+use super::super::{DONE, Isolation, Refusal, complain, run, say};
 use pullout_engine::Source;
 use pullout_fit::{CaseRequest, Free, fit_case};
 use pullout_report::directory::{Access, Kind};
@@ -42,7 +42,7 @@ pub(in super::super) struct Arguments {
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
     #[command(flatten)]
-    pub(super) place: Place,
+    pub(super) isolation: Isolation,
     /// Say nothing but errors.
     #[arg(long)]
     quiet: bool,

@@ -1,6 +1,6 @@
 //! `pullout plugin check`: in this process, or each group of checks in one of its own where the library may not run here.
 
-use super::super::{DONE, FAILED, NOT_TESTED, Place, Refusal, option, say};
+use super::super::{DONE, FAILED, Isolation, NOT_TESTED, Refusal, option, say};
 use super::{TIME_LIMIT, file_of, no_plugin};
 use clap::ValueEnum;
 use pullout_case::Case;
@@ -49,7 +49,7 @@ pub(in crate::command) struct Arguments {
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
     #[command(flatten)]
-    pub(super) place: Place,
+    pub(super) isolation: Isolation,
     /// The checks of one group, for the process that started this one.
     #[arg(long, hide = true, requires = "rows")]
     group: Option<Group>,

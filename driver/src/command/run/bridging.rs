@@ -7,7 +7,7 @@ use pullout_report::bridging::conclude;
 use pullout_report::directory::ResultDirectory;
 use pullout_report::record::cpu_time;
 use pullout_report::summary::Summary;
-use pullout_run::bridging::{Program, SimulationFindings, Source, run};
+use pullout_run::bridging::{BridgingProgram, SimulationFindings, Source, run};
 use pullout_study::Execution;
 use std::io;
 use std::time::Instant;
@@ -15,7 +15,7 @@ use std::time::Instant;
 /// Runs a case, and writes its results. The second result is what could not be written.
 pub(super) fn run_case(
     case: &Case,
-    program: &Program,
+    program: &BridgingProgram,
     directory: &mut ResultDirectory,
     reading: &Reading,
     quiet: bool,
@@ -39,7 +39,7 @@ pub(super) fn run_case(
 
 /// Curves of runs of a specimen, if the case asks for them.
 fn curves(
-    program: &Program,
+    program: &BridgingProgram,
     reading: &Reading,
     quiet: bool,
 ) -> Result<Option<(Vec<Curve>, SimulationFindings)>, String> {

@@ -3,7 +3,7 @@
 use pullout_case::Case;
 use pullout_report::record::Kept;
 use pullout_run::input::{digest, hexadecimal};
-use pullout_run::pullout::Program;
+use pullout_run::pullout::PulloutProgram;
 use pullout_run::pullout::checkpoint::{self, Checkpoints};
 use std::collections::BTreeSet;
 use std::fs;
@@ -37,7 +37,7 @@ impl Interruption {
     }
 
     /// Warns of libraries that may keep in their own memory what a restart needs.
-    pub(super) fn warn_of_memory(&self, program: &mut Program) {
+    pub(super) fn warn_of_memory(&self, program: &mut PulloutProgram) {
         if !self.is_asked_for() {
             return;
         }

@@ -1,22 +1,22 @@
 //! The laws and their paths.
 
-use super::Law;
+use super::PublishedLaw;
 use serde_json::{Value, json};
 
-pub const HGO: Law = Law { sources: &["hgo.F90", "hgo_modules.f90"], case: hgo };
-pub const CRYSTAL: Law = Law { sources: &["crystal.F"], case: crystal };
-pub const PRONY: Law = Law { sources: &["prony.F"], case: prony };
-pub const THERMAL: Law = Law { sources: &["thermal.F"], case: thermal };
-pub const CAM_CLAY: Law = Law { sources: &["cam_clay.F"], case: cam_clay };
-pub const READ_TABLE: Law = Law { sources: &["read_table.F"], case: read_table };
-pub const MAZARS: Law = Law { sources: &["mazars.F"], case: mazars };
-pub const HASHIN: Law = Law { sources: &["hashin.F"], case: hashin };
-pub const ARMSTRONG_FREDERICK: Law = Law {
+pub const HGO: PublishedLaw = PublishedLaw { sources: &["hgo.F90", "hgo_modules.f90"], case: hgo };
+pub const CRYSTAL: PublishedLaw = PublishedLaw { sources: &["crystal.F"], case: crystal };
+pub const PRONY: PublishedLaw = PublishedLaw { sources: &["prony.F"], case: prony };
+pub const THERMAL: PublishedLaw = PublishedLaw { sources: &["thermal.F"], case: thermal };
+pub const CAM_CLAY: PublishedLaw = PublishedLaw { sources: &["cam_clay.F"], case: cam_clay };
+pub const READ_TABLE: PublishedLaw = PublishedLaw { sources: &["read_table.F"], case: read_table };
+pub const MAZARS: PublishedLaw = PublishedLaw { sources: &["mazars.F"], case: mazars };
+pub const HASHIN: PublishedLaw = PublishedLaw { sources: &["hashin.F"], case: hashin };
+pub const ARMSTRONG_FREDERICK: PublishedLaw = PublishedLaw {
     sources: &["armstrong_frederick.f", "armstrong_frederick_return.F", "armstrong_frederick_elastic.f"],
     case: armstrong_frederick,
 };
-pub const FRICTION: Law = Law { sources: &["contact_with_state.F"], case: friction };
-pub const COHESIVE: Law = Law { sources: &["contact_with_state.F"], case: cohesive };
+pub const FRICTION: PublishedLaw = PublishedLaw { sources: &["contact_with_state.F"], case: friction };
+pub const COHESIVE: PublishedLaw = PublishedLaw { sources: &["contact_with_state.F"], case: cohesive };
 
 /// mu, kappa, k1, k2, angle.
 pub const HGO_PROPS: [f64; 5] = [0.03, 1.0, 0.05, 2.0, 40.0];

@@ -10,14 +10,14 @@ use super::{built_of, run};
 use crate::program::{Desk, Table};
 use serde_json::Value;
 
-/// A source and the case that drives it.
-struct Law {
+/// Published law: its sources and the case that drives it.
+struct PublishedLaw {
     sources: &'static [&'static str],
     /// The case of a library.
     case: fn(Value) -> Value,
 }
 
-impl Law {
+impl PublishedLaw {
     /// The sources compiled; `None`, after a notice, where there is no compiler.
     fn built(&self, desk: &Desk, flags: &[&str]) -> Option<Value> {
         desk.write("hardening.txt", cases::HARDENING);

@@ -1,6 +1,6 @@
 //! Verdicts of `pullout plugin check` on them.
 
-use super::{Law, cases};
+use super::{PublishedLaw, cases};
 use crate::check::row;
 use crate::program::{Desk, Outcome};
 use serde_json::{Value, json};
@@ -26,7 +26,7 @@ fn assert_row(outcome: &Outcome, (check, verdict, words): Row) {
 }
 
 /// The sound variant passes, with this row; the planted error fails, in that one.
-fn judged(law: &Law, sound: Row, planted: Row) {
+fn judged(law: &PublishedLaw, sound: Row, planted: Row) {
     let desk = Desk::new();
     let Some(library) = law.built(&desk, &[]) else { return };
     assert_row(&checked(&desk, &library, &(law.case)(library.clone()), 0), sound);
@@ -43,7 +43,7 @@ fn a_shear_strain_taken_for_the_tensors_is_told() {
 }
 
 /// Along these steps nothing happens that could be judged.
-fn untested(law: &Law, steps: Value) {
+fn untested(law: &PublishedLaw, steps: Value) {
     let desk = Desk::new();
     let Some(library) = law.built(&desk, &[]) else { return };
     let mut case = (law.case)(library.clone());

@@ -3,9 +3,9 @@
 
 use super::element::{Motions, Task, advance_finite, advance_small, stiffness_finite, stiffness_small};
 use super::kernel::Nodal;
-use super::record::{Body, Record, Spalled, number_of};
+use super::record::{Body, ElementData, Spalled, number_of};
 use super::summary::Counters;
-use crate::assembly::{Place, Trouble};
+use crate::assembly::{Location, Trouble};
 use crate::element::ElementKind;
 use crate::model::{FieldValues, IncrementContext};
 use umat_abi::host::same_bits;
@@ -32,9 +32,9 @@ pub(super) struct Evaluation<'a> {
 
 /// Some elements of one part.
 #[derive(Debug)]
-pub(super) struct Block {
+pub(super) struct ElementBlock {
     pub(super) body: Body,
-    pub(super) records: Vec<Record>,
+    pub(super) records: Vec<ElementData>,
     /// Displacements of each element's nodes, element by element: committed, and of the last evaluation.
     pub(super) committed: Vec<[f64; 2]>,
     evaluated: Vec<[f64; 2]>,
@@ -47,9 +47,9 @@ pub(super) struct Block {
     pub(super) counters: Counters,
 }
 
-impl Block {
+impl ElementBlock {
     /// Elements in their virgin state.
-    pub(super) fn new(body: Body, records: Vec<Record>) -> Self {
+    pub(super) fn new(body: Body, records: Vec<ElementData>) -> Self {
         let nodal = records.last().map_or(0, |record| record.nodal.end);
         let entries = records.last().map_or(0, |record| record.stiffness.end);
         Self {
@@ -66,7 +66,7 @@ impl Block {
 
     /// Discards the last evaluations.
     pub(super) fn forget(&mut self) {
-        self.records.iter_mut().for_each(Record::forget);
+        self.records.iter_mut().for_each(ElementData::forget);
     }
 
     /// Passes the increment to the law.
@@ -94,7 +94,7 @@ impl Block {
     /// Evaluates the active elements, up to the first in trouble.
     pub(super) fn evaluate(&mut self, evaluation: &Evaluation<'_>) -> Result<(), Trouble> {
         for local in 0..self.records.len() {
-            let Record { element, kind, .. } = self.records[local];
+            let ElementData { element, kind, .. } = self.records[local];
             if !evaluation.active[element] {
                 continue;
             }
@@ -141,7 +141,7 @@ impl Block {
             advance_small(&shape, points, &end, task, forces, changed).map(|()| None)
         };
         let element = record.element;
-        let place = |point: usize| Place::Element { element, point, position: shape.positions[point] };
+        let place = |point: usize| Location::Element { element, point, position: shape.positions[point] };
         let motions = motions.map_err(|(point, trouble)| trouble.at(place(point)))?;
         evaluated.copy_from_slice(&end);
         (record.is_evaluated, record.has_tangent) = (true, wants_tangent);

@@ -48,11 +48,11 @@ pub use state::SolidsState;
 pub use summary::{Counters, GreatestInPart, PointCall, PointCounts, PointView, SolidEnergies};
 pub use trust::PartAccount;
 
-use super::{Place, Trouble};
+use super::{Location, Trouble};
 use crate::model::{Fields, IncrementContext, Model, ModelError, Step};
 use crate::threads::Threads;
-use block::{Block, BlockPlace, Evaluation};
-use record::{Body, Divided, Record, blocks, may_share_threads};
+use block::{BlockPlace, ElementBlock, Evaluation};
+use record::{Body, Divided, ElementData, blocks, may_share_threads};
 use trust::Trust;
 use umat_abi::host::same_bits;
 use umat_abi::law::Request;
@@ -87,7 +87,7 @@ pub struct Solids {
     /// Whether the laws may be called by several threads.
     may_share_threads: bool,
     threads: Threads,
-    blocks: Vec<Block>,
+    blocks: Vec<ElementBlock>,
     /// Places of each element.
     places: Vec<BlockPlace>,
     active: Vec<bool>,
@@ -153,11 +153,11 @@ impl Solids {
     }
 
     /// The block of an element.
-    fn block(&self, element: usize) -> &Block {
+    fn block(&self, element: usize) -> &ElementBlock {
         &self.blocks[self.places[element].block]
     }
 
-    fn record(&self, element: usize) -> &Record {
+    fn record(&self, element: usize) -> &ElementData {
         &self.block(element).records[self.places[element].local]
     }
 
@@ -209,13 +209,14 @@ impl Solids {
             skip_unchanged: self.skip_unchanged,
             version: self.version + 1,
         };
-        let builds = |blocks: &[Block]| -> u64 { blocks.iter().map(|block| block.counters.stiffness_builds).sum() };
+        let builds =
+            |blocks: &[ElementBlock]| -> u64 { blocks.iter().map(|block| block.counters.stiffness_builds).sum() };
         let before = builds(&self.blocks);
         let trouble = self.threads.least(
             &mut self.blocks,
             |block| block.evaluate(&evaluation).err(),
             |trouble| match trouble.place {
-                Place::Element { element, .. } => Some(element),
+                Location::Element { element, .. } => Some(element),
                 _ => None,
             },
         );
@@ -263,10 +264,10 @@ impl Solids {
     fn set_context(&mut self, context: &IncrementContext) {
         let times = |context: &IncrementContext| [context.step_time, context.total_time, context.time_increment];
         if !same_bits(&times(&self.context), &times(context)) {
-            self.blocks.iter_mut().for_each(Block::forget);
+            self.blocks.iter_mut().for_each(ElementBlock::forget);
         }
         if self.context.step != context.step {
-            self.blocks.iter_mut().for_each(Block::forget);
+            self.blocks.iter_mut().for_each(ElementBlock::forget);
         }
         self.context = *context;
         if self.fields.change() {
@@ -322,6 +323,6 @@ impl Solids {
 
     /// Discards the evaluations since the last commit. Stiffnesses stay those of the last one.
     pub fn restore(&mut self) {
-        self.blocks.iter_mut().for_each(Block::forget);
+        self.blocks.iter_mut().for_each(ElementBlock::forget);
     }
 }

@@ -1,7 +1,7 @@
 //! Data of each element and of each part that stay the same from the start, and each element's last evaluation.
 
 use super::TangentChoice;
-use super::block::{Block, BlockPlace};
+use super::block::{BlockPlace, ElementBlock};
 use super::element::Shape;
 use super::points::Points;
 use crate::element::{ElementKind, MAX_NODES, MappedPoint};
@@ -18,9 +18,9 @@ use umat_abi::metadata::{flags, stress_states};
 /// block for each part.
 const ELEMENTS_PER_BLOCK: usize = 16;
 
-/// An element and the status of its last evaluation.
+/// Data of an element, and the status of its last evaluation.
 #[derive(Clone, Debug)]
-pub(super) struct Record {
+pub(super) struct ElementData {
     /// Index in the mesh.
     pub(super) element: usize,
     pub(super) kind: ElementKind,
@@ -132,7 +132,7 @@ impl Spalled {
     }
 }
 
-impl Record {
+impl ElementData {
     pub(super) fn nodes(&self) -> &[usize] {
         &self.nodes[..self.kind.node_count()]
     }
@@ -148,7 +148,7 @@ impl Record {
 
 /// Properties that all elements of a part share.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(super) struct PartData {
     pub(super) name: String,
     axisymmetric: bool,
     average: bool,
@@ -170,7 +170,7 @@ pub(super) struct Part {
     values: [Vec<[f64; MAX_NODES]>; ElementKind::ALL.len()],
 }
 
-impl Part {
+impl PartData {
     /// Shape functions at a point of an element, from its first.
     pub(super) fn values(&self, kind: ElementKind, point: usize) -> &[f64; MAX_NODES] {
         &self.values[kind as usize][point]
@@ -180,7 +180,7 @@ impl Part {
 /// The points of some elements of a part, and their reference configuration.
 #[derive(Debug)]
 pub(super) struct Body {
-    pub(super) part: Arc<Part>,
+    pub(super) part: Arc<PartData>,
     /// Index of the part.
     pub(super) index: usize,
     pub(super) points: Points,
@@ -191,7 +191,7 @@ pub(super) struct Body {
 
 impl Body {
     /// An element's reference configuration, and the points.
-    pub(super) fn split<const N: usize>(&mut self, record: &Record) -> (Shape<'_, N>, &mut Points) {
+    pub(super) fn split<const N: usize>(&mut self, record: &ElementData) -> (Shape<'_, N>, &mut Points) {
         let shape = Shape {
             gradients: self.gradients[record.gradients.clone()].as_chunks::<N>().0,
             values: &self.part.values[record.kind as usize],
@@ -238,7 +238,7 @@ impl Body {
 
 /// A model's elements, divided.
 pub(super) struct Divided {
-    pub(super) blocks: Vec<Block>,
+    pub(super) blocks: Vec<ElementBlock>,
     /// The place of each element.
     pub(super) places: Vec<BlockPlace>,
     /// Findings on its laws that users should know.
@@ -329,12 +329,17 @@ fn groups(mesh: &Mesh, limit: usize) -> Vec<Group> {
     groups
 }
 
-fn checked_part(mesh: &Mesh, part: usize, law: &PluginLaw, [average, nlgeom]: [bool; 2]) -> Result<Part, ModelError> {
+fn checked_part(
+    mesh: &Mesh,
+    part: usize,
+    law: &PluginLaw,
+    [average, nlgeom]: [bool; 2],
+) -> Result<PartData, ModelError> {
     let definition = &mesh.parts()[part];
     check_law(mesh, part, law)?;
     let overstress_work = law.overstress_work();
     let damage = law.damage_states();
-    Ok(Part {
+    Ok(PartData {
         name: definition.name.clone(),
         axisymmetric: definition.model == PlaneModel::Axisymmetric,
         // In plane stress nothing locks.
@@ -358,10 +363,10 @@ fn checked_part(mesh: &Mesh, part: usize, law: &PluginLaw, [average, nlgeom]: [b
 fn block(
     mesh: &Mesh,
     part: usize,
-    shared: &Arc<Part>,
+    shared: &Arc<PartData>,
     law: &PluginLaw,
     elements: &[usize],
-) -> Result<Block, ModelError> {
+) -> Result<ElementBlock, ModelError> {
     let count = elements.iter().map(|&element| mesh.integration_points(element).len()).sum();
     let mut body = Body {
         part: Arc::clone(shared),
@@ -372,14 +377,18 @@ fn block(
         positions: Vec::with_capacity(count),
     };
     let records = records(mesh, &mut body, elements);
-    Ok(Block::new(body, records))
+    Ok(ElementBlock::new(body, records))
 }
 
 /// STATEV of every point: of the case, of the library's SDVINI, or zeros.
-fn set_initial_states(laws: &[PluginLaw], blocks: &mut [Block], places: &[BlockPlace]) -> Result<(), ModelError> {
+fn set_initial_states(
+    laws: &[PluginLaw],
+    blocks: &mut [ElementBlock],
+    places: &[BlockPlace],
+) -> Result<(), ModelError> {
     let mut initial: Vec<_> = laws.iter().map(PluginLaw::initial_states).collect();
     for (element, place) in places.iter().enumerate() {
-        let Block { body, records, .. } = &mut blocks[place.block];
+        let ElementBlock { body, records, .. } = &mut blocks[place.block];
         let (law, initial) = (&laws[body.index], &mut initial[body.index]);
         if initial.are_zero() {
             continue;
@@ -398,18 +407,18 @@ fn set_initial_states(laws: &[PluginLaw], blocks: &mut [Block], places: &[BlockP
 fn set_initial_stresses(
     mesh: &Mesh,
     laws: &[PluginLaw],
-    blocks: &mut [Block],
+    blocks: &mut [ElementBlock],
     places: &[BlockPlace],
 ) -> Result<(), ModelError> {
     let model = |part: usize| mesh.parts()[part].model;
     let mut initial: Vec<_> = laws.iter().enumerate().map(|(part, law)| law.initial_stresses(model(part))).collect();
     for (element, place) in places.iter().enumerate() {
-        let Block { body, records, .. } = &mut blocks[place.block];
+        let ElementBlock { body, records, .. } = &mut blocks[place.block];
         let (law, initial) = (&laws[body.index], &mut initial[body.index]);
         if initial.are_zero() {
             continue;
         }
-        let Record { kind, ref points, .. } = records[place.local];
+        let ElementData { kind, ref points, .. } = records[place.local];
         for (number, point) in points.clone().enumerate() {
             let at = body.initial_point(point, element, number);
             let stress = initial
@@ -472,8 +481,8 @@ fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), ModelEr
 }
 
 /// The records of some elements; gradients, volumes and positions of their points go to the body.
-fn records(mesh: &Mesh, body: &mut Body, elements: &[usize]) -> Vec<Record> {
-    let mut records: Vec<Record> = Vec::with_capacity(elements.len());
+fn records(mesh: &Mesh, body: &mut Body, elements: &[usize]) -> Vec<ElementData> {
+    let mut records: Vec<ElementData> = Vec::with_capacity(elements.len());
     for &element in elements {
         let definition = &mesh.elements()[element];
         let kind = definition.kind();
@@ -484,7 +493,7 @@ fn records(mesh: &Mesh, body: &mut Body, elements: &[usize]) -> Vec<Record> {
         nodes[..count].copy_from_slice(definition.nodes());
         let nodal = records.last().map_or(0, |last| last.nodal.end);
         let stiffness = records.last().map_or(0, |last| last.stiffness.end);
-        records.push(Record {
+        records.push(ElementData {
             element,
             kind,
             nodes,

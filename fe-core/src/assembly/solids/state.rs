@@ -1,8 +1,8 @@
 //! The states of all points, as they are kept between runs.
 
-use super::block::Block;
+use super::block::ElementBlock;
 use super::points::States;
-use super::record::{Built, Record};
+use super::record::{Built, ElementData};
 use super::trust::Trust;
 use super::{Counters, Solids};
 use crate::assembly::GREATEST_COUNT;
@@ -30,13 +30,13 @@ struct BlockState {
 }
 
 impl Built {
-    fn fits(&self, record: &Record, version: u64) -> bool {
+    fn fits(&self, record: &ElementData, version: u64) -> bool {
         self.version <= version && self.spalled.as_ref().is_none_or(|spalled| spalled.fits(record.nodes().len()))
     }
 }
 
 impl BlockState {
-    fn of(block: &Block) -> Self {
+    fn of(block: &ElementBlock) -> Self {
         let points = &block.body.points;
         Self {
             points: points.committed.clone(),
@@ -48,7 +48,7 @@ impl BlockState {
         }
     }
 
-    fn fits(&self, block: &Block, version: u64) -> bool {
+    fn fits(&self, block: &ElementBlock, version: u64) -> bool {
         let Self { points, trial, moduli, displacements, stiffnesses, built } = self;
         let mut numbers =
             moduli.as_flattened().as_flattened().iter().chain(stiffnesses).chain(displacements.as_flattened());
@@ -62,7 +62,7 @@ impl BlockState {
             && trial.fits(&block.body.points.trial)
     }
 
-    fn give_to(&self, block: &mut Block) {
+    fn give_to(&self, block: &mut ElementBlock) {
         block.body.points.committed.clone_from(&self.points);
         block.body.points.trial.clone_from(&self.trial);
         block.body.points.moduli.clone_from(&self.moduli);

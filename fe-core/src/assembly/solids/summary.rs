@@ -1,7 +1,7 @@
 //! Output of the solids: energies, counts, single points.
 
 use super::Solids;
-use super::block::Block;
+use super::block::ElementBlock;
 use super::points::{Points, States};
 use super::record::{Body, Spalled};
 use super::trust::work_of;
@@ -159,7 +159,7 @@ impl Solids {
 
     fn energies_of(&self, states: fn(&Points) -> &States, spalled: fn(&Spalled) -> f64) -> Vec<SolidEnergies> {
         let mut parts = vec![SolidEnergies::default(); self.trust.len()];
-        for Block { body: Body { part, index, points, volumes, .. }, records, .. } in &self.blocks {
+        for ElementBlock { body: Body { part, index, points, volumes, .. }, records, .. } in &self.blocks {
             let sum = &mut parts[*index];
             sum.spalled += records.iter().filter_map(|record| record.built.spalled.as_ref()).map(spalled).sum::<f64>();
             let states = states(points);

@@ -1,7 +1,7 @@
 //! Points that travel: search, continuity, energies, measures of the slip.
 
 use super::*;
-use crate::assembly::Place;
+use crate::assembly::Location;
 use crate::contact::chain::Foot;
 use crate::contact::history::PointState;
 use crate::contact::law::PointLaw;
@@ -310,7 +310,7 @@ fn displacements_that_are_none_are_trouble_with_a_place() {
     let mut forces = vec![0.0; displacements.len()];
     let trouble =
         contact.evaluate(&displacements, &context(), Request::Stress, &mut forces, &mut Blocks::default()).unwrap_err();
-    assert!(matches!(&trouble.place, Place::Contact { pair, point: 0, .. } if pair == "fibre"), "{trouble}");
+    assert!(matches!(&trouble.place, Location::Contact { pair, point: 0, .. } if pair == "fibre"), "{trouble}");
     assert_eq!(trouble.fraction, Some(0.5));
 }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::element::ElementKind::{self, *};
 use crate::kinematics::PlaneModel;
-use crate::mesh::structured::{Block, Side};
+use crate::mesh::structured::{MeshBlock, Side};
 use crate::mesh::{ElementDefinition, MeshDefinition, Part};
 
 fn part(name: &str) -> Part {
@@ -15,9 +15,9 @@ fn columns(kind: ElementKind, rows: [usize; 2], parts: usize, glued: bool) -> Me
         mesh.add_part(part(name));
     }
     let eta = rows.map(|rows| (0..=rows).map(|row| row as f64 / rows as f64).collect::<Vec<_>>());
-    let left = mesh.block(&Block::new(0, kind, &[0.0, 1.0], &eta[0])).unwrap();
+    let left = mesh.block(&MeshBlock::new(0, kind, &[0.0, 1.0], &eta[0])).unwrap();
     let others = if glued { left.side_nodes(Side::Right) } else { vec![] };
-    mesh.glued_block(&Block::new(parts - 1, kind, &[1.0, 2.0], &eta[1]), &others).unwrap();
+    mesh.glued_block(&MeshBlock::new(parts - 1, kind, &[1.0, 2.0], &eta[1]), &others).unwrap();
     Mesh::new(mesh).unwrap()
 }
 
@@ -91,9 +91,9 @@ fn nodes_of_what_passes_in_front_do_not_hang() {
     for name in ["block", "cover", "fibre"] {
         mesh.add_part(part(name));
     }
-    let below = mesh.block(&Block::new(0, Q4, &[-0.5, 0.0, 0.5], &[-1.0, 0.0])).unwrap().side_nodes(Side::Top);
-    mesh.glued_block(&Block::new(1, Q4, &[-0.5, 0.5], &[0.0, 1.0]), &below).unwrap();
-    mesh.glued_block(&Block::new(2, Q4, &[-0.25, 0.0, 0.25], &[0.0, 1.0, 2.0]), &below).unwrap();
+    let below = mesh.block(&MeshBlock::new(0, Q4, &[-0.5, 0.0, 0.5], &[-1.0, 0.0])).unwrap().side_nodes(Side::Top);
+    mesh.glued_block(&MeshBlock::new(1, Q4, &[-0.5, 0.5], &[0.0, 1.0]), &below).unwrap();
+    mesh.glued_block(&MeshBlock::new(2, Q4, &[-0.25, 0.0, 0.25], &[0.0, 1.0, 2.0]), &below).unwrap();
     let found = findings(&Mesh::new(mesh).unwrap(), &[]);
     let hanging: Vec<[f64; 2]> = found
         .iter()

@@ -4,7 +4,7 @@ use super::requirement::Requirements;
 use super::{SpecimenError, body, positions, uniform};
 use crate::element::ElementKind;
 use crate::mesh::MeshDefinition;
-use crate::mesh::structured::{Block, Grading, Grid, Side, capped_through};
+use crate::mesh::structured::{Grading, Grid, MeshBlock, Side, capped_through};
 
 /// Two rectangles upon each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenErro
         let part = mesh.add_part(body(name));
         let shift = if index == 0 { -heights[0] } else { 0.0 };
         let map = |[x, y]: [f64; 2]| [x, y + shift];
-        grids.push(mesh.block(&Block::new(part, elements[index], &x, &y).mapped(&map))?);
+        grids.push(mesh.block(&MeshBlock::new(part, elements[index], &x, &y).mapped(&map))?);
     }
     mesh.node_set("bottom", grids[0].side_nodes(Side::Bottom));
     mesh.node_set("top", grids[1].side_nodes(Side::Top));
@@ -122,8 +122,8 @@ pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition,
 
     let mut mesh = MeshDefinition::default();
     let parts = ["cylinder", "base"].map(|name| mesh.add_part(body(name)));
-    let cylinder = mesh.block(&Block::new(parts[0], element, &x, &upwards).mapped(&map))?;
-    let base = mesh.block(&Block::new(parts[1], element, &x, &y))?;
+    let cylinder = mesh.block(&MeshBlock::new(parts[0], element, &x, &upwards).mapped(&map))?;
+    let base = mesh.block(&MeshBlock::new(parts[1], element, &x, &y))?;
     mesh.node_set("symmetry", cylinder.side_nodes(Side::Left));
     mesh.node_set("symmetry", base.side_nodes(Side::Left));
     mesh.node_set("top", cylinder.side_nodes(Side::Top));
@@ -215,12 +215,12 @@ pub fn drag_out_strip(parameters: &DragOutStrip) -> Result<MeshDefinition, Speci
     let parts = ["strip", "block"].map(|name| mesh.add_part(body(name)));
     let x = uniform(strip_length, parameters.strip_edges, "strip_edges")?;
     let y = uniform(strip_height, parameters.strip_rows, "strip_rows")?;
-    let strip = mesh.block(&Block::new(parts[0], parameters.element, &x, &y))?;
+    let strip = mesh.block(&MeshBlock::new(parts[0], parameters.element, &x, &y))?;
     let x = uniform(block_length, parameters.block_edges, "block_edges")?;
     let graded = Grading::Capped { first: parameters.block_size, growth, largest: block_height };
     let y = positions(block_height, graded, "block_size")?;
     let map = |[x, y]: [f64; 2]| [block_start + x, strip_height + y];
-    let block = mesh.block(&Block::new(parts[1], parameters.element, &x, &y).mapped(&map))?;
+    let block = mesh.block(&MeshBlock::new(parts[1], parameters.element, &x, &y).mapped(&map))?;
     name_drag_out_sets(&mut mesh, &strip, &block);
     Ok(mesh)
 }

@@ -4,7 +4,7 @@ use super::requirement::Requirements;
 use super::{SpecimenError, body, uniform};
 use crate::element::ElementKind;
 use crate::mesh::MeshDefinition;
-use crate::mesh::structured::{Block, Side};
+use crate::mesh::structured::{MeshBlock, Side};
 
 /// A fibre over an arc, straight before and after it: a capstan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,8 +69,8 @@ pub fn curved_channel(parameters: &CurvedChannel) -> Result<MeshDefinition, Spec
 
     let mut mesh = MeshDefinition::default();
     let parts = ["fibre", "channel"].map(|name| mesh.add_part(body(name)));
-    let fibre = mesh.block(&Block::new(parts[0], element, &along, &across).mapped(&map))?;
-    let channel = mesh.block(&Block::new(parts[1], element, &around, &below).mapped(&under))?;
+    let fibre = mesh.block(&MeshBlock::new(parts[0], element, &along, &across).mapped(&map))?;
+    let channel = mesh.block(&MeshBlock::new(parts[1], element, &around, &below).mapped(&under))?;
     mesh.node_set("grip", fibre.side_nodes(Side::Right));
     mesh.node_set("tail", fibre.side_nodes(Side::Left));
     mesh.edge_set("tail", fibre.side_edges(Side::Left));

@@ -6,7 +6,7 @@ use super::requirement::Requirements;
 use super::{SpecimenError, body, positions, uniform};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
-use crate::mesh::structured::{Block, Grading, Side};
+use crate::mesh::structured::{Grading, MeshBlock, Side};
 use crate::mesh::{MeshDefinition, Part};
 
 /// A quarter of a plate with a hole in its centre.
@@ -60,9 +60,9 @@ pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, Spe
     };
     let mut mesh = MeshDefinition::default();
     let part = mesh.add_part(body("plate"));
-    let first = mesh.block(&Block::new(part, element, &outwards, &around).mapped(&lower))?;
-    let second =
-        mesh.glued_block(&Block::new(part, element, &outwards, &around).mapped(&upper), &first.side_nodes(Side::Top))?;
+    let first = mesh.block(&MeshBlock::new(part, element, &outwards, &around).mapped(&lower))?;
+    let second = mesh
+        .glued_block(&MeshBlock::new(part, element, &outwards, &around).mapped(&upper), &first.side_nodes(Side::Top))?;
     for (name, sides) in [
         ("symmetry_y", vec![(&first, Side::Bottom)]),
         ("right", vec![(&first, Side::Right)]),
@@ -202,7 +202,7 @@ fn one_block(
 ) -> Result<MeshDefinition, SpecimenError> {
     let mut mesh = MeshDefinition::default();
     let part = mesh.add_part(part);
-    let grid = mesh.block(&Block::new(part, element, lines[0], lines[1]).mapped(map))?;
+    let grid = mesh.block(&MeshBlock::new(part, element, lines[0], lines[1]).mapped(map))?;
     for (name, side) in std::iter::zip(names, [Side::Bottom, Side::Right, Side::Top, Side::Left]) {
         mesh.node_set(name, grid.side_nodes(side));
         mesh.edge_set(name, grid.side_edges(side));

@@ -26,7 +26,7 @@ pub enum Diagonal {
 }
 
 /// A block: the product of two divided lines, mapped. The map keeps the orientation: ξ to the right, η upwards.
-pub struct Block<'a> {
+pub struct MeshBlock<'a> {
     pub(super) part: usize,
     pub(super) kind: ElementKind,
     pub(super) xi: &'a [f64],
@@ -36,7 +36,7 @@ pub struct Block<'a> {
     pub(super) diagonal: &'a dyn Fn(usize, usize) -> Diagonal,
 }
 
-impl<'a> Block<'a> {
+impl<'a> MeshBlock<'a> {
     /// The rectangle of these divisions, all of its cells, triangles with rising diagonals.
     pub fn new(part: usize, kind: ElementKind, xi: &'a [f64], eta: &'a [f64]) -> Self {
         Self { part, kind, xi, eta, map: &|point| point, keep: &|_, _| true, diagonal: &|_, _| Diagonal::Rising }

@@ -10,7 +10,7 @@
 //! ```
 //! use fe_core::element::ElementKind::Q8;
 //! use fe_core::kinematics::PlaneModel::PlaneStrain;
-//! use fe_core::mesh::structured::{Block, Grading, Side};
+//! use fe_core::mesh::structured::{MeshBlock, Grading, Side};
 //! use fe_core::mesh::{Mesh, MeshDefinition, Part};
 //!
 //! let radii = Grading::Ratio { count: 6, ratio: 2.0 }.positions(1.0)?;
@@ -19,7 +19,7 @@
 //!
 //! let mut mesh = MeshDefinition::default();
 //! let part = mesh.add_part(Part::new("ring", PlaneStrain, 1.0));
-//! let grid = mesh.block(&Block::new(part, Q8, &radii, &angles).mapped(&ring))?;
+//! let grid = mesh.block(&MeshBlock::new(part, Q8, &radii, &angles).mapped(&ring))?;
 //! mesh.edge_set("inner", grid.side_edges(Side::Left));
 //! let mesh = Mesh::new(mesh)?;
 //! assert_eq!(mesh.edge_set("inner").unwrap().len(), 8);
@@ -32,7 +32,7 @@ mod grading;
 #[cfg(test)]
 mod test;
 
-pub use block::{Block, Diagonal, Grid, Side};
+pub use block::{Diagonal, Grid, MeshBlock, Side};
 pub use grading::{Grading, MOST_DIVISIONS};
 pub(crate) use grading::{capped_through, too_many};
 
@@ -64,12 +64,12 @@ impl MeshDefinition {
     /// # Errors
     ///
     /// Divisions that do not ascend, more cells than [`MOST_CELLS`], a map that is not finite.
-    pub fn block(&mut self, block: &Block<'_>) -> Result<Grid, StructuredError> {
+    pub fn block(&mut self, block: &MeshBlock<'_>) -> Result<Grid, StructuredError> {
         self.glued_block(block, &[])
     }
 
     /// Adds a block that takes those nodes of `others` that coincide with its own.
-    pub fn glued_block(&mut self, block: &Block<'_>, others: &[usize]) -> Result<Grid, StructuredError> {
+    pub fn glued_block(&mut self, block: &MeshBlock<'_>, others: &[usize]) -> Result<Grid, StructuredError> {
         check_divisions('ξ', block.xi)?;
         check_divisions('η', block.eta)?;
         let (columns, rows) = (block.columns(), block.rows());
@@ -105,7 +105,7 @@ impl MeshDefinition {
     /// The node at a place of a block: the grid's, a glued one or a new one.
     fn node(
         &mut self,
-        block: &Block<'_>,
+        block: &MeshBlock<'_>,
         grid: &mut Grid,
         glue: &Glue,
         place: [usize; 2],
@@ -150,7 +150,7 @@ fn check_divisions(line: char, positions: &[f64]) -> Result<(), StructuredError>
 }
 
 /// The shortest edge along a block's sides and grid lines, mapped.
-fn shortest_edge(block: &Block<'_>) -> f64 {
+fn shortest_edge(block: &MeshBlock<'_>) -> f64 {
     let mut shortest = f64::INFINITY;
     for (i, j) in (0..=block.columns()).flat_map(|i| (0..=block.rows()).map(move |j| (2 * i, 2 * j))) {
         let here = block.position([i, j]);

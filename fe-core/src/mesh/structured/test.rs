@@ -102,7 +102,7 @@ fn ring(kind: ElementKind, diagonal: Diagonal) -> Mesh {
     let mut mesh = MeshDefinition::default();
     let part = body(&mut mesh);
     let cut = |_, _| diagonal;
-    let grid = mesh.block(&Block::new(part, kind, &radii, &angles).mapped(&map).cut(&cut)).unwrap();
+    let grid = mesh.block(&MeshBlock::new(part, kind, &radii, &angles).mapped(&map).cut(&cut)).unwrap();
     for (name, side) in [("bottom", Side::Bottom), ("right", Side::Right), ("top", Side::Top), ("left", Side::Left)] {
         mesh.edge_set(name, grid.side_edges(side));
         mesh.node_set(name, grid.side_nodes(side));
@@ -154,7 +154,7 @@ fn cells_can_be_left_out() {
         let mut mesh = MeshDefinition::default();
         let part = body(&mut mesh);
         let keep = |column, row| (column, row) != (1, 1);
-        let grid = mesh.block(&Block::new(part, kind, &line, &line).keeping(&keep)).unwrap();
+        let grid = mesh.block(&MeshBlock::new(part, kind, &line, &line).keeping(&keep)).unwrap();
         assert_eq!(grid.edge(1, 1, Side::Left), None);
         assert_eq!((grid.edge(3, 0, Side::Left), grid.edge(0, 3, Side::Left), grid.node(7, 0)), (None, None, None));
         mesh.edge_set("hole", vec![grid.edge(0, 1, Side::Right).unwrap(), grid.edge(1, 2, Side::Bottom).unwrap()]);
@@ -173,12 +173,12 @@ fn blocks_are_glued_only_where_asked() {
         for (glued, loops) in [(true, 1), (false, 2)] {
             let mut mesh = MeshDefinition::default();
             let part = body(&mut mesh);
-            let first = mesh.block(&Block::new(part, kind, &left, &height)).unwrap();
+            let first = mesh.block(&MeshBlock::new(part, kind, &left, &height)).unwrap();
             let before = mesh.nodes.len();
             let others = if glued { first.side_nodes(Side::Right) } else { vec![] };
             // A gap far below the sizes is closed.
             let map = |[x, y]: [f64; 2]| [x + 1e-11, y];
-            let second = mesh.glued_block(&Block::new(part, kind, &right, &height).mapped(&map), &others).unwrap();
+            let second = mesh.glued_block(&MeshBlock::new(part, kind, &right, &height).mapped(&map), &others).unwrap();
             assert_eq!(mesh.nodes.len(), before + second.nodes().count() - if glued { side } else { 0 });
             let mesh = Mesh::new(mesh).unwrap();
             assert_eq!(mesh.boundary_loops().len(), loops);
@@ -194,16 +194,16 @@ fn blocks_that_cannot_be_are_refused() {
     let message = |result: Result<Grid, StructuredError>| result.unwrap_err().to_string();
     let divisions = "must be at least two ascending numbers";
     assert_eq!(
-        message(mesh.block(&Block::new(part, Q4, &[0.0], &line))),
+        message(mesh.block(&MeshBlock::new(part, Q4, &[0.0], &line))),
         format!("the divisions of a block along ξ {divisions}")
     );
     assert_eq!(
-        message(mesh.block(&Block::new(part, Q4, &line, &[0.0, 1.0, 1.0]))),
+        message(mesh.block(&MeshBlock::new(part, Q4, &line, &[0.0, 1.0, 1.0]))),
         format!("the divisions of a block along η {divisions}")
     );
     let map = |[x, y]: [f64; 2]| [1.0 / (x - 1.0), y];
     assert_eq!(
-        message(mesh.block(&Block::new(part, Q8, &line, &line).mapped(&map))),
+        message(mesh.block(&MeshBlock::new(part, Q8, &line, &line).mapped(&map))),
         "the map of a block gives (inf, 0) at ξ = 1, η = 0"
     );
 }
@@ -213,7 +213,7 @@ fn blocks_that_cannot_be_are_refused() {
 fn more_cells_than_a_mesh_may_have_are_refused() {
     let line = Grading::Uniform { count: MOST_DIVISIONS }.positions(1.0).unwrap();
     let mut mesh = MeshDefinition::default();
-    let error = mesh.block(&Block::new(0, ElementKind::Q8, &line, &line)).unwrap_err();
+    let error = mesh.block(&MeshBlock::new(0, ElementKind::Q8, &line, &line)).unwrap_err();
     assert_eq!(
         error.to_string(),
         "100000 × 100000 cells are too many, a mesh has at most 1000000; are the sizes too small?"

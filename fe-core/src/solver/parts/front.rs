@@ -8,14 +8,14 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
 
-use super::{Elimination, Part};
+use super::{Elimination, Substructure};
 use crate::solver::graph::NONE;
 use crate::solver::zone::dense_cholesky_flops;
 use crate::solver::{Pattern, SINGULAR_PIVOT, SolverError, column};
 use crate::threads::Threads;
 
 pub(super) struct Front {
-    parts: [Box<dyn Part>; 2],
+    parts: [Box<dyn Substructure>; 2],
     /// The equations of the cut and of the border in the system, ascending each; in this order they are in F.
     equations: Vec<usize>,
     cut: usize,
@@ -62,7 +62,7 @@ impl Front {
     /// cut.
     pub(super) fn new(
         pattern: &Pattern,
-        parts: [Box<dyn Part>; 2],
+        parts: [Box<dyn Substructure>; 2],
         cut: &[usize],
         is_inside: impl Fn(usize) -> bool,
     ) -> Result<Self, SolverError> {
@@ -167,7 +167,7 @@ impl Front {
     }
 }
 
-impl Part for Front {
+impl Substructure for Front {
     fn border(&self) -> &[usize] {
         &self.equations[self.cut..]
     }
@@ -267,7 +267,7 @@ fn subtract_square(schur: MatMut<'_, f64>, coupling: MatRef<'_, f64>) {
 /// Entries of the lower triangle between the cut and all of a front, that not just one of the leaves has.
 fn own_entries(
     pattern: &Pattern,
-    parts: &[Box<dyn Part>; 2],
+    parts: &[Box<dyn Substructure>; 2],
     cut: &[usize],
     place_of: &[usize],
     size: usize,

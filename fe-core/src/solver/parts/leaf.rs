@@ -2,8 +2,8 @@
 
 use faer::{Mat, MatRef};
 
-use super::{Elimination, Part};
-use crate::solver::zone::Zone;
+use super::{Elimination, Substructure};
+use crate::solver::zone::SchurComplement;
 use crate::solver::{Pattern, SolverError};
 use crate::threads::Threads;
 
@@ -15,7 +15,7 @@ pub(super) struct Leaf {
     values: Vec<f64>,
     /// Whether there is a factor of these values.
     is_factorised: bool,
-    zone: Zone,
+    zone: SchurComplement,
     /// The border in the system, ascending, and the place in the zone of each.
     border: Vec<usize>,
     place_in_zone: Vec<usize>,
@@ -46,7 +46,7 @@ impl Leaf {
         let own_nodes: Vec<usize> = equations.iter().map(|&equation| nodes[equation]).collect();
         let own_positions: Vec<[f64; 2]> = equations.iter().map(|&equation| positions[equation]).collect();
         let last: Vec<usize> = (0..equations.len()).filter(|&k| !is_inside[equations[k]]).collect();
-        let zone = Zone::new(&own, &own_nodes, &own_positions, &last)?;
+        let zone = SchurComplement::new(&own, &own_nodes, &own_positions, &last)?;
         let (size, count) = (equations.len(), border.len());
         Ok(Self {
             values: vec![0.0; from.len()],
@@ -64,7 +64,7 @@ impl Leaf {
     }
 }
 
-impl Part for Leaf {
+impl Substructure for Leaf {
     fn border(&self) -> &[usize] {
         &self.border
     }

@@ -30,7 +30,7 @@ const LEAST_EQUATIONS: usize = 10_000;
 /// The cuts follow from the pattern and the positions alone, and the same values give the same S: neither
 /// the number of threads nor parts that are kept change a bit.
 pub(super) struct Parts {
-    root: Box<dyn Part>,
+    root: Box<dyn Substructure>,
     /// Flops of the last factorisation, without parts that were kept.
     flops: f64,
 }
@@ -57,8 +57,8 @@ impl Elimination {
     }
 }
 
-/// A leaf, or what was cut.
-trait Part: Send + Sync {
+/// Substructure of the system: a leaf, or a front that joins two substructures.
+trait Substructure: Send + Sync {
     /// Returns the border in the system, ascending.
     fn border(&self) -> &[usize];
 

@@ -1,6 +1,6 @@
 //! Plan of the cuts of a matrix.
 
-use super::Part;
+use super::Substructure;
 use super::front::Front;
 use super::leaf::Leaf;
 use crate::solver::cut::{Cut, cut};
@@ -21,7 +21,7 @@ pub(super) fn plan(
     nodes: &[usize],
     positions: &[[f64; 2]],
     threads: &Threads,
-) -> Result<Option<Box<dyn Part>>, SolverError> {
+) -> Result<Option<Box<dyn Substructure>>, SolverError> {
     let graph = NodeGraph::new(pattern, nodes, &[]);
     let planner = Planner { pattern, nodes, positions, graph: &graph, threads };
     let all = (0..graph.graph.len()).collect();
@@ -40,7 +40,12 @@ struct Planner<'p> {
 
 impl Planner<'_> {
     /// The part of these nodes; `names` has them in the whole.
-    fn part(&self, graph: &Graph, positions: &[[f64; 2]], names: Vec<usize>) -> Result<Box<dyn Part>, SolverError> {
+    fn part(
+        &self,
+        graph: &Graph,
+        positions: &[[f64; 2]],
+        names: Vec<usize>,
+    ) -> Result<Box<dyn Substructure>, SolverError> {
         let is_short = |cut: &Cut| cut.between.len() as f64 <= LARGEST_CUT * graph.len() as f64;
         let cut = if graph.len() < LEAST_NODES { None } else { cut(graph, positions).filter(is_short) };
         let Some(Cut { halves: [first, second], between }) = cut else {

@@ -6,7 +6,7 @@ use super::{
     unsolvable,
 };
 use crate::assembly::loads::Bearers;
-use crate::assembly::{Place, Trouble, loads};
+use crate::assembly::{Location, Trouble, loads};
 use crate::contact::PointIndex;
 use crate::model::IncrementContext;
 use crate::stepping::line_search;
@@ -95,7 +95,7 @@ impl Equilibrium<'_> {
                 let share = (growth - progress.so_far - progress.along_residual) / progress.along_drives;
                 if !share.is_finite() {
                     let reason = "what leads does not follow the drives".into();
-                    return Err(trouble(Place::System, reason, CUT));
+                    return Err(trouble(Location::System, reason, CUT));
                 }
                 Ok(from_residual.plus(share, &from_drives))
             }

@@ -2,7 +2,7 @@
 
 use super::{Attempt, CUT, Equilibrium, Iteration, largest, largest_difference, trouble};
 use crate::assembly::solids::TangentChoice;
-use crate::assembly::{Place, Trouble};
+use crate::assembly::{Location, Trouble};
 
 /// A residual so far below its tolerance needs no small correction to prove convergence: linear problems end at once.
 const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
@@ -20,7 +20,7 @@ impl Equilibrium<'_> {
         let mut growing = 0;
         loop {
             if self.is_stopped() {
-                return Err(trouble(Place::System, "the run was told to end".into(), CUT));
+                return Err(trouble(Location::System, "the run was told to end".into(), CUT));
             }
             let residual = largest(&self.memory.residual);
             let scale = self.force_scale();
@@ -78,9 +78,9 @@ impl Equilibrium<'_> {
     fn not_converged(&self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> Trouble {
         let forces = &self.memory.residual;
         let row = (0..forces.len()).max_by(|a, b| forces[*a].abs().total_cmp(&forces[*b].abs()));
-        let place = row.map_or(Place::System, |row| {
+        let place = row.map_or(Location::System, |row| {
             let node = self.system.node_of_row(row);
-            Place::Node { node, position: self.model.mesh.nodes()[node] }
+            Location::Node { node, position: self.model.mesh.nodes()[node] }
         });
         let reason = format!(
             "no equilibrium after {} iterations: residual {residual:.3e} N against a force scale of {scale:.3e} N",

@@ -30,7 +30,7 @@ use super::zone::Zone;
 use super::{Counts, Energies, Times};
 use crate::assembly::loads::{Bearers, Shares};
 use crate::assembly::solids::SolidEnergies;
-use crate::assembly::{Equations, Place, Solids, System, Trouble, loaded_freedoms, loads};
+use crate::assembly::{Equations, Location, Solids, System, Trouble, loaded_freedoms, loads};
 use crate::contact::{self, Contact, PointIndex};
 use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::SolverError;
@@ -287,7 +287,7 @@ impl<'m> Equilibrium<'m> {
             if self.contact.settle().again {
                 settlements += 1;
                 if settlements > MAX_SETTLEMENTS {
-                    return Err(trouble(Place::System, "contact multipliers do not settle".into(), CUT));
+                    return Err(trouble(Location::System, "contact multipliers do not settle".into(), CUT));
                 }
                 self.memory.statistics.settlements += 1;
             } else {
@@ -344,7 +344,7 @@ impl<'m> Equilibrium<'m> {
         let mut zone = self.zone.clone();
         if !zone.take_in(&self.model.mesh, &freedoms) {
             let reason = "equilibrium is lost between the far field and the zone".into();
-            return Err(trouble(Place::System, reason, CUT));
+            return Err(trouble(Location::System, reason, CUT));
         }
         self.set_zone(zone).map_err(|error| unsolvable(&error))?;
         Ok(false)
@@ -468,7 +468,7 @@ impl<'m> Equilibrium<'m> {
             None => Ok(()),
             Some(freedom) => {
                 let node = freedom / 2;
-                let place = Place::Node { node, position: mesh.nodes()[node] };
+                let place = Location::Node { node, position: mesh.nodes()[node] };
                 Err(trouble(place, "the internal force is not a finite number".into(), CUT))
             }
         }
@@ -513,10 +513,10 @@ pub(super) fn present_shares(model: &Model, solids: &Solids) -> Option<Shares> {
 }
 
 fn unsolvable(error: &SolverError) -> Trouble {
-    trouble(Place::System, error.to_string(), CUT)
+    trouble(Location::System, error.to_string(), CUT)
 }
 
-fn trouble(place: Place, reason: String, fraction: f64) -> Trouble {
+fn trouble(place: Location, reason: String, fraction: f64) -> Trouble {
     Trouble { place, reason, fraction: Some(fraction) }
 }
 

@@ -2,7 +2,7 @@
 //! strain and one stress, and its inside moves linearly too.
 
 use super::*;
-use crate::mesh::structured::{Block, Grading};
+use crate::mesh::structured::{Grading, MeshBlock};
 use end_to_end_tests::rotated_in_plane;
 
 /// Relative to the largest displacement or stress.
@@ -28,7 +28,7 @@ pub(super) fn patch(kind: ElementKind, plane: PlaneModel, law: PluginLaw) -> Mod
         let bubble = 0.2 * x * (SIDE - x) * y * (SIDE - y) / (SIDE * SIDE);
         [1.0 + x + bubble * (3.0 * x + y).sin(), y + bubble * (x + 2.0 * y).cos()]
     };
-    mesh.block(&Block::new(part, kind, &line, &line).mapped(&distorted)).unwrap();
+    mesh.block(&MeshBlock::new(part, kind, &line, &line).mapped(&distorted)).unwrap();
     let mut definition = mesh;
     if plane == PlaneModel::Axisymmetric {
         // the rules integrate the radius of straight edges only

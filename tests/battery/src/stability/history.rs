@@ -1,6 +1,6 @@
 //! One point on its way through what is thrown at it.
 
-use super::Subject;
+use super::TestedLaw;
 use super::ledger::{Ledger, TANGENT};
 use super::strain::Thrown;
 use crate::differences::{directional_error, near_kink, one_sided_error};
@@ -18,7 +18,7 @@ const ANSWERED: &str = "ordinary parameters are answered";
 
 /// One point on its way through random increments.
 pub(super) struct History<'s, 'p, L: Law> {
-    subject: &'s Subject<'p>,
+    subject: &'s TestedLaw<'p>,
     sample: Sample<'s>,
     point: Point<'s, L>,
     /// An ordinary parameter set.
@@ -30,7 +30,7 @@ pub(super) struct History<'s, 'p, L: Law> {
 impl<'s, 'p, L: Law> History<'s, 'p, L> {
     /// `None` if the law refuses the parameters (a law that needs the stress state to decide refuses later).
     pub fn new(
-        subject: &'s Subject<'p>,
+        subject: &'s TestedLaw<'p>,
         sample: Sample<'s>,
         stress_state: StressState,
         ordinary: bool,

@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use umat_abi::law::{Law, StressState};
 
 /// One law (or one form of it) and what it promises.
-pub struct Subject<'p> {
+pub struct TestedLaw<'p> {
     /// Ordinary parameters: their tangents are compared with differences.
     pub samples: Vec<Sample<'p>>,
     /// Any admissible parameters and a characteristic length.
@@ -91,7 +91,7 @@ impl Form {
 }
 
 /// Throws one chunk of states at a law.
-fn throw<L: Law>(subject: &Subject<'_>, stress_state: StressState, chunk: u64, states: u64) -> Ledger {
+fn throw<L: Law>(subject: &TestedLaw<'_>, stress_state: StressState, chunk: u64, states: u64) -> Ledger {
     let mut random = Random::new((0x57AB_1117 ^ chunk).wrapping_mul(0xD134_2543_DE82_EF95));
     let mut ledger = Ledger::default();
     while ledger.states < states {

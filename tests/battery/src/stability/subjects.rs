@@ -1,6 +1,6 @@
 //! Every law of a solid, in the forms whose promises differ.
 
-use super::{Ledger, Subject, corners, throw};
+use super::{Ledger, TestedLaw, corners, throw};
 use crate::samples::{
     biaxial_damage as biaxial, concrete_damage as concrete, drucker_prager as cone, inelastic_damage as inelastic,
     j2_plasticity as mises, pure_damage as pure, reverse_cyclic_damage as reverse,
@@ -51,7 +51,7 @@ pub fn forms() -> Vec<Form> {
 const BRANCHES: &[&str] = &["eta_t", "eta_c", "Y_t_max", "Y_c_max"];
 
 /// Promises that most laws make: everything but a stored energy of ½ σ : ε.
-const MOST: Subject<'static> = Subject {
+const MOST: TestedLaw<'static> = TestedLaw {
     samples: Vec::new(),
     corner: corners::linear,
     monotone: &[],
@@ -64,28 +64,28 @@ const MOST: Subject<'static> = Subject {
 
 fn linear_elastic(stress_state: StressState, chunk: u64, states: u64) -> Ledger {
     let samples = vec![Sample::new(&[31800.0, 0.18], 1e-3)];
-    throw::<LinearElastic>(&Subject { samples, quadratic: true, ..MOST }, stress_state, chunk, states)
+    throw::<LinearElastic>(&TestedLaw { samples, quadratic: true, ..MOST }, stress_state, chunk, states)
 }
 
 fn pure_damage(stress_state: StressState, chunk: u64, states: u64) -> Ledger {
     let samples = Sample::all(&pure::SETS);
     let monotone = &["eta", "Y_max"];
-    let subject = Subject { samples, corner: corners::pure, monotone, quadratic: true, ..MOST };
+    let subject = TestedLaw { samples, corner: corners::pure, monotone, quadratic: true, ..MOST };
     throw::<PureDamage>(&subject, stress_state, chunk, states)
 }
 
 fn inelastic_damage(closed: bool, stress_state: StressState, chunk: u64, states: u64) -> Ledger {
     let subject = if closed {
-        Subject { samples: Sample::all(&inelastic::CLOSED), corner: corners::inelastic_closed, ..MOST }
+        TestedLaw { samples: Sample::all(&inelastic::CLOSED), corner: corners::inelastic_closed, ..MOST }
     } else {
-        Subject { samples: Sample::all(&inelastic::MARCHED), corner: corners::inelastic_marched, ..MOST }
+        TestedLaw { samples: Sample::all(&inelastic::MARCHED), corner: corners::inelastic_marched, ..MOST }
     };
-    throw::<InelasticDamage>(&Subject { monotone: &["eta"], ..subject }, stress_state, chunk, states)
+    throw::<InelasticDamage>(&TestedLaw { monotone: &["eta"], ..subject }, stress_state, chunk, states)
 }
 
 fn reverse_cyclic_damage(regular: bool, stress_state: StressState, chunk: u64, states: u64) -> Ledger {
     let variant = f64::from(u8::from(regular));
-    let subject = Subject {
+    let subject = TestedLaw {
         samples: Sample::all(&reverse::SETS).into_iter().filter(|s| s.props[8] == variant).collect(),
         corner: if regular { |random| corners::reverse(random, 1.0) } else { |random| corners::reverse(random, 0.0) },
         monotone: BRANCHES,
@@ -100,7 +100,7 @@ fn reverse_cyclic_damage(regular: bool, stress_state: StressState, chunk: u64, s
 
 fn biaxial_damage(weights: f64, stress_state: StressState, chunk: u64, states: u64) -> Ledger {
     let sets = biaxial::BETA.map(|mode| (biaxial::props(mode, weights), 4e-4));
-    let subject = Subject {
+    let subject = TestedLaw {
         samples: Sample::all(&sets),
         corner: corners::biaxial,
         monotone: BRANCHES,
@@ -124,7 +124,7 @@ fn concrete_damage(
     states: u64,
 ) -> Ledger {
     let variants = concrete::variants();
-    let subject = Subject {
+    let subject = TestedLaw {
         samples: which.iter().map(|&k| concrete::sample(&variants[k])).collect(),
         corner: match (inelastic, band) {
             (false, false) => |random| corners::concrete(random, false, false),
@@ -142,7 +142,7 @@ fn concrete_damage(
 }
 
 fn j2_plasticity(stress_state: StressState, chunk: u64, states: u64) -> Ledger {
-    let subject = Subject {
+    let subject = TestedLaw {
         samples: mises::SETS.map(|props| Sample::new(props, 3e-3)).to_vec(),
         corner: corners::mises,
         monotone: &["peeq"],
@@ -155,6 +155,6 @@ fn j2_plasticity(stress_state: StressState, chunk: u64, states: u64) -> Ledger {
 
 fn drucker_prager(stress_state: StressState, chunk: u64, states: u64) -> Ledger {
     let samples = cone::SETS.each_ref().map(|props| Sample::new(props, 3e-3)).to_vec();
-    let subject = Subject { samples, corner: corners::cone, monotone: &["peeq"], path_exact: &[], ..MOST };
+    let subject = TestedLaw { samples, corner: corners::cone, monotone: &["peeq"], path_exact: &[], ..MOST };
     throw::<DruckerPrager>(&subject, stress_state, chunk, states)
 }

@@ -8,7 +8,7 @@ use proptest::sample::Index;
 use std::ffi::c_char;
 use std::sync::LazyLock;
 use umat_abi::fric::FricArguments;
-use umat_abi::host::{Law, Library, Validation};
+use umat_abi::host::{LawDescription, Library, Validation};
 use umat_abi::uinter::UinterArguments;
 
 const LAW: &str = "bond_slip";
@@ -19,7 +19,7 @@ const SLIP: f64 = 0.05;
 static LIBRARIES: LazyLock<[Library; 2]> =
     LazyLock::new(|| [LAW, "pullout_laws"].map(|name| end_to_end_tests::open(&plugin(name))));
 
-fn law() -> &'static Law {
+fn law() -> &'static LawDescription {
     &LIBRARIES[0].laws()[0]
 }
 

@@ -5,13 +5,13 @@ use end_to_end_tests::{fuzz, plugin};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use std::sync::LazyLock;
-use umat_abi::host::Law;
+use umat_abi::host::LawDescription;
 use umat_abi::metadata::{PLUGIN_SYMBOL, Plugin, validation};
 
 /// The description of each law, and its parameters' defaults.
 static LAWS: LazyLock<Vec<(&'static Plugin, Vec<f64>)>> = LazyLock::new(|| {
     let described = end_to_end_tests::open(&plugin("pullout_laws"));
-    let defaults = |law: &Law| law.parameters.iter().map(|parameter| parameter.default_value).collect();
+    let defaults = |law: &LawDescription| law.parameters.iter().map(|parameter| parameter.default_value).collect();
     // SAFETY: a plugin of ours: nothing but a panic hook is set when it is loaded.
     let library = unsafe { libloading::Library::new(plugin("pullout_laws")) }.expect("a plugin that Cargo built");
     // SAFETY: the symbol is the function that the contract defines.

@@ -2,7 +2,7 @@
 
 use super::super::call::{CallOutcome, UmatCall};
 use super::super::probe::{Alignment, Probed};
-use super::super::{Law, LoadError, Plugin, Trespass};
+use super::super::{LawDescription, LoadError, Plugin, Trespass};
 use super::Manner;
 use crate::law::{Request, StressState};
 use crate::metadata::stress_states;
@@ -61,7 +61,7 @@ impl Plugin {
 
 impl Manner {
     /// Returns whether plane calls of a law go through six components: as is said, or because it has not those of the plane.
-    pub fn has_six(self, law: &Law, stress_state: StressState) -> bool {
+    pub fn has_six(self, law: &LawDescription, stress_state: StressState) -> bool {
         let has = |bits: u32| law.stress_states & bits != 0;
         self.as_three_d.unwrap_or_else(|| !has(stress_state.bits())) && has(stress_states::THREE_D)
     }

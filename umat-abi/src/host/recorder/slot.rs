@@ -19,7 +19,7 @@ pub(in crate::host) struct Slot {
     recorder: &'static Recorder,
     /// Name, path, symbol and CMNAME, each behind its length.
     texts: Vec<u8>,
-    place: Option<Place>,
+    offsets: Option<Offsets>,
     sequence: u64,
     /// Calls are those of a routine beside the entry points.
     is_routine: bool,
@@ -27,7 +27,7 @@ pub(in crate::host) struct Slot {
 
 /// Offsets of a slot, of its arguments, and of its end.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct Offsets {
     slot: usize,
     arguments: usize,
     end: usize,
@@ -53,14 +53,14 @@ impl Slot {
             texts.extend((text.len() as u64).to_ne_bytes());
             texts.extend(text);
         }
-        Self { recorder, texts, place: None, sequence: 0, is_routine: false }
+        Self { recorder, texts, offsets: None, sequence: 0, is_routine: false }
     }
 
     /// The plugin gets the control, with the arguments that `write` writes.
     pub(in crate::host) fn enter(&mut self, write: impl Fn(&mut Writer)) {
         loop {
-            let Some(place) = self.place.or_else(|| self.take(FIRST_ROOM)) else { return };
-            let (next, room) = self.recorder.map.doubles(place.arguments, place.end);
+            let Some(offsets) = self.offsets.or_else(|| self.take(FIRST_ROOM)) else { return };
+            let (next, room) = self.recorder.map.doubles(offsets.arguments, offsets.end);
             let mut writer = Writer { next, room, wanted: 0 };
             write(&mut writer);
             if writer.wanted <= room {
@@ -73,8 +73,8 @@ impl Slot {
         }
         self.sequence |= 1;
         self.beat();
-        if let Some(place) = self.place.filter(|_| !self.is_routine) {
-            self.recorder.map.word(word::LAST).store(place.slot as u64, Ordering::Relaxed);
+        if let Some(offsets) = self.offsets.filter(|_| !self.is_routine) {
+            self.recorder.map.word(word::LAST).store(offsets.slot as u64, Ordering::Relaxed);
         }
     }
 
@@ -88,14 +88,14 @@ impl Slot {
 
     #[inline]
     fn beat(&self) {
-        if let Some(place) = self.place {
+        if let Some(offsets) = self.offsets {
             // Release: the arguments are written before. The plugin, of which a compiler knows nothing, is called after.
-            self.recorder.map.word(place.slot + SEQUENCE).store(self.sequence, Ordering::Release);
+            self.recorder.map.word(offsets.slot + SEQUENCE).store(self.sequence, Ordering::Release);
         }
     }
 
     /// Takes a new slot with room for so many words. `None`: the file is full; calls are then not recorded.
-    fn take(&mut self, room: usize) -> Option<Place> {
+    fn take(&mut self, room: usize) -> Option<Offsets> {
         let map = &self.recorder.map;
         let before = TEXTS + self.texts.len().next_multiple_of(WORD);
         let size = before + room * WORD;
@@ -108,8 +108,8 @@ impl Slot {
         // The old slot keeps the calls that it counted.
         self.sequence = 0;
         map.word(slot).store(size as u64, Ordering::Release);
-        self.place = Some(Place { slot, arguments: slot + before, end: slot + size });
-        self.place
+        self.offsets = Some(Offsets { slot, arguments: slot + before, end: slot + size });
+        self.offsets
     }
 }
 

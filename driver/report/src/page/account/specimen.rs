@@ -7,10 +7,10 @@ use fe_core::model::{
 };
 use pullout_run::number::rounded;
 use pullout_run::program::Until;
-use pullout_run::pullout::Program;
+use pullout_run::pullout::PulloutProgram;
 
 /// Returns the account of a specimen.
-pub fn account(program: &Program) -> Account {
+pub fn account(program: &PulloutProgram) -> Account {
     let columns = program.columns();
     let model = &program.model;
     let laws: Vec<LawAccount> = program
@@ -45,7 +45,7 @@ pub fn account(program: &Program) -> Account {
     }
 }
 
-fn settings(program: &Program, columns: &[String]) -> Vec<(String, String)> {
+fn settings(program: &PulloutProgram, columns: &[String]) -> Vec<(String, String)> {
     let model = &program.model;
     let mesh = &model.mesh;
     let size = format!("{} nodes, {}", mesh.nodes().len(), count(mesh.elements().len(), "element"));

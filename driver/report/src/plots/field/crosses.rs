@@ -50,7 +50,7 @@ pub fn crosses(
     let shown = seen.iter().filter(|&&index| !mesh.behind.contains(&mesh.elements[index].part));
     let candidates = shown.flat_map(|&index| {
         let element = &mesh.elements[index];
-        places_in(element, drawn, &view).map(move |weights| Place::new(element, &weights, drawn, stresses))
+        places_in(element, drawn, &view).map(move |weights| Candidate::new(element, &weights, drawn, stresses))
     });
     let places = evenly(candidates, &view);
     let scaled = places.iter().filter(|place| in_scale(place.part)).map(|place| place.greatest());
@@ -77,15 +77,15 @@ pub fn crosses(
     Ok(canvas.finish(&body))
 }
 
-/// Place at which a cross may stand.
-struct Place {
+/// Candidate for a cross: a position with its principal stresses.
+struct Candidate {
     part: usize,
     /// Position as it is drawn, mm.
     position: [f64; 2],
     principal: Principal,
 }
 
-impl Place {
+impl Candidate {
     fn new(element: &PictureElement, weights: &[f64], positions: &[[f64; 2]], stresses: &[[f64; 4]]) -> Self {
         let mut position = [0.0; 2];
         let mut stress = [0.0; 4];
@@ -144,8 +144,8 @@ fn places_in<'p>(
 }
 
 /// One place for each square of a grid over the picture, the nearest to its middle.
-fn evenly(places: impl Iterator<Item = Place>, view: &View) -> Vec<Place> {
-    let mut nearest: BTreeMap<(i64, i64), (f64, Place)> = BTreeMap::new();
+fn evenly(places: impl Iterator<Item = Candidate>, view: &View) -> Vec<Candidate> {
+    let mut nearest: BTreeMap<(i64, i64), (f64, Candidate)> = BTreeMap::new();
     for place in places.filter(|place| view.shows(std::iter::once(place.position))) {
         let pixels = [view.pixels(place.position[0] - view.x.start), view.pixels(view.y.end - place.position[1])];
         let [column, row] = pixels.map(|pixel| (pixel / DISTANCE).floor());

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
-/// A place in the picture, in drawing units.
-pub(super) type Place = (i32, i32);
+/// Point of the picture's grid, drawing units.
+pub(super) type GridPoint = (i32, i32);
 
 /// Greatest distance of a simplified outline from the exact one, drawing units: 1/20 px.
 const TOLERANCE: f64 = 1.0;
@@ -15,12 +15,12 @@ const INVISIBLE: i64 = 100;
 #[derive(Debug, Default)]
 pub(super) struct Region {
     /// Directed edges of polygons that no neighbour has the other way round, with their number.
-    edges: HashMap<(Place, Place), u32>,
+    edges: HashMap<(GridPoint, GridPoint), u32>,
 }
 
 impl Region {
     /// Adds a polygon; what it shares with a neighbour is no longer outline.
-    pub fn add(&mut self, polygon: &[Place]) {
+    pub fn add(&mut self, polygon: &[GridPoint]) {
         let next = polygon.iter().cycle().skip(1);
         for (&start, &end) in polygon.iter().zip(next).filter(|(start, end)| start != end) {
             match self.edges.get_mut(&(end, start)) {
@@ -46,8 +46,8 @@ impl Region {
     }
 
     /// Joins edges to loops. As many edges end at a place as start there, so a walk can only end where it began.
-    fn loops(self) -> Vec<Vec<Place>> {
-        let mut edges: Vec<(Place, Place)> =
+    fn loops(self) -> Vec<Vec<GridPoint>> {
+        let mut edges: Vec<(GridPoint, GridPoint)> =
             self.edges.into_iter().flat_map(|(edge, count)| std::iter::repeat_n(edge, count as usize)).collect();
         edges.sort_unstable();
         let mut used = vec![false; edges.len()];
@@ -71,7 +71,7 @@ impl Region {
 }
 
 /// Appends a move and relative lines, as short as the format allows.
-fn push_loop(path: &mut String, outline: &[Place]) {
+fn push_loop(path: &mut String, outline: &[GridPoint]) {
     let (mut x, mut y) = outline[0];
     // writing to a String cannot fail
     let _ = write!(path, "M{x} {y}l");
@@ -88,14 +88,14 @@ pub(super) fn after(number: i32) -> String {
     if number < 0 { number.to_string() } else { format!(" {number}") }
 }
 
-fn doubled_area(outline: &[Place]) -> i64 {
+fn doubled_area(outline: &[GridPoint]) -> i64 {
     let next = outline.iter().cycle().skip(1);
     outline.iter().zip(next).map(|(a, b)| i64::from(a.0) * i64::from(b.1) - i64::from(b.0) * i64::from(a.1)).sum()
 }
 
 /// Drops places that lie on the way (Douglas & Peucker 1973), on a closed outline cut at two places far apart.
-fn simplified(outline: &[Place]) -> Vec<Place> {
-    let distance = |place: &Place| {
+fn simplified(outline: &[GridPoint]) -> Vec<GridPoint> {
+    let distance = |place: &GridPoint| {
         let (dx, dy) = (f64::from(place.0) - f64::from(outline[0].0), f64::from(place.1) - f64::from(outline[0].1));
         dx.hypot(dy)
     };
@@ -114,8 +114,8 @@ fn simplified(outline: &[Place]) -> Vec<Place> {
     outline.iter().zip(kept).filter(|(_, kept)| *kept).map(|(&place, _)| place).collect()
 }
 
-fn distance_from_chord(place: Place, start: Place, end: Place) -> f64 {
-    let difference = |a: Place, b: Place| (f64::from(a.0) - f64::from(b.0), f64::from(a.1) - f64::from(b.1));
+fn distance_from_chord(place: GridPoint, start: GridPoint, end: GridPoint) -> f64 {
+    let difference = |a: GridPoint, b: GridPoint| (f64::from(a.0) - f64::from(b.0), f64::from(a.1) - f64::from(b.1));
     let (along, offset) = (difference(end, start), difference(place, start));
     let length = along.0.hypot(along.1);
     if length > 0.0 { (along.0 * offset.1 - along.1 * offset.0).abs() / length } else { offset.0.hypot(offset.1) }

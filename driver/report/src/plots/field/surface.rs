@@ -1,7 +1,7 @@
 //! The elements of a picture on its grid: subdivided for fills, edge by edge for lines.
 
 use super::super::axis::drawable;
-use super::region::{Place, Region, after};
+use super::region::{GridPoint, Region, after};
 use super::view::View;
 use super::{PictureElement, PictureMesh};
 use fe_core::element::{EdgeKind, ElementKind};
@@ -17,8 +17,8 @@ pub(super) struct Surface<'a> {
     /// Positions of the nodes as drawn, mm.
     positions: Vec<[f64; 2]>,
     lattices: Vec<Lattice>,
-    /// Index and subdivided places of each element that is seen.
-    patches: Vec<(usize, Vec<Place>)>,
+    /// Index and subdivided grid points of each element that is seen.
+    patches: Vec<(usize, Vec<GridPoint>)>,
     /// Mean size of an element, px.
     pub element_size: f64,
     /// Whether it holds only what lies behind, or only what does not.
@@ -62,7 +62,7 @@ impl<'a> Surface<'a> {
             return vec![self];
         }
         let layer = |behind: bool| {
-            let is_in = |(index, _): &&(usize, Vec<Place>)| self.is_behind(&self.mesh.elements[*index]) == behind;
+            let is_in = |(index, _): &&(usize, Vec<GridPoint>)| self.is_behind(&self.mesh.elements[*index]) == behind;
             let (positions, lattices) = (self.positions.clone(), self.lattices.clone());
             let patches = self.patches.iter().filter(is_in).cloned().collect();
             Self { positions, lattices, patches, behind: Some(behind), ..self }
@@ -116,7 +116,7 @@ impl<'a> Surface<'a> {
         region.path()
     }
 
-    fn subdivided(&self) -> impl Iterator<Item = (&'a PictureElement, &[Place], &Lattice)> {
+    fn subdivided(&self) -> impl Iterator<Item = (&'a PictureElement, &[GridPoint], &Lattice)> {
         self.patches.iter().map(|(index, places)| {
             let element = &self.mesh.elements[*index];
             (element, places.as_slice(), &self.lattices[element.kind as usize])
@@ -150,7 +150,7 @@ impl<'a> Surface<'a> {
 /// An edge as a straight line, or the parabola through its three nodes.
 fn push_edge(path: &mut String, kind: EdgeKind, nodes: [[f64; 2]; 3], view: &View) {
     let [start, end, middle] = nodes.map(|node| view.place(node));
-    let relative = |(x, y): Place| (x.wrapping_sub(start.0), y.wrapping_sub(start.1));
+    let relative = |(x, y): GridPoint| (x.wrapping_sub(start.0), y.wrapping_sub(start.1));
     let (dx, dy) = relative(end);
     // the control point: 2 × middle − mean of the ends
     let control = [0, 1].map(|k| 2.0 * nodes[2][k] - 0.5 * (nodes[0][k] + nodes[1][k]));
@@ -182,7 +182,7 @@ fn extent(element: &PictureElement, positions: &[[f64; 2]]) -> f64 {
 }
 
 /// The part of a triangle where the value is not less than the level.
-fn clipped(triangle: [(Place, f64); 3], level: f64) -> Vec<Place> {
+fn clipped(triangle: [(GridPoint, f64); 3], level: f64) -> Vec<GridPoint> {
     let mut polygon = Vec::with_capacity(4);
     for k in 0..3 {
         let (start, end) = (triangle[k], triangle[(k + 1) % 3]);

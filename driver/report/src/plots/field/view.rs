@@ -2,7 +2,7 @@
 
 use super::super::figure::UNIT;
 use super::Window;
-use super::region::Place;
+use super::region::GridPoint;
 use std::ops::Range;
 
 /// Widths and heights of the plot, px.
@@ -19,7 +19,7 @@ pub(super) struct View {
     /// Drawing units per mm.
     scale: f64,
     /// Upper left corner.
-    pub corner: Place,
+    pub corner: GridPoint,
 }
 
 impl View {
@@ -36,7 +36,7 @@ impl View {
     }
 
     /// Returns the view with its upper left corner here.
-    pub fn at(self, corner: Place) -> Self {
+    pub fn at(self, corner: GridPoint) -> Self {
         Self { corner, ..self }
     }
 
@@ -52,7 +52,7 @@ impl View {
     }
 
     /// Returns where a position is drawn; what is far outside stays far outside.
-    pub fn place(&self, [x, y]: [f64; 2]) -> Place {
+    pub fn place(&self, [x, y]: [f64; 2]) -> GridPoint {
         const FAR: f64 = 1e8;
         let unit = |value: f64| (value * self.scale).clamp(-FAR, FAR).round() as i32;
         (self.corner.0 + unit(x - self.x.start), self.corner.1 + unit(self.y.end - y))

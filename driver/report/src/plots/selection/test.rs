@@ -6,7 +6,7 @@ fn history(columns: &[(&str, &[f64])]) -> History {
     History::from_columns(columns.iter().map(|(name, values)| (name.to_string(), values.to_vec())).collect())
 }
 
-fn spec(subject: Subject) -> Spec {
+fn spec(subject: CaseKind) -> Spec {
     Spec { title: "case".into(), law: "a_law".into(), subject, units: Default::default(), curves: vec![] }
 }
 
@@ -34,7 +34,7 @@ fn biaxial() -> History {
 #[test]
 fn a_point_is_drawn_along_the_controlled_component_with_the_largest_strain() {
     let history = biaxial();
-    let spec = spec(Subject::Point { controlled: vec![0, 1] });
+    let spec = spec(CaseKind::Point { controlled: vec![0, 1] });
     let figures = figures(&[Run { history: &history, spec: &spec }]);
     assert_eq!(names(&figures), ["stress_strain", "damage_strain", "stress_path"]);
     assert_eq!(figures[0].lines[0].columns, ("e22".into(), "s22".into()));
@@ -44,7 +44,7 @@ fn a_point_is_drawn_along_the_controlled_component_with_the_largest_strain() {
     assert_eq!(figures[1].y.name, "damage");
     assert_eq!(figures[2].lines[0].columns, ("s11".into(), "s22".into()));
     // a component that no step controls is not driven, however far it moves
-    let spec = Spec { subject: Subject::Point { controlled: vec![0] }, ..spec };
+    let spec = Spec { subject: CaseKind::Point { controlled: vec![0] }, ..spec };
     let figures = super::figures(&[Run { history: &history, spec: &spec }]);
     assert_eq!(figures[0].lines[0].columns, ("e11".into(), "s11".into()));
 }
@@ -58,7 +58,7 @@ fn shear_turns_the_stress_path() {
         ("s12", &[0.0, 3.0]),
         ("peeq", &[0.0, 1e-3]),
     ]);
-    let spec = spec(Subject::Point { controlled: vec![3] });
+    let spec = spec(CaseKind::Point { controlled: vec![3] });
     let figures = figures(&[Run { history: &history, spec: &spec }]);
     assert_eq!(names(&figures), ["stress_strain", "plastic_strain", "stress_path"]);
     assert_eq!(figures[0].lines[0].columns, ("g12".into(), "s12".into()));
@@ -68,7 +68,7 @@ fn shear_turns_the_stress_path() {
 #[test]
 fn every_measured_curve_is_in_a_picture() {
     let history = biaxial();
-    let mut spec = spec(Subject::Point { controlled: vec![1] });
+    let mut spec = spec(CaseKind::Point { controlled: vec![1] });
     // its own, another pair of strain and stress, a damage, and something else
     spec.curves = vec![curve("e22", "s22"), curve("e11", "s22"), curve("e22", "D_c"), curve("D_t", "s11")];
     let figures = figures(&[Run { history: &history, spec: &spec }]);
@@ -86,7 +86,7 @@ fn every_measured_curve_is_in_a_picture() {
 #[test]
 fn runs_are_told_apart_by_title_and_share_a_measured_curve() {
     let history = biaxial();
-    let mut first = spec(Subject::Point { controlled: vec![1] });
+    let mut first = spec(CaseKind::Point { controlled: vec![1] });
     first.curves = vec![curve("e22", "s22")];
     let second = Spec { title: "other".into(), ..first.clone() };
     let figures = figures(&[Run { history: &history, spec: &first }, Run { history: &history, spec: &second }]);
@@ -108,7 +108,7 @@ fn an_interface_gets_tractions_and_states() {
         ("kappa", &[0.0, 0.1, 0.2]),
         ("d", &[0.0, 0.5, 0.9]),
     ];
-    let spec = spec(Subject::Interface);
+    let spec = spec(CaseKind::Interface);
     let all = figures(&[Run { history: &history(&columns), spec: &spec }]);
     assert_eq!(names(&all), ["traction_slip", "pressure_gap", "traction_path", "damage_slip", "kappa_slip"]);
     // FRIC knows no gap
@@ -118,7 +118,7 @@ fn an_interface_gets_tractions_and_states() {
 
 #[test]
 fn a_history_without_the_columns_gives_no_picture() {
-    let spec = spec(Subject::Point { controlled: vec![] });
+    let spec = spec(CaseKind::Point { controlled: vec![] });
     assert!(figures(&[Run { history: &History::default(), spec: &spec }]).is_empty());
     assert!(figures(&[]).is_empty());
 }

@@ -9,7 +9,7 @@ use fe_core::stepping::{Counts, Energies, Iteration};
 use fe_core::threads::Threads;
 
 /// Two steps of 1 s and 2 s on a mesh that is not computed.
-fn program(every: usize) -> Program {
+fn program(every: usize) -> PulloutProgram {
     let mesh = Mesh::new(MeshDefinition {
         nodes: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
         parts: vec![Part::new("block", PlaneStrain, 1.0)],
@@ -17,7 +17,7 @@ fn program(every: usize) -> Program {
         ..MeshDefinition::default()
     });
     let step = |time| Step { time, targets: vec![], control: StepControl::Fixed { increments: 4 } };
-    Program {
+    PulloutProgram {
         about: About { case_file: "case.json".into(), every, ..About::default() },
         fields_every: None,
         pictures_at: Vec::new(),
@@ -103,7 +103,7 @@ impl path::Observer for Rows {
 }
 
 /// Step 1 in four increments, step 2 in three of its four.
-fn observed(program: &Program) -> (Rows, Vec<Directive>) {
+fn observed(program: &PulloutProgram) -> (Rows, Vec<Directive>) {
     let mut rows = Rows::default();
     let mut recorder = Recorder::new(program, &mut rows, None);
     let records = (1..=4).map(|k| record(1, k, 0.25 * f64::from(k))).chain((1..=3).map(|k| {

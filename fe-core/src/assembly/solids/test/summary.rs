@@ -117,6 +117,6 @@ fn a_law_that_refuses_an_increment_is_trouble_with_its_place() {
     displacements[4] = f64::NAN;
     let mut forces = vec![0.0; displacements.len()];
     let trouble = solids.evaluate(&displacements, &CONTEXT, Request::Stress, &mut forces).unwrap_err();
-    assert!(matches!(trouble.place, Place::Element { element: 1, point: 0, .. }), "{trouble}");
+    assert!(matches!(trouble.place, Location::Element { element: 1, point: 0, .. }), "{trouble}");
     assert!(trouble.fraction.is_some_and(|fraction| 0.0 < fraction && fraction < 1.0));
 }

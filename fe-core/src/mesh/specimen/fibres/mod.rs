@@ -15,7 +15,7 @@ use super::thickness::{Exit, GradedThickness, Thickness};
 use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole, uniform};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
-use crate::mesh::structured::Block;
+use crate::mesh::structured::MeshBlock;
 use crate::mesh::{MeshDefinition, Part};
 use divisions::Divisions;
 use outline::Outline;
@@ -254,7 +254,7 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
         // in plane strain its axial stiffness would be 1/(1 − ν²) of the true one
         let part = definition.add_part(Part::new(fibre.set("fibre", ""), PlaneModel::PlaneStress, thickness));
         let map = |[s, share]: [f64; 2]| path.point(s, 2.0 * share * fibre.half_width(s));
-        let block = Block::new(part, parameters.fibre_element, &divisions.along, &divisions.across);
+        let block = MeshBlock::new(part, parameters.fibre_element, &divisions.along, &divisions.across);
         let grid = definition.block(&block.mapped(&map))?;
         // the middle between the fibre's sides: `check` has ruled out kinds without a node there
         let on_axis = |station: usize| grid.node(2 * station, grid.rows).expect("the fibre has nodes on its axis");

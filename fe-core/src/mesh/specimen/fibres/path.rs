@@ -46,9 +46,9 @@ impl Segment {
     }
 }
 
-/// Position and direction at a place of a path.
+/// Position and direction of an axis at an arc length.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct Station {
     point: [f64; 2],
     /// Angle from +y to the right, rad.
     lean: f64,
@@ -74,9 +74,9 @@ struct Piece {
     /// Arc lengths of its ends.
     from: f64,
     to: f64,
-    /// Arc length of the place below.
+    /// Arc length of `station`.
     anchor: f64,
-    place: Place,
+    station: Station,
     /// Angle at its end.
     end_lean: f64,
     shape: Shape,
@@ -105,9 +105,9 @@ impl Path {
                 }
             };
             if length > 0.0 {
-                let place = Place { point: [0.0; 2], lean };
+                let station = Station { point: [0.0; 2], lean };
                 let least_radius = segment.least_radius();
-                pieces.push(Piece { from: s, to: s + length, anchor: s, place, end_lean, shape, least_radius });
+                pieces.push(Piece { from: s, to: s + length, anchor: s, station, end_lean, shape, least_radius });
                 s += length;
             }
             lean = end_lean;
@@ -123,16 +123,16 @@ impl Path {
         let piece = &mut self.pieces[at_exit];
         match piece.shape {
             // no rounding of the embedded length
-            Shape::Line => (piece.anchor, piece.place.point) = (0.0, exit),
-            _ => piece.place.point = moved(exit, piece.at(0.0).point, -1.0),
+            Shape::Line => (piece.anchor, piece.station.point) = (0.0, exit),
+            _ => piece.station.point = moved(exit, piece.at(0.0).point, -1.0),
         }
         let (mut start, mut end) = (piece.at(piece.from).point, piece.end().point);
         for piece in self.pieces[..at_exit].iter_mut().rev() {
-            piece.place.point = moved(start, piece.end().point, -1.0);
-            start = piece.place.point;
+            piece.station.point = moved(start, piece.end().point, -1.0);
+            start = piece.station.point;
         }
         for piece in &mut self.pieces[at_exit + 1..] {
-            piece.place.point = end;
+            piece.station.point = end;
             end = piece.end().point;
         }
     }
@@ -148,7 +148,7 @@ impl Path {
         curved.map(|piece| ([piece.from, piece.to], piece.least_radius))
     }
 
-    fn place(&self, s: f64) -> Place {
+    fn station(&self, s: f64) -> Station {
         let last = self.pieces.len() - 1;
         let index = self.pieces.partition_point(|piece| piece.to < s).min(last);
         let piece = &self.pieces[index];
@@ -157,7 +157,7 @@ impl Path {
 
     /// The angle from +y at an arc length, rad.
     pub(super) fn lean(&self, s: f64) -> f64 {
-        self.place(s).lean
+        self.station(s).lean
     }
 
     /// The unit normal to the left.
@@ -168,7 +168,7 @@ impl Path {
 
     /// The point at an arc length (0 at the exit, negative below), so far to the left of the axis.
     pub(super) fn point(&self, s: f64, left: f64) -> [f64; 2] {
-        let Place { point: [x, y], lean } = self.place(s);
+        let Station { point: [x, y], lean } = self.station(s);
         let (sine, cosine) = lean.sin_cos();
         [x - left * cosine, y + left * sine]
     }
@@ -180,8 +180,8 @@ impl Path {
             let (from, to) = (piece.from.max(from), piece.to.min(to));
             let candidates = match piece.shape {
                 Shape::Line => {
-                    let (sine, cosine) = piece.place.lean.sin_cos();
-                    let [p_x, p_y] = piece.place.point;
+                    let (sine, cosine) = piece.station.lean.sin_cos();
+                    let [p_x, p_y] = piece.station.point;
                     vec![(piece.anchor + (x - p_x) * sine + (y - p_y) * cosine).clamp(from, to)]
                 }
                 _ => (0..=PIECES).map(|k| from + (to - from) * k as f64 / PIECES as f64).collect(),
@@ -215,7 +215,7 @@ impl Path {
         let index = self.pieces.partition_point(|piece| piece.to < high);
         Some(match self.pieces.get(index) {
             // to the last bit
-            Some(Piece { shape: Shape::Line, anchor, place: Place { point: [_, y], lean }, .. }) => {
+            Some(Piece { shape: Shape::Line, anchor, station: Station { point: [_, y], lean }, .. }) => {
                 let (sine, cosine) = lean.sin_cos();
                 anchor + (-exit_radius - centre * sine - y) / cosine
             }
@@ -237,8 +237,8 @@ const STEPS: u32 = 200;
 /// Halvings of such a step: to the last bit.
 const BISECTIONS: usize = 60;
 
-impl Place {
-    /// Returns the place so far along the direction.
+impl Station {
+    /// Returns the station at a distance along its direction.
     fn on(self, distance: f64) -> Self {
         let (sine, cosine) = self.lean.sin_cos();
         Self { point: moved(self.point, [sine, cosine], distance), ..self }
@@ -250,32 +250,32 @@ fn moved([x, y]: [f64; 2], [u, v]: [f64; 2], factor: f64) -> [f64; 2] {
 }
 
 impl Piece {
-    fn at(&self, s: f64) -> Place {
+    fn at(&self, s: f64) -> Station {
         let along = s - self.anchor;
         match &self.shape {
-            Shape::Line => self.place.on(along),
-            Shape::Arc(radius) => self.turned(*radius, self.place.lean + along / radius),
+            Shape::Line => self.station.on(along),
+            Shape::Arc(radius) => self.turned(*radius, self.station.lean + along / radius),
             Shape::Wave { amplitude, length, table, step } => {
                 let u = along_wave(along, *amplitude, *length, table, *step);
                 let (wave, slope) = wave_at(u, *amplitude, *length);
-                let Place { point, lean } = self.place.on(u);
+                let Station { point, lean } = self.station.on(u);
                 let (sine, cosine) = lean.sin_cos();
-                Place { point: moved(point, [-cosine, sine], wave), lean: lean - slope.atan() }
+                Station { point: moved(point, [-cosine, sine], wave), lean: lean - slope.atan() }
             }
         }
     }
 
     /// ∫ (sin θ, cos θ) ds of an arc, ds = radius dθ.
-    fn turned(&self, radius: f64, lean: f64) -> Place {
-        let ((sine, cosine), (from_sine, from_cosine)) = (lean.sin_cos(), self.place.lean.sin_cos());
-        Place { point: moved(self.place.point, [from_cosine - cosine, sine - from_sine], radius), lean }
+    fn turned(&self, radius: f64, lean: f64) -> Station {
+        let ((sine, cosine), (from_sine, from_cosine)) = (lean.sin_cos(), self.station.lean.sin_cos());
+        Station { point: moved(self.station.point, [from_cosine - cosine, sine - from_sine], radius), lean }
     }
 
     /// Returns where it ends, the angle without rounding.
-    fn end(&self) -> Place {
+    fn end(&self) -> Station {
         match self.shape {
             Shape::Arc(radius) => self.turned(radius, self.end_lean),
-            _ => Place { lean: self.end_lean, ..self.at(self.to) },
+            _ => Station { lean: self.end_lean, ..self.at(self.to) },
         }
     }
 }

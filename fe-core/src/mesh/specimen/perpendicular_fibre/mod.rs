@@ -10,7 +10,7 @@ use super::thickness::{Exit, GradedThickness, Thickness};
 use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
-use crate::mesh::structured::{Block, Diagonal, Grid};
+use crate::mesh::structured::{Diagonal, Grid, MeshBlock};
 use crate::mesh::{MeshDefinition, Part};
 use lines::Lines;
 
@@ -136,12 +136,12 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     let (fibre_part, matrix_part) = (mesh.add_part(fibre_part), mesh.add_part(matrix_part));
 
     let fibre = mesh.block(
-        &Block::new(fibre_part, parameters.fibre_element, &lines.fibre_x, &lines.fibre_y)
+        &MeshBlock::new(fibre_part, parameters.fibre_element, &lines.fibre_x, &lines.fibre_y)
             .cut(&|column, _| mirrored(&lines.fibre_x, column)),
     )?;
     let hole = |column: usize, row: usize| lines.middle_columns.contains(&column) && row >= lines.ligament_rows;
     let matrix = mesh.block(
-        &Block::new(matrix_part, parameters.matrix_element, &lines.matrix_x, &lines.matrix_y)
+        &MeshBlock::new(matrix_part, parameters.matrix_element, &lines.matrix_x, &lines.matrix_y)
             .keeping(&|column, row| !hole(column, row))
             .cut(&|column, _| mirrored(&lines.matrix_x, column)),
     )?;
@@ -248,7 +248,7 @@ impl PerpendicularFibre {
             let corners = [[left, low], [right, low], [right, high], [left, high]];
             !thickness.is_bare(thickness.mean(ElementKind::Q4, &corners), self.fibre_diameter)
         };
-        let block = Block::new(part, self.matrix_element, x, y).keeping(&is_there);
+        let block = MeshBlock::new(part, self.matrix_element, x, y).keeping(&is_there);
         let nodes: Vec<usize> = matrix.nodes().collect();
         mesh.glued_block(&block.cut(&|column, _| mirrored(x, column)), &nodes)?;
         Ok(())
