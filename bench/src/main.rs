@@ -149,7 +149,7 @@ pub enum Item {
     Threads,
     /// Cost of a point's run for a program that runs thousands.
     Engine,
-    /// The same work in CalculiX and simcoon, where they are installed.
+    /// Comparison with CalculiX and simcoon, where they are installed, on the same work.
     Peers,
     /// Random states thrown at the laws and plugins, variations of specimens: tried, failed, worst error.
     Stability,

@@ -80,7 +80,7 @@ impl Keeper {
 /// Runs a case with overrides (texts of `--set`) on this thread, whose stack must do for plugins.
 ///
 /// # Errors
-/// It is refused.
+/// The case is refused.
 pub(super) fn run(file: &Path, overrides: &[String], plugins: &[PathBuf], folder: &Path) -> Result<Ran, BenchError> {
     run_within(Limit::NONE, file, overrides, plugins, folder)
 }
@@ -103,7 +103,7 @@ pub(super) fn run_within(
 /// Reads a case with overrides, and meshes it.
 ///
 /// # Errors
-/// It is refused.
+/// The case is refused.
 pub(super) fn read(file: &Path, overrides: &[String], plugins: &[PathBuf]) -> Result<Box<PulloutProgram>, BenchError> {
     match pullout_case::read(file, overrides, plugins)? {
         Case::Pullout(program) => Ok(program),

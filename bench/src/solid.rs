@@ -89,7 +89,7 @@ impl Solid {
     /// The plugin's library.
     ///
     /// # Errors
-    /// It is missing or cannot be loaded.
+    /// The library is missing or cannot be loaded.
     pub fn library(&self, settings: &Settings) -> Result<Library, BenchError> {
         let searched = search_paths(&settings.plugin_paths);
         match Found::by_name(self.law, &searched) {

@@ -1,7 +1,6 @@
 //! The program `pullout`: its command line.
 //!
-//! Its work is done by crates beside it: `pullout-case` makes programs of cases, `pullout-run` runs them,
-//! `pullout-report` writes their results down; `pullout-study`, `pullout-fit` and `pullout-check` do so many times
-//! over.
+//! The work is done by other crates: `pullout-case` makes programs of cases, `pullout-run` runs them, `pullout-report`
+//! writes their results down; `pullout-study`, `pullout-fit` and `pullout-check` do so many times over.
 
 pub mod command;

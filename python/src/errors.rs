@@ -26,12 +26,12 @@ impl Exception {
         }
     }
 
-    /// Makes it of a message.
+    /// Creates the exception with a message.
     pub fn with(self, message: impl Into<String>) -> PyErr {
         self.of((message.into(),))
     }
 
-    /// Makes it of its arguments.
+    /// Creates the exception with its arguments.
     fn of<A>(self, arguments: A) -> PyErr
     where
         A: for<'py> pyo3::call::PyCallArgs<'py> + Send + Sync + 'static,

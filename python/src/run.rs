@@ -39,7 +39,7 @@ pub struct Trail(Along);
 
 #[pymethods]
 impl Trail {
-    /// The same for as many runs that are under way at once, and share factors.
+    /// Returns the trail once for each of `count` runs that are under way at once, and share factors.
     fn together(&self, count: usize) -> Vec<Self> {
         Along::together(&self.0.trail, count).into_iter().map(Self).collect()
     }
@@ -50,7 +50,7 @@ impl Trail {
     }
 }
 
-/// What ends runs from another thread than theirs, which hears of no signals.
+/// Flag that ends runs from another thread than theirs, which receives no signals.
 #[pyclass(frozen, module = "pullout_fe._core")]
 #[derive(Default)]
 pub struct Stop(Arc<AtomicBool>);

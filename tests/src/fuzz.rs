@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::{Config, RngSeed};
 
-/// So many inputs, the same in every run of `cargo test`; `PROPTEST_CASES=1000000` makes it so many and other ones each
-/// time (`PROPTEST_RNG_SEED=1` the same ones again).
+/// Returns a configuration of `cases` inputs, the same in every run of `cargo test`; `PROPTEST_CASES=1000000` makes it
+/// so many and other ones each time (`PROPTEST_RNG_SEED=1` the same ones again).
 pub fn config(cases: u32) -> Config {
     let given = |name: &str| std::env::var_os(name).is_some();
     let mut config = Config { failure_persistence: None, ..Config::default() };
@@ -92,9 +92,9 @@ pub enum Damage {
     Overwrite(Index, Vec<u8>),
     /// Bytes between others.
     Insert(Index, Vec<u8>),
-    /// So many bytes left out.
+    /// A number of bytes left out.
     Remove(Index, usize),
-    /// So many bytes repeated so often.
+    /// A number of bytes repeated, and how often.
     Repeat(Index, usize, usize),
     /// The end is missing.
     Truncate(Index),

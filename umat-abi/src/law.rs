@@ -1,8 +1,8 @@
 //! Interface of a constitutive law: pure functions from (parameters, history, strain) to (stress, tangent, new
 //! history), and the one table that describes its parameters and states.
 //!
-//! The same table makes the metadata of the shared library, the checks of PROPS and the printed
-//! documentation. Nothing here touches a pointer or the C side: [`crate::export`] does.
+//! That table makes the metadata of the shared library, the checks of PROPS and the printed documentation. Nothing here
+//! touches a pointer or the C side: [`crate::export`] does.
 
 use crate::metadata::{
     ABI_VERSION, DerivedOutput, Parameter, Plugin, RepeatingGroup, StateVariable, Table, Text, Validate, stress_states,
@@ -170,7 +170,7 @@ pub enum Failure {
     CutBack {
         /// Suggested PNEWDT.
         fraction: f64,
-        /// Why, in a few words.
+        /// Reason, in a few words.
         reason: &'static str,
     },
 }

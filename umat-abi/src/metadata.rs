@@ -490,7 +490,7 @@ unsafe impl Sync for Plugin {}
 unsafe impl Send for Plugin {}
 
 impl Plugin {
-    /// The same with a following law, for libraries that hold several.
+    /// Returns this plugin with a following law, for libraries that hold several.
     pub const fn followed_by(mut self, next: &'static Plugin) -> Self {
         self.next = next;
         self

@@ -95,7 +95,7 @@ impl fmt::Display for ConfigurationError {
                 write!(f, "{parameter} = {value} is outside its bounds {left}{lower}, {upper}{right}")
             }
             Self::NotAChoice { parameter, value } => {
-                write!(f, "{parameter} = {value} is none of its listed values")
+                write!(f, "{parameter} = {value} is not one of the listed values")
             }
             Self::Inconsistent { rule, value } => write!(f, "{rule} (found {value})"),
             Self::CharacteristicLengthMissing { parameter } => write!(

@@ -1,4 +1,4 @@
-//! What Cargo builds, as it tells it itself.
+//! Products of Cargo, as it reports them itself.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! What goes where under the prefix.
+//! Destinations of files under the prefix.
 
 use crate::build::{ALL_LAWS, Products};
 use crate::licences;
@@ -9,10 +9,11 @@ use std::process::{Command, Stdio};
 /// The name under which ABAQUS/Standard finds user subroutines in `usub_lib_dir`.
 const ABAQUS_LIBRARY: &str = "libstandardU.so";
 
-/// What tells the libraries for Kratos from the others where Cargo builds them; a folder does where they are installed.
+/// Suffix that tells the libraries for Kratos from the others where Cargo builds them; a folder does where they are
+/// installed.
 const KRATOS_SUFFIX: &str = "_kratos";
 
-/// What the program writes of itself below `share`: manual pages and completions.
+/// Command by which the program writes its manual pages and completions below `share`.
 const PAGES: &str = "pages";
 
 /// Files for the programs of others, with the version filled in at `@VERSION@`.

@@ -1,4 +1,4 @@
-//! What of others is in the program and the laws: their licences, collected, and a bill of materials.
+//! Packages of others in the program and the laws: their licences, collected, and a bill of materials.
 
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -17,7 +17,7 @@ pub struct Package {
     name: String,
     version: String,
     licence: String,
-    /// What is written in the files of its licences.
+    /// Texts of the files of its licences.
     texts: Vec<String>,
 }
 

@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 
 /// Where the wheel is made, in the workspace; `python/pyproject.toml` takes the files to be installed from there.
 const FOLDER: &str = "target/wheel";
-/// What Python's installers put under the prefix, and with the programs.
+/// Folder of files that Python's installers put under the prefix, and with the programs.
 const DATA: &str = "pullout_fe.data";
 /// The program, in the workspace.
 const PROGRAM: &str = "python/pullout";
@@ -71,7 +71,7 @@ pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: 
     Ok(wheel)
 }
 
-/// What a wheel for others must hold.
+/// Checks the requirements on a wheel for others.
 fn audit(wheel: &Path, python: &Path) -> Result<(), String> {
     let size = fs::metadata(wheel).map_err(|error| format!("{}: {error}", wheel.display()))?.len();
     eprintln!("{}: {:.2} MB", wheel.display(), size as f64 / 1e6);

@@ -1,4 +1,4 @@
-//! The same laws written by hand in Fortran, as a UMAT for three dimensions is usually written.
+//! Laws written by hand in Fortran, as a UMAT for three dimensions is usually written.
 
 use crate::BenchError;
 use pullout_check::build::{Refusal, Request, build};

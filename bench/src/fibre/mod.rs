@@ -39,7 +39,7 @@ impl<'s> Specimen<'s> {
     /// Runs it to the end with increments of at most so many mm.
     ///
     /// # Errors
-    /// It is refused, or does not reach the end: it always does.
+    /// The case is refused, or the run does not reach its end, which it always does.
     pub fn run(&self, largest_increment: f64, set: &[String]) -> Result<Ran, BenchError> {
         let part = |increment: f64| (increment / self.end).min(1.0);
         let mut overrides = vec![

@@ -29,7 +29,7 @@ const WAYS: [(&str, &str, &str); 6] = [
 
 /// The block's area over its usual one, the factor on width and depth, and how many times as long that may take.
 const FAR_FIELDS: [(&str, f64, f64); 3] = [("1", 1.0, 1.0), ("4", 2.0, 1.3), ("16", 4.0, 2.0)];
-/// Nothing skipped takes at least so many times as long as everything.
+/// Least ratio of the time of a run that skips nothing to that of one that skips everything.
 const SKIPPING_TARGET: f64 = 3.0;
 /// Loads and works of both ways may differ by so much: a crack opens a little earlier or later in another increment.
 const SAME: f64 = 0.02;

@@ -1,4 +1,4 @@
-//! The same paths through the program itself: plugin, stress-free sides found by Newton's method, increments cut back
+//! Strain paths through the program itself: plugin, stress-free sides found by Newton's method, increments cut back
 //! where they fail.
 
 use super::path::{Components, LEGS, Path};
@@ -48,7 +48,7 @@ impl Driven {
     /// A point as a case describes it, in three dimensions.
     ///
     /// # Errors
-    /// It is refused.
+    /// The case is refused.
     pub fn read(document: Value, plugin_paths: &[PathBuf]) -> Result<Self, BenchError> {
         let case = pullout_case::read_document(document, &PathBuf::from("bench.json"), plugin_paths)?;
         let Case::Path(program) = case else { unreachable!("the document is of kind point") };

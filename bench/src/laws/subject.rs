@@ -82,7 +82,7 @@ const STEEL: Extent = Extent { tension: 1e-2, compression: 1e-2, general: 1e-2, 
 /// A table that hardens in two pieces.
 const HARDENING: [f64; 6] = [347.0, 0.0, 400.0, 0.004, 420.0, 0.02];
 
-/// All of them.
+/// Returns all measured laws.
 pub fn subjects() -> Vec<MeasuredLaw> {
     let subject = |name, law, props, extent, is_path_exact, ours| MeasuredLaw {
         name,

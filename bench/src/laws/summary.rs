@@ -8,7 +8,7 @@ use super::{Figures, Measurement, Series};
 use crate::table::{Cell, Table};
 use pullout_run::number::significant;
 
-/// The measurements of one law, path and series that came to something.
+/// Returns the successful measurements of one law, path and series.
 fn of(
     measurements: &[Measurement],
     subject: usize,

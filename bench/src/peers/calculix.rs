@@ -17,7 +17,7 @@ pub fn installed() -> Option<String> {
 /// Runs a deck; the result is a component of the last printed reaction.
 ///
 /// # Errors
-/// It does not finish.
+/// The run does not finish.
 pub fn run(program: &str, deck: &str, component: usize) -> Result<Side, BenchError> {
     let folder = tempfile::tempdir()?;
     std::fs::write(folder.path().join("job.inp"), deck)?;

@@ -1,4 +1,4 @@
-//! The same work in other programs, where they are installed: specimens in CalculiX, a material point in simcoon.
+//! Comparison with other programs, where they are installed: specimens in CalculiX, a material point in simcoon.
 
 mod calculix;
 mod deck;

@@ -14,10 +14,10 @@ const QUICK: (usize, usize) = (500, 3);
 
 /// A law with parameters, as both sides have it.
 pub struct ComparedLaw {
-    /// Ours.
+    /// Name of our plugin.
     pub plugin: &'static str,
     props: &'static [f64],
-    /// simcoon's: name, number of states, parameters.
+    /// Law of simcoon: name, number of states, parameters.
     pub simcoon: (&'static str, usize, &'static [f64]),
     /// ε_11 at the end.
     pub strain: f64,
@@ -154,7 +154,7 @@ impl ComparedLaw {
         Ok(Compared { law: self.plugin, increments, rounds, ours, theirs, ratios })
     }
 
-    /// One row at the end: what is compared is no writing of files.
+    /// Returns a case with a single output row, so that file output is not timed.
     fn document(&self, increments: usize) -> Value {
         json!({
             "kind": "point",

@@ -7,7 +7,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// It must be there, and its package knows its version.
+/// Script that prints the version of simcoon; it fails where simcoon is not installed.
 const VERSION: &str = "import simcoon, importlib.metadata; print(importlib.metadata.version('simcoon'))";
 const SCRIPT: &str = include_str!("point.py");
 /// One thread: the arrays are small, and those that wait for work would count as work.
@@ -44,7 +44,7 @@ impl Simcoon {
     /// Starts it for many runs of a path.
     ///
     /// # Errors
-    /// It cannot be started.
+    /// The program cannot be started.
     pub fn start(&self, law: &ComparedLaw, increments: usize, folder: &Path) -> Result<Worker, BenchError> {
         let mut child = self.script(law, increments, folder)?.spawn()?;
         let (input, output) = (child.stdin.take(), child.stdout.take().map(BufReader::new));
@@ -54,7 +54,7 @@ impl Simcoon {
     /// Runs a path once, with everything from the start of the program to its end.
     ///
     /// # Errors
-    /// It fails.
+    /// The run fails.
     pub fn run_whole(&self, law: &ComparedLaw, increments: usize, folder: &Path) -> Result<(), BenchError> {
         let mut child = self.script(law, increments, folder)?.spawn()?;
         if let Some(mut input) = child.stdin.take() {
@@ -87,7 +87,7 @@ impl Worker {
     /// Time of the processor that the solver took, s, and the stress after each increment.
     ///
     /// # Errors
-    /// It fails, or says what is no answer.
+    /// The run fails, or its answer is invalid.
     pub fn run(&mut self) -> Result<(f64, Vec<[f64; 6]>), BenchError> {
         let (Some(input), Some(output)) = (&mut self.input, &mut self.output) else { return Err(failed("no pipe")) };
         writeln!(input, "{}", self.stresses.display())?;

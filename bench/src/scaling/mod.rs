@@ -15,14 +15,14 @@ const PLATE: &str = include_str!("../../../cases/benchmark/plate-with-hole.json"
 const CELLS: [usize; 6] = [170, 500, 1_600, 5_000, 16_000, 33_500];
 /// Factors on all sizes of the bent fibre's mesh.
 const FIBRE_MESHES: [f64; 6] = [2.0, 1.0, 0.5, 0.25, 0.125, 0.063];
-/// The fibre is pulled so far, mm, in so many increments: few, for it is the cost of one that matters.
+/// Displacement of the grip, mm, and number of increments; few, since the cost per increment is measured.
 const PULLED: f64 = 5e-4;
 const INCREMENTS: usize = 4;
 /// Number of turns of each size.
 const ROUNDS: usize = 3;
 /// Sizes and rounds if quick.
 const QUICK: (usize, usize) = (2, 1);
-/// Runs that take less, s, are repeated in a turn.
+/// Shortest measured time of a turn, s; shorter runs are repeated.
 const TURN: f64 = 0.2;
 const MOST_REPEATS: usize = 10;
 
@@ -98,7 +98,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
     Ok(page::page(&measured, settings.quick))
 }
 
-/// A size of a family, and what came of its turns.
+/// Problem size of a family, with its timings.
 struct Job {
     family: Family,
     setting: String,

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Told by all threads that do a part.
+/// Progress of a part, which all of its threads report.
 pub(super) struct Progress {
     display: Display,
     part: &'static str,
@@ -57,7 +57,7 @@ impl Progress {
         Self { display, part, total, done: AtomicU64::new(0), start: Instant::now() }
     }
 
-    /// So much more is done of what.
+    /// Reports that `by` more items are done; `of` names them.
     pub fn advance(&self, by: u64, of: &str) {
         let done = by + self.done.fetch_add(by, Ordering::Relaxed);
         match &self.display {

@@ -12,14 +12,14 @@ pub(super) struct Base {
     pub families: Vec<Family>,
 }
 
-/// A thing that is varied.
+/// Parameter under variation.
 pub(super) struct Family {
     /// Name in tables.
     pub name: &'static str,
     pub variations: Vec<Variation>,
 }
 
-/// A value of it.
+/// One value of the parameter under variation.
 pub(super) struct Variation {
     /// Label in tables.
     pub label: String,
@@ -159,7 +159,7 @@ stop it: Newton's method goes to and fro between two states 4.6e-8 (2.1e-8) mm a
 whether increments are 6e-8 or 9e-9 (1.6e-6 or 1.3e-8) mm"
 );
 
-/// All of them.
+/// Returns all base specimens.
 pub(super) fn bases() -> Vec<Base> {
     const COARSE: &[&str] = &[
         "output.vtu=false",

@@ -113,7 +113,7 @@ pub struct Composite {
     pub volume_fraction: f64,
     /// Directions of the fibres.
     pub directions: Directions,
-    /// The same with panels that end at the bins of shares.
+    /// Directions of the fibres, with panels that end at the bins of shares.
     pub(crate) binned: Directions,
     /// The matrix.
     pub matrix: Matrix,

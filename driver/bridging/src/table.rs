@@ -93,7 +93,7 @@ impl Table {
             let rising = curve.slip[0] >= 0.0 && curve.slip.windows(2).all(|pair| pair[1] > pair[0]);
             Invalid::unless(rising, place(), "needs slips that rise")?;
             let finite = curve.slip.iter().chain(&curve.load).all(|value| value.is_finite());
-            Invalid::unless(finite, place(), "has a number that is none")?;
+            Invalid::unless(finite, place(), "contains NaN or infinity")?;
         }
         let angles = distinct(curves.iter().map(|curve| curve.angle_deg).collect());
         let lengths = distinct(curves.iter().map(|curve| curve.embedded).collect());

@@ -57,7 +57,7 @@ impl<'de, const LEAST: u64, const GREATEST: u64> Deserialize<'de> for Whole<LEAS
         if value.fract() == 0.0 && value >= LEAST as f64 && value <= GREATEST as f64 {
             return Ok(Self(value as u64));
         }
-        Err(D::Error::custom(format!("{value} is no whole number from {LEAST} to {GREATEST}")))
+        Err(D::Error::custom(format!("{value} is not a whole number from {LEAST} to {GREATEST}")))
     }
 }
 
@@ -396,7 +396,7 @@ pub struct Cycle<S> {
     pub steps: Vec<Piece<S>>,
 }
 
-/// The same in a member named "cycles".
+/// Steps that are run several times, in a member named "cycles".
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "CyclesOf{S}")]

@@ -10,7 +10,7 @@ use umat_abi::host::LawDescription;
 
 /// Parameter that chooses a law's own normal law.
 const KIND: &str = "normal_law";
-/// Its parameter for the pressure at gap 0 of the soft one, and the tension that opens the hard one.
+/// Parameter for the pressure at gap 0 of the soft normal law, and for the tension that opens the hard one.
 const PRESSURE: &str = "p_0";
 
 /// Returns the parameters with the host's normal law where the case leaves it to the defaults of a law that has one;

@@ -18,7 +18,7 @@ pub const NORMAL_PENALTY: f64 = 1e5;
 /// Tangential penalty of laws that cannot derive their own, MPa/mm: about 10 times a bond's elastic stiffness.
 pub const TANGENTIAL_PENALTY: f64 = 1e4;
 
-/// The library of all laws that come with the program: where it is, they are.
+/// Name of the library that contains all shipped laws; its folder is where they are looked for.
 pub const ALL_LAWS: &str = "pullout_laws";
 
 /// Use that the case makes of the plugin.
@@ -48,7 +48,7 @@ pub enum Level {
 /// The characteristic lengths that a law meets.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Length {
-    /// Given wrongly; that has been said.
+    /// The value is invalid, which has already been reported, or no length is known here.
     Unknown,
     /// The case names none.
     NotGiven,
@@ -204,7 +204,7 @@ pub fn where_to_look(folders: &[PathBuf]) -> String {
     }
 }
 
-/// `Some(None)`: a plain UMAT. Of several laws, CMNAME chooses.
+/// Chooses the law that CMNAME names; `Some(None)` for a UMAT without metadata.
 fn choose_law(
     reader: &mut Reader<'_>,
     library: &Library,

@@ -70,11 +70,11 @@ pub enum ProblemKind {
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// Where; `None` if the file as a whole cannot be read as JSON.
+    /// Place in the file; `None` if the file as a whole cannot be read as JSON.
     pub place: Option<Place>,
-    /// What, and what to do.
+    /// Message: the problem and its remedy.
     pub message: String,
-    /// Input or plugin.
+    /// Kind: input or plugin.
     pub kind: ProblemKind,
 }
 

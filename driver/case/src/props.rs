@@ -127,7 +127,7 @@ fn one_value(parameter: &Parameter, value: &PropValue, place: &Place, problems: 
                 format!("expected a number, found the text '{name}'")
             } else {
                 let near = nearest(name, &names).map_or_else(String::new, |n| format!("; nearest valid name: '{n}'"));
-                format!("'{name}' is none of {}{near}", parameter.bounds())
+                format!("'{name}' is not one of {}{near}", parameter.bounds())
             };
             problems.push(Problem::new(place.clone(), message));
             return f64::NAN;

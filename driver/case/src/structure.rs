@@ -74,7 +74,7 @@ fn checker(kind: &str) -> Option<&'static Checker> {
 /// The kind that a document names.
 ///
 /// # Errors
-/// It is no object, or names no kind that exists.
+/// The document is no object, or names no kind that exists.
 pub fn kind_of(document: &Value) -> Result<&str, Problem> {
     let place = Place::root();
     let Value::Object(members) = document else {

@@ -28,7 +28,7 @@ impl CsvFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// One sentence each of what is wrong.
+    /// A list of problems, one sentence each.
     pub fn read(path: &Path) -> Result<Self, Vec<String>> {
         let file = path.display();
         let unreadable = |error: io::Error| vec![format!("{file} cannot be read: {error}")];
@@ -68,7 +68,7 @@ impl CsvFile {
     /// `skip_blank` says so (several curves of different lengths in one file).
     ///
     /// # Errors
-    /// One sentence for each cell that is no finite number.
+    /// One sentence for each cell that is not a finite number.
     pub fn numbers(&self, columns: &[usize], skip_blank: bool) -> Result<Vec<Vec<f64>>, Vec<String>> {
         let mut problems = Problems::default();
         let mut numbers = Vec::with_capacity(self.lines.len());
@@ -85,7 +85,7 @@ impl CsvFile {
                     _ => problems.add(|| {
                         let line = record.position().map_or(0, csv::Position::line);
                         let (name, cell) = (&self.header[column], &record[column]);
-                        format!("line {line}, column '{name}': '{cell}' is no finite number")
+                        format!("line {line}, column '{name}': '{cell}' is not a finite number")
                     }),
                 }
             }
@@ -95,10 +95,10 @@ impl CsvFile {
         problems.or(numbers).map_err(|problems| problems.iter().map(named).collect())
     }
 
-    /// The place of a column.
+    /// Returns the position of a column.
     ///
     /// # Errors
-    /// None is called so.
+    /// No column has this name.
     pub fn column(&self, name: &str) -> Result<usize, Vec<String>> {
         let unknown = || self.fault(1, format!("no column is called '{name}'{}", hint(name, &self.header)));
         self.header.iter().position(|column| column == name).ok_or_else(unknown)
@@ -158,7 +158,7 @@ impl Table {
     /// Reads a table whose columns are `time` (optional) and some of `names`.
     ///
     /// # Errors
-    /// One sentence each of what is wrong.
+    /// A list of problems, one sentence each.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, Vec<String>> {
         let csv = CsvFile::read(path)?;
         let file = path.display();

@@ -78,7 +78,7 @@ pub(super) fn columns(source: &Source) -> Result<Option<Vec<String>>, Vec<CasePr
     }
 }
 
-/// What is wrong with a case in the words of a child that refused it.
+/// Returns the problems of a case from the words of a child that refused it.
 fn problems(code: Option<i32>, words: &str) -> Option<Vec<CaseProblem>> {
     let own = format!("{STREAM}: ");
     let lines = words.lines().map(|line| line.strip_prefix(&own).unwrap_or(line).to_owned());

@@ -69,7 +69,7 @@ pub struct Settings {
     pub along: Option<Along>,
     /// Makes the viewer of a specimen; not of a run in a child.
     pub views: bool,
-    /// Hears on the thread of [`Prepared::run`] how far the run is; not of a run in a child.
+    /// Receives progress on the thread of [`Prepared::run`]; never called for a run in a child.
     pub listener: Option<Listener>,
 }
 
@@ -189,7 +189,7 @@ impl Prepared {
     /// Plugins with automatic arrays need a stack of [`pullout_run::PLUGIN_STACK`] on the calling thread.
     ///
     /// # Errors
-    /// Nothing came out.
+    /// The run has no outcome.
     pub fn run(&self, settings: Settings) -> Result<Outcome, Error> {
         match &self.process {
             Process::Here(case) => Ok(here::run(case, settings)?),

@@ -81,7 +81,7 @@ pub struct CaseFit {
     pub runs: usize,
     /// Reason why it is not the best.
     pub trouble: Option<String>,
-    /// What the user should know although nothing is wrong.
+    /// Warnings: facts that the user should know although nothing is wrong.
     pub warnings: Vec<String>,
     /// The case with these numbers.
     pub case: Value,
@@ -192,7 +192,7 @@ impl Free {
         }
         let number = |text: &str| {
             let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-            number.ok_or_else(|| format!("'{text}' is no finite number: {}", form()))
+            number.ok_or_else(|| format!("'{text}' is not a finite number: {}", form()))
         };
         let bounds = [number(low)?, number(high)?];
         if bounds[0] >= bounds[1] {
@@ -304,12 +304,12 @@ fn overrides(free: &[Free], values: &[f64]) -> Vec<String> {
     free.iter().zip(values).map(|(free, value)| format!("{}={value:?}", free.path)).collect()
 }
 
-/// What a run computes.
+/// Results of a run.
 #[derive(Clone)]
 struct Computed {
     /// Values at the points of the data.
     curve: Vec<f64>,
-    /// What is to be said of the data.
+    /// Warning about the data.
     warning: Option<String>,
     /// Way of the run.
     increments: Option<Increments>,
@@ -328,7 +328,7 @@ impl Fitted<'_> {
         self.request.free.iter().zip(sought).map(|(free, sought)| free.value(*sought)).collect()
     }
 
-    /// What the case computes with other numbers.
+    /// Returns the results of the case with other numbers.
     fn computed(&self, values: &[f64], on: Option<&Increments>) -> Result<Computed, String> {
         let CaseRequest { source, free, curve, .. } = self.request;
         let mut source = source.clone();
@@ -436,11 +436,11 @@ fn turns(x: &[f64], data: &[[f64; 2]]) -> Turns {
 
 /// Data off a branch of a run.
 enum Off {
-    /// It has no rows.
+    /// The run has no rows.
     Empty,
-    /// Its beginning, and data before it.
+    /// Data (second) lie before the start of the run (first).
     Before(f64, f64),
-    /// Its end, and data behind it.
+    /// Data (second) lie behind the end of the run (first).
     Behind(f64, f64),
 }
 

@@ -3,7 +3,7 @@
 use pullout_case::outside_usual;
 use pullout_run::number::significant;
 
-/// RMS differences beyond this part of the greatest measured value are no scatter.
+/// RMS difference, relative to the greatest measured value, above which a misfit is not explained by scatter.
 const POOR: f64 = 0.2;
 
 /// A number of the data: what it is, its value, its unit, and its usual range.

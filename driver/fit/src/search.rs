@@ -20,7 +20,7 @@ const NO_CURVE: f64 = 10.0;
 /// The way of a run, which others go too.
 #[derive(Clone)]
 pub enum Increments {
-    /// Its increments.
+    /// Increments of the run.
     Recorded(Value),
     /// The states of a specimen.
     Trail(Along),

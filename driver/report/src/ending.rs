@@ -120,7 +120,7 @@ pub(crate) fn write(
 /// Compares a history with all curves of its case.
 ///
 /// # Errors
-/// It cannot be read.
+/// The history cannot be read.
 pub fn compare_all<R: Rows>(case: &Case, history: impl FnOnce() -> io::Result<R>) -> io::Result<Vec<Comparison>> {
     if case.about().compare.is_empty() {
         return Ok(Vec::new());

@@ -1,4 +1,4 @@
-//! What came out of a run, as the command line prints it.
+//! Outcome of a run, as the command line prints it.
 
 use crate::summary::{Status, Summary};
 use pullout_case::Case;

@@ -155,7 +155,8 @@ impl BridgingProgram {
         all
     }
 
-    /// What the curves of fibres do not tell, and is assumed; `simulated` are those of [`Source::Simulated`].
+    /// Returns the assumptions where the curves of fibres tell nothing; `simulated` are the curves of
+    /// [`Source::Simulated`].
     ///
     /// # Errors
     /// Numbers without sense.
@@ -245,7 +246,7 @@ pub struct Findings {
     pub units: BTreeMap<String, String>,
     /// η: fibres through the crack over those of fibres that are all perpendicular to it.
     pub efficiency: f64,
-    /// The same by the zones of Dupont and Vandewalle, of a section with walls.
+    /// η by the zones of Dupont and Vandewalle, of a section with walls.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub efficiency_by_zones: Option<f64>,
     /// Fibres through a square centimetre.

@@ -132,7 +132,7 @@ pub fn hash(path: &Path, input: Input) -> io::Result<[u8; 32]> {
 /// Opens a file on disk, to be read piece by piece.
 ///
 /// # Errors
-/// It cannot be opened, or is something else.
+/// The file cannot be opened, or is no file on disk.
 pub fn open(path: &Path) -> io::Result<File> {
     check_type(std::fs::metadata(path)?.file_type(), Input::Result)?;
     open_without_waiting(path).map(File::from)
@@ -141,7 +141,7 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// SHA-256 of the first bytes of a file of results.
 ///
 /// # Errors
-/// It cannot be read.
+/// The file cannot be read.
 pub fn digest(path: &Path, bytes: u64) -> io::Result<Sha256> {
     let mut file = open(path)?.take(bytes);
     let (mut block, mut digest) = (vec![0; 1 << 16], Sha256::new());
@@ -180,7 +180,7 @@ pub fn text(path: &Path, input: Input) -> io::Result<String> {
 /// Text without its byte order mark.
 ///
 /// # Errors
-/// It is in another encoding than bytes, or no text.
+/// The content is encoded in UTF-16, or is no text.
 pub fn without_mark(content: &[u8]) -> io::Result<&[u8]> {
     if content.starts_with(b"\xff\xfe") || content.starts_with(b"\xfe\xff") {
         return Err(refusal("it is in UTF-16: save it as text in UTF-8"));

@@ -280,7 +280,7 @@ fn complain(text: impl std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "{}", plain(&text.to_string()));
 }
 
-/// What ends a command before its work is done: the message, and the exit code.
+/// Early end of a command: message and exit code.
 struct Refusal {
     message: String,
     code: u8,

@@ -21,8 +21,7 @@ const FALLEN: f64 = 0.5;
 /// Digits of a fingerprint that name a folder.
 const DIGITS: usize = 24;
 
-/// Runs what is not there yet, and reads the curves. `finished` hears of each run: its name, exit code, how many, of how
-/// many.
+/// Runs what is not there yet, and reads the curves. `finished` receives name, exit code, number done and total for each run.
 ///
 /// # Errors
 /// A case that is refused, a run that failed before its load had fallen to half the peak, by its angle and length.

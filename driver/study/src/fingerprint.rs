@@ -1,6 +1,6 @@
 //! Fingerprint of a result: a hash of everything that it depends on, which tells whether it is still that of its case.
 //!
-//! It covers the case with its overrides, the files that it names, the plugins, and this program.
+//! The fingerprint covers the case with its overrides, the files that it names, the plugins, and this program.
 
 use super::Run;
 use pullout_case::Case;

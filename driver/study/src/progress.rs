@@ -1,4 +1,4 @@
-//! What the command line tells of a study: runs as they end, and what came out.
+//! Messages of the command line on a study: runs as they end, and the outcome.
 
 use super::claims::{Finding, Verdict};
 use super::results::{Results, RunResult};

@@ -9,7 +9,7 @@
 //! W = ∫ y dx, trapezoidal
 //! ```
 //!
-//! What is given back where x turns counts with its sign: W of a closed cycle is what it dissipates.
+//! Work that is given back where x turns counts with its sign: W of a closed cycle is its dissipation.
 
 use super::execution::{State, is_refused};
 use super::{Columns, Quantity, Run, Study};

@@ -179,7 +179,7 @@ impl Standing {
     /// Reads how a store stands.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// The store cannot be read.
     pub fn of(store: &Store) -> io::Result<Self> {
         let sweep = store.sweep()?;
         let wants = |name: &str| ["key", "status", "attempt", "time", "cpu_s", "wall_s"].contains(&name);

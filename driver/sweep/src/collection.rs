@@ -29,7 +29,7 @@ impl<'s> Collection<'s> {
     /// Makes the file of a table of a store; `overwrite`: whatever is there is replaced.
     ///
     /// # Errors
-    /// Its name does not tell the form; the file is not the program's, or part of the store.
+    /// The name does not tell the form; the file is not the program's, or part of the store.
     pub fn at(store: &'s Store, path: &Path, overwrite: bool) -> io::Result<Self> {
         let refused = |message: &str| {
             Err(io::Error::new(io::ErrorKind::InvalidData, format!("--out {}: {message}", path.display())))
@@ -64,7 +64,7 @@ impl<'s> Collection<'s> {
     /// Writes a table: it appears under its name when it is complete.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn write(&self, table: &Table) -> io::Result<()> {
         let write = |file: &File| match self.form {
             Form::Csv => table.write_csv(BufWriter::new(file)),

@@ -134,7 +134,7 @@ impl Store {
     /// Begins a sweep, or gives it other runs: what is done stays done.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn plan(&self, sweep: &Sweep) -> io::Result<()> {
         put(&self.folder.join("sweep.json"), serde_json::to_string(sweep)?.as_bytes())
     }
@@ -221,7 +221,7 @@ impl Store {
     /// Keeps the case that repeats a failure.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub(crate) fn keep_replay(&self, key: &str, case: &str) -> io::Result<()> {
         put(&self.folder.join("replay").join(format!("{key}.json")), case.as_bytes())
     }
@@ -350,7 +350,8 @@ impl<'s> Keys<'s> {
     }
 }
 
-/// The same text for the same content: members in the order of their names, 1 and 1.0 alike.
+/// Appends the canonical text of a value, the same for the same content: members in the order of their names, 1 and 1.0
+/// alike.
 fn canonical(value: &Value, text: &mut String) {
     match value {
         Value::Object(members) => {

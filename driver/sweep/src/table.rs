@@ -171,7 +171,7 @@ impl Table {
     /// Writes a Parquet file and puts it into its place at once.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The table cannot be written.
     pub fn write(&self, path: &Path) -> io::Result<()> {
         replace(path, |file| self.write_parquet(file), |_| Ok(()))
     }
@@ -204,7 +204,7 @@ impl Table {
     /// Reads the columns of a Parquet file that this module wrote; `wants`: by their names.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// The file cannot be read.
     pub fn read(path: &Path, wants: impl Fn(&str) -> bool) -> io::Result<Self> {
         let read = || -> Result<Self> {
             let reader = SerializedFileReader::new(File::open(path)?)?;
@@ -233,7 +233,7 @@ impl Table {
     /// Writes a CSV table without the lists.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The table cannot be written.
     pub fn write_csv(&self, to: impl io::Write) -> io::Result<()> {
         let mut writer = csv::Writer::from_writer(to);
         let columns = || self.columns.iter().filter(|(_, column)| !matches!(column, Column::List(_)));

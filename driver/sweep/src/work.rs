@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// Rows are written about so often, s: what a machine loses that goes off.
+/// Interval between writes, s: the work lost at most when a machine fails.
 const CHUNK: f64 = 30.0;
 /// Most runs in a part unless the user says otherwise.
 const MOST_IN_A_PART: usize = 20_000;
@@ -64,7 +64,7 @@ struct Office<'w> {
     /// Runs that were due at the start.
     count: usize,
     over: AtomicUsize,
-    /// Hears how many runs are over, of how many.
+    /// Receives the number of finished runs and the total.
     told: &'w (dyn Fn(usize, usize) + Sync),
 }
 
@@ -170,7 +170,7 @@ impl Office<'_> {
         !runs.is_empty() && self.need(&runs).libraries.keys().any(|library| !isolation::is_shipped(library))
     }
 
-    /// Looks what other workers are at and have done; what one left that is gone is kept.
+    /// Reads what other workers have claimed and done, and keeps the rows of workers that have ended.
     fn look(&self, queue: &mut Queue) -> io::Result<()> {
         let left = left_behind(self.store, &self.maker.engine, &self.maker.host, &mut queue.taken)?;
         // behind the claims: rows are there before a claim goes
@@ -186,7 +186,7 @@ impl Office<'_> {
         queue.known.read(self.store)
     }
 
-    /// Keeps the rows that workers left which are gone, and names the runs that were lost with them.
+    /// Keeps the rows of workers that have ended, and names the runs that were lost with them.
     fn take_over(&self, left: Vec<Left>, known: &Known) -> io::Result<()> {
         let mut keys = Keys::new(self.sweep, self.identity);
         let numbers: HashMap<String, usize> = (0..self.sweep.runs.len()).map(|run| (keys.of(run), run)).collect();

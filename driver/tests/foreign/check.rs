@@ -261,7 +261,7 @@ fn memory_that_is_full_is_found() {
     }
 }
 
-/// What UEXTERNALDB counts in between goes on where a case is run again: no error of the law.
+/// Counters that UEXTERNALDB advances in between go on where a case is run again: no error of the law.
 #[test]
 fn what_uexternaldb_changes_is_no_hidden_memory() {
     let desk = Desk::new();

@@ -221,7 +221,7 @@ fn the_thickness_of_plane_stress_is_known_where_it_is_found() {
     assert!(refused.stderr.contains("$.measure") && refused.stderr.contains("\"as\": \"3d\""), "{}", refused.stderr);
 }
 
-/// What depends on F at the end alone does not depend on the number of increments.
+/// A stress that depends on F at the end alone does not depend on the number of increments.
 #[test]
 fn hyperelasticity_does_not_depend_on_the_size_of_increments() {
     let desk = Desk::new();

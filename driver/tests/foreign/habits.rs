@@ -11,11 +11,11 @@ const STEEL: [f64; 4] = [210e3, 0.3, 347.0, 2100.0];
 const RIGHT: u32 = 0;
 const NO_ENERGIES: u32 = 1;
 const DOUBLE_ENERGY: u32 = 2;
-/// Its DDSDDE.
+/// DDSDDE of `j2_habits.f90`.
 const CONSISTENT: u32 = 0;
 const ELASTIC: u32 = 1;
 const NO_TANGENT: u32 = 2;
-/// Its NTENS.
+/// NTENS of `j2_habits.f90`.
 const OBEYED: u32 = 0;
 const TAKEN_FOR_SIX: u32 = 1;
 const STOPS: u32 = 2;

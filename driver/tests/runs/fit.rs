@@ -254,7 +254,7 @@ fn bad_input_is_refused_with_its_place() {
     };
     let at = |row: usize, text: &'static str| move |k: usize| (k == row).then(|| text.to_owned());
     for (said, curve, more) in [
-        ("line 7, column 'load': 'x' is no finite number", rows(&at(5, "0.05,x")), &[][..]),
+        ("line 7, column 'load': 'x' is not a finite number", rows(&at(5, "0.05,x")), &[][..]),
         ("line 7: 3 fields", rows(&at(5, "0.05,1,2")), &[]),
         ("line 12: the slip falls back", rows(&at(10, "0.01,30")), &[]),
         ("line 17: the load -20 N", rows(&at(15, "0.15,-20")), &[]),

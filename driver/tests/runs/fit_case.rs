@@ -207,7 +207,7 @@ fn what_is_wrong_is_one_message_with_its_place() {
         (&["--free=material.props.k_e", "--data=data.csv"], "PATH=lo:hi"),
         (&["--free=material.props.k_e=300", "--data=data.csv"], "PATH=lo:hi"),
         (&["--free=material.props.k_e=3000:300", "--data=data.csv"], "3000 is not below 300"),
-        (&["--free=material.props.k_e=a:300", "--data=data.csv"], "'a' is no finite number"),
+        (&["--free=material.props.k_e=a:300", "--data=data.csv"], "'a' is not a finite number"),
         (&["--free=material..k_e=1:2", "--data=data.csv"], "empty name"),
         (&["--free=material.props.k=1:2", "--data=data.csv"], "$.material.props.k is not there"),
         (&["--free=material.props.law=1:2", "--data=data.csv"], "$.material.props.law is \"A\", and no number"),
@@ -216,7 +216,7 @@ fn what_is_wrong_is_one_message_with_its_place() {
         (&[k_e, "--data=none.csv"], "none.csv"),
         (&[k_e, "--data=numbers.csv"], "numbers.csv, line 1: these are numbers"),
         (&[k_e, "--data=one.csv"], "one.csv, line 1: one column"),
-        (&[k_e, "--data=cell.csv"], "cell.csv, line 3, column 'tau': 'x' is no finite number"),
+        (&[k_e, "--data=cell.csv"], "cell.csv, line 3, column 'tau': 'x' is not a finite number"),
         (&[k_e, "--data=short.csv"], "short.csv: 1 points do not tell 1 numbers"),
     ];
     let more: [(&[&str], &str); 8] = [

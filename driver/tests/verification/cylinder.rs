@@ -6,7 +6,7 @@ use fe_core::stepping::Snapshot;
 
 /// MPa.
 const PRESSURE: f64 = 100.0;
-/// Nothing but rounding.
+/// Tolerance for nothing but rounding.
 const EXACT: f64 = 1e-11;
 const YIELD_STRESS: f64 = 240.0;
 

@@ -74,17 +74,17 @@ impl fmt::Display for Location {
     }
 }
 
-/// What keeps an attempt of an increment from going on, at a place that is known to others.
+/// Reason why an attempt of an increment cannot go on, at a location that is known to the caller.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Setback {
-    /// What, in words.
+    /// Message.
     pub(crate) reason: String,
     /// As [`Trouble::fraction`].
     pub(crate) fraction: Option<f64>,
 }
 
 impl Setback {
-    /// Tells where it is.
+    /// Adds the location.
     pub(crate) fn at(self, place: Location) -> Trouble {
         Trouble { place, reason: self.reason, fraction: self.fraction }
     }
@@ -94,9 +94,9 @@ impl Setback {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{place}: {reason}")]
 pub struct Trouble {
-    /// Where.
+    /// Location of the failure.
     pub place: Location,
-    /// What, in words.
+    /// Message.
     pub reason: String,
     /// The fraction of the increment to repeat with, 0 < fraction < 1; `None`: no smaller increment will help.
     pub fraction: Option<f64>,

@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 /// The gap at which no bond is left, as part of an edge.
 const FAR: f64 = 1e3;
 
-/// What a point of a torn surface starts from: matter was there, so that no bond holds it, and no law says otherwise.
+/// Initial state of a point of a torn surface: matter was there, so that no bond holds it, and no law says otherwise.
 #[derive(Clone, Debug)]
 pub(super) struct Torn {
     state: PointState,

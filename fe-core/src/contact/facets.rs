@@ -6,7 +6,7 @@ use crate::mesh::{ElementEdge, Mesh};
 use crate::plane::distance;
 use std::collections::HashMap;
 
-/// What mesh files leave of a coordinate, as part of its size.
+/// Rounding of a coordinate in mesh files, relative to its size.
 const ROUNDING: f64 = 1e-6;
 /// Part of length × turn: a chord of an arc is L θ/8 away from it, and where an arc has one chord alone each end shows
 /// half of θ.
@@ -14,7 +14,7 @@ const SAGITTA: f64 = 0.25;
 /// Part of the turn by which neighbouring parabolas bend differently: 0.008 f''' L³ is what a parabola misses of a curve,
 /// and f''' L is the jump of its curvature; twice that.
 const BEND: f64 = 1.0 / 16.0;
-/// What curvatures at a place may be estimated too low: beside the end of an arc one sees half of it.
+/// Factor by which curvatures may be estimated too low: beside the end of an arc an estimate sees half of it.
 const ESTIMATE: f64 = 2.0;
 
 /// An edge as a piece of a curve.

@@ -157,7 +157,7 @@ pub(super) struct History {
 }
 
 impl History {
-    /// Returns whether another one is of as many points with as many states, and what the host computes with are numbers.
+    /// Returns whether `other` has the same number of points and states and finite values.
     pub fn fits(&self, other: &Self) -> bool {
         self.points.len() == other.points.len()
             && self.statev.len() == other.statev.len()

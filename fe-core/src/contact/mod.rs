@@ -101,7 +101,7 @@ pub struct PointRecord<'a> {
     pub area: f64,
     /// w: the part of the area that is still over the master.
     pub weight: f64,
-    /// Its status.
+    /// Status of the point.
     pub status: PointStatus,
     /// Whether the host's tension cap was passed.
     pub latched: bool,
@@ -132,9 +132,9 @@ impl Contact {
     /// `contact_search`: whether feet are looked for from the last ones. `initial`: temperature and field variables.
     ///
     /// # Errors
-    /// Of the first pair that has one: a master that is no single row of edges, nothing to put points on, a point without a
-    /// foot on the master, surfaces that do not lie on each other, a number out of range, an enforcement that the law cannot
-    /// have, a law that refuses its parameters or cannot be called.
+    /// The error of the first pair that has one: a master that is no single row of edges, nothing to put points on, a point
+    /// without a foot on the master, surfaces that do not lie on each other, a number out of range, an enforcement that the law
+    /// cannot have, a law that refuses its parameters or cannot be called.
     ///
     /// # Panics
     /// If `moduli` does not hold one for each part.

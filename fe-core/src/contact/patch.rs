@@ -7,7 +7,8 @@ use std::ops::Range;
 /// Part of an edge's length by which a point may lie deeper than its edge does on the mean. Edges that bend with a fibre
 /// stay below it, edges of torn matter turn through the surface.
 const DEEPER: f64 = 0.01;
-/// Part of the penalty that presses it out. Torn matter turns easily; 381 increments instead of 539 with all of it at 45°.
+/// Fraction of the penalty applied to a point deeper than its edge. Torn matter turns easily; 381 increments instead of 539
+/// with the whole penalty at 45°.
 const SOFTER: f64 = 1e-3;
 
 /// Quantities that the points of a patch share; the module's page has the equations.

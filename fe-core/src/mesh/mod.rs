@@ -76,7 +76,7 @@ impl Part {
     }
 }
 
-/// An element as somebody wrote it.
+/// Unchecked element definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ElementDefinition {
     /// Kind.
@@ -104,7 +104,7 @@ pub struct ElementEdge {
     pub edge: usize,
 }
 
-/// A mesh as somebody wrote it.
+/// Unchecked mesh definition.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshDefinition {
     /// Reference positions (x, y), mm.

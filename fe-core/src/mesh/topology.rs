@@ -90,7 +90,7 @@ impl Mesh {
         positions
     }
 
-    /// The same edge as the element on its other side has it; `None` on the boundary.
+    /// Returns the edge as the element on its other side has it; `None` on the boundary.
     pub fn neighbour(&self, edge: ElementEdge) -> Option<ElementEdge> {
         self.topology.neighbours[edge.element][edge.edge]
     }

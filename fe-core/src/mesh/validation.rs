@@ -10,7 +10,7 @@ use crate::kinematics::PlaneModel;
 /// as that square, so rounding leaves about 1e-16 of it: 1e-10 keeps six digits and still allows slivers of 1 : 1e9.
 pub const SMALLEST_RELATIVE_DETERMINANT: f64 = 1e-10;
 
-/// What a message calls an index, which may be any.
+/// Returns the number of an index in messages; the index may be any.
 fn number(index: usize) -> usize {
     index.saturating_add(1)
 }

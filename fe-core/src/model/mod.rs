@@ -169,7 +169,7 @@ impl Measured {
         self.components_along(self.axis.unwrap_or(self.direction))
     }
 
-    /// The same for an axis of this direction.
+    /// Returns the directions of [`Self::components`] for an axis of this direction.
     pub(crate) fn components_along(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let left = [-y, x];
         let towards_pull = left[0] * self.direction[0] + left[1] * self.direction[1] > -ALONG_AXIS;

@@ -79,8 +79,8 @@ pub struct ContactPoint {
 pub struct FieldsError(String);
 
 impl Fields<'_> {
-    /// The same with displacements of their own, to be kept while the run goes on. `mesh` must be the fields' own, by a
-    /// reference that lives as long.
+    /// Returns the fields with displacements of their own, to be kept while the run goes on. `mesh` must be the fields'
+    /// own, by a reference that lives as long.
     pub fn kept<'m>(self, mesh: &'m Mesh) -> Fields<'m> {
         let displacements = Cow::Owned(self.displacements.into_owned());
         Fields { mesh, displacements, ..self }

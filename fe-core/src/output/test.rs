@@ -124,7 +124,7 @@ fn a_linear_field_is_recovered_on_distorted_meshes_and_stays_apart_between_parts
     }
 }
 
-/// The same mesh with every middle node in the middle of its edge.
+/// Returns the mesh with every middle node in the middle of its edge.
 fn straightened(mesh: Mesh) -> Mesh {
     let mut nodes = mesh.nodes().to_vec();
     for edge in mesh.edges() {

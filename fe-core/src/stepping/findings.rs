@@ -1,4 +1,4 @@
-//! What an increment that converged is judged by: its load, its slips, and what its energies miss.
+//! Findings by which an increment that converged is judged: its load, its slips, and what its energies miss.
 
 use super::control::Findings;
 use super::newton::{Committed, Converged, Equilibrium, largest};

@@ -1,4 +1,4 @@
-//! What is told of each increment.
+//! Records of increments, and their observers.
 
 use super::{Analysis, Checkpoint, Energies, Iteration, Snapshot, Tried};
 use crate::assembly::GreatestInPart;

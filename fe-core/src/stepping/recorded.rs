@@ -1,8 +1,8 @@
 //! The increments of a run, so that another one repeats them: snap-backs, refused attempts and all.
 //!
-//! What a run depends on is what it attempted, in this order: an attempt that was refused leaves tangents, scales and a far
-//! field behind. A run that repeats all of them on the same model comes to the same bits; with other parameters its results
-//! are a smooth function of these, since nothing is chosen any more.
+//! A run depends on its attempts, in their order: an attempt that was refused leaves tangents, scales and a far field behind. A
+//! run that repeats all of them on the same model comes to the same bits; with other parameters its results are a smooth
+//! function of these, since nothing is chosen any more.
 
 use super::control::StepRun;
 use super::newton::{Leader, Target};

@@ -44,7 +44,7 @@ fn mixed(weight: f64, set: &[(usize, f64)]) -> Vec<f64> {
     [&props(&[&mixed, set].concat())[..], &[weight]].concat()
 }
 
-/// The same with the piecewise form through these points.
+/// The defaults with some parameters set and the piecewise form through these points.
 fn piecewise(set: &[(usize, f64)], points: &[[f64; 2]]) -> Vec<f64> {
     let mut props = props(set);
     props[FORM] = 1.0;

@@ -51,7 +51,8 @@ pub fn properties(concrete: &Concrete) -> Result<[f64; 14], ConfigurationError> 
     properties_with_exponent(concrete, COMPRESSIVE_EXPONENT)
 }
 
-/// The same with another B_c: smaller is more ductile, and B_c > 1 is needed for a finite energy.
+/// PROPS of `concrete_damage` for a concrete, with any B_c: smaller is more ductile, and B_c > 1 is needed for a finite
+/// energy.
 ///
 /// # Errors
 /// As [`properties`].

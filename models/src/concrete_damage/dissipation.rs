@@ -80,7 +80,7 @@ fn ratio_or(force: f64, energy: f64, otherwise: f64) -> f64 {
 /// Relative growth of Y − Y₀ up to which the Hermite rule of sixth order is exact to rounding: its
 /// error is of the order 7e-3 · growth⁶.
 const SIXTH_ORDER_REACH: f64 = 0.01;
-/// The same for the rule of fourth order, error about growth⁴/36.
+/// Relative growth of Y − Y₀ up to which the rule of fourth order is exact to rounding: its error is about growth⁴/36.
 const FOURTH_ORDER_REACH: f64 = 1e-3;
 
 impl Softening {

@@ -73,7 +73,7 @@ fn documentation(attributes: &[Attribute]) -> Vec<String> {
 
 /// The body of `entry_point! { … }`.
 struct Declaration {
-    /// Of the function's type, and of the arguments.
+    /// Attributes of the function's type, and of the arguments.
     attributes: [Vec<Attribute>; 2],
     fields: Vec<Argument>,
 }

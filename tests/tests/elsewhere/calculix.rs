@@ -71,7 +71,7 @@ fn apart(installation: &Installation, folder: &Path, job: &str, increments: usiz
     worst(pairs().map(|(a, b)| (a - b).abs())) / largest
 }
 
-/// Its own elasticity in the same deck.
+/// CalculiX's own elasticity in the same deck.
 #[test]
 fn its_elasticity_is_ours() {
     let Some(installation) = Installation::find() else { return };

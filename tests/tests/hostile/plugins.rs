@@ -45,11 +45,11 @@ enum Class {
     Harmless,
     /// All is done, with a warning in these words.
     Warned(&'static str),
-    /// It fails in the increment of the fault, with a message that names the plugin and has these words.
+    /// The run fails in the increment of the fault, with a message that names the plugin and has these words.
     Fails(&'static str),
     /// The library cannot be loaded, with these words.
     NotLoaded(&'static str),
-    /// It is done, or fails in words.
+    /// The run is done, or fails in words.
     InWords,
 }
 
@@ -225,7 +225,7 @@ struct Attempt {
     outcome: Outcome,
     history: Option<String>,
     summary: Option<Value>,
-    /// Nothing beside the results was changed.
+    /// Whether nothing beside the results was changed.
     is_contained: bool,
     /// The run of the replay case, if there is one.
     replay: Option<Outcome>,

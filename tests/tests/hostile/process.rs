@@ -17,7 +17,7 @@ pub const HISTORY: &str = "history.csv";
 pub const CHECKPOINT: &str = "checkpoint.bin";
 /// A run that is longer is asked to end.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// One that does not end then hangs.
+/// A run that does not end in this time after it was asked hangs.
 const GRACE: Duration = Duration::from_secs(30);
 /// The most memory of a process, bytes.
 pub const MOST_MEMORY: u64 = 1 << 30;
@@ -36,7 +36,7 @@ pub struct Outcome {
     pub status: ExitStatus,
     pub stdout: String,
     pub stderr: String,
-    /// It was asked to end, for it took long.
+    /// Whether the process was asked to end, for it took long.
     pub was_asked: bool,
 }
 

@@ -13,7 +13,7 @@ use std::hint::black_box;
 /// Fault that is put into a call on purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alteration<'a> {
-    /// Nothing.
+    /// No alteration.
     None,
     /// Passes NULL for this argument; a name of the call's `OPTIONAL_ARGUMENTS` or its tangent's (any other changes nothing).
     Null(&'a str),

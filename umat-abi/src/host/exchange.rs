@@ -90,7 +90,7 @@ macro_rules! arguments {
 }
 pub(super) use {arguments, inputs, outputs};
 
-/// What a plugin writes one of, or several.
+/// Element type of an output.
 pub trait Number: Copy + Default {
     /// Stands in front of numbers and behind them.
     const CANARY: Self;
@@ -252,7 +252,7 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
     /// Looks at what a call wrote. Returns whether the inputs are as they were.
     ///
     /// # Errors
-    /// It wrote behind an output, or behind the inputs.
+    /// The call wrote behind an output, or behind the inputs.
     #[inline]
     pub(super) fn take_back(&mut self) -> Result<bool, Overrun> {
         let Shared::Lent(memory) = &mut self.shared else { return Ok(true) };
@@ -268,7 +268,7 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
         Ok(bytes(&lent.inputs) == bytes(&self.inputs))
     }
 
-    /// What the plugin got.
+    /// Returns the memory that was lent to the plugin.
     #[inline]
     fn lent(&self) -> Option<&Lent<I, O>> {
         let Shared::Lent(memory) = &self.shared else { return None };

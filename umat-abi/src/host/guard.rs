@@ -90,12 +90,12 @@ impl Guard {
         locked(&self.written).clone()
     }
 
-    /// The same for calls that wrote nothing so far.
+    /// Returns this guard for calls that wrote nothing so far.
     pub(super) fn afresh(&self) -> Self {
         Self { written: Arc::default(), ..self.clone() }
     }
 
-    /// The same without waiting for other threads.
+    /// Returns this guard without waiting for other threads.
     pub(super) fn of_thread_safe(&self) -> Self {
         Self { turn: None, ..self.clone() }
     }

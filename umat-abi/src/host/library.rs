@@ -243,7 +243,7 @@ impl Library {
     /// Returns the same library, without metadata but known to be thread-safe: calls do not wait for each other.
     ///
     /// # Safety
-    /// Its entry points may run in several threads at once.
+    /// The entry points may run in several threads at once.
     #[must_use]
     pub unsafe fn thread_safe(mut self) -> Self {
         self.guard = self.guard.map(|guard| guard.of_thread_safe());
@@ -282,7 +282,7 @@ impl Library {
     /// is made sure of in calls.
     ///
     /// # Safety
-    /// Its entry points may run in several threads at once, and leave floating-point modes as they found them.
+    /// The entry points may run in several threads at once, and leave floating-point modes as they found them.
     #[must_use]
     pub unsafe fn vouched_for(mut self) -> Self {
         self.guard = None;

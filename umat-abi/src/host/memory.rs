@@ -36,7 +36,7 @@ pub struct NotFinite {
     pub element: usize,
     /// Rows of a matrix, column by column.
     pub rows: Option<usize>,
-    /// Its value: NaN or infinity.
+    /// Value of the element: NaN or infinity.
     pub value: f64,
 }
 
@@ -53,7 +53,7 @@ impl NotFinite {
         })
     }
 
-    /// The same, of a matrix.
+    /// Returns this result as an element of a matrix with so many rows.
     pub(super) fn of_matrix(self, rows: usize) -> Self {
         Self { rows: Some(rows), ..self }
     }

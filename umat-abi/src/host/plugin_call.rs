@@ -139,7 +139,7 @@ impl<I, O> PluginCall<I, O> {
         self.stress.as_slice()
     }
 
-    /// The same, to be set before a call.
+    /// STRESS or TAU, to be set before a call.
     pub fn stress_mut(&mut self) -> &mut [f64] {
         self.stress.as_mut_slice()
     }

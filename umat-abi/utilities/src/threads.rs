@@ -47,7 +47,7 @@ extern "C" fn get_thread_id_() -> i32 {
     number()
 }
 
-/// The same, called from C.
+/// get_thread_id() for calls from C: the number of this thread, from 0.
 #[unsafe(no_mangle)]
 extern "C" fn get_thread_id() -> i32 {
     number()
@@ -59,7 +59,7 @@ extern "C" fn getnumthreads_() -> i32 {
     count()
 }
 
-/// The same, called from C.
+/// getNumThreads() for calls from C: how many threads there are.
 #[unsafe(no_mangle)]
 extern "C" fn getNumThreads() -> i32 {
     count()

@@ -22,7 +22,7 @@ fn expressions_are_weighed_as_spdx_has_them() {
     }
 }
 
-/// Of this workspace: all licences are allowed, and have their texts.
+/// All licences of this workspace are allowed, and have their texts.
 #[test]
 fn what_is_linked_may_be_given_away() {
     let packages = packages(&crate::workspace()).expect("all are allowed");

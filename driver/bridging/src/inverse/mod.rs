@@ -99,7 +99,7 @@ fn assess(problem: &LeastSquares<'_>, parameters: Vec<f64>) -> Fitted {
 /// cov θ = σ² (JᵀWJ)⁻¹ JᵀW²J (JᵀWJ)⁻¹,   σ² = rᵀr/(m − n),   cov q = D cov θ Dᵀ with D = ∂q/∂θ
 /// ```
 ///
-/// What lies along directions without information is unknown.
+/// Components along directions without information are unknown.
 pub fn estimates(
     values: &[f64],
     residuals: &[f64],

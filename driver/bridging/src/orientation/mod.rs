@@ -144,7 +144,7 @@ pub struct Directions {
 
 /// Standard deviations from the mean at which panels of a normal distribution end.
 const DEVIATIONS: [f64; 9] = [-8.0, -5.0, -3.0, -1.5, 0.0, 1.5, 3.0, 5.0, 8.0];
-/// Panels become narrower towards an end by this ratio, so often.
+/// Grading of panels towards an end: ratio of successive ends, and the exponent before which they stop.
 const GRADING: (f64, i32) = (0.25, 12);
 /// The panels of a tensor's density.
 const TENSOR_PANELS: usize = 12;
@@ -152,14 +152,14 @@ const TENSOR_PANELS: usize = 12;
 const SECTION_PANELS: usize = 16;
 /// Least spread of a normal distribution.
 const LEAST_SPREAD_DEG: f64 = 0.1;
-/// η is met to this.
+/// Tolerance on the orientation number η.
 const EFFICIENCY_ROUNDING: f64 = 1e-12;
 
 impl Orientation {
     /// p(θ), with all integrals over it prepared. `breaks` are angles at which loads have kinks.
     ///
     /// # Errors
-    /// Numbers without sense.
+    /// Parameters outside their admissible range.
     pub fn directions(&self, fibre_length: f64, breaks: &[f64]) -> Result<Directions, Invalid> {
         let place = |name: &str| format!("orientation.{name}");
         match self {

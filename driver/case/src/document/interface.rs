@@ -48,7 +48,7 @@ pub struct InterfaceInitial {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum InterfaceStep {
-    /// The same in a member named "cycles".
+    /// Steps run several times, in a member named "cycles".
     Cycles(Cycles<InterfaceStep>),
     /// Steps run several times.
     Cycle(Cycle<InterfaceStep>),

@@ -71,7 +71,7 @@ pub enum Components {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PointStep {
-    /// The same in a member named "cycles".
+    /// Steps run several times, in a member named "cycles".
     Cycles(Cycles<PointStep>),
     /// Steps run several times.
     Cycle(Cycle<PointStep>),
@@ -140,7 +140,7 @@ pub struct Constraint {
     pub equals: Option<EndValue>,
 }
 
-/// What is given of some components.
+/// Values given for some components.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct ByComponent<T> {
     /// Strain 11.

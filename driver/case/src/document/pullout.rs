@@ -134,7 +134,7 @@ pub enum Section {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PulloutStep {
-    /// The same in a member named "cycles".
+    /// Steps run several times, in a member named "cycles".
     Cycles(Cycles<PulloutStep>),
     /// Steps run several times.
     Cycle(Cycle<PulloutStep>),
@@ -163,7 +163,7 @@ pub struct PulloutRamp {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum StepIncrements {
-    /// So many equal ones, cut back when one fails.
+    /// Number of equal increments, cut back when one fails.
     Equal(Increments),
     /// Automatic.
     Automatic(AutomaticIncrements),

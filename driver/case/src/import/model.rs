@@ -606,7 +606,7 @@ fn name_of(keyword: &Keyword, parameter: &str) -> Result<String, String> {
 
 fn label(line: &Data, field: usize) -> Result<u64, String> {
     let text = line.text(field);
-    text.parse().map_err(|_| format!("{}: '{text}' is no whole number", line.place))
+    text.parse().map_err(|_| format!("{}: '{text}' is not a whole number", line.place))
 }
 
 /// Index of the field variable.

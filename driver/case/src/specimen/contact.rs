@@ -119,7 +119,7 @@ pub fn bearing_factor(contacts: &[ContactPair], diameter: Option<f64>) -> f64 {
     }
 }
 
-/// The same for all pairs of the specimen; the law is loaded and checked once.
+/// Resolves one contact for all pairs of the specimen; the law is loaded and checked once.
 fn all_pairs(
     reader: &mut Reader<'_>,
     pair: &document::Pair,

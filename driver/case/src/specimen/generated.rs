@@ -15,12 +15,12 @@ use fe_core::model::Width;
 pub(super) const X: &[[f64; 2]] = &[[1.0, 0.0]];
 const Y: &[[f64; 2]] = &[[0.0, 1.0]];
 
-/// A mesh, and what the specimen says of it.
+/// Generated mesh with its default supports, pairs and notes.
 pub struct Generated {
     pub name: &'static str,
     pub definition: MeshDefinition,
     pub defaults: Defaults,
-    /// Its fibres.
+    /// Fibres of the specimen.
     pub fibres: Vec<PulledFibre>,
     /// Notes on the model for the user.
     pub notes: Vec<String>,
@@ -32,7 +32,7 @@ pub struct Generated {
 /// far the grip goes, mm.
 ///
 /// # Errors
-/// Parameters that cannot be.
+/// Parameters that contradict each other or are out of range.
 pub fn generate(given: &Specimen, matrix: Option<Thickness>, slip: f64) -> Result<Generated, SpecimenError> {
     match given {
         Specimen::PerpendicularFibre(given) => fibres::perpendicular_fibre(given, matrix),

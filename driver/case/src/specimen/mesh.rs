@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 /// Thickness of a plane fibre over its height, the diameter, for the area of the circle.
 const EQUAL_AREA: f64 = PI / 4.0;
-/// The same for its bending inertia.
+/// Thickness of a plane fibre over its height, the diameter, for the bending inertia of the circle.
 const EQUAL_INERTIA: f64 = 3.0 * PI / 16.0;
 
 /// The part around a fibre.

@@ -216,13 +216,13 @@ const POINT: &[Sample] = &[
     (
         &["steps.0={\"table\": \"text.csv\"}"],
         "$.steps[0].table",
-        "text.csv, line 2, column 'e11': 'abc' is no finite number",
+        "text.csv, line 2, column 'e11': 'abc' is not a finite number",
         ByMeaning,
     ),
     (
         &["steps.0={\"table\": \"text.csv\"}"],
         "$.steps[0].table",
-        "line 3, column 'e11': 'nan' is no finite number",
+        "line 3, column 'e11': 'nan' is not a finite number",
         ByMeaning,
     ),
     (&["steps.0={\"table\": \"backwards.csv\"}"], "$.steps[0].table", "line 3: the time 1 is not greater", ByMeaning),

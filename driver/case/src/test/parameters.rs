@@ -85,7 +85,7 @@ fn each_parameters_problem_says_where_and_what() {
         ),
         (
             json!({ "beta_mode": "blnd", "points": [[1, 2]] }),
-            "'blnd' is none of 0 = uni, 1 = bi, 2 = blend; nearest valid name: 'blend'",
+            "'blnd' is not one of 0 = uni, 1 = bi, 2 = blend; nearest valid name: 'blend'",
         ),
         (
             json!({ "beta_mode": 1.5, "points": [[1, 2]] }),

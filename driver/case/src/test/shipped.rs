@@ -94,7 +94,7 @@ fn the_laws_own_objection_stands_at_its_parameters() {
     let (code, text) = refused(&bond(json!({ "form": "piecewise", "points": [[0.1, 5], [0.05, 2]] })));
     assert!(code == 2 && text.contains("$.material.props: bond_slip: "), "{text}");
     let (code, text) = refused(&bond(json!({ "law": "C" })));
-    assert!(code == 2 && text.contains("$.material.props.law: 'C' is none of 0 = A, 1 = B, 2 = none"), "{text}");
+    assert!(code == 2 && text.contains("$.material.props.law: 'C' is not one of 0 = A, 1 = B, 2 = none"), "{text}");
 }
 
 #[test]

@@ -502,7 +502,8 @@ fn impossible_inclined_fibres_are_explained() {
     }
 }
 
-/// What another key or the kind of the model makes meaningless is refused, or told where a study may come to it.
+/// Keys that another key or the kind of the model makes meaningless are refused, or told where a study may come to
+/// them.
 #[test]
 fn keys_without_effect_are_told() {
     let fibre = |kind: &str, axisymmetric: bool| {

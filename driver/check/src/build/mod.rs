@@ -38,7 +38,7 @@ pub struct Request {
     pub form: Option<Form>,
     /// Further flags for every compiler.
     pub flags: Vec<String>,
-    /// Checked at run time, and with the lines of the source in what goes wrong.
+    /// Whether to enable run-time checks and source lines in error messages.
     pub debug: bool,
 }
 

@@ -66,7 +66,7 @@ pub struct Options {
     pub seconds: Option<f64>,
     /// The one stress state that is checked of the laws of a library with metadata, without a case.
     pub stress_state: Option<StressState>,
-    /// Told of what happens as it happens: a plugin may end the process before the end.
+    /// Receives each event as it occurs, since a plugin may end the process.
     pub listener: Option<fn(Event)>,
 }
 
@@ -115,8 +115,8 @@ impl Group {
     }
 }
 
-/// The processor's time that this thread has taken so far: how loaded the machine is says nothing about a plugin, and the
-/// verdicts do not depend on it. One that waits is left to who watches this process.
+/// Returns the processor time of this thread so far: verdicts do not depend on the load of the machine. Waiting plugins are
+/// detected by the supervising process.
 fn processor_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::try_from(time).unwrap_or_default()

@@ -7,7 +7,7 @@ use super::subject::{Committed, Entry, Subject, distance, largest};
 use super::tolerances::{NONLINEAR, ROUNDING_OF_F};
 use umat_abi::host::{Alignment, Alteration, CallOutcome, Probed};
 
-/// States in which the stress is asked whether it depends on STATEV.
+/// Number of states in which nonlinearity and dependence on STATEV are tested.
 const ASKED: usize = 4;
 /// Values given to state variables: damage, plastic strains, equivalent stresses.
 const VALUES: [f64; 7] = [1e-4, 1e-3, 1e-2, 0.5, 1.0, 10.0, 1e3];
@@ -44,8 +44,8 @@ pub(super) fn is_nonlinear(subject: &mut Subject<'_>, from: &Committed, step: &[
     Some(distance(&raised, &elastic) > NONLINEAR * largest(&elastic).max(largest(&raised)) + rounding)
 }
 
-/// Returns whether a law that is led along a step and back does not come back: its stress or a state variable keeps a part of what
-/// it changed by, and as much in increments half as long, which an explicit integration of elasticity does not.
+/// Returns whether a step and its reversal leave a residual change of the stress or of a state variable that does not shrink in
+/// increments half as long, as that of an explicit integration of elasticity does.
 fn is_irreversible(subject: &mut Subject<'_>, from: &Committed, step: &[f64]) -> bool {
     const KEPT: f64 = 1e-3;
     const STAYS: f64 = 0.75;

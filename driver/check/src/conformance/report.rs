@@ -81,7 +81,7 @@ pub enum Event {
 pub struct Report {
     /// Rows in the order of the checks.
     pub rows: Vec<Row>,
-    /// Told of what happens.
+    /// Receives each event as it occurs, since a plugin may end the process.
     pub(super) listener: Option<fn(Event)>,
 }
 

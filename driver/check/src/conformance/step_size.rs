@@ -1,4 +1,4 @@
-//! The same proportional path in 1, 10, 100 and 1000 increments.
+//! Dependence on the size of increments: one proportional path in 1, 10, 100 and 1000 increments.
 
 use super::random::Random;
 use super::report::{Ledger, Verdict};

@@ -377,7 +377,7 @@ impl<'p> Subject<'p> {
         self.twin_of(self.plugin, props, nstatv)
     }
 
-    /// [`Self::twin`], whose calls are those of another handle of the library.
+    /// Creates a twin as [`Self::twin`] does, with calls of another handle of the library.
     pub(super) fn twin_of<'q>(
         &self,
         plugin: &'q Plugin,
@@ -405,7 +405,7 @@ impl<'p> Subject<'p> {
         })
     }
 
-    /// Calls of plane stress through six components; `None` where the plugin does not serve them.
+    /// Returns a call of plane stress through six components; `None` if the plugin does not support that.
     pub(super) fn through_six(&self) -> Option<UmatCall> {
         let solid = StressState::ThreeD;
         if self.plugin.law.as_ref().is_some_and(|law| law.stress_states & solid.bits() == 0) {
@@ -425,7 +425,8 @@ impl<'p> Subject<'p> {
         Some(plane)
     }
 
-    /// Stresses after a step from a point of zeros by such calls, if there are.
+    /// Returns the stresses after a step from a point of zeros, by a call through six components
+    /// ([`Self::through_six`]); `None` if the call fails.
     pub(super) fn evaluate_through(&self, call: &mut UmatCall, from: &Committed, step: &[f64]) -> Option<Vec<f64>> {
         call.strain_33 = 0.0;
         prepare_umat(call, from, step, self.share, &self.end_gradient(from, step));

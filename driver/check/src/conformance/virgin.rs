@@ -43,7 +43,7 @@ pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     }
 }
 
-/// What rounding leaves of the stress that the case's strains make, and of the initial one.
+/// Returns the stress that rounding leaves of that which the case's strains make, and of the initial one.
 fn rounding(subject: &Subject<'_>, answer: &Answer, virgin: &Committed) -> f64 {
     let reach = subject.path.as_ref().map_or(0.0, |path| largest(&path.sizes()));
     let made = Some(largest(&answer.tangent) * reach).filter(|stress| stress.is_finite()).unwrap_or(0.0);

@@ -51,9 +51,9 @@ pub struct Access<'a> {
 /// Reason why a directory cannot be used.
 #[derive(Debug)]
 pub enum Refusal {
-    /// Record of its content.
+    /// Reason in the content of the directory.
     Content(String),
-    /// What the operating system does not allow.
+    /// An error of the operating system.
     System(io::Error),
 }
 
@@ -106,7 +106,7 @@ impl ResultDirectory {
     /// Opens a directory (made if missing) to add to what is there.
     ///
     /// # Errors
-    /// Somebody else writes there; the manifest is none; the operating system.
+    /// Somebody else writes there; the manifest is invalid; an error of the operating system.
     pub fn open_to_add(path: &Path, kind: Kind) -> Result<Self, Refusal> {
         let made = make(path)?;
         let (lock, _) = Lock::take(path)?;
@@ -263,7 +263,7 @@ impl ResultDirectory {
     /// Writes a file: it appears under its name when it is complete.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn write(&mut self, name: &str, content: impl AsRef<[u8]>) -> io::Result<PathBuf> {
         let path = self.path.join(name);
         if !self.manifest.is_claimed(name) {
@@ -280,7 +280,7 @@ impl ResultDirectory {
     /// replaced, which is noted ([`Self::notes`]).
     ///
     /// # Errors
-    /// One is there, and `overwrite` does not ask for its end.
+    /// Such a file exists and `overwrite` is false.
     pub fn admit<'n>(&mut self, names: impl IntoIterator<Item = &'n str>, overwrite: bool) -> Result<(), Refusal> {
         let is_there = |name: &&str| fs::symlink_metadata(self.path.join(name)).is_ok();
         let names = names.into_iter().filter(is_there).filter(|name| !self.manifest.owns(name, &self.path));

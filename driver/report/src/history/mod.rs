@@ -217,7 +217,7 @@ impl HistoryFile {
     /// Opens a file that is there.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// The file cannot be read.
     pub fn open(path: &Path) -> io::Result<Self> {
         let finished = whole_lines(path).map_err(at(path))?;
         let mut file = Self { path: path.to_owned(), columns: Vec::new(), finished };

@@ -12,7 +12,7 @@ use plotters::prelude::*;
 
 /// The area on which a picture is drawn.
 pub(super) type Root<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-/// What drawing on it gives.
+/// Result of a drawing operation.
 pub(super) type Drawn<'a, T> = Result<T, Box<dyn std::error::Error + 'a>>;
 
 /// The picture is drawn this much larger, because the SVG backend rounds to whole units.
@@ -147,7 +147,7 @@ impl Figure {
     /// The picture as SVG.
     ///
     /// # Errors
-    /// It cannot be drawn.
+    /// The picture cannot be drawn.
     pub fn svg(&self) -> Result<String, String> {
         guarded(|| self.draw_whole())
     }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Reads what pictures need of a run, by its result directory.
 ///
 /// # Errors
-/// It has no history, or no pictures.
+/// The directory has no history, or no pictures.
 pub fn read(folder: &Path) -> io::Result<(History, Spec)> {
     let history = History::of_run(folder, |table| table.for_pictures())?;
     let spec = Spec::read(&folder.join("plots").join(SPEC_FILE))?;

@@ -109,7 +109,7 @@ fn anything_can_be_drawn() {
     }
 }
 
-/// Of a jump at one abscissa nothing can be enlarged along x.
+/// A jump at one abscissa leaves nothing to enlarge along x.
 #[test]
 fn a_jump_has_no_inset() {
     let jump = (1..=10).map(|k| (0.0, 1e7 * f64::from(k)));
@@ -121,7 +121,7 @@ fn a_jump_has_no_inset() {
     }
 }
 
-/// What cannot be drawn takes nothing else away.
+/// A picture that cannot be drawn takes nothing else away.
 #[test]
 fn a_picture_that_cannot_be_drawn_is_a_warning() {
     let folder = tempfile::tempdir().unwrap();

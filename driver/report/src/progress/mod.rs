@@ -62,7 +62,7 @@ enum Display {
     Listener(Listener),
 }
 
-/// Hears which part of a run is done, and the present row, some 20 times a second.
+/// Receives the share of a run that is done, and the present row, some 20 times a second.
 pub type Listener = Box<dyn FnMut(f64, &Row<'_>) + Send>;
 
 impl Progress {
@@ -175,7 +175,7 @@ fn shown(case: &Case) -> Vec<(String, usize)> {
     names.iter().filter_map(|name| Some(((*name).to_owned(), index(name)?))).collect()
 }
 
-/// After how many increments the clock is read again: doubled or halved until that takes about [`REFRESH`].
+/// Number of increments between two readings of the clock: doubled or halved until that takes about [`REFRESH`].
 struct Pace {
     next: u64,
     stride: u64,

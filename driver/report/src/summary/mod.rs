@@ -85,7 +85,7 @@ impl Summary {
     /// The content of [`FILE`].
     ///
     /// # Errors
-    /// It holds what JSON cannot.
+    /// The summary holds what JSON cannot.
     pub fn text(&self) -> io::Result<String> {
         Ok(serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n")
     }

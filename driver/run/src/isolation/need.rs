@@ -17,7 +17,7 @@ pub struct Need {
     pub specimen: bool,
     /// Longest time of one call of each library, by its absolute path, s.
     pub libraries: BTreeMap<PathBuf, f64>,
-    /// The case wishes that a library of it runs in this process, which the command line does not grant.
+    /// Whether the case asks for in-process execution that the command line does not allow.
     pub is_against_a_wish: bool,
 }
 
@@ -51,7 +51,7 @@ impl Need {
 
 /// Returns the need of a process of its own for a case that stands in the file `file`; `None` if it has none.
 ///
-/// Nothing is loaded: a library's initialisers may do what its routines do.
+/// No library is loaded: its initialisers may do what its routines do.
 pub fn need(document: &Value, file: &Path, plugin_paths: &[PathBuf]) -> Option<Need> {
     if worker::is_this_process() || !system::IS_SUPPORTED {
         return None;

@@ -36,7 +36,7 @@ pub struct Job<'a> {
     /// Longest time of all that it does. Where there is one, time in which it waits for a processor counts neither here nor for
     /// a call: verdicts do not depend on how busy the machine is.
     pub time_limit: Option<Duration>,
-    /// Told what counts of its time.
+    /// Receives the processor time charged to the worker.
     pub spent: Option<&'a Cell<Duration>>,
     /// Lines that other workers told, which are not told again.
     pub told: Option<&'a Told>,
@@ -71,7 +71,7 @@ pub struct Failure {
 /// Runs a worker to its end.
 ///
 /// # Errors
-/// It cannot be started or watched.
+/// The worker cannot be started or watched.
 pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let (file, path) = system::shared_file()?;
     let recording = Recording::create(&file)?;

@@ -44,10 +44,10 @@ pub trait Observer {
     /// Whatever prevented it from being written; the run stops.
     fn row(&mut self, row: Row<'_>) -> io::Result<()>;
 
-    /// An increment is done, whether its row is written or not; the run has cost so much by now.
+    /// Receives each finished increment with the statistics so far, whether or not its row is written.
     fn increment_done(&mut self, row: Row<'_>, so_far: Statistics);
 
-    /// The attempts that led to an increment that is done.
+    /// Receives the attempts that led to a finished increment.
     fn tried(&mut self, _step: u32, _attempts: &[Tried]) {}
 
     /// A plugin has answered an increment, or a piece of one that was cut back, and the point is about to go there.
@@ -69,7 +69,7 @@ pub trait Observer {
     /// Receives a warning: what the user should know although nothing is wrong.
     fn warn(&mut self, _message: String) {}
 
-    /// Returns what it needs to go on in another process, with a run that is resumed from here.
+    /// Returns the state from which another process resumes the run.
     fn state(&self) -> Vec<u8> {
         Vec::new()
     }

@@ -10,8 +10,8 @@ use nalgebra::{SMatrix, SVector};
 
 /// |Δs| ≤ 1e-8 · max(1, |s|) MPa: the contract of docs/reference/command-line.md.
 pub(super) const STRESS_TOLERANCE: f64 = 1e-8;
-/// What rounding leaves of a stress, relative to the largest so far: more than that tolerance in a case in Pa, where the 0 of a free
-/// side is a difference of 1e8.
+/// Stress that rounding leaves, relative to the largest so far: more than [`STRESS_TOLERANCE`] in a case in Pa, where the 0 of
+/// a free side is a difference of 1e8.
 const STRESS_ROUNDING: f64 = 1e-12;
 /// Tolerance of relations that hold strains alone, relative to max(1e-6, largest strain).
 const STRAIN_TOLERANCE: f64 = 1e-10;
@@ -47,7 +47,7 @@ pub(super) struct Targets<'a> {
     pub(super) strain: [f64; 6],
     /// The largest component of stress at the end of any increment so far.
     pub(super) largest_stress: f64,
-    /// What measures the strains that are sought: the largest strain at the start of the step and of those that drive it, and the
+    /// Measure of the strains that are sought: the largest strain at the start of the step and of those that drive it, and the
     /// strains at that start; `None` if something else drives it.
     pub(super) measure: Option<(f64, [f64; 6])>,
 }
@@ -66,7 +66,7 @@ pub(super) enum Divergence<E> {
     Far {
         /// A strain that changed too much since the start of the step.
         component: usize,
-        /// Its change.
+        /// Change of that strain.
         change: f64,
     },
 }

@@ -363,7 +363,7 @@ impl<'p> Runner<'p> {
         }
     }
 
-    /// Replaces the increments by those that the case tells of the first call: sums and differences round.
+    /// Replaces the increments of the first call by those in the case, which carry no rounding error.
     fn hand_over(&mut self) {
         let UmatArguments { dtime, dtemp, dpred, .. } = self.arguments;
         self.call.dtime = dtime.unwrap_or(self.call.dtime);
@@ -724,8 +724,8 @@ impl Divisible for Runner<'_> {
 }
 
 impl Runner<'_> {
-    /// What measures the strains that a step seeks ([`Targets::measure`]); `start`: controlled quantities. Relations and fields drive
-    /// strains of any size, and so do stresses that grow.
+    /// Returns the measure of the strains that a step seeks ([`Targets::measure`]); `start`: controlled quantities. Relations
+    /// and fields drive strains of any size, and so do stresses that grow.
     fn measure(&self, step: &PointStep, start: &[f64; 6]) -> Option<(f64, [f64; 6])> {
         let PointDrive::Components { controls, rows } = &step.goal.drive else { return None };
         let strain = *self.strain();
@@ -846,7 +846,7 @@ fn far(component: usize, change: f64) -> String {
 struct Plan {
     /// Values of the controlled quantity, by component.
     start: [f64; 6],
-    /// What measures the strains that are sought ([`Targets::measure`]).
+    /// Measure of the strains that are sought ([`Targets::measure`]).
     measure: Option<(f64, [f64; 6])>,
     /// Left sides of the relations.
     relations: Vec<f64>,

@@ -1,8 +1,8 @@
 //! The replay case: the state before a failed increment, and the increment, as a case file.
 //!
-//! Its first call is to the bit that of the first attempt from the state before. Only where an increment at finite strain
-//! is given stresses the strain of that call is another, as it begins without the tangent of the increment before. (A call that
-//! ended the process is repeated as it was.)
+//! The first call of a replay case is to the bit that of the first attempt from the state before. Only where an increment at
+//! finite strain is given stresses the strain of that call is another, as it begins without the tangent of the increment
+//! before. (A call that ended the process is repeated as it was.)
 
 use super::{interface, point};
 use crate::program::{

@@ -37,7 +37,7 @@ pub(super) trait Divisible {
     /// Begins a step, of this number from 1.
     ///
     /// # Errors
-    /// It cannot be taken from here.
+    /// The step cannot be taken from the present state.
     fn begin(&mut self, step: &Step<Self::Goal>, number: u32, program: &Program) -> Result<(), Stop>;
 
     /// Sets where increment `index` (from 0) of the step leads.

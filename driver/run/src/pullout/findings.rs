@@ -60,9 +60,9 @@ pub struct Rupture {
     pub slip: f64,
     /// Load of that fibre, N.
     pub load: f64,
-    /// Its greatest equivalent plastic strain.
+    /// Greatest equivalent plastic strain of that fibre.
     pub plastic_strain: f64,
-    /// Its greatest principal stress, MPa.
+    /// Greatest principal stress of that fibre, MPa.
     pub stress: f64,
     /// Step, from 1.
     pub step: u32,
@@ -102,9 +102,9 @@ pub struct Failure {
     pub increment: u32,
     /// Part of the step that was done.
     pub progress: f64,
-    /// Where.
+    /// Location of the failure.
     pub place: Location,
-    /// Why.
+    /// Reason for the failure.
     pub reason: String,
 }
 

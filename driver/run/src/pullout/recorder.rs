@@ -241,7 +241,7 @@ struct Recorder<'p, 'o> {
     program: &'p PulloutProgram,
     observer: &'o mut dyn path::Observer,
     fields: Option<FieldWriter>,
-    /// What a run goes on with, but for the fields.
+    /// State with which a resumed run goes on, but for the fields.
     state: RecorderState,
     /// Folder of the checkpoints, and their owner.
     destination: Option<(PathBuf, &'o Checkpoints)>,

@@ -74,7 +74,7 @@ pub(super) fn gmsh(definition: &MeshDefinition, turned: bool) -> String {
     text + "$EndElements\n"
 }
 
-/// The same fibre as a file.
+/// Returns the case with its fibre from a file.
 pub(super) fn from_file(mut case: Value) -> Value {
     case["mesh"] = json!({ "file": "fibre.msh" });
     case["parts"]["fibre"]["model"] = json!("plane_stress");

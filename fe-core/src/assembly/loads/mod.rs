@@ -9,8 +9,8 @@
 //! Under large displacements a pressure acts on the present edge, with the present radius or thickness. Its stiffness leaves
 //! the change of the thickness out: no law of plane stress returns it at an edge. Tractions and forces keep direction and area.
 //!
-//! What acts on released elements fades with their forces: on an edge with those of its element, at a node with those of the
-//! last of its elements.
+//! Loads on released elements fade with their forces: on an edge with those of its element, at a node with those of the last of
+//! its elements.
 
 use crate::element::EdgePoint;
 use crate::kinematics::PlaneModel;
@@ -25,11 +25,11 @@ mod test;
 const RULE: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
-/// What bears loads.
+/// Elements that bear loads.
 pub struct Bearers<'a> {
     /// The present thickness of an element with large displacements, mm.
     pub thickness: &'a dyn Fn(usize) -> Option<f64>,
-    /// What is left of them; `None`: no element was released.
+    /// Shares of the loads that are left; `None`: no element was released.
     pub shares: Option<Shares>,
 }
 

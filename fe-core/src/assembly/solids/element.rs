@@ -266,7 +266,7 @@ struct Average<const N: usize> {
 }
 
 impl<const N: usize> Average<N> {
-    /// Nothing yet, over the reference volume; `None` for an element that is not averaged.
+    /// Returns an average of zeros over the reference volume; `None` for an element that is not averaged.
     fn default_of(shape: &Shape<'_, N>) -> Option<Self> {
         let zero = [[0.0; 2]; N];
         shape.average.then(|| {

@@ -25,7 +25,7 @@ pub(super) struct States {
     pub(super) statev: Vec<f64>,
     /// SSE, SPD, SCD.
     pub(super) energies: Vec<[f64; 3]>,
-    /// The same per reference volume: ∫J dSSE of laws for small strains, J SSE of others; ∫J dSPD, ∫J dSCD.
+    /// Energies per reference volume: ∫J dSSE of laws for small strains, J SSE of others; ∫J dSPD, ∫J dSCD.
     pub(super) reference_energies: Vec<[f64; 3]>,
     /// Viscous part of the stress.
     viscous_stress: Vec<Components>,

@@ -20,10 +20,10 @@ use crate::model::PluginLaw;
 use serde::{Deserialize, Serialize};
 use umat_abi::host::{TangentDeviation, TangentSource};
 
-/// Deviations from 1 of reported energy over work, of increments that differ by [`SHRINKAGE`], that are so near to each
-/// other (relative) are the same: those of trapezoidal sums shrink with the increment.
+/// Relative tolerance within which two deviations of energy over work from 1 count as equal, of increments that differ
+/// by [`SHRINKAGE`]: those of trapezoidal sums shrink with the increment.
 const SAME: f64 = 0.02;
-/// The same limit for three increments together.
+/// Relative tolerance within which the deviations of three increments count as equal together.
 const SIMILAR: f64 = 0.2;
 const SHRINKAGE: f64 = 0.3;
 /// Share of the imbalance from which on a part is held responsible for it.
@@ -114,7 +114,7 @@ impl Trust {
         matches!(self.reports, Reports::Vouched | Reports::Believed)
     }
 
-    /// Takes note of how far a report misses the work in an increment that was refused for it; whether that is enough.
+    /// Records the mismatch of a refused increment; returns whether the report is refuted.
     fn misses(&mut self, size: f64, by: f64) -> bool {
         self.missed.push([size, by]);
         let [.., earlier, last] = self.missed[..] else { return false };

@@ -35,7 +35,7 @@ fn stretches_along_fixed_axes_give_midpoint_logarithms() {
     assert_eq!(increment.rotation(), (1.0, 0.0));
 }
 
-/// The same in a frame that turns: Δε and stress turn along.
+/// Increments in a frame that turns: Δε and stress turn along.
 #[test]
 fn increments_are_objective() {
     let increment = FiniteIncrement::new(&START, &END).unwrap();

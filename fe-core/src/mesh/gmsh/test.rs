@@ -39,7 +39,7 @@ $Elements
 $EndElements
 ";
 
-/// The same in version 4.1.
+/// The mesh of [`VERSION_2`] in version 4.1.
 const VERSION_4: &str = "$MeshFormat
 4.1 0 8
 $EndMeshFormat

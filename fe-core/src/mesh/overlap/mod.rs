@@ -34,7 +34,7 @@ const BEFORE_CORNER: f64 = 1e-3;
 pub struct Overlap {
     /// Distance to the nearest edge of the body that it lies in, mm.
     pub depth: f64,
-    /// Its present position, mm.
+    /// Present position of the point, mm.
     pub position: [f64; 2],
     /// The part that it belongs to.
     pub part: usize,

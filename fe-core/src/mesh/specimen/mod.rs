@@ -49,7 +49,7 @@ pub enum SurfaceRole {
     Bonded,
     /// Bond with a small tensile capacity: the fibre separates from the matrix at its exit (6.27).
     Separation,
-    /// Nothing: a rounded edge that the fibre may come to touch.
+    /// No bond: a rounded edge that the fibre may come to touch.
     Exit,
     /// The end of the hole, on which a fibre that is pushed in comes to bear: no contact unless it is asked for.
     End,
@@ -96,7 +96,7 @@ pub struct PulledFibre {
     pub exit_node: usize,
     /// Node on its axis at its embedded end.
     pub tail_node: usize,
-    /// Its embedded end and the end of its hole.
+    /// Contact surfaces of its embedded end and of the end of its hole.
     pub end: ContactSurfaces,
 }
 

@@ -10,7 +10,7 @@ pub struct ParameterProblem {
     pub fibre: Option<usize>,
     /// The parameter.
     pub name: &'static str,
-    /// Its value.
+    /// Value of the parameter.
     pub value: String,
     /// Requirement that it does not meet.
     pub requirement: String,

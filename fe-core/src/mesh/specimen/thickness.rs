@@ -12,7 +12,7 @@ mod test;
 /// An element is cut into so many pieces along each side where its mean thickness is taken.
 const PIECES: usize = 8;
 
-/// A mean that differs from the full thickness by less is the full one.
+/// Relative difference below which a mean counts as the full thickness.
 const ROUNDING: f64 = 1e-9;
 
 /// Elements of the cover thinner than this share of the block are left out.

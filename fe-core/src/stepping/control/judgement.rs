@@ -216,9 +216,9 @@ impl StepRun {
         }
     }
 
-    /// The same increment, and smaller ones that tell whether its energies miss the work for its size, where a step asks for
-    /// equal increments and so refuses none for their energies. Empty: there is nothing to tell, or it was looked at too
-    /// often.
+    /// Returns the increment again, and smaller ones that tell whether its energies miss the work for its size, where a step
+    /// asks for equal increments and so refuses none for their energies. Empty: there is nothing to tell, or it was looked at
+    /// too often.
     pub(in crate::stepping) fn smaller_looks(&mut self, findings: &Findings) -> Vec<Self> {
         if !self.size.fixed || self.energy_looks == MAX_ENERGY_LOOKS || !self.misses_energies(findings) {
             return Vec::new();

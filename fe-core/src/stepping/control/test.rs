@@ -6,7 +6,7 @@ use crate::model::{PluginLaw, StepControl};
 use crate::stepping::test::strip;
 
 impl StepRun {
-    /// The same step, led by drag in its first half.
+    /// Returns the step, led by drag in its first half.
     pub(in crate::stepping) fn through_drag(mut self, stiffness: f64) -> Self {
         (self.usual_progress, self.usual_stiffness) = (0.5 / NUDGE, stiffness);
         self.lead = self.drag().expect("there is contact");
@@ -150,7 +150,7 @@ fn where_drag_cannot_lead_runs_go_on_as_far_as_without_it() {
     assert!(leads.len() > 2 * LEADS as usize, "{}", leads.len());
 }
 
-/// What a first increment misses where contact opens is the same part of its work, however small it is.
+/// The part of its work that a first increment misses where contact opens is the same, however small it is.
 #[test]
 fn energies_that_a_smaller_increment_does_not_mend_refuse_none() {
     let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
@@ -181,7 +181,7 @@ fn energies_that_a_smaller_increment_does_not_mend_refuse_none() {
     }
 }
 
-/// What converged is no reason to fail: a judgement cuts no increment below the least.
+/// An increment that converged is no reason to fail: a judgement cuts no increment below the least.
 #[test]
 fn a_judgement_leaves_the_least_increment() {
     let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);

@@ -7,8 +7,8 @@ use crate::stepping::zone::Zone;
 
 /// The part of what there is to correct at the start of a round that may be left at its end.
 const LEFT: f64 = 1e-4;
-/// What a first correction by the factor of another run may leave: as a part of what there was to correct, since an error of first order
-/// adds up where matter softens, and of what rounding may make of a residual, which mostly makes less.
+/// Residual that a first correction by the factor of another run may leave: as a part of what there was to correct, since an
+/// error of first order adds up where matter softens, and of what rounding may make of a residual, which mostly makes less.
 const ROUGHLY_LEFT: [f64; 2] = [1e-6, 0.1];
 /// The part of what rounding may make of a residual at which there is nothing to correct: a difference so small has been left by the
 /// sums of the displacements.
@@ -49,7 +49,7 @@ impl Guide {
 pub(super) struct Beside {
     residual: Vec<f64>,
     growth: f64,
-    /// What is to be corrected at the start of the round: the largest residual, N, and growth. Known after the first evaluation.
+    /// Largest residual, N, and growth that are to be corrected at the start of the round. Known after the first evaluation.
     first: Option<[f64; 2]>,
 }
 

@@ -88,7 +88,7 @@ pub(super) enum Leader {
     /// The slip of a contact point, mm: of the one that breaks, otherwise of the one that slides fastest at the start of the
     /// increment. It grows while a fibre is pulled out; the mean slip turns back where one point breaks.
     PointSlip,
-    /// What the solids' laws have dissipated, N·mm: grows while an element fails.
+    /// Dissipation of the solids' laws, N·mm: grows while an element fails.
     Dissipation,
 }
 
@@ -207,7 +207,7 @@ pub(super) struct Equilibrium<'m> {
     pub(super) keeps_rounds: bool,
     /// The end of the present round in the run beside which this one goes.
     beside: Option<Beside>,
-    /// Its turn among runs that share factors.
+    /// Turn of this run among those that share factors.
     pub(super) turn: Option<Turn>,
     /// A factor that goes round among them.
     handed: Option<Handed>,

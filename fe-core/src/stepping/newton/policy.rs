@@ -6,8 +6,8 @@ use crate::assembly::{Trouble, touching};
 use crate::solver::Symmetry;
 use crate::stepping::times::timed;
 
-/// After how many iterations the stiffness of damaging elements out of balance becomes safer (doc.md). That of plastic
-/// ones is safe, and the elastic one far too stiff where flow spreads.
+/// Iterations after which a safer stiffness is used for damaging elements out of balance (doc.md). That of plastic ones
+/// is safe, and the elastic one far too stiff where flow spreads.
 const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
 /// Ratio of successive residuals below which no safer stiffness is needed.
 const SLOW_REDUCTION: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! What an equilibrium remembers between increments, as it is kept between runs.
+//! State that an equilibrium keeps between increments, as it is saved between runs.
 
 use super::Equilibrium;
 use super::drag::Drag;

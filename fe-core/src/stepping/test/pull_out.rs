@@ -264,7 +264,7 @@ fn tangent_error(model: &Model) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// What rounding of positions leaves through the penalties, relative to the force scale.
+/// Force that rounding of positions leaves through the penalties, relative to the force scale.
 const ROUNDING: f64 = 1e-9;
 
 /// Once no point changes its branch the residual falls quadratically: sticking, softening, flowing, cracking.
@@ -314,7 +314,7 @@ fn attempts_that_are_given_up_leave_the_tolerance_as_it_was() {
     assert!(equilibrium.force_scale() < 1e-6, "{} N", equilibrium.force_scale());
 }
 
-/// What is condensed, kept or reused changes nothing but the cost.
+/// Condensing, keeping and reusing change nothing but the cost.
 #[test]
 fn skipping_gives_the_same_curve() {
     let concrete = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15)]);

@@ -65,7 +65,7 @@ fn dissipation_leads_through_a_snap_back_without_contact() {
     assert_eq!(records.last().unwrap().slip, END);
 }
 
-/// What the drives take back of a damaged bar that unloads was stored.
+/// Work that the drives take back from a damaged bar that unloads was stored.
 #[test]
 fn elastic_unloading_is_told_from_loading() {
     let mut model = bar();
@@ -137,7 +137,8 @@ fn stabilisation_passes_a_snap_back_without_turning_and_books_what_it_takes() {
     approx::assert_abs_diff_eq!(last.load / AREA, stress(strain), epsilon = 0.02);
 }
 
-/// What lags behind by one increment carries more than its strength, the less the smaller the increments are.
+/// A bar whose damage lags behind by one increment carries more than its strength, the less the smaller the increments
+/// are.
 #[test]
 fn extrapolated_damage_passes_a_snap_back_without_turning_and_books_what_it_takes() {
     let properties = [("E", MODULUS), ("nu", 0.0), ("A_t", SCALE), ("B_t", EXPONENT), ("Y_t0", THRESHOLD)];

@@ -6,7 +6,7 @@ use crate::threads::Threads;
 use std::num::NonZeroUsize;
 use umat_abi::law::Request;
 
-/// What a run with so many threads leaves: loads, energies, displacements, and what it cost.
+/// Returns the results of a run with so many threads: loads, energies, displacements, and its cost.
 fn outcome(model: &Model, threads: usize) -> (Vec<f64>, Vec<Energies>, Vec<f64>, Statistics) {
     struct Keeper(Vec<f64>, Vec<Energies>);
     impl Observer for Keeper {

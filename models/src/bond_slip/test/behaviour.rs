@@ -70,8 +70,8 @@ fn a_zero_increment_keeps_the_loading_tangent() {
     }
 }
 
-/// The same along a path, without residual friction too, and where the slip that comes again is lower in its last place:
-/// what a host that asks for the tangent at a converged state gives.
+/// A zero increment counts as loading along a path too, without residual friction, and where the slip that comes again is lower
+/// in its last place: what a host that asks for the tangent at a converged state gives.
 #[test]
 fn a_point_that_is_evaluated_again_is_still_loading() {
     let mut random = Random::new(11);

@@ -7,7 +7,7 @@ use crate::concrete_damage::split::Split;
 use crate::tensor::{Elasticity, Spectral, work};
 use approx::assert_relative_eq;
 
-/// Of this, a crack of 20 mm is open by 2 mm: nothing is left of the strength.
+/// Strain at which a crack band of 20 mm is open by 2 mm: nothing is left of the strength.
 const OPEN: f64 = 0.1;
 /// Far from crushing.
 const PRESSED: f64 = -3e-5;
@@ -37,8 +37,8 @@ fn go<L: Law>(point: &mut Point<'_, L>, strain: [f64; 6]) -> [f64; 6] {
     point.stress
 }
 
-/// What minimises is known by its conditions: the crack strain is in the cone, the stress in the polar one, and neither works
-/// on the other.
+/// The minimum is known by its conditions: the crack strain is in the cone, the stress in the polar one, and neither works on
+/// the other.
 #[test]
 fn free_cracks_minimise_the_energy() {
     let mut random = Random::new(0xC7AC);

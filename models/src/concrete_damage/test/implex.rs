@@ -88,7 +88,7 @@ fn is_the_implicit_law_until_damage_begins() {
     }
 }
 
-/// Its parameters are those of the implicit law.
+/// The parameters on the page are those of the implicit law.
 #[test]
 fn its_page_has_the_states_that_hosts_see() {
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/src/concrete_damage/implex.md");

@@ -134,7 +134,7 @@ fn inelastic_strain_leaves_strengths_and_residual_strain() {
     assert!(path.advance(residual).abs() < 1e-9);
 }
 
-/// The same fit as the defaults', but made with free sides: inside the band.
+/// A fit as that of the defaults, but made with free sides, is inside the band.
 #[test]
 fn tension_refitted_with_free_sides_is_inside_the_band() {
     let props = with(defaults(), &[("A_t", 4500.0), ("Y_t0", 1.893_425e-4)]);

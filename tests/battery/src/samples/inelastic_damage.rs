@@ -16,7 +16,7 @@ pub const CLOSED: [([f64; 8], f64); 6] = [
     ([31800.0, 0.18, 5000.0, 1.3, 2e-4, 0.0, 1.0, 0.0], 1.2e-4),
     ([31800.0, 0.0, 5000.0, 1.3, 2e-4, 3.5, 1.0, 1.0], 1.2e-4),
 ];
-/// The same, α ≠ 1.
+/// (PROPS, about the peak strain), α ≠ 1.
 pub const MARCHED: [([f64; 8], f64); 6] = [
     (GS_POWER, 1.2e-4),
     (GS_RATIONAL, 1.2e-4),

@@ -6,7 +6,7 @@ use crate::law::{Request, StressState};
 
 /// Tolerance of σ33 in plane stress, relative to the largest stress, or to the stiffness times the largest strain.
 const STRESS_TOLERANCE: f64 = 1e-13;
-/// The same, accepted where no iteration comes nearer.
+/// Tolerance of σ33 in plane stress that is accepted where no iteration comes nearer.
 const LARGEST_STRESS: f64 = 1e-9;
 /// Iterations on ε33.
 const MAX_ITERATIONS: usize = 50;
@@ -32,7 +32,7 @@ impl UmatCall {
         })
     }
 
-    /// The arguments that both have.
+    /// Copies the arguments common to both calls.
     pub(super) fn hand_over(&mut self, solid: &mut Self) {
         (solid.time, solid.dtime) = (self.time, self.dtime);
         (solid.temp, solid.dtemp) = (self.temp, self.dtemp);

@@ -68,7 +68,7 @@ record! {
     /// PROPS.
     props to.put(call.props());
     }
-    /// What it must not change.
+    /// Inputs, which the plugin must not change.
     inputs: UmatInputs;
 }
 
@@ -92,7 +92,7 @@ record! {
     /// PROPS.
     props to.put(call.props());
     }
-    /// What it must not change.
+    /// Inputs, which the plugin must not change.
     inputs: UinterInputs;
 }
 
@@ -116,7 +116,7 @@ record! {
     /// PROPS.
     props to.put(call.props());
     }
-    /// What it must not change.
+    /// Inputs, which the plugin must not change.
     inputs: FricInputs;
 }
 

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Contact {
-    /// The same for all pairs of the specimen.
+    /// One contact for all pairs of the specimen.
     All(Box<Pair>),
     /// Pair by pair.
     Pairs(Vec<Piece<Pair>>),
@@ -100,9 +100,9 @@ pub type Points = Whole<1, 10>;
 pub enum Quadrature {
     /// The slave nodes.
     Nodes,
-    /// So many Gauss points on each slave edge.
+    /// Number of Gauss points on each slave edge.
     Gauss(Points),
-    /// So many Gauss points on each segment between slave nodes and projected master nodes.
+    /// Number of Gauss points on each segment between slave nodes and projected master nodes.
     Segments(Points),
 }
 

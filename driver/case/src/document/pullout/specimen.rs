@@ -304,9 +304,9 @@ pub struct GradedThickness {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum FibreShape {
-    /// It bends to the normal of the exit face (initially bent).
+    /// The fibre bends to the normal of the exit face (initially bent).
     Bent,
-    /// It goes on along its axis (initially straight).
+    /// The fibre goes on along its axis (initially straight).
     Straight,
 }
 

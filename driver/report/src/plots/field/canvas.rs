@@ -44,7 +44,7 @@ impl Canvas {
     /// Draws it.
     ///
     /// # Errors
-    /// It cannot be drawn.
+    /// The picture cannot be drawn.
     pub fn new(
         title: &str,
         note: &str,
@@ -136,7 +136,7 @@ impl Layout<'_> {
 }
 
 impl Side<'_> {
-    /// px.
+    /// Returns the width, px.
     fn width(&self) -> i32 {
         match self {
             Self::Bar { levels, .. } => {

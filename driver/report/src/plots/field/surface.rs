@@ -21,7 +21,7 @@ pub(super) struct Surface<'a> {
     patches: Vec<(usize, Vec<GridPoint>)>,
     /// Mean size of an element, px.
     pub element_size: f64,
-    /// Whether it holds only what lies behind, or only what does not.
+    /// `Some(true)`: only elements behind; `Some(false)`: only the others; `None`: all.
     behind: Option<bool>,
 }
 

@@ -177,7 +177,7 @@ fn bounds_end_a_step_or_the_run() {
     assert_eq!(directives.iter().position(|directive| *directive == Directive::EndRun), Some(6));
 }
 
-/// What is not given cannot be made shorter.
+/// A relaxation time that is not given cannot be made shorter.
 #[test]
 fn advice_on_stabilisation_names_what_there_is() {
     let told = |share, relaxes| stabilisation_warning(share, relaxes).unwrap_or_default();
