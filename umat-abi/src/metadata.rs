@@ -217,7 +217,7 @@ impl Parameter {
         }
     }
 
-    /// Returns what values are usual; the default and others that the bounds admit are no errors.
+    /// Returns what values are usual, as the default and 0 are; others that the bounds admit are no errors.
     pub const fn typically(mut self, lower: f64, upper: f64) -> Self {
         self.typical_lower = lower;
         self.typical_upper = upper;

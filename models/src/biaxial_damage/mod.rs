@@ -30,12 +30,12 @@ umat_abi::parameters! {
         pub elasticity: Elasticity = youngs_modulus(31800.0), poisson_ratio(0.18);
         /// A_t, B_t, Y_t0.
         pub tension: DamageLaw =
-            Parameter::new(c"A_t", c"1/MPa", 7000.0, c"rate of tensile damage").at_least(0.0),
+            Parameter::new(c"A_t", c"1/MPa", 7000.0, c"rate of tensile damage").at_least(0.0).typically(1e-4, 1e6),
             Parameter::new(c"B_t", c"-", 1.1, c"exponent of tensile damage").above(0.0),
             Parameter::new(c"Y_t0", c"MPa", 1.9e-4, c"threshold of tensile damage").at_least(0.0).typically(1e-7, 0.1);
         /// A_c, B_c, Y_c0.
         pub compression: DamageLaw =
-            Parameter::new(c"A_c", c"1/MPa", 29.0, c"rate of compressive damage").at_least(0.0),
+            Parameter::new(c"A_c", c"1/MPa", 29.0, c"rate of compressive damage").at_least(0.0).typically(1e-4, 1e6),
             Parameter::new(c"B_c", c"-", 0.94, c"exponent of compressive damage").above(0.0),
             Parameter::new(c"Y_c0", c"MPa", 3.0e-4, c"threshold of compressive damage")
                 .at_least(0.0)

@@ -60,44 +60,55 @@ umat_abi::parameters! {
         normal_stiffness: f64 =
             Parameter::new(c"normal_stiffness", c"MPa/mm", 0.0, c"penalty of the hard normal law; 0: the host fills it")
                 .at_least(0.0)
+                .typically(1.0, 1e9)
                 .with_role(c"normal_penalty");
         p_0: f64 = Parameter::new(
             c"p_0", c"MPa", 2.0, c"hard: tension that opens; soft: pressure at gap 0; unused by hard law none",
-        ).at_least(0.0);
+        ).at_least(0.0).typically(0.0, 1e5);
         /// δ_N.
         delta_n: f64 =
             Parameter::new(c"delta_N", c"mm", 0.32, c"opening over which the tension cap and the bond fade; 0: brittle")
-                .at_least(0.0);
+                .at_least(0.0)
+                .typically(1e-5, 1000.0);
         g_0: f64 = Parameter::new(c"g_0", c"mm", 0.05, c"gap at which the soft repulsion begins and the bond ends")
-            .at_least(0.0);
-        k_e: f64 = Parameter::new(c"k_e", c"MPa/mm", 950.0, c"elastic stiffness of the bond").at_least(0.0);
+            .at_least(0.0)
+            .typically(1e-4, 10.0);
+        k_e: f64 = Parameter::new(c"k_e", c"MPa/mm", 950.0, c"elastic stiffness of the bond")
+            .at_least(0.0)
+            .typically(1.0, 1e7);
         /// a_1, b_1.
         rise: [f64; 2] =
-            Parameter::new(c"a_1", c"MPa/mm^b_1", 1.5921, c"factor of the rising power"),
+            Parameter::new(c"a_1", c"MPa/mm^b_1", 1.5921, c"factor of the rising power").typically(0.01, 1e6),
             Parameter::new(c"b_1", c"-", 0.0832, c"exponent of the rising power, 0 < b_1 < 1");
         /// a_2, b_2.
         fall: [f64; 2] =
-            Parameter::new(c"a_2", c"MPa/mm^b_2", 0.87, c"factor of the falling power"),
+            Parameter::new(c"a_2", c"MPa/mm^b_2", 0.87, c"factor of the falling power").typically(1e-4, 1e6),
             Parameter::new(c"b_2", c"-", -0.2678, c"exponent of the falling power, b_2 < 0");
         /// τ_res.
         tau_res: f64 = Parameter::new(c"tau_res", c"MPa", 0.5, c"residual friction of the broken bond")
             .at_least(0.0)
             .typically(0.0, 100.0);
-        k_u: f64 = Parameter::new(c"k_u", c"MPa/mm", 850.0, c"unloading stiffness of law A; 0: k_e").at_least(0.0);
+        k_u: f64 = Parameter::new(c"k_u", c"MPa/mm", 850.0, c"unloading stiffness of law A; 0: k_e")
+            .at_least(0.0)
+            .typically(1.0, 1e7);
         /// μ.
         mu: f64 = Parameter::new(c"mu", c"-", 0.1, c"coefficient of friction").at_least(0.0).typically(0.0, 2.0);
         k_f: f64 = Parameter::new(
             c"k_f", c"MPa/mm", 0.0, c"stiffness of the friction spring; 0: 10 k_e, law none: the host may fill it",
-        ).at_least(0.0).with_role(c"tangential_penalty");
+        ).at_least(0.0).typically(1.0, 1e8).with_role(c"tangential_penalty");
         n_points: f64 = Parameter::new(c"n_points", c"-", 0.0, c"number of points of the piecewise form").at_least(0.0);
         /// c_N.
         c_n: f64 = Parameter::new(
             c"c_N", c"-", 0.0, c"law B, hard: weight of the gap beside the slip in the damage; 0: p_0 opens",
-        ).at_least(0.0);
+        ).at_least(0.0).typically(0.01, 1000.0);
         ..RepeatingGroup::new(c"points", 2, 0, POINT_COUNT).with_added(1) =>
         points: &'p [[f64; 2]] =
-            Parameter::new(c"slip", c"mm", 0.0, c"slip of a point of the piecewise form").at_least(0.0),
-            Parameter::new(c"traction", c"MPa", 0.0, c"bond traction of that point").at_least(0.0);
+            Parameter::new(c"slip", c"mm", 0.0, c"slip of a point of the piecewise form")
+                .at_least(0.0)
+                .typically(0.0, 1000.0),
+            Parameter::new(c"traction", c"MPa", 0.0, c"bond traction of that point")
+                .at_least(0.0)
+                .typically(0.0, 1e4);
     }
 }
 

@@ -33,14 +33,14 @@ umat_abi::parameters! {
         pub elasticity: Elasticity = youngs_modulus(31800.0), poisson_ratio(0.18);
         /// A_t, B_t, Y_t0.
         pub tension: DamageLaw =
-            Parameter::new(c"A_t", c"1/MPa", 5000.0, c"rate of tensile damage").above(0.0),
+            Parameter::new(c"A_t", c"1/MPa", 5000.0, c"rate of tensile damage").above(0.0).typically(1e-4, 1e6),
             Parameter::new(c"B_t", c"-", 1.3, c"exponent of tensile damage").above(0.0),
             Parameter::new(c"Y_t0", c"MPa", 1.905_077e-4, c"threshold of tensile damage")
                 .at_least(0.0)
                 .typically(1e-7, 0.1);
         /// A_c, B_c, Y_c0.
         pub compression: DamageLaw =
-            Parameter::new(c"A_c", c"1/MPa", 31.47479, c"rate of compressive damage").above(0.0),
+            Parameter::new(c"A_c", c"1/MPa", 31.47479, c"rate of compressive damage").above(0.0).typically(1e-4, 1e6),
             Parameter::new(c"B_c", c"-", 1.05, c"exponent of compressive damage").above(0.0),
             Parameter::new(c"Y_c0", c"MPa", 3.0e-4, c"threshold of compressive damage")
                 .at_least(0.0)

@@ -15,7 +15,7 @@ mod test;
 
 /// A, the scale of a damage function, in a law's parameter table.
 pub(crate) const fn scale_parameter(name: &'static CStr, default_value: f64) -> Parameter {
-    Parameter::new(name, c"1/MPa", default_value, c"scale A of the damage function").above(0.0)
+    Parameter::new(name, c"1/MPa", default_value, c"scale A of the damage function").above(0.0).typically(1e-4, 1e6)
 }
 
 /// B, its exponent.
@@ -25,7 +25,9 @@ pub(crate) const fn exponent_parameter(name: &'static CStr, default_value: f64) 
 
 /// Y₀, its threshold.
 pub(crate) const fn threshold_parameter(name: &'static CStr, default_value: f64) -> Parameter {
-    Parameter::new(name, c"MPa", default_value, c"damage energy release rate at which damage begins").at_least(0.0)
+    Parameter::new(name, c"MPa", default_value, c"damage energy release rate at which damage begins")
+        .at_least(0.0)
+        .typically(1e-7, 1.0)
 }
 
 /// Largest η: 1 − D stays a normal number and products of two of them do not overflow.

@@ -26,7 +26,9 @@ umat_abi::parameters! {
         poisson_ratio: f64 = poisson_ratio(0.2);
         /// A, B, Y_0.
         damage_law: DamageLaw =
-            scale_parameter(c"A", 2e18), exponent_parameter(c"B", 6.4), threshold_parameter(c"Y_0", 6.45e-4);
+            scale_parameter(c"A", 2e18).typically(1e-4, 1e20),
+            exponent_parameter(c"B", 6.4),
+            threshold_parameter(c"Y_0", 6.45e-4);
         /// κ.
         kappa: f64 =
             Parameter::new(c"kappa", c"MPa", 3.5, c"measure of the inelastic strain: > 0 tension, < 0 compression");

@@ -77,10 +77,10 @@ impl Parameter {
         }
     }
 
-    /// The usual range that a value is outside of. The default is usual.
+    /// The usual range that a value is outside of. The default is usual, and 0, which is so in all units.
     pub fn missed_range(&self, value: f64) -> Option<[f64; 2]> {
-        let is_usual = |[lower, upper]: &[f64; 2]| (*lower..=*upper).contains(&value) || value == self.default_value;
-        self.typical.filter(|range| !is_usual(range))
+        let is_usual = value == 0.0 || value == self.default_value;
+        self.typical.filter(|[lower, upper]| !is_usual && !(*lower..=*upper).contains(&value))
     }
 
     /// Returns whether a value is finite, within the bounds, and listed if there are choices.

@@ -206,6 +206,12 @@ fn what_a_slip_of_units_makes_is_told_with_the_usual_range() {
         told("concrete_damage", json!({})).is_empty() && told("concrete_damage", json!({ "E": 31_800 })).is_empty()
     );
     assert!(told("drucker_prager", json!({ "E": 31.8 })).is_empty(), "a soft soil");
+    // Pa; 1/GPa
+    let damage = told("pure_damage", json!({ "A": 5e6, "Y_0": 3500 }));
+    assert!(damage.len() == 2 && damage[0].starts_with("material.props.A = 5·10⁶ 1/MPa is outside"), "{damage:?}");
+    let bond = accepted(&bond(json!({ "law": "none", "p_0": 2e6, "k_e": 0.001, "delta_N": 0 }))).about.warnings;
+    let unusual: Vec<&String> = bond.iter().filter(|warning| warning.contains("usual range")).collect();
+    assert!(unusual.len() == 2 && unusual[0].starts_with("material.props.p_0 = 2·10⁶ MPa is outside"), "{bond:?}");
 }
 
 #[test]
