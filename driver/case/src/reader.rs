@@ -1,6 +1,6 @@
 //! Resources with which the parts of a case are resolved, and the problems found on the way.
 
-use crate::document::Piece;
+use crate::document::{Piece, Positive, Whole};
 use crate::problem::{Place, Problem};
 use crate::structure::Structure;
 use std::collections::{BTreeMap, BTreeSet};
@@ -127,6 +127,56 @@ impl<'a> Reader<'a> {
     /// A piece that may be left out, if it is there and could be read.
     pub fn optional<'p, T>(&mut self, piece: Option<&'p Piece<T>>, place: &Place) -> Option<&'p T> {
         piece.and_then(|piece| self.piece(piece, place))
+    }
+}
+
+/// Resolves what a place of the case may leave to defaults, and notes name and value of what it does leave.
+#[derive(Default)]
+pub struct Taken(pub Vec<String>);
+
+impl Taken {
+    /// Notes a value that is a default.
+    pub fn note(&mut self, name: &str, value: impl Display) {
+        self.0.push(format!("{name} = {value}"));
+    }
+
+    /// What is given, or else the default.
+    pub fn or<T: Copy + Display>(&mut self, name: &str, given: Option<T>, default: T) -> T {
+        if given.is_none() {
+            self.note(name, default);
+        }
+        given.unwrap_or(default)
+    }
+
+    /// The same of a real number.
+    pub fn real(&mut self, name: &str, given: Option<f64>, default: f64) -> f64 {
+        if given.is_none() {
+            self.note(name, pullout_run::number::rounded(default));
+        }
+        given.unwrap_or(default)
+    }
+
+    /// The same of a number > 0.
+    pub fn length(&mut self, name: &str, given: Option<Positive>, default: f64) -> f64 {
+        self.real(name, given.map(|length| length.0), default)
+    }
+
+    /// The same of a count.
+    pub fn number<const LEAST: u64, const GREATEST: u64>(
+        &mut self,
+        name: &str,
+        given: Option<Whole<LEAST, GREATEST>>,
+        default: usize,
+    ) -> usize {
+        self.or(name, given.map(|n| n.0 as usize), default)
+    }
+
+    /// The same of two values.
+    pub fn two<T: Copy + Display>(&mut self, name: &str, given: Option<[T; 2]>, default: [T; 2]) -> [T; 2] {
+        if given.is_none() {
+            self.note(name, format!("[{}, {}]", default[0], default[1]));
+        }
+        given.unwrap_or(default)
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::problem::{Place, hint};
-use crate::reader::Reader;
+use crate::reader::{Reader, Taken};
 use crate::{history, increments};
 use boundary::Boundary;
 use fe_core::mesh::{Element, Mesh};
@@ -225,25 +225,45 @@ fn no_set<'n, T>(
 }
 
 fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
-    let given = reader.optional(case.controls.as_ref(), &Place::root().key("controls")).cloned().unwrap_or_default();
+    let place = Place::root().key("controls");
+    let given = reader.optional(case.controls.as_ref(), &place).cloned().unwrap_or_default();
     let default = Controls::default();
-    let spalling = reader.optional(case.spalling.as_ref(), &Place::root().key("spalling"));
-    Controls {
-        force_tolerance: given.force_tolerance.map_or(default.force_tolerance, |tolerance| tolerance.0),
-        displacement_tolerance: given.displacement_tolerance.map_or(default.displacement_tolerance, |t| t.0),
-        max_iterations: given.max_iterations.map_or(default.max_iterations, |n| n.0 as usize),
-        max_cutbacks: given.max_cutbacks.map_or(default.max_cutbacks, |n| n.0 as usize),
-        line_search: given.line_search.unwrap_or(default.line_search),
-        locate_peak: given.locate_peak.unwrap_or(default.locate_peak),
-        relaxation_time: given.relaxation_time.unwrap_or(default.relaxation_time),
-        spalling: spalling.map(|given| Spalling {
-            opening: given.opening.0,
-            stress: given.stress.0,
-            wait: given.wait.map_or(USUAL_SLIP, |slip| slip.0),
-            fade: given.fade.map_or(USUAL_SLIP, |slip| slip.0),
-        }),
+    let mut taken = Taken::default();
+    let controls = Controls {
+        force_tolerance: taken.real(
+            "force_tolerance",
+            given.force_tolerance.map(|tolerance| tolerance.0),
+            default.force_tolerance,
+        ),
+        displacement_tolerance: taken.real(
+            "displacement_tolerance",
+            given.displacement_tolerance.map(|tolerance| tolerance.0),
+            default.displacement_tolerance,
+        ),
+        max_iterations: taken.number("max_iterations", given.max_iterations, default.max_iterations),
+        max_cutbacks: taken.number("max_cutbacks", given.max_cutbacks, default.max_cutbacks),
+        line_search: taken.or("line_search", given.line_search, default.line_search),
+        locate_peak: taken.or("locate_peak", given.locate_peak, default.locate_peak),
+        relaxation_time: taken.real("relaxation_time", given.relaxation_time, default.relaxation_time),
+        spalling: spalling(reader, case),
         max_stabilisation_share: given.max_stabilisation_share.map_or(default.max_stabilisation_share, |share| share.0),
-    }
+    };
+    reader.note_defaults(&place, &taken.0);
+    controls
+}
+
+fn spalling(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Spalling> {
+    let place = Place::root().key("spalling");
+    let given = reader.optional(case.spalling.as_ref(), &place)?;
+    let mut taken = Taken::default();
+    let spalling = Spalling {
+        opening: given.opening.0,
+        stress: given.stress.0,
+        wait: taken.length("wait", given.wait, USUAL_SLIP),
+        fade: taken.length("fade", given.fade, USUAL_SLIP),
+    };
+    reader.note_defaults(&place, &taken.0);
+    Some(spalling)
 }
 
 fn skipping(reader: &mut Reader<'_>, case: &PulloutCase) -> Skipping {

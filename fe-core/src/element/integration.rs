@@ -34,7 +34,7 @@ pub struct IntegrationPoint {
 
 impl ElementKind {
     /// The integration of this kind by default: reduced for Q8, full for the rest.
-    pub(crate) const fn default_integration(self) -> Integration {
+    pub const fn default_integration(self) -> Integration {
         match self {
             Self::T3 | Self::T6 | Self::Q4 => Integration::Full,
             Self::Q8 => Integration::Reduced,

@@ -6,11 +6,12 @@ use crate::document::pullout as document;
 use crate::document::{Entry, PropValue, Props, PulloutCase};
 use crate::plugin::{self, Length, Level, Use};
 use crate::problem::{Place, hint};
-use crate::reader::Reader;
+use crate::reader::{Reader, Taken};
 use fe_core::mesh::specimen::SurfaceRole;
 use fe_core::mesh::{ElementEdge, Mesh};
 use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width};
 use indexmap::IndexMap;
+use pullout_run::number::rounded;
 use std::collections::BTreeMap;
 
 /// Gauss points on each slave edge.
@@ -218,8 +219,12 @@ fn one_pair(
     let width = width(reader, pair, default, place);
     let quadrature = reader.optional(pair.quadrature.as_ref(), &place.key("quadrature"));
     let points = |points: document::Points| points.0 as usize;
+    let mut taken = Taken::default();
     let quadrature = match quadrature {
-        None => Quadrature::Gauss { points: POINTS },
+        None => {
+            taken.note("quadrature.gauss", POINTS);
+            Quadrature::Gauss { points: POINTS }
+        }
         Some(document::Quadrature::Gauss(n)) => Quadrature::Gauss { points: points(*n) },
         Some(document::Quadrature::Segments(n)) => Quadrature::Segments { points: points(*n) },
         Some(document::Quadrature::Nodes) => Quadrature::Nodes,
@@ -227,13 +232,26 @@ fn one_pair(
     let penalty_factor = reader.optional(pair.penalty_factor.as_ref(), &place.key("penalty_factor"));
     let critical_slip = reader.optional(pair.critical_slip.as_ref(), &place.key("critical_slip"));
     let release = reader.optional(pair.release.as_ref(), &place.key("release"));
+    // what a soft normal law has no use for
+    let mut unused = Taken::default();
+    let mut of_hard = &mut taken;
     let keys = [("penalty_factor", pair.penalty_factor.is_some()), ("enforcement", pair.enforcement.is_some())];
     if let Some(ContactLaw::Fric { normal: NormalLaw::Soft(_), .. }) = &law {
+        of_hard = &mut unused;
         for (key, _) in keys.iter().filter(|(_, given)| *given) {
             reader.problem(&place.key(key), "is for the hard normal law: leave it out beside a soft one");
         }
     }
-    let enforcement = enforcement(reader, pair, place);
+    let penalty_factor = of_hard.length("penalty_factor", penalty_factor.copied(), PENALTY_FACTOR);
+    let enforcement = enforcement(reader, pair, place, of_hard);
+    let release = taken.or("release", release.copied(), true);
+    if pair.width.is_none() {
+        match width {
+            Width::Given(width) => taken.note("width", rounded(width)),
+            Width::OfPart => taken.note("width", "part"),
+        }
+    }
+    reader.note_defaults(place, &taken.0);
     let name = pair.name.clone().or_else(|| default.map(|default| default.name.clone()));
     let (slave, master) = surfaces?;
     Some(ContactPair {
@@ -246,9 +264,9 @@ fn one_pair(
         law: law?,
         quadrature,
         width,
-        penalty_factor: penalty_factor.map_or(PENALTY_FACTOR, |factor| factor.0),
+        penalty_factor,
         enforcement,
-        release: release.copied().unwrap_or(true),
+        release,
     })
 }
 
@@ -387,17 +405,16 @@ fn width(reader: &mut Reader<'_>, pair: &document::Pair, default: Option<&Defaul
     }
 }
 
-fn enforcement(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Enforcement {
-    let uzawa = |given: document::Uzawa| Enforcement::Uzawa {
-        tolerance: given.tolerance.map_or(UZAWA_TOLERANCE, |tolerance| tolerance.0),
-        max_updates: given.max_updates.map_or(UZAWA_UPDATES, |n| n.0 as usize),
-    };
-    match reader.optional(pair.enforcement.as_ref(), &place.key("enforcement")) {
-        None => uzawa(document::Uzawa::default()),
-        Some(document::Enforcement::Uzawa(given)) => uzawa(*given),
-        Some(document::Enforcement::Penalty) => Enforcement::Penalty,
-        Some(document::Enforcement::PerturbedLagrangian(given)) => {
-            Enforcement::PerturbedLagrangian { ratio: given.ratio.unwrap_or(PERTURBATION) }
-        }
+fn enforcement(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place, taken: &mut Taken) -> Enforcement {
+    let given = reader.optional(pair.enforcement.as_ref(), &place.key("enforcement")).copied();
+    match given.unwrap_or(document::Enforcement::Uzawa(document::Uzawa::default())) {
+        document::Enforcement::Uzawa(given) => Enforcement::Uzawa {
+            tolerance: taken.length("enforcement.uzawa.tolerance", given.tolerance, UZAWA_TOLERANCE),
+            max_updates: taken.number("enforcement.uzawa.max_updates", given.max_updates, UZAWA_UPDATES),
+        },
+        document::Enforcement::Penalty => Enforcement::Penalty,
+        document::Enforcement::PerturbedLagrangian(given) => Enforcement::PerturbedLagrangian {
+            ratio: taken.real("enforcement.perturbed_lagrangian.ratio", given.ratio, PERTURBATION),
+        },
     }
 }

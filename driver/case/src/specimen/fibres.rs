@@ -1,16 +1,17 @@
 //! Specimens with fibres, and what each says where the case says nothing.
 
 use super::boundary::BOTH;
-use super::generated::{Generated, X, kind, length, number, without_effect};
+use super::generated::{Generated, X, without_effect};
 use super::mesh::{DefaultPair, DefaultSupports, Defaults, thickness};
 use crate::document::Positive;
 use crate::document::pullout::{self as document, FibreShape, SeparationLength, SeparationRule, Thickness};
+use crate::reader::Taken;
+use fe_core::element::ElementKind;
 use fe_core::mesh::specimen::{
     self, Configuration, ContactSurfaces, FINE_DIAMETERS, Fibre, FibreMesh, Fibres, FibresMesh, GradedThickness,
     ParameterProblem, PerpendicularFibre, Segment, SpecimenError,
 };
 use fe_core::model::Width;
-use pullout_run::number::rounded;
 
 /// Default slope of a graded thickness: the stiffness of the fibre in its block is within 14 % of that in space at 0 and 45°, along and across
 /// it, in blocks of 3 and 13 mm (`tests/reference/inclined_fibre`).
@@ -25,8 +26,9 @@ const FREE_LENGTH_AFTER_BEND: f64 = 3.0;
 pub(super) fn perpendicular_fibre(
     given: &document::PerpendicularFibre,
     matrix: Option<Thickness>,
+    taken: &mut Taken,
 ) -> Result<Generated, SpecimenError> {
-    let axisymmetric = given.axisymmetric.unwrap_or(false);
+    let axisymmetric = taken.or("axisymmetric", given.axisymmetric, false);
     let has_radius = given.outer_radius.is_some();
     without_effect(&[
         ("outer_radius", has_radius && !axisymmetric, "a plane slice"),
@@ -44,85 +46,83 @@ pub(super) fn perpendicular_fibre(
         ),
     ])?;
     let default = PerpendicularFibre::default();
-    let fibre_diameter = length(given.fibre_diameter, default.fibre_diameter);
+    let fibre_diameter = taken.length("fibre_diameter", given.fibre_diameter, default.fibre_diameter);
     let sizes = FibreMesh::default();
-    let exit_size = if given.equal_sizes == Some(true) { None } else { sizes.exit_size };
+    let exit_size = sizes.exit_size.filter(|_| given.equal_sizes != Some(true));
+    let exit_size = exit_size.map(|size| taken.length("exit_size", given.exit_size, size));
     let parameters = PerpendicularFibre {
         configuration: if axisymmetric {
             Configuration::Axisymmetric { outer_radius: given.outer_radius.map(|radius| radius.0) }
         } else {
             Configuration::Plane
         },
-        width: length(given.width, default.width),
-        depth: length(given.depth, default.depth),
-        matrix_thickness: match axisymmetric {
-            // the outer radius follows from the specimen's own
-            true => length(given.matrix_thickness, default.matrix_thickness),
-            false => matrix_thickness(matrix, given.matrix_thickness, fibre_diameter, default.matrix_thickness),
+        // an outer radius that is not given follows from width and thickness
+        width: if has_radius { default.width } else { taken.length("width", given.width, default.width) },
+        depth: taken.length("depth", given.depth, default.depth),
+        matrix_thickness: if has_radius {
+            default.matrix_thickness
+        } else {
+            let of_part = matrix.filter(|_| !axisymmetric);
+            matrix_thickness(of_part, given.matrix_thickness, fibre_diameter, default.matrix_thickness, taken)
         },
-        cover: given.cover.unwrap_or(default.cover),
+        cover: taken.or("cover", given.cover, default.cover),
         graded_thickness: given.graded_thickness.map(graded),
         fibre_diameter,
-        embedded_length: length(given.embedded_length, default.embedded_length),
-        free_length: length(given.free_length, default.free_length),
-        tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
-        fibre_element: kind(given.fibre_element),
-        matrix_element: kind(given.matrix_element),
+        embedded_length: taken.length("embedded_length", given.embedded_length, default.embedded_length),
+        free_length: taken.length("free_length", given.free_length, default.free_length),
+        tail_gap: taken.real("tail_gap", given.tail_gap, default.tail_gap),
+        fibre_element: taken.or("fibre_element", given.fibre_element, ElementKind::Q8),
+        matrix_element: taken.or("matrix_element", given.matrix_element, ElementKind::Q8),
         mesh: FibreMesh {
-            embedded_elements: number(given.embedded_elements, sizes.embedded_elements),
-            exit_size: given.exit_size.map(|size| size.0).or(exit_size),
-            elements_across: number(given.elements_across, sizes.elements_across),
-            slave_edges_per_master: number(given.slave_edges_per_master, sizes.slave_edges_per_master),
-            interface_size: length(given.interface_size, sizes.interface_size),
-            growth: length(given.growth, sizes.growth),
-            largest_size: length(given.largest_size, sizes.largest_size),
+            embedded_elements: taken.number("embedded_elements", given.embedded_elements, sizes.embedded_elements),
+            exit_size,
+            elements_across: taken.number("elements_across", given.elements_across, sizes.elements_across),
+            slave_edges_per_master: taken.number(
+                "slave_edges_per_master",
+                given.slave_edges_per_master,
+                sizes.slave_edges_per_master,
+            ),
+            interface_size: taken.length("interface_size", given.interface_size, sizes.interface_size),
+            growth: taken.length("growth", given.growth, sizes.growth),
+            largest_size: taken.length("largest_size", given.largest_size, sizes.largest_size),
         },
     };
     let made = specimen::perpendicular_fibre(&parameters)?;
     let ways: &[&'static str] =
         if axisymmetric { &["outer", "bottom"] } else { &["sides", "face_near", "face_away", "bottom"] };
     let also: &[(&'static str, &'static [[f64; 2]])] = if axisymmetric { &[("axis", X)] } else { &[] };
-    let mut generated = pulled_fibre("perpendicular_fibre", made, ways, also);
-    generated.taken = taken(&[
-        ("fibre_diameter", given.fibre_diameter.is_none(), parameters.fibre_diameter),
-        ("embedded_length", given.embedded_length.is_none(), parameters.embedded_length),
-        ("free_length", given.free_length.is_none(), parameters.free_length),
-        ("width", given.width.is_none(), parameters.width),
-        ("depth", given.depth.is_none(), parameters.depth),
-        (
-            "matrix_thickness",
-            !axisymmetric && matrix.is_none() && given.matrix_thickness.is_none(),
-            parameters.matrix_thickness,
-        ),
-    ]);
-    Ok(generated)
+    Ok(pulled_fibre("perpendicular_fibre", made, ways, also))
 }
 
 pub(super) fn inclined_fibre(
     given: &document::InclinedFibre,
     matrix: Option<Thickness>,
     slip: f64,
+    taken: &mut Taken,
 ) -> Result<Generated, SpecimenError> {
-    let angle = given.angle_deg.unwrap_or(ANGLE).to_radians();
+    let angle = taken.real("angle_deg", given.angle_deg, ANGLE).to_radians();
     let is_straight = given.shape == Some(FibreShape::Straight);
     without_effect(&[
         ("bend_radius", is_straight && given.bend_radius.is_some(), "a straight fibre"),
         matrix_thickness_twice(matrix, given.matrix_thickness),
     ])?;
     let default = Fibre::new(angle, Vec::new());
-    let diameter = length(given.fibre_diameter, default.diameter);
-    let embedded_length = length(given.embedded_length, default.embedded_length);
+    let diameter = taken.length("fibre_diameter", given.fibre_diameter, default.diameter);
+    let embedded_length = taken.length("embedded_length", given.embedded_length, default.embedded_length);
     let mut path = vec![Segment::Straight { length: embedded_length }];
+    if given.shape.is_none() {
+        taken.note("shape", "bent");
+    }
     let free_length = match given.shape.unwrap_or(FibreShape::Bent) {
         FibreShape::Bent => {
-            path.push(Segment::Arc { radius: length(given.bend_radius, 1.5 * diameter), to: 0.0 });
-            given.free_length.unwrap_or(FREE_LENGTH_AFTER_BEND)
+            path.push(Segment::Arc { radius: taken.length("bend_radius", given.bend_radius, 1.5 * diameter), to: 0.0 });
+            taken.real("free_length", given.free_length, FREE_LENGTH_AFTER_BEND)
         }
-        FibreShape::Straight => given.free_length.unwrap_or(0.0),
+        FibreShape::Straight => taken.real("free_length", given.free_length, 0.0),
     };
     path.push(Segment::Straight { length: free_length });
     let separation_length = match given.separation_length {
-        None => 0.0,
+        None => taken.real("separation_length", None, 0.0),
         Some(SeparationLength::Given(length)) => length,
         Some(SeparationLength::Rule(SeparationRule::Thesis)) => thesis_separation_length(diameter, angle),
     };
@@ -152,22 +152,15 @@ pub(super) fn inclined_fibre(
         growth_rate: given.growth_rate,
         largest_size: given.largest_size,
     };
-    let mut generated = around("inclined_fibre", vec![fibre], &block, matrix)?;
-    let own = taken(&[
-        ("angle_deg", given.angle_deg.is_none(), angle.to_degrees()),
-        ("fibre_diameter", given.fibre_diameter.is_none(), diameter),
-        ("embedded_length", given.embedded_length.is_none(), embedded_length),
-    ]);
-    generated.taken.splice(0..0, own);
-    Ok(generated)
+    around("inclined_fibre", vec![fibre], &block, matrix, taken)
 }
 
 pub(super) fn fibres(
     given: &document::Fibres,
     matrix: Option<Thickness>,
     slip: f64,
+    taken: &mut Taken,
 ) -> Result<Generated, SpecimenError> {
-    let mut own = Vec::new();
     let mut made = Vec::new();
     for given in &given.fibres {
         let wrong = |piece: usize, value: &str, requirement: &str| SpecimenError::Parameters {
@@ -191,29 +184,24 @@ pub(super) fn fibres(
         }
         let tilt = given.path.first().and_then(|piece| piece.tilt_deg).unwrap_or(0.0);
         let default = Fibre::new(tilt.to_radians(), path);
-        let diameter = length(given.diameter, default.diameter);
-        let embedded_length = length(given.embedded, default.embedded_length);
         let of = |key: &str| format!("{}.{key}", given.name);
-        own.extend(taken(&[
-            (&of("diameter"), given.diameter.is_none(), diameter),
-            (&of("embedded"), given.embedded.is_none(), embedded_length),
-        ]));
+        let diameter = taken.length(&of("diameter"), given.diameter, default.diameter);
+        let embedded_length = taken.length(&of("embedded"), given.embedded, default.embedded_length);
         made.push(Fibre {
             name: Some(given.name.clone()),
             diameter,
-            exit: given.exit.unwrap_or(default.exit),
+            exit: taken.real(&of("exit"), given.exit, default.exit),
             embedded_length,
             profile: given.width_profile.clone().unwrap_or_default(),
-            tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
+            tail_gap: taken.real(&of("tail_gap"), given.tail_gap, default.tail_gap),
             exit_radius: given.exit_radius.map(|radius| radius.0),
-            separation_length: given.separation_length.unwrap_or(default.separation_length),
+            separation_length: taken.real(&of("separation_length"), given.separation_length, default.separation_length),
             fine_length: fine_length(given.fine_length, slip, diameter, embedded_length),
             ..default
         });
     }
-    let mut generated = around("fibres", made, given, matrix)?;
+    let mut generated = around("fibres", made, given, matrix, taken)?;
     generated.defaults.grips_each = given.grips == Some(document::Grips::Each);
-    generated.taken.splice(0..0, own);
     Ok(generated)
 }
 
@@ -241,46 +229,32 @@ fn around(
     fibres: Vec<Fibre>,
     block: &document::Fibres,
     matrix: Option<Thickness>,
+    taken: &mut Taken,
 ) -> Result<Generated, SpecimenError> {
     let (default, sizes) = (Fibres::default(), FibresMesh::default());
     let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
-    let matrix_thickness = matrix_thickness(matrix, block.matrix_thickness, thickest, default.matrix_thickness);
+    let matrix_thickness = matrix_thickness(matrix, block.matrix_thickness, thickest, default.matrix_thickness, taken);
     let parameters = Fibres {
-        width: length(block.width, default.width),
-        depth: length(block.depth, default.depth),
+        width: taken.length("width", block.width, default.width),
+        depth: taken.length("depth", block.depth, default.depth),
         matrix_thickness,
-        cover: block.cover.unwrap_or(matrix_thickness > thickest),
+        cover: taken.or("cover", block.cover, matrix_thickness > thickest),
         graded_thickness: block.graded_thickness.map(graded),
         fibres,
-        fibre_element: kind(block.fibre_element),
-        matrix_element: block.matrix_element.unwrap_or(default.matrix_element),
+        fibre_element: taken.or("fibre_element", block.fibre_element, ElementKind::Q8),
+        matrix_element: taken.or("matrix_element", block.matrix_element, default.matrix_element),
         mesh: FibresMesh {
-            size: length(block.mesh_size, sizes.size),
-            elements_across: number(block.elements_across, sizes.elements_across),
+            size: taken.length("mesh_size", block.mesh_size, sizes.size),
+            elements_across: taken.number("elements_across", block.elements_across, sizes.elements_across),
             exit_size: block.exit_size.map(|size| size.0),
-            largest_fibre_size: length(block.largest_fibre_size, sizes.largest_fibre_size),
-            growth_rate: length(block.growth_rate, sizes.growth_rate),
-            largest_size: length(block.largest_size, sizes.largest_size),
+            largest_fibre_size: taken.length("largest_fibre_size", block.largest_fibre_size, sizes.largest_fibre_size),
+            growth_rate: taken.length("growth_rate", block.growth_rate, sizes.growth_rate),
+            largest_size: taken.length("largest_size", block.largest_size, sizes.largest_size),
         },
     };
     let made = specimen::fibres(&parameters)?;
     let ways = ["sides", "face_near", "face_away", "bottom"];
-    let mut generated = pulled_fibre(name, made, &ways, &[]);
-    generated.taken = taken(&[
-        ("width", block.width.is_none(), parameters.width),
-        ("depth", block.depth.is_none(), parameters.depth),
-        ("matrix_thickness", matrix.is_none() && block.matrix_thickness.is_none(), matrix_thickness),
-    ]);
-    if block.cover.is_none() {
-        generated.taken.push(format!("cover = {}", parameters.cover));
-    }
-    Ok(generated)
-}
-
-/// Names and values of those that are left to defaults.
-fn taken(sizes: &[(&str, bool, f64)]) -> Vec<String> {
-    let left = sizes.iter().filter(|(_, is_left, _)| *is_left);
-    left.map(|(name, _, value)| format!("{name} = {}", rounded(*value))).collect()
+    Ok(pulled_fibre(name, made, &ways, &[]))
 }
 
 /// l = φ (tan θ + 1/(2 tan θ)), 0 below 15° (6.27), mm; θ in rad.
@@ -290,9 +264,15 @@ fn thesis_separation_length(diameter: f64, angle: f64) -> f64 {
 }
 
 /// The thickness of a block around a fibre, mm: what the case says of the part, or else of the specimen.
-fn matrix_thickness(of_part: Option<Thickness>, given: Option<Positive>, diameter: f64, default: f64) -> f64 {
+fn matrix_thickness(
+    of_part: Option<Thickness>,
+    given: Option<Positive>,
+    diameter: f64,
+    default: f64,
+    taken: &mut Taken,
+) -> f64 {
     let of_part = of_part.and_then(|of_part| thickness(of_part, Some(diameter)).ok());
-    of_part.unwrap_or(length(given, default))
+    of_part.unwrap_or_else(|| taken.length("matrix_thickness", given, default))
 }
 
 /// The thickness of the block beside that of its part, which counts.
@@ -343,6 +323,5 @@ fn pulled_fibre(
         definition: made.definition,
         fibres: made.fibres,
         notes: made.notes,
-        taken: Vec::new(),
     }
 }

@@ -3,10 +3,10 @@
 use super::boundary::BOTH;
 use super::fibres;
 use super::mesh::{DefaultPair, DefaultSupports, Defaults};
-use crate::document::Positive;
 use crate::document::pullout::{
     CurvedChannel, DragOutStrip, Elements, Hertz, Specimen, ThickCylinder, Thickness, TwoBlocks,
 };
+use crate::reader::Taken;
 use fe_core::element::ElementKind;
 use fe_core::mesh::MeshDefinition;
 use fe_core::mesh::specimen::{self, CylinderSection, ParameterProblem, PulledFibre, SpecimenError, SurfaceRole};
@@ -24,128 +24,133 @@ pub struct Generated {
     pub fibres: Vec<PulledFibre>,
     /// Notes on the model for the user.
     pub notes: Vec<String>,
-    /// Names and values of what the case leaves to defaults.
-    pub taken: Vec<String>,
 }
 
 /// Makes the mesh of a specimen. The thickness that the case gives the part `matrix` is that of a fibre's block; `slip`: how
-/// far the grip goes, mm.
+/// far the grip goes, mm; `taken`: notes what is left to defaults.
 ///
 /// # Errors
 /// Parameters that contradict each other or are out of range.
-pub fn generate(given: &Specimen, matrix: Option<Thickness>, slip: f64) -> Result<Generated, SpecimenError> {
+pub fn generate(
+    given: &Specimen,
+    matrix: Option<Thickness>,
+    slip: f64,
+    taken: &mut Taken,
+) -> Result<Generated, SpecimenError> {
     match given {
-        Specimen::PerpendicularFibre(given) => fibres::perpendicular_fibre(given, matrix),
-        Specimen::InclinedFibre(given) => fibres::inclined_fibre(given, matrix, slip),
-        Specimen::Fibres(given) => fibres::fibres(given, matrix, slip),
+        Specimen::PerpendicularFibre(given) => fibres::perpendicular_fibre(given, matrix, taken),
+        Specimen::InclinedFibre(given) => fibres::inclined_fibre(given, matrix, slip, taken),
+        Specimen::Fibres(given) => fibres::fibres(given, matrix, slip, taken),
         Specimen::PlateWithHole(given) => specimen::plate_with_hole(&specimen::PlateWithHole {
-            width: length(given.width, 10.0),
-            height: length(given.height, 10.0),
-            radius: length(given.radius, 1.0),
-            cells: number(given.cells, 200),
-            grading: length(given.grading, 10.0),
-            element: kind(given.element),
+            width: taken.length("width", given.width, 10.0),
+            height: taken.length("height", given.height, 10.0),
+            radius: taken.length("radius", given.radius, 1.0),
+            cells: taken.number("cells", given.cells, 200),
+            grading: taken.length("grading", given.grading, 10.0),
+            element: taken.or("element", given.element, ElementKind::Q8),
         })
         .map(|definition| one_body("plate_with_hole", definition, &[("symmetry_x", X), ("symmetry_y", Y)])),
-        Specimen::ThickCylinder(given) => thick_cylinder(given),
-        Specimen::CookMembrane(given) => specimen::cook_membrane(number(given.cells, 8), kind(given.element))
-            .map(|definition| one_body("cook_membrane", definition, &[("left", BOTH)])),
+        Specimen::ThickCylinder(given) => thick_cylinder(given, taken),
+        Specimen::CookMembrane(given) => {
+            let cells = taken.number("cells", given.cells, 8);
+            specimen::cook_membrane(cells, taken.or("element", given.element, ElementKind::Q8))
+                .map(|definition| one_body("cook_membrane", definition, &[("left", BOTH)]))
+        }
         Specimen::Beam(given) => {
-            let cells = given.cells.map_or([20, 2], |cells| cells.map(|n| n.0 as usize));
-            let (length, height) = (length(given.length, 10.0), length(given.height, 1.0));
-            let element = kind(given.element);
+            let length = taken.length("length", given.length, 10.0);
+            let height = taken.length("height", given.height, 1.0);
+            let cells = taken.two("cells", given.cells.map(numbers), [20, 2]);
+            let element = taken.or("element", given.element, ElementKind::Q8);
             specimen::timoshenko_beam(&specimen::TimoshenkoBeam { length, height, cells, element })
                 .map(|definition| one_body("beam", definition, &[("left", BOTH)]))
         }
-        Specimen::TwoBlocks(given) => two_blocks(given),
-        Specimen::Hertz(given) => hertz(given),
-        Specimen::DragOutStrip(given) => drag_out_strip(given),
-        Specimen::CurvedChannel(given) => curved_channel(given),
+        Specimen::TwoBlocks(given) => two_blocks(given, taken),
+        Specimen::Hertz(given) => hertz(given, taken),
+        Specimen::DragOutStrip(given) => drag_out_strip(given, taken),
+        Specimen::CurvedChannel(given) => curved_channel(given, taken),
     }
 }
 
-fn thick_cylinder(given: &ThickCylinder) -> Result<Generated, SpecimenError> {
-    let cells = number(given.other_cells, 10);
-    let axisymmetric = given.axisymmetric.unwrap_or(false);
+fn thick_cylinder(given: &ThickCylinder, taken: &mut Taken) -> Result<Generated, SpecimenError> {
+    let axisymmetric = taken.or("axisymmetric", given.axisymmetric, false);
+    let cells = taken.number("other_cells", given.other_cells, 10);
     without_effect(&[("height", given.height.is_some() && !axisymmetric, "a quarter of the cross-section")])?;
     let section = if axisymmetric {
-        CylinderSection::Axisymmetric { height: length(given.height, 1.0), cells }
+        CylinderSection::Axisymmetric { height: taken.length("height", given.height, 1.0), cells }
     } else {
         CylinderSection::Quarter { cells }
     };
     let definition = specimen::thick_cylinder(&specimen::ThickCylinder {
-        inner_radius: length(given.inner_radius, 1.0),
-        outer_radius: length(given.outer_radius, 2.0),
-        radial_cells: number(given.radial_cells, 10),
-        grading: length(given.grading, 2.0),
+        inner_radius: taken.length("inner_radius", given.inner_radius, 1.0),
+        outer_radius: taken.length("outer_radius", given.outer_radius, 2.0),
+        radial_cells: taken.number("radial_cells", given.radial_cells, 10),
+        grading: taken.length("grading", given.grading, 2.0),
         section,
-        element: kind(given.element),
+        element: taken.or("element", given.element, ElementKind::Q8),
     })?;
     let supports: &[(&'static str, &'static [[f64; 2]])] =
         if axisymmetric { &[("bottom", Y), ("top", Y)] } else { &[("symmetry_x", X), ("symmetry_y", Y)] };
     Ok(one_body("thick_cylinder", definition, supports))
 }
 
-fn two_blocks(given: &TwoBlocks) -> Result<Generated, SpecimenError> {
-    let numbers =
-        |given: Option<[Elements; 2]>, default: [usize; 2]| given.map_or(default, |n| n.map(|n| n.0 as usize));
+fn two_blocks(given: &TwoBlocks, taken: &mut Taken) -> Result<Generated, SpecimenError> {
     let definition = specimen::two_blocks(&specimen::TwoBlocks {
-        width: length(given.width, 1.0),
-        heights: given.heights.map_or([1.0; 2], |heights| heights.map(|height| height.0)),
-        edges: numbers(given.edges, [4, 3]),
-        rows: numbers(given.rows, [2, 2]),
-        elements: [kind(given.element); 2],
+        width: taken.length("width", given.width, 1.0),
+        heights: taken.two("heights", given.heights.map(|heights| heights.map(|height| height.0)), [1.0; 2]),
+        edges: taken.two("edges", given.edges.map(numbers), [4, 3]),
+        rows: taken.two("rows", given.rows.map(numbers), [2, 2]),
+        elements: [taken.or("element", given.element, ElementKind::Q8); 2],
     })?;
     let supports = [("bottom", Y), ("lower_left", X), ("upper_left", X)];
     Ok(in_contact("two_blocks", definition, &supports, "lower_contact", "upper_contact", None))
 }
 
-fn hertz(given: &Hertz) -> Result<Generated, SpecimenError> {
+fn hertz(given: &Hertz, taken: &mut Taken) -> Result<Generated, SpecimenError> {
     let definition = specimen::cylinder_on_plane(&specimen::CylinderOnPlane {
-        radius: length(given.radius, 10.0),
-        half_width: length(given.half_width, 5.0),
-        height: length(given.height, 5.0),
-        depth: length(given.depth, 5.0),
-        contact_zone: length(given.contact_zone, 0.5),
-        contact_edges: number(given.contact_edges, 20),
-        growth: length(given.growth, 1.3),
-        element: kind(given.element),
+        radius: taken.length("radius", given.radius, 10.0),
+        half_width: taken.length("half_width", given.half_width, 5.0),
+        height: taken.length("height", given.height, 5.0),
+        depth: taken.length("depth", given.depth, 5.0),
+        contact_zone: taken.length("contact_zone", given.contact_zone, 0.5),
+        contact_edges: taken.number("contact_edges", given.contact_edges, 20),
+        growth: taken.length("growth", given.growth, 1.3),
+        element: taken.or("element", given.element, ElementKind::Q8),
     })?;
     let supports = [("bottom", Y), ("symmetry", X)];
     Ok(in_contact("hertz", definition, &supports, "base_contact", "cylinder_contact", None))
 }
 
-fn drag_out_strip(given: &DragOutStrip) -> Result<Generated, SpecimenError> {
+fn drag_out_strip(given: &DragOutStrip, taken: &mut Taken) -> Result<Generated, SpecimenError> {
     let default = specimen::DragOutStrip::default();
     let definition = specimen::drag_out_strip(&specimen::DragOutStrip {
-        strip_length: length(given.strip_length, default.strip_length),
-        strip_height: length(given.strip_height, default.strip_height),
-        block_start: length(given.block_start, default.block_start),
-        block_length: length(given.block_length, default.block_length),
-        block_height: length(given.block_height, default.block_height),
-        strip_edges: number(given.strip_edges, default.strip_edges),
-        strip_rows: number(given.strip_rows, default.strip_rows),
-        block_edges: number(given.block_edges, default.block_edges),
-        block_size: length(given.block_size, default.block_size),
-        growth: length(given.growth, default.growth),
-        element: given.element.unwrap_or(default.element),
+        strip_length: taken.length("strip_length", given.strip_length, default.strip_length),
+        strip_height: taken.length("strip_height", given.strip_height, default.strip_height),
+        block_start: taken.length("block_start", given.block_start, default.block_start),
+        block_length: taken.length("block_length", given.block_length, default.block_length),
+        block_height: taken.length("block_height", given.block_height, default.block_height),
+        strip_edges: taken.number("strip_edges", given.strip_edges, default.strip_edges),
+        strip_rows: taken.number("strip_rows", given.strip_rows, default.strip_rows),
+        block_edges: taken.number("block_edges", given.block_edges, default.block_edges),
+        block_size: taken.length("block_size", given.block_size, default.block_size),
+        growth: taken.length("growth", given.growth, default.growth),
+        element: taken.or("element", given.element, default.element),
     })?;
     let supports = [("symmetry", Y), ("block_left", X)];
     let grip = Some(("sliding_end", [1.0, 0.0]));
     Ok(in_contact("drag_out_strip", definition, &supports, "block_contact", "strip_contact", grip))
 }
 
-fn curved_channel(given: &CurvedChannel) -> Result<Generated, SpecimenError> {
+fn curved_channel(given: &CurvedChannel, taken: &mut Taken) -> Result<Generated, SpecimenError> {
     let definition = specimen::curved_channel(&specimen::CurvedChannel {
-        radius: length(given.radius, 10.0),
-        angle: length(given.angle_deg, 90.0).to_radians(),
-        fibre_height: length(given.fibre_height, 0.2),
-        free_length: length(given.free_length, 1.0),
-        depth: length(given.depth, 0.5),
-        edges: number(given.edges, 40),
-        free_edges: number(given.free_edges, 3),
-        rows: number(given.rows, 1),
-        element: kind(given.element),
+        radius: taken.length("radius", given.radius, 10.0),
+        angle: taken.length("angle_deg", given.angle_deg, 90.0).to_radians(),
+        fibre_height: taken.length("fibre_height", given.fibre_height, 0.2),
+        free_length: taken.length("free_length", given.free_length, 1.0),
+        depth: taken.length("depth", given.depth, 0.5),
+        edges: taken.number("edges", given.edges, 40),
+        free_edges: taken.number("free_edges", given.free_edges, 3),
+        rows: taken.number("rows", given.rows, 1),
+        element: taken.or("element", given.element, ElementKind::Q8),
     })?;
     let grip = Some(("grip", [0.0, -1.0]));
     Ok(in_contact("curved_channel", definition, &[("channel", BOTH)], "channel_contact", "fibre_contact", grip))
@@ -158,7 +163,7 @@ fn one_body(
 ) -> Generated {
     let supports = vec![DefaultSupports { name: "standard", supports: supports.to_vec() }];
     let defaults = Defaults { supports, ..Defaults::default() };
-    Generated { name, definition, defaults, fibres: Vec::new(), notes: Vec::new(), taken: Vec::new() }
+    Generated { name, definition, defaults, fibres: Vec::new(), notes: Vec::new() }
 }
 
 fn in_contact(
@@ -192,14 +197,6 @@ pub(super) fn without_effect(parameters: &[(&'static str, bool, &str)]) -> Resul
     if problems.is_empty() { Ok(()) } else { Err(SpecimenError::Parameters { problems }) }
 }
 
-pub(super) fn length(given: Option<Positive>, default: f64) -> f64 {
-    given.map_or(default, |length| length.0)
-}
-
-pub(super) fn number(given: Option<Elements>, default: usize) -> usize {
-    given.map_or(default, |n| n.0 as usize)
-}
-
-pub(super) fn kind(given: Option<ElementKind>) -> ElementKind {
-    given.unwrap_or(ElementKind::Q8)
+fn numbers(given: [Elements; 2]) -> [usize; 2] {
+    given.map(|n| n.0 as usize)
 }

@@ -4,7 +4,7 @@ use super::generated::{Generated, generate};
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::problem::{Place, hint, nearest};
-use crate::reader::Reader;
+use crate::reader::{Reader, Taken};
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::gmsh::{self, PartProperties};
@@ -91,8 +91,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
         document::MeshSource::Specimen(source) => {
             let place = place.key("specimen");
             let specimen = reader.piece(&source.specimen, &place)?;
-            match generate(specimen, thickness_of_matrix(case), super::steps::greatest_slip(case)) {
-                Ok(Generated { name, mut definition, defaults, fibres, notes, taken }) => {
+            let mut taken = Taken::default();
+            match generate(specimen, thickness_of_matrix(case), super::steps::greatest_slip(case), &mut taken) {
+                Ok(Generated { name, mut definition, defaults, fibres, notes }) => {
                     let diameter = common_diameter(&fibres);
                     adapt_parts(reader, case, &mut definition, diameter);
                     for fibre in &fibres {
@@ -102,7 +103,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                         }
                     }
                     notes.into_iter().for_each(|note| reader.warn(note));
-                    reader.note_defaults(&place, &taken);
+                    reader.note_defaults(&place, &taken.0);
                     Some(Ground { definition, words: format!("specimen {name}"), diameter, defaults })
                 }
                 Err(SpecimenError::Parameters { problems }) => {

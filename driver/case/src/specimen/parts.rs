@@ -7,11 +7,12 @@ use crate::document::{Entry, PulloutCase};
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{check_count, components};
 use crate::problem::Place;
-use crate::reader::Reader;
-use fe_core::element::ElementKind;
+use crate::reader::{Reader, Taken};
+use fe_core::element::{ElementKind, Integration};
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::Mesh;
 use fe_core::model::PluginLaw;
+use pullout_run::number::rounded;
 use pullout_run::program::{Mode, STRESS_NAMES};
 
 /// Laws and options of the mesh's parts, in their order.
@@ -36,14 +37,21 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         let index = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| is_meant(&part.name)));
         let law = law(reader, part, index.zip(scene.mesh), &place);
         let average = reader.optional(part.average_dilatation.as_ref(), &place.key("average_dilatation"));
-        if let Some((index, mesh)) = index.zip(scene.mesh).filter(|_| average.is_some()) {
+        if let Some((index, mesh)) = index.zip(scene.mesh) {
+            let mut taken = defaults(part, index, mesh);
             let mut elements = mesh.elements().iter().filter(|element| element.part() == index);
-            if mesh.parts()[index].model == PlaneModel::PlaneStress
-                || !elements.any(|element| element.kind() == ElementKind::Q4)
-            {
+            let averages = mesh.parts()[index].model != PlaneModel::PlaneStress
+                && elements.any(|element| element.kind() == ElementKind::Q4);
+            if averages && average.is_none() {
+                taken.note("average_dilatation", true);
+            } else if !averages && average.is_some() {
                 let reason = "it is for Q4 elements in plane strain or axial symmetry";
                 reader.warn_no_effect(&place.key("average_dilatation"), reason);
             }
+            if part.nlgeom.is_none() && case.nlgeom.is_none() {
+                taken.note("nlgeom", false);
+            }
+            reader.note_defaults(&place, &taken.0);
         }
         let nlgeom = reader.optional(part.nlgeom.as_ref(), &place.key("nlgeom")).copied();
         resolved.push((index, law, average.copied().unwrap_or(true), nlgeom));
@@ -59,6 +67,25 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         average_dilatation: (0..count).map(|part| of_part(part).is_none_or(|(_, _, average, _)| *average)).collect(),
         nlgeom: (0..count).map(|part| of_part(part).and_then(|(.., nlgeom)| *nlgeom)).collect(),
     })
+}
+
+/// What the case leaves to the mesh.
+fn defaults(given: &document::Part, index: usize, mesh: &Mesh) -> Taken {
+    let part = &mesh.parts()[index];
+    let mut taken = Taken::default();
+    if given.model.is_none() {
+        taken.note("model", mode(part.model).name());
+    }
+    if given.thickness.is_none() && part.model != PlaneModel::Axisymmetric {
+        taken.note("thickness", rounded(part.thickness));
+    }
+    if given.integration.is_none() {
+        let of_part = || mesh.elements().iter().filter(|element| element.part() == index);
+        let is_used = |rule: &Integration| of_part().any(|element| element.kind().default_integration() == *rule);
+        let rules = [Integration::Full, Integration::Reduced].into_iter().filter(is_used);
+        taken.note("integration", rules.map(|rule| rule.to_string()).collect::<Vec<_>>().join(", "));
+    }
+    taken
 }
 
 fn law(

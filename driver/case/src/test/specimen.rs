@@ -1296,4 +1296,27 @@ fn sizes_that_a_specimen_takes_by_default_are_listed() {
     assert!(sizes.contains("fibre_diameter = ") && sizes.contains("width = "), "{sizes}");
     assert!(!sizes.contains("embedded_length"), "{sizes}");
     assert!(defaults.iter().any(|line| line.starts_with("contact.law.props: law = A")), "{defaults:?}");
+    assert!(
+        defaults.iter().any(|line| line.starts_with("contact: quadrature.gauss = 2, penalty_factor = 100")),
+        "{defaults:?}"
+    );
+}
+
+#[test]
+fn all_that_a_plate_takes_by_default_is_listed() {
+    let mut case = specimen_case(json!({ "type": "plate_with_hole", "cells": 8 }), &["plate"]);
+    case["parts"]["plate"]["integration"] = json!("reduced");
+    case["controls"] = json!({ "force_tolerance": 1e-4 });
+    assert_eq!(
+        accepted(&case, &[]).about.defaults,
+        [
+            "mesh.specimen: width = 10, height = 10, radius = 1, grading = 10, element = Q8",
+            "parts.plate: model = plane_strain, thickness = 1, nlgeom = false",
+            "controls: displacement_tolerance = 1·10⁻⁵, max_iterations = 20, max_cutbacks = 30, line_search = true, \
+             locate_peak = true, relaxation_time = 0",
+        ]
+    );
+    let overrides = ["mesh.specimen.element=Q4", "parts.plate.integration=full", "nlgeom=true"];
+    let defaults = accepted(&case, &overrides).about.defaults;
+    assert_eq!(defaults[1], "parts.plate: model = plane_strain, thickness = 1, average_dilatation = true");
 }
