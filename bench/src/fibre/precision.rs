@@ -85,7 +85,7 @@ fn compare(series: &mut [Level]) {
 }
 
 const METHOD: &str = "\
-The base case of chapter 7 (`cases/chapter-7/inclined-fibre.json`: bent fibre, `concrete_damage`, crack band, friction) pulled by
+The base case of chapter 7 (`cases/chapter-7/inclined-fibre.json`: bent fibre, `concrete_damage_implex`, crack band, friction) pulled by
 {end} mm, behind the peak. *mesh*: a factor on all sizes, with increments up to {increment} mm; *increment*: the largest one, mm, with
 the usual mesh. Errors are relative to the finest level of their series. Time is that of the processor, of one run each.
 *Where the time goes*: parts of the analysis by the clock; the rest goes to vectors, judgements and output.";

@@ -123,6 +123,13 @@ impl Tested<'_> {
                 (known.windows(2).map(goes).chain(unknown).collect(), numbers())
             }
             Expectation::Maximum { maximum_at: at } => (self.extreme(series, at, 1.0), numbers()),
+            Expectation::MaximumBetween { maximum_between } => {
+                let is_inside = |k: usize| self.study.members[members[k]].is_between(maximum_between);
+                let (inside, outside): (Vec<usize>, Vec<usize>) = (0..members.len()).partition(|&k| is_inside(k));
+                let known: Option<Vec<f64>> = inside.into_iter().map(|k| values[k]).collect();
+                let best = known.map(|known| known.into_iter().fold(f64::NEG_INFINITY, f64::max));
+                (outside.into_iter().map(|k| Some(best? > values[k]?)).collect(), numbers())
+            }
             Expectation::Minimum { minimum_at: at } => (self.extreme(series, at, -1.0), numbers()),
             Expectation::Within { within, of } => {
                 let reference = self.value(series, of);
@@ -234,6 +241,9 @@ impl Tested<'_> {
                 format!("{what} {way}{slack}")
             }
             Expectation::Maximum { maximum_at: at } => format!("{what} greatest at {}", self.title(at)),
+            Expectation::MaximumBetween { maximum_between: [lower, upper] } => {
+                format!("{what} greatest strictly between {} and {}", significant(lower, 6), significant(upper, 6))
+            }
             Expectation::Minimum { minimum_at: at } => format!("{what} least at {}", self.title(at)),
             Expectation::Within { within, of } => {
                 format!("{what} within {} of that at {}", percent(within.0), self.title(of))

@@ -98,6 +98,13 @@ pub struct Member {
     pub x: Option<f64>,
 }
 
+impl Member {
+    /// Returns whether x is strictly between two values.
+    fn is_between(&self, [lower, upper]: [f64; 2]) -> bool {
+        self.x.is_some_and(|x| lower < x && x < upper)
+    }
+}
+
 /// A list of runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Series {

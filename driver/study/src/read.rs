@@ -361,6 +361,16 @@ impl Resolver<'_, '_> {
         if matches!(expectation, Some(Expectation::Trend { .. })) && members.len() < 2 {
             self.problem(&place.key("expect"), "a trend needs two members");
         }
+        if let Some(Expectation::MaximumBetween { maximum_between }) = expectation {
+            let inside = members.iter().filter(|&&member| cast.members[member].is_between(maximum_between)).count();
+            let place = place.key("expect").key("maximum_between");
+            let [lower, upper] = maximum_between;
+            if inside == 0 {
+                self.problem(&place, format!("no member has an x strictly between {lower} and {upper}"));
+            } else if inside == members.len() {
+                self.problem(&place, format!("every member has an x strictly between {lower} and {upper}"));
+            }
+        }
         Some(Claim { claim: claim.claim.clone(), series: series?, members, quantity, expectation: expectation? })
     }
 
@@ -376,6 +386,7 @@ impl Resolver<'_, '_> {
             study::Expectation::Maximum { ref maximum_at } => {
                 Expectation::Maximum { maximum_at: member(maximum_at, "maximum_at")? }
             }
+            study::Expectation::MaximumBetween { maximum_between } => Expectation::MaximumBetween { maximum_between },
             study::Expectation::Minimum { ref minimum_at } => {
                 Expectation::Minimum { minimum_at: member(minimum_at, "minimum_at")? }
             }

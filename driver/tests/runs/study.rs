@@ -141,7 +141,9 @@ fn everything_wrong_is_told_at_once_and_nothing_is_run() {
             { "claim": "c", "quantity": { "column": "s1" }, "expect": { "greater_than": 1 } },
             { "claim": "d", "expect": { "trend": "upwards" } },
             { "claim": "e", "expect": { "greater_than": 2, "less_than": 1 } },
-            { "claim": "f", "expect": { "increasing": true } }
+            { "claim": "f", "expect": { "increasing": true } },
+            { "claim": "g", "expect": { "maximum_between": [200, 300] } },
+            { "claim": "h", "expect": { "maximum_between": [100, 400] } }
         ]),
     );
     study["members"][1]["set"]["material.props.F"] = value!(1);
@@ -159,7 +161,9 @@ fn everything_wrong_is_told_at_once_and_nothing_is_run() {
         "$.claims[3].expect.trend: ",
         "$.claims[4].expect: nothing is greater than 2 and less than 1",
         "$.claims[5].expect.increasing: unknown key; valid names: above, below, curve_within, done, greater_than, less_than, \
-         maximum_at, minimum_at, of, over_series, ratio_of, to, tolerance, trend, within",
+         maximum_at, maximum_between, minimum_at, of, over_series, ratio_of, to, tolerance, trend, within",
+        "$.claims[6].expect.maximum_between: no member has an x strictly between 200 and 300",
+        "$.claims[7].expect.maximum_between: every member has an x strictly between 100 and 400",
     ] {
         assert!(outcome.stderr.contains(expected), "{expected}\n{}", outcome.stderr);
     }

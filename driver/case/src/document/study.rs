@@ -236,6 +236,11 @@ pub enum Expectation<M, S> {
         /// The member.
         maximum_at: M,
     },
+    /// The greatest number is that of a member whose x is strictly between two values, not at the ends of a range.
+    MaximumBetween {
+        /// Lower and upper value of x, both excluded; members inside and outside are needed.
+        maximum_between: [f64; 2],
+    },
     /// The least number is that of a member.
     Minimum {
         /// The member.

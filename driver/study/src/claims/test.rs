@@ -105,6 +105,24 @@ fn an_extreme_is_greater_than_all_others() {
 }
 
 #[test]
+fn a_maximum_between_two_values_of_x_is_at_neither_end() {
+    let all = [0, 1, 2, 3];
+    let between = |lower, upper| Expectation::MaximumBetween { maximum_between: [lower, upper] };
+    for (peaks, range, expected) in [
+        ([Some(1.0), Some(2.0), Some(3.0), Some(2.5)], [0.0, 30.0], Verdict::Found),
+        ([Some(1.0), Some(2.0), Some(3.0), Some(2.5)], [20.0, 40.0], Verdict::NotFound),
+        ([Some(1.0), Some(2.0), Some(3.0), Some(3.5)], [0.0, 30.0], Verdict::NotFound),
+        ([Some(1.0), Some(2.0), Some(3.0), Some(3.0)], [0.0, 30.0], Verdict::NotFound),
+        ([Some(1.0), FAILED, Some(3.0), Some(3.5)], [0.0, 30.0], Verdict::CannotBeTold),
+        ([Some(1.0), Some(2.0), Some(3.0), FAILED], [0.0, 30.0], Verdict::CannotBeTold),
+        ([Some(4.0), Some(2.0), Some(3.0), FAILED], [0.0, 30.0], Verdict::NotFound),
+    ] {
+        let [lower, upper] = range;
+        assert_eq!(verdict(&[&peaks], &all, between(lower, upper)).0, expected, "{peaks:?} {range:?}");
+    }
+}
+
+#[test]
 fn nearness_is_relative_and_told_in_per_cent() {
     let peaks = [Some(1.01), Some(1.0)];
     let within = |tolerance| Expectation::Within { within: Positive(tolerance), of: 1 };
