@@ -1,11 +1,16 @@
 //! The least root m ≥ 1 of M(m) − m (doc.md): M is continuous but neither monotone nor smooth,
-//! so the pieces between its kinks are scanned for the first change of sign.
+//! so the pieces between its kinks are scanned for the first change of sign, and the valleys between nodes for their bottoms:
+//! two roots near to each other leave no change of sign between nodes.
 
 /// Cells of each piece, equal in ln m.
 const CELLS: u32 = 16;
 /// A residual this small at a kink is a root: there the residual may only touch zero, and rounding decides
 /// on which side it passes. Uniaxial stress is one such point, a committed state met again another.
 const TOUCHING: f64 = 64.0 * f64::EPSILON;
+/// Part of a valley that a step of its search leaves aside: the golden section.
+const SECTION: f64 = 0.381_966_011_250_105_1;
+/// Width, relative to m, at which the bottom of a valley is as well known as its residual can tell.
+const BOTTOM: f64 = 1.5e-8;
 /// Three times what bisection needs from neighbouring powers of two down to neighbouring numbers, and
 /// what it needs in ln m before.
 const MAX_ITERATIONS: u32 = 256;
@@ -55,6 +60,8 @@ pub(super) fn least_root<E: Equation>(
     upper: f64,
 ) -> Option<Root> {
     let mut start = (1.0, first);
+    // the node before, and its residual
+    let mut before = (1.0, E::residual(&first));
     for &end in break_points.iter().chain([&upper]) {
         let last = (end, equation.sample(end));
         if !equation.excluded(&start.1, (end, &last.1)) {
@@ -73,12 +80,23 @@ pub(super) fn least_root<E: Equation>(
                 if let Some(root) = root_of_cell(equation, lower, next) {
                     return Some(root);
                 }
+                let ends = [E::residual(&lower.1), E::residual(&next.1)];
+                if before.1 > ends[0]
+                    && ends[1] > ends[0]
+                    && let Some(root) = root_of_valley(equation, before, (lower.0, ends[0]), next.0)
+                {
+                    return Some(root);
+                }
+                before = (lower.0, ends[0]);
                 lower = next;
             }
             let residual = E::residual(&last.1);
             if residual <= TOUCHING * end {
                 return Some(Root::exact(end, residual));
             }
+        }
+        if start.0 > before.0 {
+            before = (start.0, E::residual(&start.1));
         }
         start = last;
     }
@@ -125,6 +143,29 @@ fn root_of_cell<E: Equation>(equation: &E, start: (f64, E::Sample), end: (f64, E
         None if ends[1] <= 0.0 => Some(bracketed(residual, (start.0, ends[0]), (end.0, ends[1]))),
         None => None,
     }
+}
+
+/// The root before the bottom of a valley, if that is not above 0: between a node, a lower one and a third that is higher again, with
+/// positive residuals.
+#[cold]
+fn root_of_valley<E: Equation>(equation: &E, start: (f64, f64), lowest: (f64, f64), end: f64) -> Option<Root> {
+    let residual = |m: f64| E::residual(&equation.sample(m));
+    let (mut left, mut bottom, mut right) = (start.0, lowest, end);
+    while right - left > BOTTOM * right {
+        let sides = [left - bottom.0, right - bottom.0];
+        let m = bottom.0 + SECTION * if -sides[0] > sides[1] { sides[0] } else { sides[1] };
+        let value = residual(m);
+        if value <= 0.0 {
+            return Some(bracketed(residual, start, (m, value)));
+        }
+        let farther = if value < bottom.1 { std::mem::replace(&mut bottom, (m, value)).0 } else { m };
+        if farther < bottom.0 {
+            left = farther;
+        } else {
+            right = farther;
+        }
+    }
+    None
 }
 
 /// Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection; in ln m as long

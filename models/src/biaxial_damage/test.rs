@@ -419,3 +419,44 @@ fn states_beyond_all_strains_are_answered_or_refused() {
         }
     }
 }
+
+/// An equation of a residual alone.
+struct Smooth<R: Fn(f64) -> f64>(R);
+
+impl<R: Fn(f64) -> f64> root::Equation for Smooth<R> {
+    type Sample = f64;
+
+    fn sample(&self, m: f64) -> f64 {
+        (self.0)(m)
+    }
+
+    fn residual(sample: &f64) -> f64 {
+        *sample
+    }
+
+    fn kinks(&self, _: &f64) -> [f64; 2] {
+        [1.0; 2]
+    }
+
+    fn excluded(&self, _: &f64, _: (f64, &f64)) -> bool {
+        false
+    }
+}
+
+/// A point of the inclined fibre at 60° has the roots 3.852, 3.980 and 14.35.
+#[test]
+fn two_roots_between_two_nodes_of_the_search_are_not_passed_over() {
+    let least_root = |residual: &dyn Fn(f64) -> f64| {
+        let found = root::least_root(&Smooth(residual), residual(1.0), &[], 20.0);
+        found.expect("there is a root").m
+    };
+    for distance in [0.3, 0.128, 1e-2, 1e-4, 1e-6] {
+        for least in [1.7, 2.9, 3.852, 3.9, 7.0] {
+            let m = least_root(&|m| (least - m) * (least + distance - m) * (14.35 - m));
+            assert!((m - least).abs() < 1e-9 * least, "{m} instead of {least}, {distance} before the next");
+        }
+    }
+    // a valley above 0 has none
+    let m = least_root(&|m| ((m - 3.9) * (m - 3.9) + 1e-9) * (14.35 - m));
+    assert_relative_eq!(m, 14.35, max_relative = 1e-12);
+}
