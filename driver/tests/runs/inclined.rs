@@ -90,6 +90,27 @@ fn bent_and_straight_fibres_slide_around_their_exit_in_balance() {
     }
 }
 
+/// Without viscosity the control once took the elastic branch back at a slip of 0.176 mm: damage stood still while the load fell through 0.
+#[test]
+fn the_path_does_not_turn_back_where_concrete_cracks() {
+    let mut case = fibre(json!({ "type": "inclined_fibre", "angle_deg": 33, "mesh_size": 2, "cover": false }), 0.3);
+    let cracking: Value = serde_json::from_str(include_str!("../../../cases/chapter-7/two-fibres.json")).unwrap();
+    case["parts"]["matrix"]["material"] = cracking["parts"]["matrix"]["material"].clone();
+    case["parts"]["matrix"]["material"]["plugin"] = json!("concrete_damage");
+    case["contact"]["law"]["props"]["mu"] = json!(0.1);
+    case["steps"][0]["increments"] = json!({ "initial": 1e-4, "maximum": 0.02 });
+    let found = run(&Desk::new(), "33", &case);
+    let [slip, damage] = ["slip", "damage_energy"].map(|column| found.history.column(column));
+    for rows in slip.windows(2) {
+        assert!(rows[1] > rows[0], "the slip goes back at {} mm", rows[0]);
+    }
+    let dissipated = damage.windows(2).all(|rows| rows[1] >= rows[0] - 1e-9);
+    assert!(dissipated && found.history.last("damage_energy") > 0.5, "concrete cracks to the end");
+    let [peak, _] = peak_and_work(&found);
+    assert!(found.history.last("load") > 0.7 * peak, "the fibre bears to the end");
+    assert!(worst_energy_error(&found) < 1e-3 && found.history.last("stabilisation_energy") == 0.0);
+}
+
 /// A bond of small tensile capacity opens on one side of the fibre, which is bent away from it: the more, the less it
 /// bears.
 #[test]
