@@ -140,7 +140,7 @@ impl Taken {
         self.0.push(format!("{name} = {value}"));
     }
 
-    /// What is given, or else the default.
+    /// Returns what is given, or else the default.
     pub fn or<T: Copy + Display>(&mut self, name: &str, given: Option<T>, default: T) -> T {
         if given.is_none() {
             self.note(name, default);
@@ -148,7 +148,7 @@ impl Taken {
         given.unwrap_or(default)
     }
 
-    /// The same of a real number.
+    /// Returns a given real number, or else the default.
     pub fn real(&mut self, name: &str, given: Option<f64>, default: f64) -> f64 {
         if given.is_none() {
             self.note(name, pullout_run::number::rounded(default));
@@ -156,12 +156,12 @@ impl Taken {
         given.unwrap_or(default)
     }
 
-    /// The same of a number > 0.
+    /// Returns a given number > 0, or else the default.
     pub fn length(&mut self, name: &str, given: Option<Positive>, default: f64) -> f64 {
         self.real(name, given.map(|length| length.0), default)
     }
 
-    /// The same of a count.
+    /// Returns a given count, or else the default.
     pub fn number<const LEAST: u64, const GREATEST: u64>(
         &mut self,
         name: &str,
@@ -171,7 +171,7 @@ impl Taken {
         self.or(name, given.map(|n| n.0 as usize), default)
     }
 
-    /// The same of two values.
+    /// Returns two given values, or else the default ones.
     pub fn two<T: Copy + Display>(&mut self, name: &str, given: Option<[T; 2]>, default: [T; 2]) -> [T; 2] {
         if given.is_none() {
             self.note(name, format!("[{}, {}]", default[0], default[1]));
