@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Crack band of the elements: notched beams on aligned, uneven and free meshes against a cohesive crack.
 
-    python3 beams.py PROGRAM OUT [--only WORD ...] [--law LAW ...]
+    python3 beams.py PROGRAM OUT [--only WORD ...] [--law LAW ...] [--integration full]
 
 PROGRAM is the release build of `pullout`, OUT a folder for meshes and runs. Each run adds a line to OUT/results.csv;
 what stands there is not run again. Free meshes need the Python module gmsh. Lengths in mm, forces in N.
@@ -177,7 +177,7 @@ def peak_and_work(path, end=END):
     return max(f), work, min(1.0, max(x) / end)
 
 
-def run(program, out, law, mesh, kind, size):
+def run(program, out, law, mesh, kind, size, integration):
     name = f"{mesh}-{kind}-{size:g}"
     nodes, elements, sets = MESHES[mesh](kind, size)
     write_mesh(out / f"{name}.msh", kind, nodes, elements, sets)
@@ -185,6 +185,8 @@ def run(program, out, law, mesh, kind, size):
     case["title"] = f"{name}-{law}"
     case["mesh"] = {"file": f"{name}.msh"}
     case["parts"]["beam"]["material"]["plugin"] = law
+    if integration:
+        case["parts"]["beam"]["integration"] = integration
     path = out / f"{name}-{law}.json"
     path.write_text(json.dumps(case, indent=1))
     results = out / f"{name}-{law}"
@@ -227,6 +229,7 @@ def main():
     parser.add_argument("out", type=Path)
     parser.add_argument("--only", nargs="*", default=[], help="meshes with all these words: free, Q8, 2.5")
     parser.add_argument("--law", nargs="*", default=LAWS)
+    parser.add_argument("--integration", help="that of the elements instead of their usual one")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     table = options.out / "results.csv"
@@ -241,7 +244,7 @@ def main():
                     key = (law, mesh, kind, f"{size:g}")
                     if key in done or not all(word in key for word in options.only):
                         continue
-                    row = run(options.program, options.out, law, mesh, kind, size)
+                    row = run(options.program, options.out, law, mesh, kind, size, options.integration)
                     with open(table, "a", newline="") as file:
                         csv.writer(file, lineterminator="\n").writerow(row)
     (options.out / "table.md").write_text(markdown(table))
