@@ -63,14 +63,6 @@ def test_a_view_is_a_page_of_its_own(fibre: po.Run, tmp_path: Path) -> None:
 
 
 def test_it_is_drawn_and_follows_the_slider(fibre: po.Run, tmp_path: Path) -> None:
-    chromium = shutil.which("chromium")
-    if not os.environ.get("PULLOUT_REQUIRE_CHROMIUM"):
-        pytest.importorskip("PIL")
-        if chromium is None:
-            pytest.skip("no chromium")
-    from PIL import Image
-
-    assert chromium is not None
     report = (fibre.folder / "report.html").read_text(encoding="utf-8")
     notebook = fibre.view(HEIGHT)
     pages = []
