@@ -39,7 +39,7 @@ def _wrong_numbers(value: Any, place: str) -> Iterator[tuple[str, str]]:
         for k, entry in enumerate(value):
             yield from _wrong_numbers(entry, f"{place}[{k}]")
     elif isinstance(value, (float, np.floating)) and not np.isfinite(value):
-        yield place, f"is {value}, and no finite number"
+        yield place, f"is {value}, not a finite number"
 
 
 def _plain(value: Any) -> Any:

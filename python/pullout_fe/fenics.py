@@ -59,7 +59,7 @@ class SmallStrainModel:
         self._constraint = None if isinstance(constraint, str) else constraint
         name = constraint if isinstance(constraint, str) else constraint.name
         if name not in _MODES:
-            raise CaseError([("constraint", f"'{name}' is none of {', '.join(_MODES)}")])
+            raise CaseError([("constraint", f"'{name}' is not one of {', '.join(_MODES)}")])
         self._name = name
         self._mode, self._components = _MODES[name]
         # Mandel's shear strains are engineering's over √2, its shear stresses ours times √2

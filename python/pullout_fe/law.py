@@ -157,7 +157,7 @@ class Law:
         their states. The GIL is released, and ``threads`` share the points; the results have the same bits with any number.
         """
         if mode not in COMPONENTS:
-            raise CaseError([("mode", f"'{mode}' is none of the modes {', '.join(COMPONENTS)}")])
+            raise CaseError([("mode", f"'{mode}' is not one of the modes {', '.join(COMPONENTS)}")])
         if on_failure not in ("raise", "nan"):
             raise CaseError([("on_failure", "is 'raise' or 'nan'")])
         if not isinstance(props, np.ndarray):
@@ -166,7 +166,7 @@ class Law:
         if not (np.isfinite(dtime) and dtime > 0.0):
             raise CaseError([("dtime", f"is {dtime}, but an increment takes a finite time > 0")])
         if not np.isfinite(time):
-            raise CaseError([("time", f"is {time}, and no finite number")])
+            raise CaseError([("time", f"is {time}, not a finite number")])
         counts = [len(np.atleast_2d(array_of(values, name))) for values, name in ((strain, "strain"), (dstrain, "dstrain"))]
         count = max(counts) if all(counts) else 0
 

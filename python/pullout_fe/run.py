@@ -68,7 +68,7 @@ class History(Mapping[str, "NDArray[np.float64]"]):
         try:
             return self._columns[name]
         except KeyError:
-            raise KeyError(f"{name!r} is none of the columns {', '.join(self._columns)}") from None
+            raise KeyError(f"{name!r} is not one of the columns {', '.join(self._columns)}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
@@ -205,7 +205,7 @@ class Run:
         """Extremes of a column over all increments, written or not."""
         peaks = self.summary["peaks"]
         if column not in peaks:
-            raise KeyError(f"{column!r} is none of {', '.join(peaks)}" if peaks else "a run of this kind has no peaks: see its history")
+            raise KeyError(f"{column!r} is not one of {', '.join(peaks)}" if peaks else "a run of this kind has no peaks: see its history")
         row = peaks[column]
 
         def place(name: str) -> tuple[int, int] | None:
@@ -229,7 +229,7 @@ class Run:
         mesh = self.mesh(frame)
         fields = {**mesh.cell_data, **mesh.point_data}
         if name not in fields:
-            raise KeyError(f"{name!r} is none of {', '.join(fields)}")
+            raise KeyError(f"{name!r} is not one of {', '.join(fields)}")
         return fields[name]
 
     def view(self, height: int = 900) -> View:

@@ -181,7 +181,7 @@ class Sweep:
         table = self.to_arrow()
         kept = [column.removeprefix("curve.") for column in table.column_names if column.startswith("curve.")]
         if name not in kept:
-            raise KeyError(f"{name!r} is none of the curves that were kept: {', '.join(kept) or 'none'}")
+            raise KeyError(f"{name!r} is not one of the curves that were kept: {', '.join(kept) or 'none'}")
         lists = [values or [] for values in table.column(f"curve.{name}").to_pylist()]
         filled = np.full((len(lists), max(map(len, lists), default=0)), np.nan)
         for row, values in zip(filled, lists):

@@ -184,7 +184,7 @@ impl Plugin {
     fn stress_state(&self, mode: &str) -> PyResult<StressState> {
         let names = MODES.map(|(name, ..)| name);
         let Some((_, stress_state, bit)) = MODES.into_iter().find(|(name, ..)| *name == mode) else {
-            let message = format!("'{mode}' is none of the modes {}{}", names.join(", "), hint(mode, names));
+            let message = format!("'{mode}' is not one of the modes {}{}", names.join(", "), hint(mode, names));
             return Err(Exception::Case.with(message));
         };
         match &self.law {
