@@ -79,9 +79,13 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter);
     let yields = |part: Option<usize>| part.is_some_and(|part| parts.laws[part].equivalent_plastic_strain().is_some());
     let mut pulled = measured.fibres.iter().map(|fibre| fibre.part).chain([measured.part]);
-    if output.rupture_strain.is_some() && !pulled.any(yields) {
-        let reason = "no law of a fibre has the state 'peeq'";
-        reader.warn_no_effect(&root.key("output").key("rupture_strain"), reason);
+    let place = root.key("output");
+    match (pulled.any(yields), output.rupture_strain) {
+        (false, Some(_)) => {
+            reader.warn_no_effect(&place.key("rupture_strain"), "no law of a fibre has the state 'peeq'");
+        }
+        (true, None) => reader.note_defaults(&place, &[format!("rupture_strain = {RUPTURE_STRAIN}")]),
+        _ => {}
     }
     let stabilises = controls.relaxation_time > 0.0 || parts.laws.iter().any(|law| law.overstress_work().is_some());
     if controls.max_stabilisation_share.is_finite() && !stabilises {

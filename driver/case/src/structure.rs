@@ -34,6 +34,12 @@ const KINDS: &[KindSchema] = &[
     ("bridging", |generator| generator.subschema_for::<BridgingCase>().to_value()),
 ];
 
+/// The kinds of files that are no cases.
+const FAMILIES: [KindSchema; 2] = [
+    (STUDY, |generator| generator.subschema_for::<StudyFile>().to_value()),
+    (SWEEP, |generator| generator.subschema_for::<SweepFile>().to_value()),
+];
+
 /// Names of the kinds of cases.
 pub fn kinds() -> impl Iterator<Item = &'static str> {
     KINDS.iter().map(|(name, _)| *name)
@@ -42,11 +48,9 @@ pub fn kinds() -> impl Iterator<Item = &'static str> {
 /// The JSON Schema (draft 2020-12) of case files, study files and sweep files.
 pub fn schema() -> Value {
     let mut generator = SchemaGenerator::new(SchemaSettings::draft2020_12());
-    let mut branches: Vec<Value> = KINDS.iter().map(|(_, subschema)| subschema(&mut generator)).collect();
-    branches.push(generator.subschema_for::<StudyFile>().to_value());
-    branches.push(generator.subschema_for::<SweepFile>().to_value());
+    let branches: Vec<Value> = KINDS.iter().chain(&FAMILIES).map(|(_, subschema)| subschema(&mut generator)).collect();
     json!({
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$schema": DRAFT,
         "title": "Pullout case, study or sweep",
         "description": "Units: N, mm, MPa, s. Shear strains are engineering shear.",
         "type": "object",
@@ -55,17 +59,21 @@ pub fn schema() -> Value {
     })
 }
 
+const DRAFT: &str = "https://json-schema.org/draft/2020-12/schema";
+
 /// The part of the schema that a case of some kind must obey, and what checks it; or why it cannot.
 type Checker = Result<(Value, Validator), String>;
 
-/// Returns what checks a kind, made once: a study reads the cases of all its runs.
+/// Returns what checks a kind, made once: a study reads the cases of all its runs. It has no definitions of other kinds: making them
+/// and reading them would be most of the time of a short run.
 fn checker(kind: &str) -> Option<&'static Checker> {
-    static CHECKERS: [OnceLock<Checker>; KINDS.len() + 2] = [const { OnceLock::new() }; KINDS.len() + 2];
-    let index = kinds().chain([STUDY, SWEEP]).position(|name| name == kind)?;
+    const COUNT: usize = KINDS.len() + FAMILIES.len();
+    static CHECKERS: [OnceLock<Checker>; COUNT] = [const { OnceLock::new() }; COUNT];
+    let (index, (_, subschema)) = KINDS.iter().chain(&FAMILIES).enumerate().find(|(_, (name, _))| *name == kind)?;
     Some(CHECKERS[index].get_or_init(|| {
-        let mut whole = schema();
-        let branch = whole["oneOf"][index].take();
-        let own = json!({ "$schema": whole["$schema"].take(), "allOf": [branch], "$defs": whole["$defs"].take() });
+        let mut generator = SchemaGenerator::new(SchemaSettings::draft2020_12());
+        let branch = subschema(&mut generator);
+        let own = json!({ "$schema": DRAFT, "allOf": [branch], "$defs": generator.take_definitions(true) });
         let validator = jsonschema::draft202012::new(&own).map_err(|error| error.to_string())?;
         Ok((own, validator))
     }))

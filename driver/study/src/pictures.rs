@@ -74,12 +74,12 @@ fn first_member(study: &Study) -> Option<usize> {
     (0..study.members.len()).min_by(|a, b| x(a).total_cmp(&x(b)))
 }
 
-/// The curves of some series: a colour for each member (a shade where there are more than colours, and they have an x), a
-/// dash for each series, and others where colours come again.
+/// The curves of some series: a colour for each member (a shade where there are more members than colours) and a dash for
+/// each series.
 fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: Vec<usize>) -> Figure {
     let mut order: Vec<usize> = (0..study.members.len()).collect();
     let x = |member: usize| study.members[member].x;
-    let shaded = order.len() > PALETTE && order.iter().all(|&member| x(member).is_some());
+    let shaded = order.len() > PALETTE;
     if shaded {
         order.sort_by(|&a, &b| x(a).partial_cmp(&x(b)).unwrap_or(std::cmp::Ordering::Equal));
     }
@@ -105,18 +105,17 @@ fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: 
             if has_failed(result) {
                 label += " (failed)";
             }
-            let again = if shaded { 0 } else { of.len() * (color / PALETTE) };
             lines.push(Line {
                 label,
                 points: result.curve(columns),
                 columns: (columns.x.clone(), columns.y.clone()),
-                style: Style { color, dash: dash + again },
+                style: Style { color, dash },
                 ..Line::default()
             });
         }
     }
     let dashes = of.iter().map(|&series| study.series[series].title.clone()).collect();
-    let apart = of.len() > 1 && order.len() > 1 && order.len() <= PALETTE;
+    let apart = of.len() > 1 && order.len() > 1;
     let key = (shaded || apart).then_some(Key { colors: titles, dashes, shaded });
     lines.retain(|line| !line.points.is_empty());
     let title = match of.as_slice() {
@@ -144,7 +143,7 @@ fn names(study: &Study) -> Vec<String> {
 
 /// Characters that have room along the x axis.
 const CHARACTERS: usize = 70;
-/// Colours before they come again.
+/// Colours that are told apart.
 const PALETTE: usize = 7;
 
 /// A number of the runs that are done along x: a line for each series.

@@ -207,21 +207,42 @@ fn altered(line: &str, statement: &str, code: i32) -> Option<Outcome> {
 }
 
 /// A path that ends is told with its reason, which is no cut-back request where PNEWDT was left alone; a stress that grows in time
-/// is none in an instant, and another is named.
+/// is none in an instant, and another is named. NaN for a step of zero, which hosts ask for first, is an error of any law.
 #[test]
 fn reasons_are_the_true_ones() {
-    let behind = |statement: &str| altered("    *spd = 0.0;\n", statement, 0);
-    let Some(outcome) = behind("if (dstran[0] == 0.0) stress[0] = 0.0 / 0.0;") else { return };
+    let behind = |statement: &str, code| altered("    *spd = 0.0;\n", statement, code);
+    let Some(outcome) = behind("if (dstran[0] == 0.0) stress[0] = 0.0 / 0.0;", 1) else { return };
     let told = row(&outcome, "energy balance");
     assert!(told.contains("no path led to its end: it returned STRESS(1) = NaN"), "{told}");
+    for check in ["virgin state", "zero increment"] {
+        let told = row(&outcome, check);
+        assert!(told.starts_with("FAIL") && told.contains("it returned STRESS(1) = NaN"), "{told}");
+    }
     let states = [("100.0 * *dtime", "pass", ""), ("1e-9", "warn", "s11 = -1e-9 after a step of zero, 0e0 before")];
     for (stress, verdict, words) in states {
         let statement = format!("stress[0] -= {stress};");
-        let Some(outcome) = behind(&statement) else { return };
+        let Some(outcome) = behind(&statement, 0) else { return };
         let told = row(&outcome, "virgin state");
         assert!(told.starts_with(verdict) && told.contains(words), "{told}");
         assert_eq!(told.contains("after a step of zero"), verdict == "warn", "{told}");
     }
+}
+
+/// A linear law that keeps its strains in STATEV: they move, and every way back undoes them.
+#[test]
+fn strains_kept_in_states_are_seen() {
+    let desk = Desk::new();
+    let source = std::fs::read_to_string(workspace("tests/umats/elastic.c")).expect("a source");
+    let kept = source.replace("strain = stran[i] + dstran[i];", "strain = (statev[i] += dstran[i]);");
+    assert_ne!(kept, source);
+    let file = desk.write("kept.c", &kept);
+    let Some(library) = built(&desk, file.to_str().expect("UTF-8"), &[]) else { return };
+    let material = json!({ "plugin": library, "props": [30e3, 0.2], "nstatv": 6 });
+    let case = desk.case("case.json", &point(material, "3d", json!([{ "increments": 3, "target": { "e11": 1e-3 } }])));
+    let arguments = ["plugin", "check", library.as_str().expect("a path"), "--case", case.to_str().expect("UTF-8")];
+    let outcome = desk.pullout(arguments).expect(0);
+    let told = row(&outcome, "nonlinear states");
+    assert!(told.starts_with("pass") && told.contains("linear everywhere it was looked at"), "{told}");
 }
 
 /// A law whose calls take long is looked at as far as the time goes; what was left out is said, and nothing passes for it.

@@ -233,19 +233,29 @@ fn jaumann_tangents_of_hyperelasticity() {
     }
 }
 
-/// A law that adds C : DSTRAN, in a case that turns and stretches.
+/// A law that adds C : DSTRAN, in a case that turns and stretches; and one that is stiffer along axis 1, which does not turn.
 #[test]
 fn a_small_strain_law_in_a_large_deformation() {
     let desk = Desk::new();
-    let Some(library) = built(&desk, "elastic.f", &[]) else { return };
-    let material = json!({ "plugin": library, "props": [100.0, 0.25], "nstatv": 1 });
-    let f = [[1.0, 0.8, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let mut case = point(material, "3d", json!([{ "increments": 20, "F": f }]));
-    case["nlgeom"] = json!(true);
-    let outcome = checked(&desk, &library, &case, 0);
-    let row_of = |check| row(&outcome, check);
-    assert!(row_of("consistent tangent").contains("consistent with DSTRAN; DFGRD1 is not read"), "{}", outcome.stdout);
-    assert!(row_of("objectivity").starts_with("pass"), "{}", row_of("objectivity"));
+    let source = std::fs::read_to_string(workspace("tests/umats").join("elastic.f")).expect("a source");
+    let stiffer = source.replace("   20 CONTINUE\n", "   20 CONTINUE\n      DDSDDE(1,1)=2.0D0*DIAG\n");
+    assert_ne!(stiffer, source);
+    for (name, text, verdict, words) in
+        [("isotropic", &source, "pass", "F1 = Q F0"), ("stiffer", &stiffer, "warn", "(*ORIENTATION in ABAQUS)")]
+    {
+        let file = desk.write(&format!("{name}.f"), text);
+        let Some(library) = built(&desk, file.to_str().expect("UTF-8"), &[]) else { return };
+        let material = json!({ "plugin": library, "props": [100.0, 0.25], "nstatv": 1 });
+        let f = [[1.0, 0.8, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mut case = point(material, "3d", json!([{ "increments": 20, "F": f }]));
+        case["nlgeom"] = json!(true);
+        let outcome = checked(&desk, &library, &case, 0);
+        let row_of = |check| row(&outcome, check);
+        let tangent = row_of("consistent tangent");
+        assert!(tangent.contains("consistent with DSTRAN; DFGRD1 is not read"), "{}", outcome.stdout);
+        let told = row_of("objectivity");
+        assert!(told.starts_with(verdict) && told.contains(words), "{told}");
+    }
 }
 
 /// The rows of a report as JSON.

@@ -5,9 +5,10 @@ use super::couplings::node;
 use crate::document::pullout as document;
 use crate::document::{Piece, PulloutCase};
 use crate::problem::{Place, hint};
-use crate::reader::Reader;
+use crate::reader::{Reader, Taken};
 use fe_core::mesh::specimen::PulledFibre;
 use fe_core::model::{Load, LoadKind, Measured, MeasuredFibre, Support};
+use pullout_run::number::significant;
 use std::collections::BTreeMap;
 
 /// The drive of the grip.
@@ -152,6 +153,17 @@ impl Boundary {
         }
         let nodes = name.and_then(|name| scene.node_set(reader, name, &place.key("nodes")));
         let (Some(nodes), Some([x, y])) = (nodes, direction) else { return };
+        let mut taken = Taken::default();
+        if given.nodes.is_none() {
+            taken.note("nodes", name.unwrap_or_default());
+        }
+        if given.direction.is_none() {
+            taken.note("direction", format_args!("[{}, {}]", significant(x, 4), significant(y, 4)));
+        }
+        if given.lateral.is_none() {
+            taken.note("lateral", "fixed");
+        }
+        reader.note_defaults(&place, &taken.0);
         self.measured.slip.clone_from(&drives);
         self.measured.direction = [x, y];
         let mut pull = |name: &str, nodes: &[usize], drive: usize| {
@@ -217,6 +229,9 @@ impl Boundary {
             }
             return;
         };
+        if named.is_none() {
+            reader.note_defaults(&place, &[way.name.to_owned()]);
+        }
         for (set, directions) in &way.supports {
             let Some(nodes) = scene.node_set(reader, set, &place) else { continue };
             self.hold(set, nodes, directions, None);

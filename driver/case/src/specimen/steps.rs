@@ -5,7 +5,7 @@ use crate::document::pullout as document;
 use crate::document::pullout::PulloutStep as StepDocument;
 use crate::document::{Cycles, Piece, PulloutCase};
 use crate::problem::Place;
-use crate::reader::Reader;
+use crate::reader::{Reader, Taken};
 use crate::steps::{self, Counted, Found};
 use crate::{fields as field_values, history};
 use fe_core::model::{Fields, Measured, Step, StepControl};
@@ -120,8 +120,12 @@ fn one_step(
     let place_of_until = place.key("until");
     let until = until.and_then(|until| history::until(reader, until, Some(columns), &place_of_until));
     refuse_unmeasured(reader, until.as_ref(), columns, measured, &place_of_until);
-    let control = control(reader, ramp.increments, &place.key("increments"));
-    let step = Step { time: ramp.time.map_or(1.0, |time| time.0), targets, control };
+    let mut taken = Taken::default();
+    let time = taken.length("time", ramp.time, 1.0);
+    let control = control(reader, ramp.increments, &place.key("increments"), &mut taken);
+    // told once, not for each of many steps
+    reader.note_defaults(&Place::root().key("steps"), &taken.0);
+    let step = Step { time, targets, control };
     ResolvedStep { step, until, temperature: ramp.end.temperature, predef: ramp.end.predef.clone() }
 }
 
@@ -145,7 +149,12 @@ pub fn refuse_unmeasured(
     reader.problem(&place.key("quantity"), format!("'{name}' is nan throughout: {missing}"));
 }
 
-fn control(reader: &mut Reader<'_>, increments: Option<document::StepIncrements>, place: &Place) -> StepControl {
+fn control(
+    reader: &mut Reader<'_>,
+    increments: Option<document::StepIncrements>,
+    place: &Place,
+    taken: &mut Taken,
+) -> StepControl {
     let given = match increments {
         Some(document::StepIncrements::Equal(n)) => {
             return StepControl::Fixed { increments: usize::try_from(n.0).unwrap_or(usize::MAX) };
@@ -153,9 +162,10 @@ fn control(reader: &mut Reader<'_>, increments: Option<document::StepIncrements>
         Some(document::StepIncrements::Automatic(sizes)) => sizes,
         None => document::AutomaticIncrements::default(),
     };
-    let maximum = given.maximum.map_or(MAXIMUM.max(given.initial.map_or(0.0, |f| f.0)), |f| f.0);
-    let initial = given.initial.map_or(INITIAL.min(maximum), |f| f.0);
-    let minimum = given.minimum.map_or(MINIMUM.min(initial), |f| f.0);
+    let [initial, maximum, minimum] = [given.initial, given.maximum, given.minimum].map(|size| size.map(|size| size.0));
+    let maximum = taken.real("increments.maximum", maximum, MAXIMUM.max(initial.unwrap_or(0.0)));
+    let initial = taken.real("increments.initial", initial, INITIAL.min(maximum));
+    let minimum = taken.real("increments.minimum", minimum, MINIMUM.min(initial));
     if initial > maximum {
         reader.problem(&place.key("initial"), format!("{initial} is greater than the maximum, {maximum}"));
     }

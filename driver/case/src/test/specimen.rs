@@ -1312,6 +1312,8 @@ fn all_that_a_plate_takes_by_default_is_listed() {
         [
             "mesh.specimen: width = 10, height = 10, radius = 1, grading = 10, element = Q8",
             "parts.plate: model = plane_strain, thickness = 1, nlgeom = false",
+            "supports: standard",
+            "steps: time = 1, increments.maximum = 0.02, increments.initial = 0.001, increments.minimum = 1·10⁻⁸",
             "controls: displacement_tolerance = 1·10⁻⁵, max_iterations = 20, max_cutbacks = 30, line_search = true, \
              locate_peak = true, relaxation_time = 0",
         ]

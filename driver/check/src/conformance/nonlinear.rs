@@ -86,11 +86,13 @@ fn kept(subject: &mut Subject<'_>, from: &Committed, step: &[f64], increments: u
 }
 
 /// Findings about a law's nonlinearity.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Seen {
     stress: usize,
     states: usize,
     irreversible: usize,
+    /// Which state variables moved.
+    moved: Vec<bool>,
     /// Increments of the case's path that were looked at, and those that were nonlinear.
     path: [usize; 2],
 }
@@ -101,14 +103,16 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     const CALLS: usize = 4;
     const TIME: f64 = 1.0;
     ledger.begin("nonlinear states");
-    let mut seen = Seen::default();
+    let mut seen = Seen { moved: vec![false; subject.nstatv], ..Seen::default() };
     let has_histories = (0..subject.nstatv).any(|k| subject.is_history(k));
     for state in sample {
         seen.stress += usize::from(is_nonlinear(subject, &state.from, &state.step) == Some(true));
-        let moved = subject.evaluate(&state.from, &state.step).is_ok_and(|answer| {
-            (0..subject.nstatv).any(|k| subject.is_history(k) && answer.statev[k] != state.from.statev[k])
-        });
-        seen.states += usize::from(moved);
+        if let Ok(answer) = subject.evaluate(&state.from, &state.step) {
+            let has_moved = |k: &usize| subject.is_history(*k) && answer.statev[*k] != state.from.statev[*k];
+            let moved: Vec<usize> = (0..subject.nstatv).filter(has_moved).collect();
+            seen.states += usize::from(!moved.is_empty());
+            moved.into_iter().for_each(|k| seen.moved[k] = true);
+        }
         seen.irreversible += usize::from(has_histories && is_irreversible(subject, &state.from, &state.step));
     }
     if let Some(path) = subject.path.clone() {
@@ -127,7 +131,9 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     if seen.path[0] > 0 {
         words += &format!("; of the case's path {} of {} increments are nonlinear", seen.path[1], seen.path[0]);
     }
-    let influential = |subject: &mut Subject<'_>| influential_state(subject, sample);
+    // what moves and is undone by every way back, as stored strains are, was seen as it is
+    let undone = |k: usize| seen.irreversible == 0 && seen.moved[k];
+    let influential = |subject: &mut Subject<'_>| influential_state(subject, sample, undone);
     let why = if seen.stress > 0 {
         if seen.irreversible > 0 || !has_histories {
             None
@@ -180,12 +186,12 @@ fn nonlinear_beyond(subject: &mut Subject<'_>, sample: &[State]) -> Option<f64> 
     None
 }
 
-/// A state variable on which the stress depends. Asked in a process of its own first: values that the law never gives may
-/// end it.
-fn influential_state(subject: &mut Subject<'_>, sample: &[State]) -> Option<String> {
+/// A state variable on which the stress depends, other than those that are known. Asked in a process of its own first: values that
+/// the law never gives may end it.
+fn influential_state(subject: &mut Subject<'_>, sample: &[State], is_known: impl Fn(usize) -> bool) -> Option<String> {
     for state in sample.iter().rev().take(ASKED) {
         let expected = subject.call(&state.from, &state.step, 0.0, Alteration::None);
-        let histories: Vec<usize> = (0..subject.nstatv).filter(|&k| subject.is_history(k)).collect();
+        let histories: Vec<usize> = (0..subject.nstatv).filter(|&k| subject.is_history(k) && !is_known(k)).collect();
         for k in histories {
             for value in VALUES.into_iter().chain([2.0 * state.from.statev[k], 100.0 * state.from.statev[k]]) {
                 let mut from = state.from.clone();

@@ -450,6 +450,11 @@ impl<'p> Subject<'p> {
         if self.described() { Verdict::Fail } else { Verdict::Warn }
     }
 
+    /// The verdict on no answer to a step of zero, which hosts ask for before the first iteration: no law may answer it with NaN.
+    pub(super) fn blame_for(&self, trouble: &Trouble) -> Verdict {
+        if matches!(trouble, Trouble::Call(CallFailure::NotFinite(_))) { Verdict::Fail } else { self.blame() }
+    }
+
     /// The point before the first increment: the case's, or one of zeros.
     pub(super) fn virgin(&self) -> Committed {
         let first = self.path.as_ref().and_then(|path| path.increments.first());

@@ -18,7 +18,7 @@ pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     let answer = subject.evaluate(&virgin, &zero);
     subject.share = 1.0;
     match answer {
-        Err(trouble) => ledger.add(subject.blame(), "", trouble.to_string()),
+        Err(trouble) => ledger.add(subject.blame_for(&trouble), "", trouble.to_string()),
         Ok(answer) => {
             let skipped = usize::from(matches!(subject.entry, Entry::Uinter(_)));
             // an initial stress of the case stays
@@ -74,7 +74,7 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger
         let answer = match answer {
             Ok(answer) => answer,
             Err(trouble) => {
-                return ledger.add(subject.blame(), "", format!("{state}: {trouble}"));
+                return ledger.add(subject.blame_for(&trouble), "", format!("{state}: {trouble}"));
             }
         };
         let floor = tolerances::CANCELLATION / tolerances::ZERO_INCREMENT * subject.elastic_size(&point.input);
