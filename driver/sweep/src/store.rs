@@ -166,6 +166,15 @@ impl Store {
         rows.write(&folder.join(name))
     }
 
+    /// Waits for the turn to take runs, which one worker has at a time, as long as it keeps the file. On a file system without locks
+    /// all have it, and some runs may be run twice.
+    pub(crate) fn turn(&self) -> io::Result<File> {
+        let path = self.folder.join("turn");
+        let file = File::options().write(true).create(true).truncate(false).open(&path).map_err(at(&path))?;
+        let _ = file.lock();
+        Ok(file)
+    }
+
     /// Makes a file for what a worker on a machine is at, and locks it.
     pub(crate) fn running(&self, host: &str, head: &[u8]) -> io::Result<(File, PathBuf)> {
         let folder = self.folder.join("running");

@@ -22,7 +22,8 @@ use std::time::Instant;
 const CHUNK: f64 = 30.0;
 /// Most runs in a part unless the user says otherwise.
 const MOST_IN_A_PART: usize = 20_000;
-/// The rows of others are read again after so many times what it took: a tenth of the time at most.
+/// Where the user asks for small parts, the rows of others are read again after so many times what it took: a tenth of the time at
+/// most.
 const BETWEEN_READINGS: u32 = 10;
 
 /// Settings of a sweep's work.
@@ -173,9 +174,9 @@ impl Office<'_> {
     /// Reads what other workers have claimed and done, and keeps the rows of workers that have ended.
     fn look(&self, queue: &mut Queue) -> io::Result<()> {
         let left = left_behind(self.store, &self.maker.engine, &self.maker.host, &mut queue.taken)?;
-        // behind the claims: rows are there before a claim goes
+        // behind the claims: rows are there before a claim goes; those of small parts, which are many, not every time
         let start = Instant::now();
-        if start >= queue.next_reading || !left.is_empty() {
+        if self.work.chunk_runs.is_none() || start >= queue.next_reading || !left.is_empty() {
             queue.known.read(self.store)?;
             queue.next_reading = Instant::now() + BETWEEN_READINGS * start.elapsed();
         }
@@ -210,46 +211,38 @@ impl Office<'_> {
     /// the end.
     fn take(&self) -> io::Result<Option<(Claim, Vec<Due>)>> {
         let mut queue = self.queue();
-        loop {
-            if signals::received().is_some() || queue.due.is_empty() {
-                return Ok(None);
-            }
-            self.look(&mut queue)?;
-            // smaller and smaller, so that all processors end at about the same time, but not so small that starting children counts
-            let (jobs, most) = (self.work.jobs.max(1), self.work.chunk_runs.unwrap_or(MOST_IN_A_PART));
-            let size = queue.due.len().div_ceil(8 * jobs).max(self.count / (64 * jobs)).clamp(1, most);
-            let mut block = Vec::new();
-            for _ in 0..queue.due.len() {
-                if block.len() == size {
-                    break;
-                }
-                let Some(mut due) = queue.due.pop_front() else { break };
-                if queue.known.is_over_since(&due) {
-                    queue.elsewhere += 1;
-                    continue;
-                }
-                if let Some(row) = queue.known.best(&due.key) {
-                    due.attempt = due.attempt.max(row.attempt + 1);
-                }
-                if queue.is_taken(&due) {
-                    queue.due.push_back(due);
-                } else {
-                    block.push(due);
-                }
-            }
-            if block.is_empty() {
-                return Ok(None);
-            }
-            let head = Head { engine: self.maker.engine.clone(), runs: block.clone() };
-            let claim = Claim::new(self.store, &self.maker.host, &head)?;
-            // of two that claim a run at the same moment, one has it
-            self.look(&mut queue)?;
-            let mut earlier = queue.taken.iter().filter(|(path, _)| path.as_path() < claim.path());
-            if !earlier.any(|(_, keys)| block.iter().any(|due| keys.contains(&due.key))) {
-                return Ok(Some((claim, block)));
-            }
-            queue.due.extend(block);
+        if signals::received().is_some() || queue.due.is_empty() {
+            return Ok(None);
         }
+        let _turn = self.store.turn()?;
+        self.look(&mut queue)?;
+        // smaller and smaller, so that all processors end at about the same time, but not so small that starting children counts
+        let (jobs, most) = (self.work.jobs.max(1), self.work.chunk_runs.unwrap_or(MOST_IN_A_PART));
+        let size = queue.due.len().div_ceil(8 * jobs).max(self.count / (64 * jobs)).clamp(1, most);
+        let mut block = Vec::new();
+        for _ in 0..queue.due.len() {
+            if block.len() == size {
+                break;
+            }
+            let Some(mut due) = queue.due.pop_front() else { break };
+            if queue.known.is_over_since(&due) {
+                queue.elsewhere += 1;
+                continue;
+            }
+            if let Some(row) = queue.known.best(&due.key) {
+                due.attempt = due.attempt.max(row.attempt + 1);
+            }
+            if queue.is_taken(&due) {
+                queue.due.push_back(due);
+            } else {
+                block.push(due);
+            }
+        }
+        if block.is_empty() {
+            return Ok(None);
+        }
+        let head = Head { engine: self.maker.engine.clone(), runs: block.clone() };
+        Ok(Some((Claim::new(self.store, &self.maker.host, &head)?, block)))
     }
 
     /// Seconds after which rows are written.
