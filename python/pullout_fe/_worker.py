@@ -63,10 +63,10 @@ class RemotePlugin:
 
     def _ask(self, method: str, *arguments: Any) -> Any:
         with self._turn:
-            if self._child is None or self._child.poll() is not None:
-                self._start()
-            assert self._connection is not None
             try:
+                if self._child is None or self._child.poll() is not None:
+                    self._start()
+                assert self._connection is not None
                 self._connection.send((method, arguments))
                 if not self._connection.poll(self._time_limit):
                     raise TimeLimit(f"{self._path}: it did not come back within {self._time_limit:g} s")
@@ -89,6 +89,8 @@ class RemotePlugin:
             self._child = subprocess.Popen(command, pass_fds=[theirs.fileno()], env=environment, stdin=subprocess.DEVNULL)
         self._connection = Connection(ours.detach())
         self._connection.send((self._path, self._law))
+        # the start of Python is not the library's time
+        self._connection.recv()
 
     def _ending(self) -> str:
         """Why the child is gone, in words."""
@@ -122,6 +124,7 @@ def _serve(connection: Connection) -> None:
     from . import _core
 
     path, law = connection.recv()
+    connection.send(None)
     plugin: Any = None
     while True:
         method, arguments = connection.recv()

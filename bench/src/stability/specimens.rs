@@ -113,7 +113,7 @@ fn run(limit: Limit, file: &Path, job: &Job, folder: &Path, plugin_paths: &[Path
         }
         Err(error) => return End::Refused(error.to_string()),
     };
-    let energy_error = ran.findings.energy_error_max;
+    let energy_error = ran.findings.energy_error_max.unwrap_or(f64::NAN);
     match ran.stopped {
         None => End::Reached { energy_error, statistics: ran.statistics },
         Some(message) if ran.over_limit => End::OverLimit { message, energy_error },

@@ -154,7 +154,7 @@ impl RunResult {
             Quantity::Named(NamedQuantity::Increments) => summary?.increments as f64,
             Quantity::Named(NamedQuantity::Iterations) => summary?.iterations as f64,
             Quantity::Named(NamedQuantity::Cutbacks) => summary?.cutbacks as f64,
-            Quantity::Named(NamedQuantity::EnergyErrorMax) => summary?.specimen.as_ref()?.energy_error_max,
+            Quantity::Named(NamedQuantity::EnergyErrorMax) => summary?.specimen.as_ref()?.energy_error_max?,
             Quantity::Named(NamedQuantity::CpuTime) => summary?.cpu_time_s?,
             Quantity::Column(value) => {
                 let line = self.line(&value.column, value.at(), curve)?;

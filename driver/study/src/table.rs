@@ -66,7 +66,7 @@ impl<'a> Line<'a> {
             cutbacks: summary.map(|summary| summary.cutbacks),
             energy_error_max: summary
                 .and_then(|summary| summary.specimen.as_ref())
-                .map(|specimen| specimen.energy_error_max),
+                .and_then(|specimen| specimen.energy_error_max),
             cpu_time_s: summary.and_then(|summary| summary.cpu_time_s),
             wall_time_s: summary.map(|summary| summary.wall_time_s),
         }

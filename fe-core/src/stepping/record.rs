@@ -29,7 +29,8 @@ pub struct Record {
     pub slip_tail: f64,
     /// Energies, N mm.
     pub energies: Energies,
-    /// Imbalance of the energies relative to max(work so far, 1e-3 × the greatest work).
+    /// Imbalance of the energies relative to max(work so far, 1e-3 × the greatest work); NaN where temperature or fields change: what
+    /// they do to a material is no work of the drives.
     pub energy_error: f64,
     /// Counts of material points and contact points.
     pub counts: Counts,
@@ -183,7 +184,11 @@ impl Analysis<'_> {
             slip_exit: mean(|fibre| fibre.slip_exit, measured.exit_node),
             slip_tail: mean(|fibre| fibre.slip_tail, measured.tail_node),
             energies: self.present.energies,
-            energy_error: if reference > 0.0 { self.present.energies.imbalance() / reference } else { 0.0 },
+            energy_error: match reference > 0.0 {
+                _ if self.model.fields.change() => f64::NAN,
+                true => self.present.energies.imbalance() / reference,
+                false => 0.0,
+            },
             counts: self.equilibrium.counts(),
             damaged_volume: snapshot.solids().damaged_volume(),
             spalled_volume: self.present.spalled.volume,

@@ -70,7 +70,9 @@ fn energies(findings: &Findings) -> Markup {
             }
             tr { td.key { "Work less energies" } td.number { (rounded(work - sum)) } td.number { (share(work - sum)) } }
         }
-        p { "Greatest energy error of all increments: " (significant(findings.energy_error_max, 3)) "." }
+        @if let Some(error) = findings.energy_error_max {
+            p { "Greatest energy error of all increments: " (significant(error, 3)) "." }
+        }
     }
 }
 

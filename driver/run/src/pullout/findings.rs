@@ -16,8 +16,9 @@ pub struct Findings {
     /// The greatest load; absent if nothing was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peak_load: Option<PeakLoad>,
-    /// The greatest imbalance of the energies, relative as in the history.
-    pub energy_error_max: f64,
+    /// The greatest imbalance of the energies, relative as in the history; absent where temperature or fields change.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_error_max: Option<f64>,
     /// Share of the work taken by stabilisation and by the overstress of laws that extrapolate.
     #[serde(default)]
     pub stabilisation_share: f64,
