@@ -31,7 +31,7 @@ fn same_with_any_number(case: &Path, overrides: &[&str]) {
 fn a_bent_fibre_that_tears_its_exit() {
     same_with_any_number(
         &cases().join("chapter-7").join("inclined-fibre.json"),
-        &["mesh.specimen.mesh_size=3", "steps.0.slip=0.01", "output.vtu=9"],
+        &["mesh.specimen.mesh_size=2", "steps.0.slip=0.02", "output.vtu=9"],
     );
 }
 

@@ -184,10 +184,12 @@ impl Analysis<'_> {
             slip_exit: mean(|fibre| fibre.slip_exit, measured.exit_node),
             slip_tail: mean(|fibre| fibre.slip_tail, measured.tail_node),
             energies: self.present.energies,
-            energy_error: match reference > 0.0 {
-                _ if self.model.fields.change() => f64::NAN,
-                true => self.present.energies.imbalance() / reference,
-                false => 0.0,
+            energy_error: if self.model.fields.change() {
+                f64::NAN
+            } else if reference > 0.0 {
+                self.present.energies.imbalance() / reference
+            } else {
+                0.0
             },
             counts: self.equilibrium.counts(),
             damaged_volume: snapshot.solids().damaged_volume(),

@@ -201,8 +201,7 @@ fn stabilisation_warning(share: f64, relaxes: bool) -> Option<String> {
 
 /// Returns what users should know of energies that miss the work by more than increments are chosen for.
 fn imbalance(model: &Model, error: f64) -> Option<String> {
-    // what temperature and fields do is no work of the drives
-    if error <= ENERGY_BUDGET || model.fields.change() {
+    if error <= ENERGY_BUDGET {
         return None;
     }
     let is_equal = |step: &Step| matches!(step.control, StepControl::Fixed { .. });
