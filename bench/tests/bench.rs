@@ -91,6 +91,7 @@ fn calls_and_throughput_are_measured() {
 }
 
 #[test]
+#[ignore = "long: cost_is_measured_against_unknowns runs specimens as well"]
 fn specimens_are_measured() {
     let (folder, _) = measure(&["fe", "skipping", "--quick", "--out", "results"], 0);
     let results = folder.path().join("results");

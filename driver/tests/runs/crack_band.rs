@@ -164,19 +164,29 @@ fn an_aligned_crack_is_the_cohesive_crack_in_every_kind_of_element() {
     }
 }
 
-/// Warnings are given where the elements cannot reach the fracture energy: columns that lean by 27° lock; a column of
+/// Checks that warnings are given where the elements cannot reach the fracture energy: columns that lean by 27° lock; a column of
 /// Q8 that is not quite regular opens at one of its two columns of points; a column of flat elements is not as wide as √A.
-#[test]
-fn a_crack_that_misses_its_energy_is_told() {
+fn leaning_columns_lock(kinds: &[(&str, u32)]) {
     let leaning = |[x, y]: [f64; 2]| {
         let to_the_side = 0.5 * (25.0 - (y - 75.0).abs()).max(0.0);
         [x + to_the_side * (1.0 - x.abs() / 60.0).max(0.0), y]
     };
-    for (name, kind) in [("T3", 2), ("Q4", 3), ("T6", 9)] {
+    for &(name, kind) in kinds {
         let ([peak, work], warnings) = against_cohesive_crack("concrete_damage", &beam(kind, leaning));
         println!("{name}: peak {peak:.3}, work {work:.3}, {warnings:?}");
         assert!(work > 1.2 && warnings.iter().any(|warning| warning.contains("lock")), "{name}: {work} {warnings:?}");
     }
+}
+
+#[test]
+#[ignore = "long: a_crack_that_misses_its_energy_is_told has one kind of element"]
+fn a_crack_that_misses_its_energy_is_told_in_every_kind_of_element() {
+    leaning_columns_lock(&[("T3", 2), ("Q4", 3), ("T6", 9)]);
+}
+
+#[test]
+fn a_crack_that_misses_its_energy_is_told() {
+    leaning_columns_lock(&[("Q4", 3)]);
     let uneven = |[x, y]: [f64; 2]| {
         let is_inside = x.abs() < 12.0 && y > 50.0 && y < 100.0;
         if is_inside { [x + 0.25 * (0.7 * (x + y)).sin(), y] } else { [x, y] }

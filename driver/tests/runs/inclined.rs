@@ -39,15 +39,15 @@ fn worst_energy_error(run: &Run) -> f64 {
     worst(run.history.column("energy_error").iter().map(|error| error.abs()))
 }
 
-/// Triangles and rounded edges against the rectangles of the perpendicular specimen, which is verified by itself. The
+/// Compares triangles and rounded edges with the rectangles of the perpendicular specimen, which is verified by itself. The
 /// rounded edges take 0.1 of 12.2 mm of the bond on each side.
-#[test]
-fn without_inclination_it_is_the_perpendicular_fibre() {
+fn without_inclination(slip: f64) {
     let desk = Desk::new();
-    let straight = run(&desk, "perpendicular", &fibre(json!({ "type": "perpendicular_fibre" }), 0.3));
-    let bent = run(&desk, "inclined", &fibre(json!({ "type": "inclined_fibre", "angle_deg": 0, "cover": false }), 0.3));
+    let straight = run(&desk, "perpendicular", &fibre(json!({ "type": "perpendicular_fibre" }), slip));
+    let bent =
+        run(&desk, "inclined", &fibre(json!({ "type": "inclined_fibre", "angle_deg": 0, "cover": false }), slip));
     let path = json!([{ "name": "alone", "exit": 0, "path": [{ "straight": 15.2 }] }]);
-    let vertical = run(&desk, "fibres", &fibre(json!({ "type": "fibres", "fibres": path, "cover": false }), 0.3));
+    let vertical = run(&desk, "fibres", &fibre(json!({ "type": "fibres", "fibres": path, "cover": false }), slip));
     let bonded = (12.2 - 0.1015) / 12.2;
     for run in [&bent, &vertical] {
         for (expected, found) in std::iter::zip(peak_and_work(&straight), peak_and_work(run)) {
@@ -59,9 +59,31 @@ fn without_inclination_it_is_the_perpendicular_fibre() {
 }
 
 #[test]
-fn bent_and_straight_fibres_slide_around_their_exit_in_balance() {
+fn without_inclination_it_is_the_perpendicular_fibre() {
+    // beyond the peak
+    without_inclination(0.05);
+}
+
+#[test]
+#[ignore = "long: without_inclination_it_is_the_perpendicular_fibre goes beyond the peak"]
+fn without_inclination_it_is_the_perpendicular_fibre_far_beyond_the_peak() {
+    without_inclination(0.3);
+}
+
+#[test]
+fn a_bent_fibre_slides_around_its_exit_in_balance() {
+    slide_around_their_exit_in_balance(&[("bent", "bent", 3.0)]);
+}
+
+#[test]
+#[ignore = "long: a_bent_fibre_slides_around_its_exit_in_balance"]
+fn straight_fibres_slide_around_their_exit_in_balance() {
+    slide_around_their_exit_in_balance(&[("exit", "straight", 0.0), ("outside", "straight", 1.0)]);
+}
+
+fn slide_around_their_exit_in_balance(fibres: &[(&str, &str, f64)]) {
     let desk = Desk::new();
-    for (name, shape, free_length) in [("bent", "bent", 3.0), ("exit", "straight", 0.0), ("outside", "straight", 1.0)] {
+    for &(name, shape, free_length) in fibres {
         let specimen = json!({
             "type": "inclined_fibre", "angle_deg": 45, "shape": shape, "free_length": free_length, "mesh_size": 2,
             "cover": false,
@@ -111,12 +133,11 @@ fn the_path_does_not_turn_back_where_concrete_cracks() {
     assert!(worst_energy_error(&found) < 1e-3 && found.history.last("stabilisation_energy") == 0.0);
 }
 
-/// A bond of small tensile capacity opens on one side of the fibre, which is bent away from it: the more, the less it
-/// bears.
-#[test]
-fn a_small_tensile_capacity_opens_one_side_of_the_hole() {
+/// Checks that a bond of small tensile capacity opens on one side of the fibre, which is bent away from it: the more, the
+/// less it bears.
+fn opens_one_side_of_the_hole<const N: usize>(capacities: [f64; N]) {
     let desk = Desk::new();
-    let open = [1000.0, 20.0, 5.0].map(|capacity| {
+    let open = capacities.map(|capacity| {
         let mut case = fibre(json!({ "type": "inclined_fibre", "angle_deg": 45, "mesh_size": 2, "cover": false }), 0.1);
         case["contact"]["law"]["props"]["p_0"] = json!(capacity);
         let found = run(&desk, &format!("capacity-{capacity}"), &case);
@@ -124,7 +145,18 @@ fn a_small_tensile_capacity_opens_one_side_of_the_hole() {
         assert!(lengths.iter().all(|length| (0.0..=12.2).contains(length)), "{lengths:?}");
         lengths.iter().copied().fold(0.0, f64::max)
     });
-    assert!(open[0] == 0.0 && open[1] > 0.0 && open[2] > open[1], "{open:?} mm");
+    assert!(open[0] == 0.0 && open.windows(2).all(|lengths| lengths[1] > lengths[0]), "{open:?} mm");
+}
+
+#[test]
+fn a_small_tensile_capacity_opens_one_side_of_the_hole() {
+    opens_one_side_of_the_hole([1000.0, 5.0]);
+}
+
+#[test]
+#[ignore = "long: a_small_tensile_capacity_opens_one_side_of_the_hole"]
+fn a_smaller_tensile_capacity_opens_more_of_it() {
+    opens_one_side_of_the_hole([1000.0, 20.0, 5.0]);
 }
 
 /// Pull along the fibre and bending across it, one after the other: the grip follows one drive along the fibre and another
@@ -161,6 +193,7 @@ fn steps_along_given_directions() {
 /// Concrete that is torn off at the exit stays on the fibre's surface: its edges turn, and the gap that the points of an edge
 /// share does not show it. They lay 0.069 mm in the fibre.
 #[test]
+#[ignore = "long: contact::test::sliding has edges that turn"]
 fn torn_concrete_stays_out_of_the_fibre() {
     let desk = Desk::new();
     let case = program::cases().join("chapter-7/inclined-fibre.json");

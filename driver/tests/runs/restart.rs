@@ -83,6 +83,7 @@ fn a_damaging_matrix_with_friction_fields_and_pictures() {
 }
 
 #[test]
+#[ignore = "long: the other restarts"]
 fn a_snap_back() {
     // a coarse mesh snaps as well, and there is nothing to see beyond it
     let overrides = ["mesh.specimen.embedded_elements=32", "steps.0.slip=0.03", "output.vtu=false"];
@@ -95,6 +96,7 @@ fn large_displacements_and_sliding() {
 }
 
 #[test]
+#[ignore = "long: the other restarts"]
 fn a_bent_fibre_that_tears_its_exit() {
     let case = cases().join("chapter-7").join("inclined-fibre.json");
     goes_on_to_the_same_bits(&case, &["mesh.specimen.mesh_size=2", "steps.0.slip=0.2", "output.vtu=20"]);

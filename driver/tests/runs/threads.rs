@@ -27,12 +27,20 @@ fn same_with_any_number(case: &Path, overrides: &[&str]) {
     }
 }
 
+fn bent_fibre(slip: &str) {
+    let case = cases().join("chapter-7").join("inclined-fibre.json");
+    same_with_any_number(&case, &["mesh.specimen.mesh_size=2", slip, "output.vtu=9"]);
+}
+
 #[test]
+fn a_bent_fibre() {
+    bent_fibre("steps.0.slip=0.005");
+}
+
+#[test]
+#[ignore = "long: a_bent_fibre goes a quarter of the way"]
 fn a_bent_fibre_that_tears_its_exit() {
-    same_with_any_number(
-        &cases().join("chapter-7").join("inclined-fibre.json"),
-        &["mesh.specimen.mesh_size=2", "steps.0.slip=0.02", "output.vtu=9"],
-    );
+    bent_fibre("steps.0.slip=0.02");
 }
 
 #[test]

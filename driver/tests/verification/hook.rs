@@ -40,6 +40,7 @@ fn a_hook_takes_its_plastic_moment_for_each_change_of_curvature() {
 /// A wave a (1 − cos(2πu/λ)): the curvature goes from 0 to a (2π/λ)², to its opposite, back and to 0, and turns three times, where
 /// 2 M_p/(E I) of it are elastic.
 #[test]
+#[ignore = "long: a_hook_takes_its_plastic_moment_for_each_change_of_curvature has the same law"]
 fn a_wave_takes_its_plastic_moment_for_each_change_of_curvature() {
     const GREATEST: f64 = 0.2;
     const YOUNGS_MODULUS: f64 = 600e3;

@@ -108,14 +108,21 @@ fn after_extraction(overrides: &[&str]) -> [f64; 2] {
     last
 }
 
+/// Checks the end of an inclined fibre, on a coarse mesh: full-extraction-study has it on the usual one.
+fn pulled_out_to_the_last(angle: &str) {
+    let [load, slip] = after_extraction(&[angle, "mesh.specimen.mesh_size=2"]);
+    assert!(load < 1e-9 && slip == 3.2, "{angle}: {load:.1e} at {slip}");
+}
+
 #[test]
 fn an_inclined_fibre_is_pulled_out_to_the_last() {
-    // full-extraction-study has it on the usual mesh
-    let coarse = "mesh.specimen.mesh_size=2";
-    for angle in ["mesh.specimen.angle_deg=30", "mesh.specimen.angle_deg=45"] {
-        let [load, slip] = after_extraction(&[angle, coarse]);
-        assert!(load < 1e-9 && slip == 3.2, "{angle}: {load:.1e} at {slip}");
-    }
+    pulled_out_to_the_last("mesh.specimen.angle_deg=30");
+}
+
+#[test]
+#[ignore = "long: an_inclined_fibre_is_pulled_out_to_the_last at a smaller angle"]
+fn a_more_inclined_fibre_is_pulled_out_to_the_last() {
+    pulled_out_to_the_last("mesh.specimen.angle_deg=45");
 }
 
 /// The end of a fibre snaps out of its hole, and contact has no viscosity that takes it: with stabilisation, too, something else
