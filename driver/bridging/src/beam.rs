@@ -57,7 +57,7 @@ impl NotchedBeam {
         let place = |name| format!("beam.{name}");
         let all = [(self.width, "width"), (self.height, "height"), (self.span, "span")];
         for (value, name) in all.into_iter().chain(self.hinge_length.map(|length| (length, "hinge_length"))) {
-            Invalid::unless(value > 0.0 && value.is_finite(), place(name), "must be above 0")?;
+            Invalid::unless_positive(value, place(name))?;
         }
         let within = self.notch >= 0.0 && self.notch < self.height;
         Invalid::unless(within, place("notch"), "must not be below 0, and less than the height")?;

@@ -55,14 +55,12 @@ impl Matrix {
     /// A number without sense.
     pub fn check(&self) -> Result<(), Invalid> {
         let place = |name| format!("matrix.{name}");
-        let positive =
-            |value: f64, name| Invalid::unless(value > 0.0 && value.is_finite(), place(name), "must be above 0");
-        positive(self.modulus, "E")?;
-        positive(self.ft, "ft")?;
+        Invalid::unless_positive(self.modulus, place("E"))?;
+        Invalid::unless_positive(self.ft, place("ft"))?;
         if self.softening != Softening::None {
-            positive(self.fracture_energy, "Gf")?;
+            Invalid::unless_positive(self.fracture_energy, place("Gf"))?;
         }
-        self.fc.map_or(Ok(()), |fc| positive(fc, "fc"))
+        self.fc.map_or(Ok(()), |fc| Invalid::unless_positive(fc, place("fc")))
     }
 
     /// σ_m(w).
@@ -135,7 +133,7 @@ impl Composite {
     ) -> Result<Self, Invalid> {
         let sound = volume_fraction > 0.0 && volume_fraction <= LARGEST_VOLUME_FRACTION;
         Invalid::unless(sound, "volume_fraction".into(), "must be above 0 and not above 0.2")?;
-        Invalid::unless(activation >= 0.0 && activation.is_finite(), "activation".into(), "must not be below 0")?;
+        Invalid::if_negative(activation, "activation".into())?;
         matrix.check()?;
         let mut breaks = fibre.angles();
         let directions = orientation.directions(fibre.fibre.length, &breaks)?;

@@ -69,14 +69,9 @@ impl Inclination {
     /// # Errors
     /// A number without sense.
     pub fn check(&self) -> Result<(), Invalid> {
-        let sound = |value: f64, name: &str| {
-            let place = format!("fibre.inclination.{name}");
-            Invalid::unless(value >= 0.0 && value.is_finite(), place, "must not be below 0")
-        };
-        let above = |value: f64, name: &str| {
-            let place = format!("fibre.inclination.{name}");
-            Invalid::unless(value > 0.0 && value.is_finite(), place, "must be above 0")
-        };
+        let place = |name: &str| format!("fibre.inclination.{name}");
+        let sound = |value: f64, name: &str| Invalid::if_negative(value, place(name));
+        let above = |value: f64, name: &str| Invalid::unless_positive(value, place(name));
         match *self {
             Self::Exp { f } => sound(f, "f"),
             Self::ExpCos { f, s } => sound(f, "f").and(sound(s, "s")),

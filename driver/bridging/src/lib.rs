@@ -50,6 +50,14 @@ impl Invalid {
     pub(crate) fn unless(holds: bool, place: String, rule: &str) -> Result<(), Self> {
         if holds { Ok(()) } else { Err(Self { place, rule: rule.into() }) }
     }
+
+    pub(crate) fn unless_positive(value: f64, place: String) -> Result<(), Self> {
+        Self::unless(value > 0.0 && value.is_finite(), place, "must be above 0")
+    }
+
+    pub(crate) fn if_negative(value: f64, place: String) -> Result<(), Self> {
+        Self::unless(value >= 0.0 && value.is_finite(), place, "must not be below 0")
+    }
 }
 
 /// A straight round fibre.
@@ -86,16 +94,14 @@ impl Fibre {
     /// A number without sense.
     pub fn check(&self) -> Result<(), Invalid> {
         let place = |name| format!("fibre.{name}");
-        let positive =
-            |value: f64, name| Invalid::unless(value > 0.0 && value.is_finite(), place(name), "must be above 0");
-        positive(self.diameter, "diameter")?;
-        positive(self.length, "length")?;
-        positive(self.modulus, "E")?;
+        Invalid::unless_positive(self.diameter, place("diameter"))?;
+        Invalid::unless_positive(self.length, place("length"))?;
+        Invalid::unless_positive(self.modulus, place("E"))?;
         let slender = self.length >= Self::LEAST_SLENDERNESS * self.diameter;
         Invalid::unless(slender, place("length"), "must be 5 diameters or more")?;
         if let Some(strength) = self.strength {
-            positive(strength, "strength")?;
+            Invalid::unless_positive(strength, place("strength"))?;
         }
-        Invalid::unless(self.rupture_f.is_finite() && self.rupture_f >= 0.0, place("rupture_f"), "must not be below 0")
+        Invalid::if_negative(self.rupture_f, place("rupture_f"))
     }
 }

@@ -57,12 +57,12 @@ impl Closed {
     /// A number without sense.
     pub fn check(&self) -> Result<(), Invalid> {
         let place = |name| format!("fibre.{name}");
-        Invalid::unless(self.tau > 0.0 && self.tau.is_finite(), place("tau"), "must be above 0")?;
+        Invalid::unless_positive(self.tau, place("tau"))?;
         Invalid::unless(self.beta.is_finite(), place("beta"), "must be a number")?;
         let hardens = self.debonding == Debonding::Hardening;
         Invalid::unless(!hardens || self.beta > 0.0, place("beta"), "debonding \"hardening\" needs it above 0")?;
         let energy = self.debonding_energy;
-        Invalid::unless(energy >= 0.0 && energy.is_finite(), place("debonding_energy"), "must not be below 0")?;
+        Invalid::if_negative(energy, place("debonding_energy"))?;
         let elastic = self.debonding == Debonding::Elastic;
         let rule = "belongs to debonding \"elastic\"";
         Invalid::unless(elastic || energy == 0.0, place("debonding_energy"), rule)
