@@ -27,11 +27,6 @@ impl Polyline {
         self.x.iter().copied().zip(self.y.iter().copied())
     }
 
-    /// The last point's x.
-    pub fn end(&self) -> f64 {
-        self.x.last().copied().unwrap_or(0.0)
-    }
-
     /// y at x.
     pub fn at(&self, x: f64) -> f64 {
         self.at_place(self.place(x))
