@@ -112,7 +112,7 @@ pub fn monotone_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
 }
 
 /// The cubic through two nodes (x, y) with their slopes, at x.
-pub fn cubic(x: f64, nodes: [f64; 2], values: [f64; 2], slopes: [f64; 2]) -> f64 {
+fn cubic(x: f64, nodes: [f64; 2], values: [f64; 2], slopes: [f64; 2]) -> f64 {
     let step = nodes[1] - nodes[0];
     let t = (x - nodes[0]) / step;
     let u = 1.0 - t;

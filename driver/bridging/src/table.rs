@@ -2,7 +2,7 @@
 
 use crate::Invalid;
 use crate::bond::{Side, opening};
-use crate::interpolation::{Polyline, cubic, monotone_slopes};
+use crate::interpolation::{Polyline, monotone, monotone_slopes};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -218,16 +218,10 @@ impl Row<'_> {
         if angle > self.table.cut {
             return (0.0, 0.0);
         }
-        let right = angles.partition_point(|&node| node < angle);
-        let pick = |values: &[f64], slopes: &[f64]| match right {
-            0 => values[0],
-            right if right == angles.len() => values[right - 1],
-            right => {
-                let pair = |values: &[f64]| [values[right - 1], values[right]];
-                cubic(angle, pair(angles), pair(values), pair(slopes))
-            }
-        };
-        (pick(&self.loads, &self.slopes), pick(&self.greatest, &self.greatest_slopes))
+        (
+            monotone(angle, angles, &self.loads, &self.slopes),
+            monotone(angle, angles, &self.greatest, &self.greatest_slopes),
+        )
     }
 }
 
