@@ -1,8 +1,5 @@
 //! Strengths and classes of the fib Model Code 2010 (5.6) from residual strengths.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 /// CMOD of f_R3, to which the linear model's ultimate opening is referred, mm.
 const CMOD_3: f64 = 2.5;
 /// Least f_R1k of the classes, MPa.
@@ -15,7 +12,7 @@ const LEAST_LIMIT_RATIO: f64 = 0.4;
 const LEAST_RESIDUAL_RATIO: f64 = 0.5;
 
 /// Stress in the crack by the Model Code 2010, MPa.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelCode2010 {
     /// f_R3/3: the rigid-plastic model.
     pub rigid_plastic: f64,
@@ -36,7 +33,7 @@ impl ModelCode2010 {
 }
 
 /// Class by characteristic values, as "3b".
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrengthClass {
     /// Least f_R1k, MPa.
     pub strength: f64,
