@@ -242,9 +242,7 @@ impl ShearLagSide {
         let rest = || self.pass(line.slope, line.traction, slip - line.slip, strain).1;
         self.lines[0].traction > 0.0 && length <= embedded && length + rest() <= embedded
     }
-}
 
-impl ShearLagSide {
     fn peak_load(&self, embedded: f64) -> f64 {
         monotone(embedded, &self.lengths, &self.peak_loads.0, &self.peak_loads.1)
     }

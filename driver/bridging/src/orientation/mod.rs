@@ -265,13 +265,8 @@ impl Directions {
     /// p(θ); infinite where all fibres lie.
     pub fn density(&self, angle: f64) -> f64 {
         match self.single {
-            Some(single) => {
-                if angle == single {
-                    f64::INFINITY
-                } else {
-                    0.0
-                }
-            }
+            Some(single) if angle == single => f64::INFINITY,
+            Some(_) => 0.0,
             None => self.density.at(angle),
         }
     }
