@@ -107,10 +107,7 @@ impl BeamFit {
 
     /// Warns of data in other units, and of a σ(w) that misses them.
     fn doubts(&self, test: &Measured) -> Vec<String> {
-        let greatest = match test {
-            Measured::Curve(rows) => self.geometry.flexural_strength(rows.iter().map(|row| row[1]).fold(0.0, f64::max)),
-            Measured::Strengths(strengths) => strengths.residual.iter().copied().fold(strengths.limit, f64::max),
-        };
+        let greatest = test.greatest_strength(&self.geometry);
         let mut data = vec![("flexural strength at the greatest load", greatest, "MPa", [0.5, 60.0])];
         if let Measured::Curve(rows) = test {
             let last = rows.iter().map(|row| row[0]).fold(0.0, f64::max);

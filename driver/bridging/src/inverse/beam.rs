@@ -51,10 +51,23 @@ impl Measured {
         let finite = rows.iter().flatten().all(|value| value.is_finite());
         let rising = rows.windows(2).all(|pair| pair[1][0] > pair[0][0]);
         Invalid::unless(finite && rising, "test".into(), "must have CMODs that rise")?;
-        let some = rows.iter().filter(|row| row[0] >= LEAST_CMOD).count() > OPENINGS.len() + 2;
+        let some = compared(rows).count() > OPENINGS.len() + 2;
         Invalid::unless(some, "test".into(), "must have more than 12 points from CMOD 0.01 mm on")?;
         Invalid::unless(rows.iter().any(|row| row[1] > 0.0), "test".into(), "must have a force above 0")
     }
+
+    /// The greatest flexural strength, MPa.
+    pub fn greatest_strength(&self, geometry: &NotchedBeam) -> f64 {
+        match self {
+            Self::Curve(rows) => geometry.flexural_strength(rows.iter().map(|row| row[1]).fold(0.0, f64::max)),
+            Self::Strengths(strengths) => strengths.residual.iter().copied().fold(strengths.limit, f64::max),
+        }
+    }
+}
+
+/// The points of a curve that the model can be compared with.
+fn compared(rows: &[[f64; 2]]) -> impl Iterator<Item = &[f64; 2]> {
+    rows.iter().filter(|row| row[0] >= LEAST_CMOD)
 }
 
 /// σ(w) by a rigid hinge whose zone of compression has no height:
@@ -71,11 +84,7 @@ pub fn fast_inverse(geometry: &NotchedBeam, test: &Measured) -> Result<Polyline,
     geometry.check()?;
     test.check()?;
     let (cmods, strengths): (Vec<f64>, Vec<f64>) = match test {
-        Measured::Curve(rows) => rows
-            .iter()
-            .filter(|row| row[0] >= LEAST_CMOD)
-            .map(|row| (row[0], geometry.flexural_strength(row[1])))
-            .unzip(),
+        Measured::Curve(rows) => compared(rows).map(|row| (row[0], geometry.flexural_strength(row[1]))).unzip(),
         Measured::Strengths(strengths) => (RESIDUAL_CMOD.to_vec(), strengths.residual.to_vec()),
     };
     let part = geometry.ligament() / geometry.height;
@@ -137,7 +146,7 @@ pub struct BridgingFit {
 pub fn full_inverse(geometry: &NotchedBeam, matrix: &Matrix, test: &Measured) -> Result<BridgingFit, Invalid> {
     matrix.check()?;
     let start = fast_inverse(geometry, test)?;
-    let form = Form { geometry: *geometry, matrix: *matrix, test, scale: scale(geometry, test) };
+    let form = Form { geometry: *geometry, matrix: *matrix, test, scale: test.greatest_strength(geometry) };
     let start = form.start(&start);
     let fit = |weight: f64, start: &[f64]| {
         let problem = LeastSquares {
@@ -180,13 +189,6 @@ fn corner(fits: &[(f64, Fitted)]) -> usize {
     (1..fits.len() - 1).max_by(|&i, &j| curvature(i).total_cmp(&curvature(j))).unwrap_or(0)
 }
 
-fn scale(geometry: &NotchedBeam, test: &Measured) -> f64 {
-    match test {
-        Measured::Curve(rows) => geometry.flexural_strength(rows.iter().map(|row| row[1]).fold(0.0, f64::max)),
-        Measured::Strengths(strengths) => strengths.residual.iter().copied().fold(strengths.limit, f64::max),
-    }
-}
-
 /// The unknowns: ln E, ln f_t, √σ.
 struct Form<'t> {
     geometry: NotchedBeam,
@@ -206,7 +208,7 @@ impl Form<'_> {
 
     fn rows(&self) -> usize {
         match self.test {
-            Measured::Curve(rows) => rows.iter().filter(|row| row[0] >= LEAST_CMOD).count(),
+            Measured::Curve(rows) => compared(rows).count(),
             Measured::Strengths(_) => 1 + RESIDUAL_CMOD.len(),
         }
     }
@@ -252,11 +254,9 @@ impl Form<'_> {
         let beam = Beam::new(self.geometry, &section, &matrix);
         let strength = |force: f64| self.geometry.flexural_strength(force);
         let mut residuals: Vec<f64> = match self.test {
-            Measured::Curve(rows) => rows
-                .iter()
-                .filter(|row| row[0] >= LEAST_CMOD)
-                .map(|&[cmod, force]| strength(beam.at(cmod).force - force))
-                .collect(),
+            Measured::Curve(rows) => {
+                compared(rows).map(|&[cmod, force]| strength(beam.at(cmod).force - force)).collect()
+            }
             Measured::Strengths(test) => {
                 let computed = beam.residual();
                 let pairs = computed.residual.iter().zip(&test.residual);
