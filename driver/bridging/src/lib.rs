@@ -24,8 +24,8 @@ pub use composite::{Composite, Matrix, Softening};
 pub use inclination::Inclination;
 pub use interpolation::Polyline;
 pub use inverse::{
-    BridgingFit, Estimate, Fitted, IDENTIFIABLE, LeastSquares, Measured, OPENINGS, bond_from_bridging, differences,
-    estimates, fast_inverse, full_inverse, least_squares,
+    BridgingFit, Estimate, Fitted, IDENTIFIABLE, Measured, OPENINGS, bond_from_bridging, differences, estimates,
+    fast_inverse, full_inverse,
 };
 pub use model_code::{ModelCode2010, StrengthClass};
 pub use orientation::{Directions, Faces, Orientation, wall_zones};

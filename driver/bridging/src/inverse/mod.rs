@@ -22,13 +22,13 @@ const LEAST_INFORMATION: f64 = 1e-10;
 pub const IDENTIFIABLE: f64 = 0.25;
 
 /// A least-squares problem. Rows beyond the data are penalties: they guide the search and tell nothing.
-pub struct LeastSquares<'f> {
+struct LeastSquares<'f> {
     /// Residuals at parameters.
-    pub residuals: &'f dyn Fn(&[f64]) -> Vec<f64>,
+    residuals: &'f dyn Fn(&[f64]) -> Vec<f64>,
     /// The quantities that parameters stand for.
-    pub quantities: &'f dyn Fn(&[f64]) -> Vec<f64>,
+    quantities: &'f dyn Fn(&[f64]) -> Vec<f64>,
     /// Rows that are data, the first ones.
-    pub data: usize,
+    data: usize,
 }
 
 /// A quantity with its uncertainty.
@@ -73,7 +73,7 @@ pub struct Fitted {
 }
 
 /// Levenberg and Marquardt's method (the crate `levenberg-marquardt`, after MINPACK) from `start`.
-pub fn least_squares(problem: &LeastSquares<'_>, start: &[f64]) -> Fitted {
+fn least_squares(problem: &LeastSquares<'_>, start: &[f64]) -> Fitted {
     let search = Search { problem, parameters: DVector::from_column_slice(start) };
     let method = LevenbergMarquardt::new().with_ftol(SMALLEST_GAIN).with_xtol(SMALLEST_GAIN).with_patience(PATIENCE);
     let (search, _) = method.minimize(search);
