@@ -23,13 +23,11 @@ type Design = (Vec<String>, Vec<Vec<Value>>);
 /// # Errors
 /// Everything that is wrong with it.
 pub fn plan(file: &Path, design: Option<&Path>, plugin_paths: &[PathBuf], store: &Store) -> Result<Sweep, CaseErrors> {
+    let refused = |message: String| CaseErrors { file: file.into(), problems: vec![CaseProblem::unreadable(message)] };
     let Some(mut document) = pullout_case::document(file, &[]) else {
         // reading it as a case says what is wrong
-        let problems = vec![CaseProblem::unreadable("the sweep file cannot be read as JSON")];
-        return Err(match pullout_case::read(file, &[], plugin_paths) {
-            Err(errors) => errors,
-            Ok(_) => CaseErrors { file: file.into(), problems },
-        });
+        let read = pullout_case::read(file, &[], plugin_paths);
+        return Err(read.err().unwrap_or_else(|| refused("the sweep file cannot be read as JSON".into())));
     };
     if let Some(design) = design {
         if document["kind"] != "sweep" {
@@ -39,35 +37,17 @@ pub fn plan(file: &Path, design: Option<&Path>, plugin_paths: &[PathBuf], store:
         let absolute = std::path::absolute(design).unwrap_or_else(|_| design.into());
         document["design"] = absolute.to_string_lossy().into();
     }
-    plan_document(document, file, plugin_paths, store)
-}
-
-/// Plans a sweep that stands in a file, or would.
-///
-/// # Errors
-/// Everything that is wrong with it.
-pub(crate) fn plan_document(
-    document: Value,
-    file: &Path,
-    plugin_paths: &[PathBuf],
-    store: &Store,
-) -> Result<Sweep, CaseErrors> {
-    if let Err(error) = store.may_plan() {
-        return Err(CaseErrors { file: file.into(), problems: vec![CaseProblem::unreadable(error.to_string())] });
-    }
-    let folder = input::folder_of(file);
-    let mut reader = Reader::new(folder, plugin_paths);
+    store.may_plan().map_err(|error| refused(error.to_string()))?;
+    let mut reader = Reader::new(input::folder_of(file), plugin_paths);
     let sweep = pullout_case::read_sweep(&mut reader, document, |reader, of_file: SweepFile| {
         resolve(reader, &of_file, file, plugin_paths, store)
     });
     let problems = reader.into_problems();
     match sweep {
-        Some(sweep) if problems.is_empty() => match store.plan(&sweep) {
-            Ok(()) => Ok(sweep),
-            Err(error) => {
-                Err(CaseErrors { file: file.into(), problems: vec![CaseProblem::unreadable(error.to_string())] })
-            }
-        },
+        Some(sweep) if problems.is_empty() => {
+            store.plan(&sweep).map_err(|error| refused(error.to_string()))?;
+            Ok(sweep)
+        }
         _ => Err(CaseErrors { file: file.into(), problems }),
     }
 }
