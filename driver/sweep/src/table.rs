@@ -80,18 +80,11 @@ impl Column {
 
     /// The column of the schema.
     fn field(&self, name: &str) -> Result<TypePtr> {
-        let optional = Repetition::OPTIONAL;
+        let optional = |kind| Type::primitive_type_builder(name, kind).with_repetition(Repetition::OPTIONAL);
         Ok(Arc::new(match self {
-            Self::Text(_) => Type::primitive_type_builder(name, PhysicalType::BYTE_ARRAY)
-                .with_repetition(optional)
-                .with_logical_type(Some(LogicalType::String))
-                .build()?,
-            Self::Number(_) => {
-                Type::primitive_type_builder(name, PhysicalType::DOUBLE).with_repetition(optional).build()?
-            }
-            Self::Count(_) => {
-                Type::primitive_type_builder(name, PhysicalType::INT64).with_repetition(optional).build()?
-            }
+            Self::Text(_) => optional(PhysicalType::BYTE_ARRAY).with_logical_type(Some(LogicalType::String)).build()?,
+            Self::Number(_) => optional(PhysicalType::DOUBLE).build()?,
+            Self::Count(_) => optional(PhysicalType::INT64).build()?,
             Self::List(_) => {
                 let element = Type::primitive_type_builder("element", PhysicalType::DOUBLE)
                     .with_repetition(Repetition::REQUIRED)
