@@ -1,6 +1,7 @@
 //! Messages of the command line on a study: runs as they end, and the outcome.
 
 use super::claims::{Finding, Verdict};
+use super::execution::State;
 use super::results::{Results, RunResult};
 use super::{Run, Study};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -41,7 +42,7 @@ impl<'s> Progress<'s> {
         if self.quiet {
             return None;
         }
-        let result = RunResult::of_one(run, self.study, self.folder, code);
+        let result = RunResult::read(run, self.study, self.folder, State::Ran(code));
         let (name, unit) = (self.study.name_of(run), &self.study.units[1]);
         let peak = result.peak.map_or(String::new(), |peak| format!(", peak {} {unit}", significant(peak, 5)));
         let time = result.summary.as_ref().map_or(String::new(), |s| format!(", {} s", significant(s.wall_time_s, 3)));

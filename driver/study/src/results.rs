@@ -73,12 +73,8 @@ impl Results {
 }
 
 impl RunResult {
-    /// Reads the results of a run that has just ended.
-    pub(super) fn of_one(run: &Run, study: &Study, out: &Path, code: u8) -> Self {
-        Self::read(run, study, out, State::Ran(code))
-    }
-
-    fn read(run: &Run, study: &Study, out: &Path, state: State) -> Self {
+    /// Reads the results of a run from its directory below `out`.
+    pub(super) fn read(run: &Run, study: &Study, out: &Path, state: State) -> Self {
         let folder = out.join(&run.folder);
         if state == State::NotRun {
             return Self::default();
