@@ -30,6 +30,7 @@ pub use report::write as write_report;
 pub use results::{Results, RunResult};
 pub use table::{write_csv, write_json};
 
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -73,6 +74,24 @@ impl Study {
             Quantity::Column(value) => Some(std::iter::once(&value.column).chain(value.over())),
         });
         pairs.chain(of_claims.flatten()).map(String::as_str).collect()
+    }
+
+    /// The run of a member in a series.
+    pub(crate) fn run_of(&self, series: usize, member: usize) -> usize {
+        series * self.members.len() + member
+    }
+
+    /// "bent/45".
+    pub fn name_of(&self, run: &Run) -> String {
+        format!("{}/{}", self.series[run.series].name, self.members[run.member].label)
+    }
+
+    /// The members by rising x; those without one stay as they are.
+    fn members_by_x(&self) -> Vec<usize> {
+        let x = |member: usize| self.members[member].x;
+        let mut order: Vec<usize> = (0..self.members.len()).collect();
+        order.sort_by(|&a, &b| x(a).partial_cmp(&x(b)).unwrap_or(Ordering::Equal));
+        order
     }
 }
 
@@ -146,16 +165,4 @@ pub struct Claim {
     pub quantity: Quantity,
     /// The test.
     pub expectation: Expectation,
-}
-
-impl Study {
-    /// The run of a member in a series.
-    pub(crate) fn run_of(&self, series: usize, member: usize) -> usize {
-        series * self.members.len() + member
-    }
-
-    /// "bent/45".
-    pub fn name_of(&self, run: &Run) -> String {
-        format!("{}/{}", self.series[run.series].name, self.members[run.member].label)
-    }
 }

@@ -41,21 +41,20 @@ fn figures(study: &Study, results: &Results) -> Vec<Figure> {
             figures.push(overlay(study, results, columns, &name, vec![series]));
         }
     }
-    let [_, y_unit] = &study.units;
-    let end = results.work_to.map_or(String::new(), |end| {
-        format!(" up to {} {}", significant(end, 4), study.units[0]).trim_end().to_owned()
-    });
+    let [x_unit, y_unit] = &study.units;
+    let end = results
+        .work_to
+        .map_or(String::new(), |end| format!(" up to {} {x_unit}", significant(end, 4)).trim_end().to_owned());
     let work_unit = work_unit(study);
     let peak: Number = |result| result.peak;
     let work: Number = |result| result.work;
     let first = first_member(study).map_or(String::new(), |member| study.members[member].title.clone());
     for (name, what, unit, number) in
-        [("peak", "peak".to_owned(), y_unit.as_str(), peak), ("work", format!("work{end}"), &work_unit, work)]
+        [("peak", "peak".to_owned(), y_unit, peak), ("work", format!("work{end}"), &work_unit, work)]
     {
         let along = |name: String, quantity: Quantity, normalised: bool| {
-            along_x(study, results, name, quantity, &|result: &RunResult| number(result), normalised)
+            along_x(study, results, name, quantity, number, normalised)
         };
-        let unit = if name == "peak" { y_unit.as_str() } else { unit };
         figures.push(along(name.into(), Quantity { name: what.clone(), unit: unit.into() }, false));
         if study.members.len() > 1 {
             let relative = Quantity { name: format!("{what}, over that at {first}"), unit: String::new() };
@@ -77,12 +76,8 @@ fn first_member(study: &Study) -> Option<usize> {
 /// The curves of some series: a colour for each member (a shade where there are more members than colours) and a dash for
 /// each series.
 fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: Vec<usize>) -> Figure {
-    let mut order: Vec<usize> = (0..study.members.len()).collect();
-    let x = |member: usize| study.members[member].x;
-    let shaded = order.len() > PALETTE;
-    if shaded {
-        order.sort_by(|&a, &b| x(a).partial_cmp(&x(b)).unwrap_or(std::cmp::Ordering::Equal));
-    }
+    let shaded = study.members.len() > PALETTE;
+    let order = if shaded { study.members_by_x() } else { (0..study.members.len()).collect() };
     let mut lines = Vec::new();
     let has_failed = |result: &RunResult| result.status.is_some() && !result.is_done();
     let titles = order.iter().map(|&member| {
@@ -147,23 +142,10 @@ const CHARACTERS: usize = 70;
 const PALETTE: usize = 7;
 
 /// A number of the runs that are done along x: a line for each series.
-fn along_x(
-    study: &Study,
-    results: &Results,
-    name: String,
-    y: Quantity,
-    number: &dyn Fn(&RunResult) -> Option<f64>,
-    normalised: bool,
-) -> Figure {
-    let mut order: Vec<usize> = (0..study.members.len()).collect();
-    let scale = match &study.x {
-        Some(x) => {
-            order.sort_by(|&a, &b| {
-                study.members[a].x.partial_cmp(&study.members[b].x).unwrap_or(std::cmp::Ordering::Equal)
-            });
-            if x.logarithmic { Scale::Decades } else { Scale::Linear }
-        }
-        None => Scale::Names(names(study)),
+fn along_x(study: &Study, results: &Results, name: String, y: Quantity, number: Number, normalised: bool) -> Figure {
+    let (order, scale) = match &study.x {
+        Some(x) => (study.members_by_x(), if x.logarithmic { Scale::Decades } else { Scale::Linear }),
+        None => ((0..study.members.len()).collect(), Scale::Names(names(study))),
     };
     let line = |(k, series): (usize, &super::Series)| {
         let value = |member: usize| {
