@@ -41,8 +41,7 @@ fn run(subject: &mut Subject<'_>, targets: &[Vec<f64>], increments: u32) -> Resu
     let zero = vec![0.0; point.input.len()];
     // The stress of the virgin state itself: contact in a soft layer carries pressure before it closes.
     subject.share = INSTANT;
-    let start = subject.evaluate(&point, &zero)?;
-    point = subject.advanced(&point, &zero, &start);
+    point = subject.after(&point, &zero)?;
     subject.share = subject.path_length() / f64::from(increments);
     let first: f64 = point.energies.iter().sum();
     let mut balance = Balance::default();
@@ -50,8 +49,7 @@ fn run(subject: &mut Subject<'_>, targets: &[Vec<f64>], increments: u32) -> Resu
         let step: Vec<f64> =
             target.iter().zip(&point.input).map(|(end, start)| (end - start) / f64::from(increments)).collect();
         for _ in 0..increments {
-            let answer = subject.evaluate(&point, &step)?;
-            let next = subject.advanced(&point, &step, &answer);
+            let next = subject.after(&point, &step)?;
             let work: f64 = (0..next.output.len()).map(|k| 0.5 * (point.output[k] + next.output[k]) * step[k]).sum();
             balance.work += work;
             balance.absolute_work += work.abs();

@@ -68,19 +68,17 @@ pub(super) fn check(subject: &mut Subject<'_>, paths: usize, ledger: &mut Ledger
             if leg == 0 && !claimed {
                 elastic = elastic.max(elastic_anisotropy(subject, &start, &step, &rotation).unwrap_or(f64::INFINITY));
             }
-            let answers = (subject.evaluate(&point, &step), subject.evaluate(&turned, &turned_step));
-            let (answer, turned_answer) = match answers {
-                (Ok(answer), Ok(turned_answer)) => (answer, turned_answer),
+            let ends = (subject.after(&point, &step), subject.after(&turned, &turned_step));
+            (point, turned) = match ends {
+                (Ok(point), Ok(turned)) => (point, turned),
                 (Err(trouble), _) | (_, Err(trouble)) => {
                     refused += 1;
                     why = trouble.to_string();
                     break;
                 }
             };
-            let expected = rotated(entry, &answer.output, &rotation, 1.0);
-            worst = worst.max(relative_error(subject, &end, &turned_answer.output, &expected));
-            point = subject.advanced(&point, &step, &answer);
-            turned = subject.advanced(&turned, &turned_step, &turned_answer);
+            let expected = rotated(entry, &point.output, &rotation, 1.0);
+            worst = worst.max(relative_error(subject, &end, &turned.output, &expected));
         }
     }
     let (verdict, mut detail) = match (claimed, worst <= tolerances::ROTATION) {
@@ -174,17 +172,13 @@ pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], ledger: &
         if rotation.trace() < 0.0 {
             continue;
         }
-        let Ok(answer) = subject.evaluate(&state.from, &state.step) else { continue };
-        let point = subject.advanced(&state.from, &state.step, &answer);
+        let Ok(point) = subject.after(&state.from, &state.step) else { continue };
         let zero = vec![0.0; state.step.len()];
         subject.share = INSTANT;
-        let still = subject.evaluate(&point, &zero).map(|answer| subject.advanced(&point, &zero, &answer));
-        let end = rotation * point.gradient;
-        let turned = subject.deform(&point, &end).map(|answer| Committed {
-            input: rotated(entry, &point.input, &rotation, 2.0),
-            gradient: end,
-            ..subject.advanced(&point, &zero, &answer)
-        });
+        let still = subject.after(&point, &zero);
+        let turned = subject
+            .deformed(&point, &(rotation * point.gradient))
+            .map(|turned| Committed { input: rotated(entry, &point.input, &rotation, 2.0), ..turned });
         subject.share = 1.0;
         let (Ok(still), Some(turned)) = (still, turned) else { continue };
         let turned_step = rotated(entry, &state.step, &rotation, 2.0);

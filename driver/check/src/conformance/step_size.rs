@@ -23,15 +23,14 @@ fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<
     for k in 1..=count {
         // From the fraction itself, so that rounding does not add up.
         let fraction = f64::from(k) / f64::from(count);
-        if let Some(gradient) = gradient {
+        point = if let Some(gradient) = gradient {
             let there = if k == count { gradient } else { virgin + (gradient - virgin) * fraction };
             let deformed = subject.deformed(&point, &there);
-            point = deformed.ok_or_else(|| Trouble::Refused("it has no answer on a path of F".into()))?.1;
-            continue;
-        }
-        let step: Vec<f64> = end.iter().zip(&point.input).map(|(x, start)| fraction * x - start).collect();
-        let answer = subject.evaluate(&point, &step)?;
-        point = subject.advanced(&point, &step, &answer);
+            deformed.ok_or_else(|| Trouble::Refused("it has no answer on a path of F".into()))?
+        } else {
+            let step: Vec<f64> = end.iter().zip(&point.input).map(|(x, start)| fraction * x - start).collect();
+            subject.after(&point, &step)?
+        };
     }
     Ok(point.output)
 }

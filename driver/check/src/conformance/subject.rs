@@ -524,14 +524,9 @@ impl<'p> Subject<'p> {
         symmetric(&self.entry.six(input), 2.0)
     }
 
-    /// The response to F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.
+    /// The point behind F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.
     /// `None`: there is no such motion, or no answer.
-    pub(super) fn deform(&mut self, from: &Committed, end: &Matrix3<f64>) -> Option<Answer> {
-        self.deformed(from, end).map(|(answer, _)| answer)
-    }
-
-    /// [`Self::deform`], with the point after it.
-    pub(super) fn deformed(&mut self, from: &Committed, end: &Matrix3<f64>) -> Option<(Answer, Committed)> {
+    pub(super) fn deformed(&mut self, from: &Committed, end: &Matrix3<f64>) -> Option<Committed> {
         let entry = self.entry;
         let motion = incremental_motion(&from.gradient, end).filter(|_| matches!(entry, Entry::Umat(_)))?;
         let turned = |values: &[f64], shear: f64| entry.of_six(&rotated(&entry.six(values), &motion.rotation, shear));
@@ -539,13 +534,10 @@ impl<'p> Subject<'p> {
         let step = entry.of_six(&motion.strain_increment);
         self.rotation = columns(&motion.rotation);
         self.end = Some(*end);
-        let result = self.evaluate(&before, &step).ok().map(|answer| {
-            let after = self.advanced(&before, &step, &answer);
-            (answer, after)
-        });
+        let after = self.after(&before, &step).ok();
         self.rotation = IDENTITY;
         self.end = None;
-        result
+        after
     }
 
     /// Finds out whether the law reads the deformation gradients: then the answer changes without them.
@@ -612,6 +604,12 @@ impl<'p> Subject<'p> {
         Ok(answer)
     }
 
+    /// The point after a step, or why there is none.
+    pub(super) fn after(&mut self, from: &Committed, step: &[f64]) -> Result<Committed, Trouble> {
+        let answer = self.evaluate(from, step)?;
+        Ok(self.advanced(from, step, &answer))
+    }
+
     /// Goes along a step, halving it where the plugin asks for a cut-back; returns the number of cut-backs.
     pub(super) fn advance(&mut self, point: &mut Committed, step: &[f64]) -> Result<usize, Trouble> {
         const MOST_HALVINGS: u32 = 10;
@@ -619,9 +617,9 @@ impl<'p> Subject<'p> {
     }
 
     fn advance_halving(&mut self, point: &mut Committed, step: &[f64], halvings: u32) -> Result<usize, Trouble> {
-        match self.evaluate(point, step) {
-            Ok(answer) => {
-                *point = self.advanced(point, step, &answer);
+        match self.after(point, step) {
+            Ok(after) => {
+                *point = after;
                 Ok(0)
             }
             Err(Trouble::Call(CallFailure::CutBack(_))) if halvings > 0 => {

@@ -220,7 +220,7 @@ fn differences(
             let mut unit = vec![0.0; m];
             unit[j] = by;
             let there = end + subject.tensor(&unit) * end;
-            let output = subject.deform(from, &there)?.output;
+            let output = subject.deformed(from, &there)?.output;
             let volume = if measure == Measure::Kirchhoff { there.determinant() / end.determinant() } else { 1.0 };
             Some(output.into_iter().map(|stress| volume * stress).collect())
         };

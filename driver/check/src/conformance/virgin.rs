@@ -66,8 +66,7 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger
     let mut worst = (0.0, String::new());
     let typical = typical_states(subject, sample);
     for state in sample {
-        let Ok(end) = subject.evaluate(&state.from, &state.step) else { continue };
-        let point = subject.advanced(&state.from, &state.step, &end);
+        let Ok(point) = subject.after(&state.from, &state.step) else { continue };
         subject.share = INSTANT;
         let answer = subject.evaluate(&point, &zero);
         subject.share = 1.0;
@@ -222,15 +221,15 @@ fn agreement(plane: &mut Subject<'_>, solid: &mut Subject<'_>, stress_state: Str
         let (mut point, mut whole) = (plane.blank(), solid.blank());
         for leg in 1..=3 {
             let step = step_to(&point, &target(plane, &mut random));
-            let Ok(answer) = plane.evaluate(&point, &step) else { break };
-            point = plane.advanced(&point, &step, &answer);
+            let Ok(after) = plane.after(&point, &step) else { break };
+            point = after;
             let mut end = plane.entry.six(&point.input);
             if let Some(index) = index.filter(|_| condensed) {
                 end[2] = point.statev[index];
             }
             let step = step_to(&whole, &end);
-            let Ok(answer) = solid.evaluate(&whole, &step) else { break };
-            whole = solid.advanced(&whole, &step, &answer);
+            let Ok(after) = solid.after(&whole, &step) else { break };
+            whole = after;
             let expected = plane.entry.six(&point.output);
             let floor = tolerances::PLANE_STRESS_ITERATION / tolerances::AGREEMENT * solid.elastic_size(&end);
             let error = distance(&expected, &whole.output) / (largest(&expected) + floor).max(f64::MIN_POSITIVE);
