@@ -151,7 +151,7 @@ pub(super) fn properties(subject: &mut Subject<'_>, sample: &[State], ledger: &m
         for value in BAD.into_iter().chain(outside.into_iter().filter(|x| x.is_finite() && !parameter.admits(*x))) {
             let mut props = subject.props.clone();
             props[k] = value;
-            let Ok(mut twin) = subject.twin(&props, subject.nstatv) else { continue };
+            let Ok(mut twin) = subject.twin(&props) else { continue };
             let answer = twin.call(&state.from, &state.step, FILLING, Alteration::None);
             refusals.note(&state.from, &answer, answer.output.len(), || format!("{} = {value}", parameter.name));
         }

@@ -127,7 +127,7 @@ pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], ledger: &mut 
         return ledger.skip("not claimed");
     }
     let expected: Vec<Answer> = sample.iter().map(|state| answer(subject, state)).collect();
-    let twins: Result<Vec<_>, _> = (0..THREADS).map(|_| subject.twin(&subject.props.clone(), subject.nstatv)).collect();
+    let twins: Result<Vec<_>, _> = (0..THREADS).map(|_| subject.twin(&subject.props)).collect();
     let Ok(twins) = twins else { return ledger.skip("no second call could be prepared") };
     let work = |mut twin: Subject<'_>, thread: usize| {
         let first = thread * sample.len() / THREADS;

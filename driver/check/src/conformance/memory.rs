@@ -37,7 +37,7 @@ pub(super) fn unset_entries(subject: &mut Subject<'_>, sample: &[State], ledger:
 pub(super) fn inputs_untouched(subject: &Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     ledger.begin("inputs untouched");
     let plugin = Plugin { library: subject.plugin.library.clone().watched(), ..subject.plugin.clone() };
-    let Ok(mut twin) = subject.twin_of(&plugin, &subject.props, subject.nstatv) else {
+    let Ok(mut twin) = subject.twin_of(&plugin, &subject.props) else {
         return ledger.skip("no second call could be prepared");
     };
     for state in sample.iter().take(STATES) {

@@ -373,23 +373,18 @@ impl<'p> Subject<'p> {
     }
 
     /// A twin with buffers of its own, for another thread or other properties.
-    pub(super) fn twin(&self, props: &[f64], nstatv: usize) -> Result<Self, LoadError> {
-        self.twin_of(self.plugin, props, nstatv)
+    pub(super) fn twin(&self, props: &[f64]) -> Result<Self, LoadError> {
+        self.twin_of(self.plugin, props)
     }
 
     /// Creates a twin as [`Self::twin`] does, with calls of another handle of the library.
-    pub(super) fn twin_of<'q>(
-        &self,
-        plugin: &'q Plugin,
-        props: &[f64],
-        nstatv: usize,
-    ) -> Result<Subject<'q>, LoadError> {
+    pub(super) fn twin_of<'q>(&self, plugin: &'q Plugin, props: &[f64]) -> Result<Subject<'q>, LoadError> {
         Ok(Subject {
             plugin,
             entry: self.entry,
             props: props.to_vec(),
             length: self.length,
-            nstatv,
+            nstatv: self.nstatv,
             size: self.size.clone(),
             output_size: self.output_size.clone(),
             share: self.share,
@@ -401,7 +396,7 @@ impl<'p> Subject<'p> {
             calls: 0,
             call_time: 0.0,
             overruns: BTreeMap::new(),
-            call: self.call.twin(Self::prepare(plugin, self.entry, props, nstatv)?),
+            call: self.call.twin(Self::prepare(plugin, self.entry, props, self.nstatv)?),
         })
     }
 
