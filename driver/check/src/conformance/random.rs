@@ -1,7 +1,6 @@
 //! Deterministic random numbers, so that a state can be named by its number and found again.
 
 use nalgebra::Matrix3;
-use pullout_run::deformation::matrix;
 use std::f64::consts::TAU;
 
 /// Seed of all random numbers.
@@ -38,19 +37,10 @@ impl Random {
 
     /// A rotation: any (three angles), or about axis 3.
     pub(super) fn rotation(&mut self, about_axis_3: bool) -> Matrix3<f64> {
-        let (s, c) = (TAU * self.unit()).sin_cos();
-        let first = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]];
-        if about_axis_3 {
-            return matrix(&first);
-        }
-        let (s, c) = (TAU * self.unit()).sin_cos();
-        let second = [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]];
-        let (s, c) = (TAU * self.unit()).sin_cos();
-        let third = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]];
-        matrix(&product(&product(&first, &second), &third))
+        let mut angle = || (TAU * self.unit()).sin_cos();
+        let about_3 = |(s, c): (f64, f64)| Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
+        let about_1 = |(s, c): (f64, f64)| Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
+        let first = about_3(angle());
+        if about_axis_3 { first } else { first * about_1(angle()) * about_3(angle()) }
     }
-}
-
-fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
 }
