@@ -5,7 +5,6 @@
 //! name, what the library would not find at run time: the utility routines of ABAQUS that this program offers are known
 //! to it, and others of them get a routine that ends the run if it is reached.
 
-mod debug;
 mod includes;
 mod scan;
 mod source;
@@ -26,6 +25,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use symbols::Symbols;
 use umat_abi::host::{library_file_name, real_path, utilities_path};
+
+/// The C part of a library of `--debug`, which says where it goes wrong: a mark for the host, which traps invalid operations,
+/// divisions by zero and overflow while it is called, and a handler that tells the lines of the source below a fatal signal.
+/// (Fortran's own handlers and `-ffpe-trap` work in Fortran main programs only.)
+const DEBUG: &str = include_str!("debug.c");
 
 /// Sources to build, and the library to make of them.
 #[derive(Clone, Debug)]
@@ -112,7 +116,7 @@ pub fn build(request: &Request) -> Result<Built, Refusal> {
         objects.push(compile_own("stubs.c", &stubs::source(&not_offered), folder.path())?);
     }
     if request.debug {
-        objects.push(compile_own("debug.c", debug::SOURCE, folder.path())?);
+        objects.push(compile_own("debug.c", DEBUG, folder.path())?);
     }
     let made = folder.path().join("made.so");
     let (linked, words) = run(linker.program, &output, &mut linker.command(&objects, &made, &request.flags))?;
@@ -213,7 +217,7 @@ fn compile(source: &Source, scan: &Scan, number: usize, folder: &Path, request: 
     let object = folder.join(format!("{number}.o"));
     let mut command = Command::new(program);
     command.args(["-c", "-fPIC"]).args(source.language.flags());
-    command.args(if request.debug { debug::flags(source.language) } else { &["-O2", "-g"] });
+    command.args(if request.debug { source.language.debug_flags() } else { &["-O2", "-g"] });
     // modules that one source defines and a later one uses
     command.arg("-I").arg(folder);
     if let Language::Fortran(_) = source.language {

@@ -79,6 +79,22 @@ impl Language {
         };
         [&FORTRAN, form].concat()
     }
+
+    /// Returns what `--debug` adds in place of optimisation.
+    pub(super) fn debug_flags(self) -> &'static [&'static str] {
+        match self {
+            Self::Fortran(_) => &[
+                "-Og",
+                "-g",
+                "-fbacktrace",
+                "-fcheck=all,no-array-temps",
+                "-finit-real=snan",
+                "-fsignaling-nans",
+                "-finit-derived",
+            ],
+            _ => &["-Og", "-g", "-fno-omit-frame-pointer"],
+        }
+    }
 }
 
 /// A file and its language.
