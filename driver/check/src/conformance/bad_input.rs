@@ -48,30 +48,18 @@ pub(super) fn not_finite(subject: &mut Subject<'_>, sample: &[State], ledger: &m
     let described = subject.described();
     // Third-party code may loop for ever on infinity; NaN ends most loops.
     let values = if described { &BAD[..] } else { &BAD[..1] };
-    let (mut tried, mut wrong, mut first) = (0, 0, String::new());
-    let said = Capture::start(&subject.plugin.library);
+    let mut refusals = Refusals::new(&subject.plugin.library);
     for state in chosen(sample) {
         for &value in values {
             for (name, from, step) in spoiled(subject, state, value) {
                 let answer = subject.call(&from, &step, FILLING, Alteration::None);
-                tried += 1;
-                let count = answer.output.len();
-                let good = cut_back(&answer) && (untouched(&from, &answer) || not_a_number(&from, &answer, count));
-                if !good {
-                    wrong += 1;
-                    if wrong == 1 {
-                        first = format!("{name} = {value}: {}", words(&from, &answer));
-                    }
-                }
+                let refused = untouched(&from, &answer) || not_a_number(&from, &answer, answer.output.len());
+                refusals.note(&from, &answer, refused, || format!("{name} = {value}"));
             }
         }
     }
-    let figure = format!("{}/{tried} refused", tried - wrong);
-    match (wrong, described) {
-        (0, _) => ledger.add(Verdict::Pass, figure, said.told("outputs untouched")),
-        (_, true) => ledger.add(Verdict::Fail, figure, said.told(first)),
-        (_, false) => ledger.add(Verdict::Info, figure, said.told(first)),
-    }
+    let wrong = if described { Verdict::Fail } else { Verdict::Info };
+    refusals.report(ledger, "outputs untouched", wrong);
 }
 
 /// Returns what a plugin did instead of refusing.
@@ -122,18 +110,20 @@ impl Refusals {
         Self { tried: 0, accepted: Vec::new(), said: Capture::start(library) }
     }
 
-    fn note(&mut self, from: &Committed, answer: &Answer, count: usize, what: impl FnOnce() -> String) {
+    /// Notes an answer; `refused`: whether its arrays are those of a refusal, if it asks for a cut-back as well.
+    fn note(&mut self, from: &Committed, answer: &Answer, refused: bool, what: impl FnOnce() -> String) {
         self.tried += 1;
-        if !(cut_back(answer) && not_a_number(from, answer, count)) {
+        if !(cut_back(answer) && refused) {
             self.accepted.push(format!("{}: {}", what(), words(from, answer)));
         }
     }
 
-    fn report(self, ledger: &mut Ledger<'_>) {
+    /// Adds the row: a pass with these words if all were refused, else `wrong` with the first that was not.
+    fn report(self, ledger: &mut Ledger<'_>, all: &str, wrong: Verdict) {
         let figure = format!("{}/{} refused", self.tried - self.accepted.len(), self.tried);
         match self.accepted.first() {
-            None => ledger.add(Verdict::Pass, figure, self.said.told("")),
-            Some(first) => ledger.add(Verdict::Fail, figure, self.said.told(first)),
+            None => ledger.add(Verdict::Pass, figure, self.said.told(all)),
+            Some(first) => ledger.add(wrong, figure, self.said.told(first)),
         }
     }
 }
@@ -153,10 +143,11 @@ pub(super) fn properties(subject: &mut Subject<'_>, sample: &[State], ledger: &m
             props[k] = value;
             let Ok(mut twin) = subject.twin(&props) else { continue };
             let answer = twin.call(&state.from, &state.step, FILLING, Alteration::None);
-            refusals.note(&state.from, &answer, answer.output.len(), || format!("{} = {value}", parameter.name));
+            let refused = not_a_number(&state.from, &answer, answer.output.len());
+            refusals.note(&state.from, &answer, refused, || format!("{} = {value}", parameter.name));
         }
     }
-    refusals.report(ledger);
+    refusals.report(ledger, "", Verdict::Fail);
 }
 
 /// Wrong NTENS, NSTATV, NPROPS, and stress states that the law does not support.
@@ -196,9 +187,10 @@ pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut L
             Alteration::Components([n, ..]) => usize::try_from(n).unwrap_or(0).min(answer.output.len()),
             _ => answer.output.len(),
         };
-        refusals.note(&state.from, &answer, components, || format!("{alteration:?}"));
+        let refused = not_a_number(&state.from, &answer, components);
+        refusals.note(&state.from, &answer, refused, || format!("{alteration:?}"));
     }
-    refusals.report(ledger);
+    refusals.report(ledger, "", Verdict::Fail);
 }
 
 /// CELENT 0, NaN, negative and NULL: all alike, by a law that does not need it now or by a refusal; no division by it.
