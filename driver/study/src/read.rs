@@ -12,7 +12,7 @@ use pullout_report::plots::quantity::Quantity as Shown;
 use pullout_run::input::{folder_of, is_stream};
 use pullout_run::number;
 use serde_json::{Map, Value};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Name of the only series of a study that has none.
@@ -297,15 +297,11 @@ impl Resolver<'_, '_> {
     /// Tells what is wrong with cases, each thing once.
     fn complain(&mut self, complaints: Vec<Complaint>, count: usize, members: &[Member], series: &[Series]) {
         let mut gathered: Vec<Complaint> = Vec::new();
-        let mut known: HashMap<(PathBuf, String), usize> = HashMap::new();
         for complaint in complaints {
-            let key = (complaint.base.clone(), complaint.problem.to_string());
-            match known.get(&key) {
-                Some(&index) => gathered[index].runs.extend(complaint.runs),
-                None => {
-                    known.insert(key, gathered.len());
-                    gathered.push(complaint);
-                }
+            let is_same = |other: &&mut Complaint| other.problem == complaint.problem && other.base == complaint.base;
+            match gathered.iter_mut().find(is_same) {
+                Some(other) => other.runs.extend(complaint.runs),
+                None => gathered.push(complaint),
             }
         }
         for Complaint { problem, base, runs } in gathered {
