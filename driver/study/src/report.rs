@@ -3,7 +3,6 @@
 use super::Study;
 use super::claims::{Finding, Verdict, work_unit};
 use super::results::Results;
-use super::table::lines;
 use maud::{Markup, PreEscaped, html};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page::page;
@@ -90,18 +89,19 @@ fn table(study: &Study, results: &Results) -> Markup {
                 th.number { "Increments" } th.number { "Cutbacks" } th.number { "Energy error" }
                 th.number { "CPU [s]" }
             }
-            @for (run, line) in lines(study, results) {
+            @for (run, result) in study.runs.iter().zip(&results.runs) {
+                @let summary = result.summary.as_ref();
                 tr {
                     @if several { td { (study.series[run.series].title) } }
                     td { (study.members[run.member].title) }
-                    td { (line.status) }
-                    td.number { (number(line.result.peak)) }
-                    td.number { (number(line.result.slip_at_peak)) }
-                    td.number { (number(line.result.work)) }
-                    td.number { (count(line.increments)) }
-                    td.number { (count(line.cutbacks)) }
-                    td.number { (short(line.energy_error_max)) }
-                    td.number { (short(line.cpu_time_s)) }
+                    td { (result.status_in_words()) }
+                    td.number { (number(result.peak)) }
+                    td.number { (number(result.slip_at_peak)) }
+                    td.number { (number(result.work)) }
+                    td.number { (count(summary.map(|summary| summary.increments))) }
+                    td.number { (count(summary.map(|summary| summary.cutbacks))) }
+                    td.number { (short(result.energy_error_max())) }
+                    td.number { (short(summary.and_then(|summary| summary.cpu_time_s))) }
                 }
             }
         } }

@@ -130,6 +130,21 @@ impl RunResult {
         self.status == Some(Status::Done)
     }
 
+    /// The status as tables have it.
+    pub(super) fn status_in_words(&self) -> &'static str {
+        match self.status {
+            Some(Status::Done) => "done",
+            Some(Status::Failed) => "failed",
+            Some(Status::Interrupted) => "interrupted",
+            None => "not run",
+        }
+    }
+
+    /// The greatest energy error of a specimen.
+    pub(super) fn energy_error_max(&self) -> Option<f64> {
+        self.summary.as_ref()?.specimen.as_ref()?.energy_error_max
+    }
+
     /// Two columns of the history.
     pub fn curve(&self, columns: &Columns) -> Vec<(f64, f64)> {
         let column = |name: &str| self.history.column(name).unwrap_or_default();
@@ -150,7 +165,7 @@ impl RunResult {
             Quantity::Named(NamedQuantity::Increments) => summary?.increments as f64,
             Quantity::Named(NamedQuantity::Iterations) => summary?.iterations as f64,
             Quantity::Named(NamedQuantity::Cutbacks) => summary?.cutbacks as f64,
-            Quantity::Named(NamedQuantity::EnergyErrorMax) => summary?.specimen.as_ref()?.energy_error_max?,
+            Quantity::Named(NamedQuantity::EnergyErrorMax) => self.energy_error_max()?,
             Quantity::Named(NamedQuantity::CpuTime) => summary?.cpu_time_s?,
             Quantity::Column(value) => {
                 let line = self.line(&value.column, value.at(), curve)?;
