@@ -385,17 +385,12 @@ type AtData = (Vec<f64>, Option<String>);
 /// The second column where the first passes the data's values for the first time, on its way to the farthest of them; of data
 /// that turn back, branch by branch. Also returns what is to be said of the data.
 fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<AtData, String> {
+    let history = &outcome.history;
     let column = |name: &String| {
-        let columns = || outcome.history.columns().join(", ");
-        outcome
-            .history
-            .column(name)
-            .ok_or_else(|| format!("--curve: the history has no column '{name}', but {}", columns()))
+        let missing = || format!("--curve: the history has no column '{name}', but {}", history.columns().join(", "));
+        history.column(name).ok_or_else(missing)
     };
-    curve_at(column(&names[0])?, column(&names[1])?, &names[0], data)
-}
-
-fn curve_at(x: &[f64], y: &[f64], name: &str, data: &[[f64; 2]]) -> Result<AtData, String> {
+    let (x, y, name) = (column(&names[0])?, column(&names[1])?, &names[0]);
     let turns = turns(x, data);
     let warning = turns.words(name);
     let Turns { of_data, of_run, .. } = turns;
