@@ -19,8 +19,8 @@ pub fn powers(points: &[BondPoint]) -> Option<Powers> {
     let points = thinned(points, MOST_POINTS);
     let n = points.len();
     let elastic = Sums::of(points.iter().map(|point| [point.slip, point.traction, 1.0]));
-    let logarithmic =
-        Sums::of(points.iter().map(|point| [point.slip.ln(), point.traction.ln(), point.traction.powi(2)]));
+    let logarithms = |point: &BondPoint| [point.slip.ln(), point.traction.ln(), point.traction.powi(2)];
+    let logarithmic = Sums::of(points.iter().map(logarithms));
     let mut best: Option<(f64, [usize; 2])> = None;
     for first in FEWEST_ELASTIC..n.saturating_sub(2 * FEWEST_OF_POWER) {
         let Some(line) = elastic.line_through_origin(0, first) else { continue };
@@ -39,10 +39,7 @@ pub fn powers(points: &[BondPoint]) -> Option<Powers> {
     }
     let [first, second] = best?.1;
     // sums over the stretch alone lose no digits to the others
-    let stretch = |from: usize, to: usize| {
-        let points = points[from..to].iter();
-        Sums::of(points.map(|point| [point.slip.ln(), point.traction.ln(), point.traction.powi(2)])).line(0, to - from)
-    };
+    let stretch = |from: usize, to: usize| Sums::of(points[from..to].iter().map(logarithms)).line(0, to - from);
     law(&elastic.line_through_origin(0, first)?, &stretch(first, second)?, &stretch(second, n)?)
 }
 
