@@ -395,8 +395,7 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
     let warning = turns.words(name);
     let Turns { of_data, of_run, .. } = turns;
     if of_data.is_empty() {
-        let computed = branch_at([x, y], data).map_err(|off| off.words(name, false, false))?;
-        return Ok((computed, warning));
+        return Ok((branch_at([x, y], data, name, [false, false])?, warning));
     }
     let mut computed = Vec::with_capacity(data.len());
     let (mut first, mut start) = (0, 0);
@@ -412,8 +411,8 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
         // a turn is the end of one branch and the beginning of the next
         let end = of_data.get(number).map_or(data.len(), |turn| turn + 1);
         let stop = of_run.get(number).map_or(x.len(), |turn| turn + 1);
-        let branch = branch_at([&x[start..stop], &y[start..stop]], &data[first..end]);
-        computed.extend(branch.map_err(|off| off.words(name, number > 0, stop < x.len()))?);
+        let branch = [&x[start..stop], &y[start..stop]];
+        computed.extend(branch_at(branch, &data[first..end], name, [number > 0, stop < x.len()])?);
         (first, start) = (end, stop - 1);
     }
     Ok((computed, warning))
@@ -429,35 +428,15 @@ fn turns(x: &[f64], data: &[[f64; 2]]) -> Turns {
     Turns::of(&of_data, run).unwrap_or_default()
 }
 
-/// Data off a branch of a run.
-enum Off {
-    /// The run has no rows.
-    Empty,
-    /// Data (second) lie before the start of the run (first).
-    Before(f64, f64),
-    /// Data (second) lie behind the end of the run (first).
-    Behind(f64, f64),
-}
-
-impl Off {
-    fn words(&self, name: &str, begins_at_turn: bool, ends_at_turn: bool) -> String {
-        match self {
-            Self::Empty => "the run has no rows".into(),
-            Self::Before(start, x) if begins_at_turn => {
-                format!("the run turns back at {name} {start}, behind their turn the data also have {x}")
-            }
-            Self::Before(start, x) => format!("the run begins at {name} {start}, the data also have {x}"),
-            Self::Behind(end, x) if ends_at_turn => {
-                format!("the run turns back at {name} {end}, the data go on to {x}")
-            }
-            Self::Behind(end, x) => format!("the run ends at {name} {end}, the data go on to {x}"),
-        }
-    }
-}
-
-/// y of a branch where x first passes the data's values.
-fn branch_at([x, y]: [&[f64]; 2], data: &[[f64; 2]]) -> Result<Vec<f64>, Off> {
-    let Some(&start) = x.first() else { return Err(Off::Empty) };
+/// y of a branch where x, called `name`, first passes the data's values. Whether the run turns back where the branch begins, and
+/// where it ends, is told of data off the branch.
+fn branch_at(
+    [x, y]: [&[f64]; 2],
+    data: &[[f64; 2]],
+    name: &str,
+    [begins_at_turn, ends_at_turn]: [bool; 2],
+) -> Result<Vec<f64>, String> {
+    let Some(&start) = x.first() else { return Err("the run has no rows".into()) };
     let way =
         data.iter().map(|row| row[0] - start).fold(0.0_f64, |far, way| if way.abs() > far.abs() { way } else { far });
     let direction = if way < 0.0 { -1.0 } else { 1.0 };
@@ -477,8 +456,14 @@ fn branch_at([x, y]: [&[f64]; 2], data: &[[f64; 2]]) -> Result<Vec<f64>, Off> {
             (Some(a), Some(b)) => Ok(a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])),
             (None, Some(first)) if first[0] - x <= rounding => Ok(first[1]),
             (Some(last), None) if x - last[0] <= rounding => Ok(last[1]),
-            (None, _) => Err(Off::Before(start, row[0])),
-            (Some(_), None) => Err(Off::Behind(last, row[0])),
+            (None, _) if begins_at_turn => {
+                Err(format!("the run turns back at {name} {start}, behind their turn the data also have {}", row[0]))
+            }
+            (None, _) => Err(format!("the run begins at {name} {start}, the data also have {}", row[0])),
+            (Some(_), None) => {
+                let how = if ends_at_turn { "turns back" } else { "ends" };
+                Err(format!("the run {how} at {name} {last}, the data go on to {}", row[0]))
+            }
         }
     };
     data.iter().map(at).collect()
