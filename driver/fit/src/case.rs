@@ -4,7 +4,7 @@
 //! by what is sought instead of the numbers: z with x = lo + (hi − lo)(1 + sin z)/2.
 
 use super::doubt::doubts;
-use super::output::rows_of;
+use super::output::{rows_of, standard_error};
 use super::search::{self, Best, Increments, STEP, Search, Simulation, root_mean_square};
 use super::specimen::make_absolute;
 use levenberg_marquardt::LevenbergMarquardt;
@@ -474,10 +474,9 @@ impl CaseFit {
     pub fn describe(&self) -> String {
         let mut text = String::new();
         for (free, estimate) in self.free.iter().zip(&self.estimates) {
-            let (value, error) = (estimate.value, estimate.standard_error);
+            let (value, error) = (estimate.value, standard_error(estimate));
             let known = if estimate.is_identifiable() { "" } else { "  NOT IDENTIFIABLE" };
             let bound = free.bound(value).map_or_else(String::new, |bound| format!("  on its bound {bound}"));
-            let error = if error.is_finite() { significant(error, 2) } else { "unknown".into() };
             // to a String it cannot fail
             let _ = writeln!(text, "  {} = {} ± {error}{known}{bound}", free.path, significant(value, 6));
         }

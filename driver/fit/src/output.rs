@@ -166,6 +166,11 @@ fn form(law: &FittedLaw) -> Value {
     })
 }
 
+/// The standard error in words: nothing may be known of it.
+pub(crate) fn standard_error(estimate: &Estimate) -> String {
+    if estimate.standard_error.is_finite() { significant(estimate.standard_error, 2) } else { "unknown".into() }
+}
+
 /// A matrix row by row.
 pub(crate) fn rows_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     matrix.row_iter().map(|row| row.iter().copied().collect()).collect()

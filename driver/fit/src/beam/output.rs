@@ -1,10 +1,10 @@
 //! Files that the fit of a beam writes.
 
 use super::{BeamFit, POINTS, measured_points};
-use crate::output::{MOST_MARKS, rows_of};
+use crate::output::{MOST_MARKS, rows_of, standard_error};
 use crate::regression::thinned;
 use maud::{PreEscaped, html};
-use pullout_bridging::{Estimate, IDENTIFIABLE, Measured, Polyline};
+use pullout_bridging::{IDENTIFIABLE, Measured, Polyline};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page;
 use pullout_report::plots;
@@ -60,7 +60,7 @@ pub fn write(
                 @for (name, unit, estimate) in &rows {
                     tr {
                         td { code { (name) } } td { (unit) } td.number { (significant(estimate.value, 4)) }
-                        td.number { (error(estimate)) }
+                        td.number { (standard_error(estimate)) }
                         td { @if !estimate.is_identifiable() { "not identifiable" } }
                     }
                 }
@@ -72,10 +72,6 @@ pub fn write(
     );
     directory.write("report.html", page.into_string())?;
     Ok(warnings)
-}
-
-fn error(estimate: &Estimate) -> String {
-    if estimate.standard_error.is_finite() { significant(estimate.standard_error, 2) } else { "unknown".into() }
 }
 
 fn percent(part: f64) -> String {
@@ -92,7 +88,7 @@ pub fn describe(fit: &BeamFit) -> String {
         let _ = writeln!(
             text,
             "{}",
-            format!("  {name:<12} {value} {unit} ± {}{doubt}", error(&estimate)).replace("  ±", " ±")
+            format!("  {name:<12} {value} {unit} ± {}{doubt}", standard_error(&estimate)).replace("  ±", " ±")
         );
     }
     if let Err(message) = &fit.bond {
