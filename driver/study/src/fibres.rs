@@ -5,7 +5,7 @@
 
 use super::execution::{Execution, State, execute};
 use super::fingerprint::Fingerprints;
-use super::{Columns, Member, Run, Series, Study};
+use super::{Member, Run, Series, Study};
 use pullout_bridging::Curve;
 use pullout_report::directory::Lock;
 use pullout_report::history::History;
@@ -13,7 +13,6 @@ use pullout_report::summary::{Status, Summary};
 use pullout_run::bridging::{SimulationFindings, Simulations};
 use pullout_run::number::significant;
 use pullout_run::signals;
-use std::path::PathBuf;
 
 /// The part of the peak load to which the load must have fallen where a run stops early: from there on it is taken to fall
 /// straight to 0 at extraction, with a warning.
@@ -88,35 +87,14 @@ fn study(simulations: &Simulations, execution: &Execution<'_>) -> Result<Study, 
     for (member, simulation) in simulations.runs.iter().enumerate() {
         let title = format!("{}°, {} mm", significant(simulation.angle_deg, 4), significant(simulation.embedded, 4));
         members.push(Member { label: member.to_string(), title, x: None });
-        let mut run = Run {
-            series: 0,
-            member,
-            base: simulations.base.clone(),
-            overrides: simulation.overrides.clone(),
-            folder: PathBuf::new(),
-            fingerprint: String::new(),
-            warnings: Vec::new(),
-        };
+        let mut run =
+            Run { member, base: simulations.base.clone(), overrides: simulation.overrides.clone(), ..Run::default() };
         run.fingerprint = fingerprint(&fingerprints, &run, execution)?;
         run.folder = run.fingerprint.chars().take(DIGITS).collect::<String>().into();
         runs.push(run);
     }
-    let columns = Columns { x: "slip".into(), y: "load".into() };
-    Ok(Study {
-        file: simulations.base.clone(),
-        title: String::new(),
-        description: String::new(),
-        x: None,
-        members,
-        series: vec![Series { name: "fibres".into(), title: String::new() }],
-        runs,
-        units: ["mm".into(), "N".into()],
-        curve: columns,
-        work_to: None,
-        overlays: Vec::new(),
-        claims: Vec::new(),
-        demands: Vec::new(),
-    })
+    let series = vec![Series { name: "fibres".into(), title: String::new() }];
+    Ok(Study { file: simulations.base.clone(), members, series, runs, ..Study::default() })
 }
 
 fn fingerprint(fingerprints: &Fingerprints, run: &Run, execution: &Execution<'_>) -> Result<String, String> {

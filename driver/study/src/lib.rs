@@ -35,7 +35,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// A study that was read.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Study {
     /// The study file.
     pub file: PathBuf,
@@ -134,7 +134,7 @@ pub struct Series {
 }
 
 /// A run of the study.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Run {
     /// Index of its series.
     pub series: usize,

@@ -263,8 +263,7 @@ impl Resolver<'_, '_> {
                     folder: Path::new(&one_series.name).join(&member.label),
                     base: base.clone(),
                     overrides,
-                    fingerprint: String::new(),
-                    warnings: Vec::new(),
+                    ..Run::default()
                 };
                 if isolated(&run.base, &run.overrides) {
                     run.fingerprint = fingerprints.of_isolated(&run, self.plugin_paths);

@@ -85,7 +85,7 @@ pub struct SeriesOfFile {
 }
 
 /// Two history columns.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema, PartialEq, Eq)]
 #[serde(deny_unknown_fields)]
 pub struct Columns {
     /// Along x.
