@@ -104,5 +104,5 @@ fn fingerprint(fingerprints: &Fingerprints, run: &Run, execution: &Execution<'_>
     }
     let read = if execution.is_untrusted { pullout_case::read_untrusted } else { pullout_case::read };
     let case = read(&run.base, &run.overrides, paths).map_err(|errors| errors.to_string())?;
-    Ok(fingerprints.of(run, &case))
+    Ok(fingerprints.of(run, &case.libraries()))
 }

@@ -3,7 +3,6 @@
 //! The fingerprint covers the case with its overrides, the files that it names, the plugins, and this program.
 
 use super::Run;
-use pullout_case::Case;
 use pullout_run::input::{self, Input};
 use pullout_run::isolation;
 use sha2::{Digest, Sha256};
@@ -19,19 +18,15 @@ impl Fingerprints {
         Self { program: isolation::identity().unwrap_or_default() }
     }
 
-    /// Returns the fingerprint of a run whose case was read.
-    pub fn of(&self, run: &Run, case: &Case) -> String {
-        self.with(run, &case.libraries())
-    }
-
     /// Returns the fingerprint of a run whose plugins are not loaded here.
     pub fn of_isolated(&self, run: &Run, plugin_paths: &[PathBuf]) -> String {
         let need = pullout_case::need(&run.base, &run.overrides, plugin_paths);
         let libraries: Vec<PathBuf> = need.map(|need| need.libraries.into_keys().collect()).unwrap_or_default();
-        self.with(run, &libraries)
+        self.of(run, &libraries)
     }
 
-    fn with(&self, run: &Run, libraries: &[PathBuf]) -> String {
+    /// Returns the fingerprint of a run whose plugins are these.
+    pub fn of(&self, run: &Run, libraries: &[PathBuf]) -> String {
         let document = pullout_case::document(&run.base, &run.overrides).unwrap_or_default();
         let mut files = pullout_case::inputs(&run.base, &run.overrides);
         // the document with its overrides is hashed instead

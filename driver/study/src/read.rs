@@ -270,7 +270,7 @@ impl Resolver<'_, '_> {
                 } else {
                     match (self.read_case)(&run.base, &run.overrides, self.plugin_paths) {
                         Ok(case) => {
-                            run.fingerprint = fingerprints.of(&run, &case);
+                            run.fingerprint = fingerprints.of(&run, &case.libraries());
                             run.warnings = case.about().warnings.to_vec();
                             let own = case.columns_of_numbers();
                             let common = columns.take();
