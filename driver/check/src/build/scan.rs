@@ -183,8 +183,7 @@ fn find(folder: &Path, name: &str) -> Option<PathBuf> {
 
 /// A path in a line marker.
 fn quoted(file: &Path) -> String {
-    let path = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
-    path.to_string_lossy().replace('\\', "\\\\").replace('"', "\\\"")
+    super::absolute(file).to_string_lossy().replace('\\', "\\\\").replace('"', "\\\"")
 }
 
 /// The sources in the order in which they must be compiled, otherwise as they are given.

@@ -180,11 +180,7 @@ impl Observer for Keeper<'_> {
         }
         if self.increments.len() == KEPT {
             self.stride *= 2;
-            let mut number = 0;
-            self.increments.retain(|_| {
-                number += 1;
-                number % 2 == 1
-            });
+            self.increments = std::mem::take(&mut self.increments).into_iter().step_by(2).collect();
             if !(self.count - 1).is_multiple_of(self.stride) {
                 return;
             }

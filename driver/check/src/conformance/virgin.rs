@@ -195,13 +195,7 @@ pub(super) fn agreement_with_three_d(subjects: &mut [Subject<'_>], report: &mut 
     let Some(solid) = subjects.iter().position(|s| s.entry == Entry::Umat(StressState::ThreeD)) else { return };
     for k in (0..subjects.len()).filter(|&k| k != solid) {
         let Entry::Umat(stress_state) = subjects[k].entry else { continue };
-        let (plane, solid) = if k < solid {
-            let (low, high) = subjects.split_at_mut(solid);
-            (&mut low[k], &mut high[0])
-        } else {
-            let (low, high) = subjects.split_at_mut(k);
-            (&mut high[0], &mut low[solid])
-        };
+        let Ok([plane, solid]) = subjects.get_disjoint_mut([k, solid]) else { continue };
         let mut ledger = Ledger::new(report, plane.entry.label());
         agreement(plane, solid, stress_state, &mut ledger);
     }
