@@ -13,7 +13,7 @@ use std::collections::{HashMap, HashSet, VecDeque};
 use std::ffi::OsString;
 use std::fs;
 use std::io::{self, Write};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -106,24 +106,15 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
     let kept = runs.len() - due.len();
     let jobs = work.jobs.clamp(1, due.len().max(1));
     office.queue().due = due.into();
-    let errors = Mutex::new(Vec::new());
-    std::thread::scope(|scope| {
-        let mut started = Vec::new();
-        for _ in 0..jobs {
-            let toil = || {
-                if let Err(error) = office.toil(is_apart) {
-                    errors.lock().unwrap_or_else(PoisonError::into_inner).push(error);
-                }
-            };
+    let ended: Vec<io::Result<()>> = std::thread::scope(|scope| {
+        let start = |_| {
             let stack = std::thread::Builder::new().stack_size(pullout_run::PLUGIN_STACK);
-            started.push(stack.spawn_scoped(scope, toil));
-        }
-        let refused: Vec<io::Error> = started.into_iter().filter_map(Result::err).collect();
-        errors.lock().unwrap_or_else(PoisonError::into_inner).extend(refused);
+            stack.spawn_scoped(scope, || office.toil(is_apart))
+        };
+        let started: Vec<_> = (0..jobs).map(start).collect();
+        started.into_iter().map(|thread| thread?.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
     });
-    if let Some(error) = errors.into_inner().unwrap_or_else(PoisonError::into_inner).pop() {
-        return Err(error);
-    }
+    ended.into_iter().collect::<io::Result<()>>()?;
     let (mut queue, ran) = (office.queue(), office.over.load(Ordering::Relaxed));
     office.look(&mut queue)?;
     let others = queue.due.iter().filter(|due| queue.is_taken(due) || queue.known.is_over_since(due)).count();
@@ -392,7 +383,6 @@ fn crash(failure: &Failure, document: &Value, office: &Office<'_>, run: usize) -
     Measured {
         failed_at: Some(failure.report.failed_at()),
         message: Some(failure.report.message.clone()),
-        counts: [0; 3],
         replay: case,
         ..Measured::without_numbers(&office.sweep.keep)
     }
