@@ -115,9 +115,7 @@ pub trait Simulation {
 /// A run and its place.
 #[derive(Clone)]
 pub struct Best<R> {
-    /// Place.
     pub coordinates: Vec<f64>,
-    /// Run.
     pub run: R,
     sum: f64,
 }

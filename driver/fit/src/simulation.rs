@@ -82,9 +82,7 @@ impl SimulatedCurve {
 /// A law that was tried.
 #[derive(Clone)]
 pub struct Tried {
-    /// Law.
     pub law: BondLaw,
-    /// Curve.
     pub curve: SimulatedCurve,
     increments: Option<Increments>,
 }

@@ -8,7 +8,6 @@ use pullout_run::isolation;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// Makes fingerprints.
 pub struct Fingerprints {
     program: [u8; 32],
 }

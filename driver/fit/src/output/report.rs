@@ -7,7 +7,6 @@ use pullout_report::page;
 use pullout_report::plots::Picture;
 use pullout_run::number::significant;
 
-/// The page.
 pub fn page(
     source: &str,
     curve: &LoadSlipCurve,
