@@ -4,7 +4,7 @@
 //! by what is sought instead of the numbers: z with x = lo + (hi − lo)(1 + sin z)/2.
 
 use super::doubt::doubts;
-use super::output::{rows_of, standard_error};
+use super::output::{rows_of, standard_error, table};
 use super::search::{self, Best, Increments, STEP, Search, Simulation, root_mean_square};
 use super::specimen::make_absolute;
 use levenberg_marquardt::LevenbergMarquardt;
@@ -523,11 +523,7 @@ impl CaseFit {
         directory.write("fit.json", format!("{summary:#}\n"))?;
         directory.write("fitted-case.json", format!("{:#}\n", self.case))?;
         let [x, y] = &request.curve;
-        let mut table = format!("{x},{y},computed\n");
-        for [x, y, computed] in &self.rows {
-            let _ = writeln!(table, "{x},{y},{computed}");
-        }
-        directory.write("fitted-curve.csv", table)?;
+        directory.write("fitted-curve.csv", table(&format!("{x},{y},computed"), self.rows.iter().copied()))?;
         Ok(())
     }
 }

@@ -41,13 +41,15 @@ pub fn write(
 ) -> io::Result<Vec<String>> {
     let mut warnings = doubts_of(curve, request, laws);
     let mut file = |name: &str, content: &str| directory.write(name, content).map(|_| ());
-    file(CURVE_FILE, &table(["slip", "load"], &curve.slips, &curve.loads))?;
+    let load_slip =
+        |slips: &[f64], loads: &[f64]| table("slip,load", slips.iter().zip(loads).map(|(&slip, &load)| [slip, load]));
+    file(CURVE_FILE, &load_slip(&curve.slips, &curve.loads))?;
     for law in laws {
         let form = law.law.form();
         file(&format!("{form}-law.json"), &format!("{:#}\n", specimen::fragment(&law.case)))?;
         file(&format!("{form}-case.json"), &format!("{:#}\n", law.case))?;
         let simulated = &law.simulated;
-        file(&format!("{form}-curve.csv"), &table(["slip", "load"], &simulated.slips, &simulated.loads))?;
+        file(&format!("{form}-curve.csv"), &load_slip(&simulated.slips, &simulated.loads))?;
     }
     file("fit.json", &format!("{:#}\n", summary(source, request, laws, &warnings)))?;
     let drawings = plots::write_all(directory, "plots", &figures(curve, request, laws))?;
@@ -68,9 +70,10 @@ fn doubts_of(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Ve
     doubts(&data, laws.iter().map(|law| (law.law.form(), law.quality.rms)))
 }
 
-fn table(header: [&str; 2], x: &[f64], y: &[f64]) -> String {
-    let rows = x.iter().zip(y).map(|(x, y)| format!("{x},{y}\n"));
-    std::iter::once(format!("{}\n", header.join(","))).chain(rows).collect()
+/// A CSV table of numbers.
+pub(crate) fn table<const N: usize>(header: &str, rows: impl IntoIterator<Item = [f64; N]>) -> String {
+    let lines = rows.into_iter().map(|row| row.map(|number| number.to_string()).join(",") + "\n");
+    std::iter::once(format!("{header}\n")).chain(lines).collect()
 }
 
 /// A law in a few lines for the terminal.

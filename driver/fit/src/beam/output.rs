@@ -1,7 +1,7 @@
 //! Files that the fit of a beam writes.
 
 use super::{BeamFit, POINTS, measured_points};
-use crate::output::{MOST_MARKS, rows_of, standard_error};
+use crate::output::{MOST_MARKS, rows_of, standard_error, table};
 use crate::regression::thinned;
 use maud::{PreEscaped, html};
 use pullout_bridging::{IDENTIFIABLE, Measured, Polyline};
@@ -30,14 +30,11 @@ pub fn write(
     let mut warnings = fit.doubts(test);
     let measured = measured_points(&fit.geometry, test);
     let computed = fit.forces(measured.iter().map(|point| point.0));
-    let rows = measured.iter().zip(&computed);
-    let curve = rows.map(|((cmod, load), (_, computed))| format!("{cmod},{load},{computed}\n"));
-    directory.write("curve.csv", ["cmod,load,computed\n".to_owned()].into_iter().chain(curve).collect::<String>())?;
+    let curve = measured.iter().zip(&computed).map(|(&(cmod, load), &(_, computed))| [cmod, load, computed]);
+    directory.write("curve.csv", table("cmod,load,computed", curve))?;
     let stresses = fit.full.openings.iter().zip(&fit.full.fitted.estimates[2..]);
-    let sigma = stresses
-        .map(|(w, estimate)| format!("{w},{},{},{}\n", estimate.value, estimate.standard_error, fit.fast.at(*w)));
-    let header = ["w,sigma,standard_error,sigma_fast\n".to_owned()].into_iter();
-    directory.write("sigma.csv", header.chain(sigma).collect::<String>())?;
+    let sigma = stresses.map(|(&w, estimate)| [w, estimate.value, estimate.standard_error, fit.fast.at(w)]);
+    directory.write("sigma.csv", table("w,sigma,standard_error,sigma_fast", sigma))?;
     directory.write("fit.json", format!("{:#}\n", summary(source, fit, &warnings)))?;
     if let Some(case) = with_bond(case, fit) {
         directory.write("bond-case.json", format!("{case:#}\n"))?;
