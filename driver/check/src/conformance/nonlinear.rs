@@ -85,57 +85,48 @@ fn kept(subject: &mut Subject<'_>, from: &Committed, step: &[f64], increments: u
     Some(std::iter::once(part(&start.output, &turn.output, &end.output)).chain(of_states).collect())
 }
 
-/// Findings about a law's nonlinearity.
-#[derive(Clone, Debug, Default)]
-struct Seen {
-    stress: usize,
-    states: usize,
-    irreversible: usize,
-    /// Which state variables moved.
-    moved: Vec<bool>,
-    /// Increments of the case's path that were looked at, and those that were nonlinear.
-    path: [usize; 2],
-}
-
 /// Counts the nonlinear states, and judges whether the sample says anything of the law.
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    const LOOKED_AT: usize = 200;
+    const MOST_INCREMENTS: usize = 200;
     const CALLS: usize = 4;
     const TIME: f64 = 1.0;
     ledger.begin("nonlinear states");
-    let mut seen = Seen { moved: vec![false; subject.nstatv], ..Seen::default() };
+    // states in which the stress is nonlinear, a state variable moves, the way back does not undo the step
+    let (mut nonlinear, mut moving, mut irreversible) = (0, 0, 0);
+    let mut has_moved = vec![false; subject.nstatv];
     let has_histories = (0..subject.nstatv).any(|k| subject.is_history(k));
     for state in sample {
-        seen.stress += usize::from(is_nonlinear(subject, &state.from, &state.step) == Some(true));
+        nonlinear += usize::from(is_nonlinear(subject, &state.from, &state.step) == Some(true));
         if let Ok(answer) = subject.evaluate(&state.from, &state.step) {
-            let has_moved = |k: &usize| subject.is_history(*k) && answer.statev[*k] != state.from.statev[*k];
-            let moved: Vec<usize> = (0..subject.nstatv).filter(has_moved).collect();
-            seen.states += usize::from(!moved.is_empty());
-            moved.into_iter().for_each(|k| seen.moved[k] = true);
+            let moves = |k: &usize| subject.is_history(*k) && answer.statev[*k] != state.from.statev[*k];
+            let moved: Vec<usize> = (0..subject.nstatv).filter(moves).collect();
+            moving += usize::from(!moved.is_empty());
+            moved.into_iter().for_each(|k| has_moved[k] = true);
         }
-        seen.irreversible += usize::from(has_histories && is_irreversible(subject, &state.from, &state.step));
+        irreversible += usize::from(has_histories && is_irreversible(subject, &state.from, &state.step));
     }
+    // increments of the case's path that were looked at, and those that were nonlinear
+    let (mut looked_at, mut nonlinear_of_path) = (0, 0);
     if let Some(path) = subject.path.clone() {
-        let stride = path.increments.len().div_ceil(subject.affordable(LOOKED_AT, CALLS, TIME)).max(1);
+        let stride = path.increments.len().div_ceil(subject.affordable(MOST_INCREMENTS, CALLS, TIME)).max(1);
         for increment in path.increments.iter().step_by(stride) {
-            seen.path[0] += 1;
-            seen.path[1] += usize::from(is_nonlinear(subject, &increment.from, &increment.step) == Some(true));
+            looked_at += 1;
+            nonlinear_of_path += usize::from(is_nonlinear(subject, &increment.from, &increment.step) == Some(true));
         }
     }
-    let figure = format!("{}/{}", seen.stress, sample.len());
-    let mut words = format!("the stress is not the elastic one in {} states", seen.stress);
+    let figure = format!("{nonlinear}/{}", sample.len());
+    let mut words = format!("the stress is not the elastic one in {nonlinear} states");
     if has_histories {
-        let Seen { states, irreversible, .. } = seen;
-        words += &format!(", a state variable moved in {states}, {irreversible} are not undone by the way back");
+        words += &format!(", a state variable moved in {moving}, {irreversible} are not undone by the way back");
     }
-    if seen.path[0] > 0 {
-        words += &format!("; of the case's path {} of {} increments are nonlinear", seen.path[1], seen.path[0]);
+    if looked_at > 0 {
+        words += &format!("; of the case's path {nonlinear_of_path} of {looked_at} increments are nonlinear");
     }
     // what moves and is undone by every way back, as stored strains are, was seen as it is
-    let undone = |k: usize| seen.irreversible == 0 && seen.moved[k];
+    let undone = |k: usize| irreversible == 0 && has_moved[k];
     let influential = |subject: &mut Subject<'_>| influential_state(subject, sample, undone);
-    let why = if seen.stress > 0 {
-        if seen.irreversible > 0 || !has_histories {
+    let why = if nonlinear > 0 {
+        if irreversible > 0 || !has_histories {
             None
         } else {
             // what only tells something does not make the law irreversible
@@ -145,7 +136,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
                 )
             })
         }
-    } else if seen.path[1] > 0 {
+    } else if nonlinear_of_path > 0 {
         Some("the sample missed what the case does".to_owned())
     } else if let Some(state) = influential(subject) {
         Some(format!("the stress depends on {state}, and no sampled state shows how"))
@@ -153,7 +144,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
         nonlinear_beyond(subject, sample).map(|factor| format!("it is nonlinear at {factor} times what was sampled"))
     };
     let Some(why) = why else {
-        let words = if seen.stress > 0 { words } else { format!("linear everywhere it was looked at; {words}") };
+        let words = if nonlinear > 0 { words } else { format!("linear everywhere it was looked at; {words}") };
         return ledger.add(Verdict::Pass, figure, words);
     };
     let advice = if subject.path.is_some() { "give a case that goes farther" } else { "give a case by --case" };
