@@ -119,7 +119,7 @@ impl BridgingFibre {
         fibre.check()?;
         let table = match sides {
             Sides::One => table,
-            Sides::Two => table.of_two_sides(fibre.length),
+            Sides::Two => table.of_two_sides(),
         };
         let inclination = Inclination::Exp { f: 0.0 };
         Ok(Self { fibre, source: Source::Table(table), inclination, spalls: None, sides })

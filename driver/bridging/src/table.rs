@@ -1,7 +1,7 @@
 //! Curves of tests or of simulations at angles and lengths, and what lies between them.
 
 use crate::Invalid;
-use crate::bond::{Side, opening};
+use crate::bond::opening;
 use crate::interpolation::{Polyline, monotone, monotone_slopes};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -177,7 +177,7 @@ impl Table {
 
     /// Makes a table of openings instead of slips, both sides of the crack giving way. The long side follows the loading branch of
     /// the longest curve.
-    pub(crate) fn of_two_sides(&self, fibre_length: f64) -> Self {
+    pub(crate) fn of_two_sides(&self) -> Self {
         let mut lengths = Vec::new();
         let mut below = 0.0;
         for &above in &self.lengths {
@@ -185,21 +185,21 @@ impl Table {
             below = above;
         }
         let combined = |angle: usize, length: f64| {
-            let side = AtAngle { table: self, angle };
+            let row = &self.curves[angle];
+            let loading_slip = |load: f64| row[row.len() - 1].highest.first_reaching(load);
             let upper = self.cell(length);
-            let measured =
-                self.curves[angle][upper.saturating_sub(1)..=upper].iter().flat_map(|curve| curve.curve.points());
+            let measured = row[upper.saturating_sub(1)..=upper].iter().flat_map(|curve| curve.curve.points());
             let graded = (0..=SLIPS).map(|k| length * (k as f64 / SLIPS as f64).powi(2));
             let mut slips: Vec<f64> = measured.map(|point| point.0).chain(graded).collect();
             slips.sort_by(f64::total_cmp);
             let mut points: Vec<(f64, f64)> = Vec::new();
             for slip in slips {
-                let loads = side.loads(slip, length);
-                let long = fibre_length - length;
-                let opening = opening(&side, slip, loads, side.loading_slip(loads.1, long), long);
+                let [load, greatest] = self.between(angle, slip, length, true);
+                let greatest = load.max(greatest);
+                let opening = opening(slip, (load, greatest), loading_slip(greatest), loading_slip);
                 // where the crack would close the load falls at once
                 if points.last().is_none_or(|last| opening > last.0) {
-                    points.push((opening, loads.0));
+                    points.push((opening, load));
                 }
             }
             Measured::of(Polyline::new(points))
@@ -222,44 +222,5 @@ impl Row<'_> {
             monotone(angle, angles, &self.loads, &self.slopes),
             monotone(angle, angles, &self.greatest, &self.greatest_slopes),
         )
-    }
-}
-
-/// The curves of one angle as an embedded side.
-struct AtAngle<'t> {
-    table: &'t Table,
-    angle: usize,
-}
-
-impl AtAngle<'_> {
-    /// The curve of the longest side.
-    fn longest(&self) -> &Measured {
-        let row = &self.table.curves[self.angle];
-        &row[row.len() - 1]
-    }
-}
-
-impl Side for AtAngle<'_> {
-    fn loads(&self, slip: f64, embedded: f64) -> (f64, f64) {
-        let [load, greatest] = self.table.between(self.angle, slip, embedded, true);
-        (load, load.max(greatest))
-    }
-
-    fn stage(&self, _: f64, _: f64) -> u8 {
-        0
-    }
-
-    fn turning_slip(&self, embedded: f64) -> f64 {
-        let upper = self.table.cell(embedded);
-        let row = &self.table.curves[self.angle];
-        let (below, low) = match upper.checked_sub(1) {
-            Some(lower) => (self.table.lengths[lower], row[lower].peak_slip),
-            None => (0.0, 0.0),
-        };
-        low + (embedded - below) / (self.table.lengths[upper] - below) * (row[upper].peak_slip - low)
-    }
-
-    fn loading_slip(&self, load: f64, _: f64) -> f64 {
-        self.longest().highest.first_reaching(load)
     }
 }

@@ -56,9 +56,9 @@ pub(crate) fn one_sided(side: &impl Side, opening: f64, embedded: f64) -> Bridge
 }
 
 /// Two sides that carry the same load, at a slip of the short one: the opening. The long side loads with the greatest
-/// load G, of which it slips by `loaded`, and unloads from it by Masing's rule.
-pub(crate) fn opening(side: &impl Side, slip: f64, (load, greatest): (f64, f64), loaded: f64, long: f64) -> f64 {
-    let back = if load < greatest { 2.0 * side.loading_slip(0.5 * (greatest - load), long) } else { 0.0 };
+/// load G, of which it slips by `loaded`, and unloads from it by Masing's rule; `loading_slip` is its [`Side::loading_slip`].
+pub(crate) fn opening(slip: f64, (load, greatest): (f64, f64), loaded: f64, loading_slip: impl Fn(f64) -> f64) -> f64 {
+    let back = if load < greatest { 2.0 * loading_slip(0.5 * (greatest - load)) } else { 0.0 };
     slip + (loaded - back).max(0.0)
 }
 
@@ -75,7 +75,7 @@ pub(crate) fn two_sided(side: &impl Side, w: f64, short: f64, long: f64) -> Brid
     let gap = |slip: f64| {
         let loads = side.loads(slip, short);
         let loaded = if loads.1 == peak { long_at_peak } else { side.loading_slip(loads.1, long) };
-        opening(side, slip, loads, loaded, long) - w
+        opening(slip, loads, loaded, |load| side.loading_slip(load, long)) - w
     };
     let slip = if w <= 0.0 {
         0.0
