@@ -136,7 +136,7 @@ impl<'c> Integral<'c> {
     fn new(composite: &'c Composite, directions: &'c Directions, opening: f64) -> Self {
         let resolution = composite.resolution(directions);
         let kinks = composite.fibre.has_kinks_over_angles() && !directions.is_single();
-        let samples = if kinks { (resolution.samples / (directions.panels().len() - 1)).max(FEWEST_ANGLES) } else { 0 };
+        let samples = if kinks { (resolution.samples / (directions.panels.len() - 1)).max(FEWEST_ANGLES) } else { 0 };
         let half = 0.5 * composite.fibre.fibre.length;
         let mut integral = Self { composite, directions, opening, lengths: vec![0.0], samples, resolution };
         let inner = composite.fibre.lengths().iter().copied().filter(|&length| length < half * (1.0 - 1e-9));
@@ -175,7 +175,7 @@ impl<'c> Integral<'c> {
         if self.directions.is_single() {
             note(self.directions.nodes(0, 0)[0].0);
         }
-        for ends in self.directions.panels().windows(2) {
+        for ends in self.directions.panels.windows(2) {
             // with the ends: a front enters there
             let at = |k: usize| ends[0] + (ends[1] - ends[0]) * k as f64 / self.samples.max(1) as f64;
             (0..=self.samples).filter(|_| self.samples > 0).map(at).for_each(&mut note);
@@ -214,7 +214,7 @@ impl<'c> Integral<'c> {
             sums[3] += crossing * response.spalled;
             visit(angle, crossing * response.load);
         };
-        for (panel, ends) in self.directions.panels().windows(2).enumerate() {
+        for (panel, ends) in self.directions.panels.windows(2).enumerate() {
             let kinks = match self.samples {
                 0 => Vec::new(),
                 samples => changes(ends[0], ends[1], samples, self.resolution.halvings[1], |angle| {

@@ -230,7 +230,7 @@ impl BridgingFibre {
     /// Lengths at which the source has kinks.
     pub(crate) fn lengths(&self) -> &[f64] {
         match &self.source {
-            Source::Table(table) => table.lengths(),
+            Source::Table(table) => &table.lengths,
             _ => &[],
         }
     }

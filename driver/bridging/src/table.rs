@@ -55,7 +55,7 @@ impl Measured {
 #[derive(Clone, Debug)]
 pub struct Table {
     angles: Vec<f64>,
-    lengths: Vec<f64>,
+    pub(crate) lengths: Vec<f64>,
     /// Curves by angle, then length.
     curves: Vec<Vec<Measured>>,
     cut: f64,
@@ -118,11 +118,6 @@ impl Table {
     /// The angles at which its slopes change.
     pub(crate) fn angles(&self) -> impl Iterator<Item = f64> + '_ {
         self.angles.iter().copied().chain([self.cut])
-    }
-
-    /// The lengths at which its slopes change.
-    pub(crate) fn lengths(&self) -> &[f64] {
-        &self.lengths
     }
 
     /// Interpolates between lengths: along equal slip up to the peak, along equal s/L_e beyond twice its slip, smoothly in between;

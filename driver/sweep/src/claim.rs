@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// A claim of another machine counts as left only if nothing was added for so long: some file systems lock within one
@@ -50,7 +50,8 @@ fn keys(file: &mut File) -> Option<HashSet<String>> {
 /// The file, which is there as long as this is.
 pub(crate) struct Claim {
     file: File,
-    path: PathBuf,
+    /// The file, to which children add rows.
+    pub path: PathBuf,
     /// Bytes of the head.
     head: u64,
 }
@@ -61,11 +62,6 @@ impl Claim {
         let head = framed(&serde_json::to_vec(head)?)?;
         let (file, path) = store.running(host, &head)?;
         Ok(Self { file, path, head: head.len() as u64 })
-    }
-
-    /// The file, to which children add rows.
-    pub fn path(&self) -> &Path {
-        &self.path
     }
 
     /// Adds a row.

@@ -331,7 +331,7 @@ impl Office<'_> {
         let batch = Batch { folder, sweep, seconds: seconds.clamp(0.0, 1e9) };
         let (mut told, told_path) = shared_file()?;
         told.write_all(&serde_json::to_vec(&batch)?)?;
-        let heard: OsString = fs::canonicalize(claim.path())?.into();
+        let heard: OsString = fs::canonicalize(&claim.path)?.into();
         let command: [OsString; 4] = ["sweep".into(), "batch".into(), told_path.into(), heard];
         let start = Instant::now();
         let ended = isolation::supervise(&Job { command: &command, ..Job::default() }, &need)?;

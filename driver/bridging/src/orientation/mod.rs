@@ -135,7 +135,7 @@ pub struct Directions {
     /// All fibres at this angle.
     single: Option<f64>,
     /// Ends of the panels on which p is smooth.
-    panels: Vec<f64>,
+    pub(crate) panels: Vec<f64>,
     /// Nodes by degree of the rule and panel: (θ, weight).
     nodes: Vec<Vec<Vec<(f64, f64)>>>,
     /// η = ∫ p cos θ dθ.
@@ -300,10 +300,6 @@ impl Directions {
     /// Returns whether all fibres are at one angle.
     pub(crate) fn is_single(&self) -> bool {
         self.single.is_some()
-    }
-
-    pub(crate) fn panels(&self) -> &[f64] {
-        &self.panels
     }
 
     /// (θ, weight p dθ) of a panel.
