@@ -7,6 +7,7 @@
 //! `output.pictures_at`. `axial_stress`, `interface_shear` and `interface_pressure` show all of them.
 
 use crate::directory::ResultDirectory;
+use crate::extremes;
 use crate::plots::Drawings;
 use crate::plots::field::{
     Class, FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, crosses, deformed_mesh,
@@ -321,10 +322,7 @@ impl Contour {
         let is_shown = |[x, y]: [f64; 2]| window.is_none_or(|window| window.x.contains(&x) && window.y.contains(&y));
         let parts = recovery.nodes().parts();
         let values = (0..self.values.len()).filter(|&k| matrix.contains(&parts[k]) && is_shown(mesh.nodes[k]));
-        let (least, greatest) = values
-            .map(|k| self.values[k])
-            .filter(|value| value.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        let (least, greatest) = extremes(values.map(|k| self.values[k]).filter(|value| value.is_finite()));
         (least < greatest).then_some((least, greatest))
     }
 }

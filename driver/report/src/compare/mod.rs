@@ -7,6 +7,7 @@
 //! A file whose x turns back, as in cycles, is compared **branch by branch**: its second branch with the history's second one,
 //! and so on: loops that are small are those of which the history has the same ones. Where the history has no further branch, the points behind are left out, and a warning says so.
 
+use super::extremes;
 use super::history::Rows;
 use pullout_run::program::Compare;
 use serde::{Deserialize, Serialize};
@@ -114,9 +115,8 @@ impl Turns {
     /// # Errors
     /// Those of `run`.
     pub fn of(data: &[f64], run: impl FnOnce(&mut dyn FnMut(f64)) -> io::Result<()>) -> io::Result<Self> {
-        let finite = || data.iter().filter(|x| x.is_finite());
-        let range = finite().fold(f64::NEG_INFINITY, |a, x| a.max(*x)) - finite().fold(f64::INFINITY, |a, x| a.min(*x));
-        let range = range.max(0.0);
+        let (least, greatest) = extremes(data.iter().copied().filter(|x| x.is_finite()));
+        let range = (greatest - least).max(0.0);
         let (mut of_data, mut of_run) = (Turning::all(range), Turning::all(range));
         for (index, x) in data.iter().enumerate() {
             of_data.iter_mut().for_each(|turning| turning.push(index, *x));

@@ -7,6 +7,7 @@ use super::inset::Inset;
 use super::legend::{Entry, Legend, Sample};
 use super::markup;
 use super::quantity::Quantity;
+use crate::extremes;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
@@ -489,8 +490,7 @@ pub(super) fn pixels((width, height): (i32, i32)) -> (u32, u32) {
 
 /// Least and greatest drawable value, or zeros.
 pub(super) fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let finite = values.filter(|&value| drawable(value));
-    let (least, greatest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    let (least, greatest) = extremes(values.filter(|&value| drawable(value)));
     if least <= greatest { (least, greatest) } else { (0.0, 0.0) }
 }
 

@@ -3,6 +3,7 @@
 use super::figure::{Figure, Line, Marks, PALETTE, Style};
 use super::quantity::{Quantity, capital, group_of};
 use super::{CaseKind, Curve, Run};
+use crate::extremes;
 use pullout_run::columns::Group;
 use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES};
 
@@ -272,7 +273,7 @@ fn columns(run: &Run<'_>, wanted: impl Fn(&str) -> bool) -> Vec<String> {
 
 /// Greatest less least finite value; 0 without any.
 fn span(run: &Run<'_>, column: &str) -> f64 {
-    let finite = run.history.column(column).unwrap_or_default().iter().filter(|value| value.is_finite());
-    let (least, greatest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
+    let values = run.history.column(column).unwrap_or_default().iter().copied();
+    let (least, greatest) = extremes(values.filter(|value| value.is_finite()));
     (greatest - least).max(0.0)
 }

@@ -3,6 +3,7 @@
 use super::super::figure::UNIT;
 use super::Window;
 use super::region::GridPoint;
+use crate::extremes;
 use std::ops::Range;
 
 /// Widths and heights of the plot, px.
@@ -71,10 +72,7 @@ impl View {
 impl Window {
     /// Around positions, with some space; `None` if none is finite or all are one.
     pub fn around(positions: &[[f64; 2]]) -> Option<Self> {
-        let range = |k: usize| {
-            let finite = positions.iter().filter(|p| p.iter().all(|c| c.is_finite())).map(|p| p[k]);
-            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), value| (a.min(value), b.max(value)))
-        };
+        let range = |k: usize| extremes(positions.iter().filter(|p| p.iter().all(|c| c.is_finite())).map(|p| p[k]));
         let (x, y) = (range(0), range(1));
         let side = (x.1 - x.0).max(y.1 - y.0);
         let spare = MARGIN * side;
