@@ -33,7 +33,7 @@ const MOST_SECTIONS: usize = 400;
 /// Less than this part of the greatest load or stress is what rounding leaves in a body that carries nothing.
 const ROUNDING: f64 = 1e-9;
 /// Colours and names of the elements' states, in the order of [`Activity`]; released elements are not drawn.
-const ACTIVITIES: [Class; 4] = [
+const ACTIVITIES: [Class<'static>; 4] = [
     (RGBColor(0xf4, 0xf4, 0xf4), "condensed"),
     (RGBColor(0xbf, 0xdd, 0xf0), "elastic"),
     (RGBColor(0xd5, 0x5e, 0x00), "damaged"),

@@ -45,20 +45,15 @@ impl Canvas {
     ///
     /// # Errors
     /// The picture cannot be drawn.
-    pub fn new(
-        title: &str,
-        note: &str,
-        axes: &[Quantity; 2],
-        view: View,
-        side: &Side<'_>,
-    ) -> Result<Self, PictureError> {
-        guarded(|| Self::draw(title, note, axes, view, side)).map_err(PictureError::Wrong)
+    pub fn new(title: &str, note: &str, view: View, side: &Side<'_>) -> Result<Self, PictureError> {
+        guarded(|| Self::draw(title, note, view, side)).map_err(PictureError::Wrong)
     }
 
-    fn draw(title: &str, note: &str, axes: &[Quantity; 2], view: View, side: &Side<'_>) -> Result<Self, String> {
+    fn draw(title: &str, note: &str, view: View, side: &Side<'_>) -> Result<Self, String> {
         let plot = view.size();
-        let x = Axis::exact(&axes[0], view.x.clone(), (plot.0 / 55).max(4) as usize);
-        let y = Axis::exact(&axes[1], view.y.clone(), (plot.1 / 40).max(4) as usize);
+        let coordinate = |name: &str| Quantity { name: name.into(), unit: "mm".into() };
+        let x = Axis::exact(&coordinate("x"), view.x.clone(), (plot.0 / 55).max(4) as usize);
+        let y = Axis::exact(&coordinate("y"), view.y.clone(), (plot.1 / 40).max(4) as usize);
         let left = left_of(&y);
         let width = 10 + left + plot.0 + side.width();
         let lines = wrapped(title, width);

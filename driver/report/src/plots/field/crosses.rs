@@ -1,9 +1,9 @@
 //! Principal stresses as crosses: each line along a principal direction, as long as the stress is great.
 
 use super::canvas::{Canvas, Side};
-use super::surface::Surface;
+use super::surface::{Surface, extent};
 use super::view::View;
-use super::{FieldPicture, PictureElement, PictureError, expect_length, push_line};
+use super::{FieldPicture, PictureElement, PictureError, Shown, expect_length, push_line};
 use crate::plots::figure::{PALETTE, UNIT};
 use fe_core::element::ElementKind;
 use fe_core::output::Principal;
@@ -37,14 +37,8 @@ pub fn crosses(
     in_scale: impl Fn(usize) -> bool,
 ) -> Result<String, PictureError> {
     let mesh = picture.mesh;
-    mesh.check()?;
     expect_length("stresses", stresses.len(), mesh.nodes.len())?;
-    let positions = picture.positions(picture.magnification);
-    let view = picture.view(&positions)?;
-    let seen: Vec<usize> = Surface::new(mesh, positions.clone(), &view).indices().collect();
-    if seen.is_empty() {
-        return Err(PictureError::Nothing);
-    }
+    let Shown { positions, view, seen } = picture.shown()?;
     let drawn = positions.as_slice();
     // what lies behind is hidden, or else too small for a cross
     let shown = seen.iter().filter(|&&index| !mesh.behind.contains(&mesh.elements[index].part));
@@ -55,14 +49,12 @@ pub fn crosses(
     let places = evenly(candidates, &view);
     let scaled = places.iter().filter(|place| in_scale(place.part)).map(|place| place.greatest());
     let longest = quantile(scaled.filter(|stress| *stress > 0.0).collect(), SHARE_IN_SCALE);
-    let note = picture.note();
-    let separator = if note.is_empty() { "" } else { "; " };
     let note = match longest {
-        Some(stress) => format!("{note}{separator}longest line: {} MPa and more", significant(stress, 3)),
-        None => note,
+        Some(stress) => picture.note_with(&format!("longest line: {} MPa and more", significant(stress, 3))),
+        None => picture.note(),
     };
     let names = [(PALETTE[1], "tension"), (PALETTE[0], "compression")];
-    let canvas = Canvas::new(&picture.title, &note, &picture.axes, view, &Side::Names(&names))?;
+    let canvas = Canvas::new(&picture.title, &note, view, &Side::Names(&names))?;
     let surface = Surface::new(mesh, positions, canvas.view());
     let mut body = String::new();
     let [_, boundary] = surface.edges(canvas.view());
@@ -124,13 +116,9 @@ fn places_in<'p>(
     positions: &'p [[f64; 2]],
     view: &View,
 ) -> impl Iterator<Item = Vec<f64>> + use<'p> {
-    let side = |k: usize| {
-        let values = element.nodes.iter().map(|&node| positions[node][k]);
-        let (least, greatest) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-        greatest - least
-    };
     // twice as many: the nearest to each cross is taken
-    let count = (2.0 * view.pixels(side(0).max(side(1))) / DISTANCE).ceil().clamp(1.0, MOST_PLACES as f64) as usize;
+    let count =
+        (2.0 * view.pixels(extent(element, positions)) / DISTANCE).ceil().clamp(1.0, MOST_PLACES as f64) as usize;
     let kind: ElementKind = element.kind;
     let triangular = kind.corner_count() == 3;
     let share = move |k: usize| (k as f64 + if triangular { 1.0 / 3.0 } else { 0.5 }) / count as f64;

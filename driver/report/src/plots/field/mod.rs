@@ -39,13 +39,13 @@ pub(crate) fn band_color_text(band: usize, count: usize) -> String {
 pub use crosses::crosses;
 pub use fe_core::element::ElementKind;
 pub(crate) use profile::{ALONG_SURFACE, INTERFACE_SHEAR, interface_profiles};
-pub use zones::{Class, zones};
+pub use zones::{Class, deformed_mesh, zones};
 
 use super::quantity::Quantity;
-use canvas::{Canvas, Side, band_color, hexadecimal, part_color};
+use crate::extremes;
+use canvas::{Canvas, Side, band_color, hexadecimal};
 use fe_core::output::{Activity, Fields, Recovery};
 use levels::Levels;
-use plotters::style::RGBColor;
 use std::fmt::Write as _;
 use std::ops::Range;
 use surface::Surface;
@@ -100,8 +100,6 @@ pub struct FieldPicture<'a> {
     pub magnification: f64,
     /// Window that is shown; `None`: all.
     pub window: Option<Window>,
-    /// Names of the coordinates.
-    pub axes: [Quantity; 2],
 }
 
 /// A picture that cannot be drawn.
@@ -174,10 +172,9 @@ fn expect_length(what: &str, found: usize, expected: usize) -> Result<(), Pictur
 }
 
 impl<'a> FieldPicture<'a> {
-    /// All of a mesh, displacements as they are, coordinates x and y.
+    /// All of a mesh, displacements as they are.
     pub fn new(title: impl Into<String>, mesh: &'a PictureMesh) -> Self {
-        let axes = ["x", "y"].map(|name| Quantity { name: name.into(), unit: "mm".into() });
-        Self { title: title.into(), mesh, magnification: 1.0, window: None, axes }
+        Self { title: title.into(), mesh, magnification: 1.0, window: None }
     }
 
     /// Returns where nodes are drawn, mm.
@@ -186,15 +183,23 @@ impl<'a> FieldPicture<'a> {
         self.mesh.nodes.iter().zip(&self.mesh.displacements).map(moved).collect()
     }
 
-    fn view(&self, positions: &[[f64; 2]]) -> Result<View, PictureError> {
+    /// Checks the mesh, and finds out what is shown of it.
+    fn shown(&self) -> Result<Shown, PictureError> {
+        self.mesh.check()?;
+        let positions = self.positions(self.magnification);
         let window = match &self.window {
             Some(window) => window.clone(),
-            None => Window::around(positions).ok_or(PictureError::Nothing)?,
+            None => Window::around(&positions).ok_or(PictureError::Nothing)?,
         };
         if !window.is_proper() {
             return Err(PictureError::Wrong(format!("the window {:?} × {:?} has no area", window.x, window.y)));
         }
-        Ok(View::new(&window))
+        let view = View::new(&window);
+        let seen = surface::seen(self.mesh, &positions, &view);
+        if seen.is_empty() {
+            return Err(PictureError::Nothing);
+        }
+        Ok(Shown { positions, view, seen })
     }
 
     fn is_deformed(&self) -> bool {
@@ -209,42 +214,22 @@ impl<'a> FieldPicture<'a> {
             factor => format!("deformed, displacements × {}", pullout_run::number::significant(factor, 4)),
         }
     }
+
+    /// Returns this with more behind it.
+    fn note_with(&self, more: &str) -> String {
+        let note = self.note();
+        let separator = if note.is_empty() { "" } else { "; " };
+        format!("{note}{separator}{more}")
+    }
 }
 
-/// The elements on the deformed shape, parts in colours; the undeformed outline dashed.
-///
-/// # Errors
-///
-/// A mesh that does not fit itself, a window without area or without elements.
-pub fn deformed_mesh(picture: &FieldPicture<'_>) -> Result<String, PictureError> {
-    let mesh = picture.mesh;
-    mesh.check()?;
-    let positions = picture.positions(picture.magnification);
-    let view = picture.view(&positions)?;
-    let mut seen = vec![false; mesh.parts.len()];
-    Surface::new(mesh, positions.clone(), &view).elements().for_each(|element| seen[element.part] = true);
-    let named = mesh.parts.iter().enumerate().filter(|(part, _)| seen[*part]);
-    let parts: Vec<usize> = named.clone().map(|(part, _)| part).collect();
-    let names: Vec<(RGBColor, &str)> = named.map(|(part, name)| (part_color(part), name.as_str())).collect();
-    if names.is_empty() {
-        return Err(PictureError::Nothing);
-    }
-    let canvas = Canvas::new(&picture.title, &picture.note(), &picture.axes, view, &Side::Names(&names))?;
-    let surface = Surface::new(mesh, positions, canvas.view());
-    let mut body = String::new();
-    for layer in surface.layers() {
-        for &part in &parts {
-            push_fill(&mut body, &hexadecimal(part_color(part)), &layer.area(|_, element| element.part == part));
-        }
-        let [inner, boundary] = layer.edges(canvas.view());
-        push_line(&mut body, "#222222", (0.05 * layer.element_size).clamp(0.15, 0.6), &inner, "");
-        push_line(&mut body, "#222222", 1.0, &boundary, "");
-    }
-    if picture.is_deformed() {
-        let [_, outline] = Surface::new(mesh, picture.positions(0.0), canvas.view()).edges(canvas.view());
-        push_line(&mut body, "#888888", 0.8, &outline, " stroke-dasharray=\"80 60\"");
-    }
-    Ok(canvas.finish(&body))
+/// Part of a mesh that a picture shows.
+struct Shown {
+    /// Positions of all nodes as drawn, mm.
+    positions: Vec<[f64; 2]>,
+    view: View,
+    /// Indices of the elements in the view, of which there are some.
+    seen: Vec<usize>,
 }
 
 /// Filled contours of values at the nodes, interpolated as the elements do, with a colour bar.
@@ -263,29 +248,18 @@ pub fn contour(
     range: Option<(f64, f64)>,
 ) -> Result<String, PictureError> {
     let mesh = picture.mesh;
-    mesh.check()?;
     expect_length("values", values.len(), mesh.nodes.len())?;
-    let positions = picture.positions(picture.magnification);
-    let view = picture.view(&positions)?;
+    let Shown { positions, view, seen } = picture.shown()?;
     let has_value = |element: &PictureElement| element.nodes.iter().all(|&node| super::axis::drawable(values[node]));
-    let (mut data, mut count, mut missing) = ((f64::INFINITY, f64::NEG_INFINITY), 0, false);
-    for element in Surface::new(mesh, positions.clone(), &view).elements() {
-        count += 1;
-        if has_value(element) {
-            data = element.nodes.iter().map(|&node| values[node]).fold(data, |(a, b), v| (a.min(v), b.max(v)));
-        } else {
-            missing = true;
-        }
-    }
-    if count == 0 {
-        return Err(PictureError::Nothing);
-    }
+    let (known, unknown): (Vec<&PictureElement>, Vec<&PictureElement>) =
+        seen.iter().map(|&index| &mesh.elements[index]).partition(|element| has_value(element));
+    let data = extremes(known.iter().flat_map(|element| &element.nodes).map(|&node| values[node]));
     let shown = range.filter(|(start, end)| start < end && (end - start).is_finite());
     let shown = shown.or((data.0 <= data.1).then_some(data));
     let levels = shown.map(|range| Levels::new(quantity, range));
     let note = levels.as_ref().map_or_else(|| picture.note(), |levels| note_with_excess(picture, levels, data));
-    let side = Side::Bar { levels: levels.as_ref(), missing };
-    let canvas = Canvas::new(&picture.title, &note, &picture.axes, view, &side)?;
+    let side = Side::Bar { levels: levels.as_ref(), missing: !unknown.is_empty() };
+    let canvas = Canvas::new(&picture.title, &note, view, &side)?;
     let surface = Surface::new(mesh, positions, canvas.view());
     let mut body = String::new();
     for layer in surface.layers() {
@@ -308,12 +282,10 @@ pub fn contour(
 
 /// The note, and how far the data go beyond the levels' range. Data without a value have an empty range.
 fn note_with_excess(picture: &FieldPicture<'_>, levels: &Levels, (least, greatest): (f64, f64)) -> String {
-    let note = picture.note();
     if least > greatest || (least >= levels.range.0 && greatest <= levels.range.1) {
-        return note;
+        return picture.note();
     }
-    let separator = if note.is_empty() { "" } else { "; " };
-    format!("{note}{separator}values from {} to {}", levels.end_text(least), levels.end_text(greatest))
+    picture.note_with(&format!("values from {} to {}", levels.end_text(least), levels.end_text(greatest)))
 }
 
 /// Elements smaller than this on average, px, are not outlined in contours: lines would hide the colours.

@@ -4,6 +4,7 @@ use super::super::axis::drawable;
 use super::region::{GridPoint, Region, after};
 use super::view::View;
 use super::{PictureElement, PictureMesh};
+use crate::extremes;
 use fe_core::element::{EdgeKind, ElementKind};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -37,8 +38,7 @@ struct Lattice {
 
 impl<'a> Surface<'a> {
     pub fn new(mesh: &'a PictureMesh, positions: Vec<[f64; 2]>, view: &View) -> Self {
-        let seen: Vec<usize> =
-            (0..mesh.elements.len()).filter(|&index| view.shows(corners(&mesh.elements[index], &positions))).collect();
+        let seen = seen(mesh, &positions, view);
         let sizes: Vec<f64> = seen.iter().map(|&e| view.pixels(extent(&mesh.elements[e], &positions))).collect();
         let largest = sizes.iter().copied().fold(0.0, f64::max);
         let count = (largest / PIECE).ceil().clamp(2.0, 12.0) as usize;
@@ -74,21 +74,11 @@ impl<'a> Surface<'a> {
         self.mesh.behind.contains(&element.part)
     }
 
-    /// The elements that are seen.
-    pub fn elements(&self) -> impl Iterator<Item = &'a PictureElement> {
-        self.patches.iter().map(|&(index, _)| &self.mesh.elements[index])
-    }
-
-    /// Returns the indices.
-    pub fn indices(&self) -> impl Iterator<Item = usize> {
-        self.patches.iter().map(|(index, _)| *index)
-    }
-
     /// The union of some elements, chosen by index and content.
     pub fn area(&self, wanted: impl Fn(usize, &PictureElement) -> bool) -> String {
         let mut region = Region::default();
-        let chosen = self.subdivided().zip(self.indices()).filter(|((element, ..), index)| wanted(*index, element));
-        for ((_, places, lattice), _) in chosen {
+        let numbered = self.patches.iter().map(|(index, _)| *index).zip(self.subdivided());
+        for (_, (_, places, lattice)) in numbered.filter(|(index, (element, ..))| wanted(*index, element)) {
             region.add(&lattice.outline.iter().map(|&index| places[index]).collect::<Vec<_>>());
         }
         region.path()
@@ -166,17 +156,21 @@ fn push_edge(path: &mut String, kind: EdgeKind, nodes: [[f64; 2]; 3], view: &Vie
     };
 }
 
+/// Indices of the elements that a view shows.
+pub(super) fn seen(mesh: &PictureMesh, positions: &[[f64; 2]], view: &View) -> Vec<usize> {
+    (0..mesh.elements.len()).filter(|&index| view.shows(corners(&mesh.elements[index], positions))).collect()
+}
+
 /// Positions of an element's nodes.
 fn corners<'p>(element: &'p PictureElement, positions: &'p [[f64; 2]]) -> impl Iterator<Item = [f64; 2]> + Clone + 'p {
     element.nodes.iter().map(|&node| positions[node])
 }
 
 /// The larger side of an element's bounding box, mm.
-fn extent(element: &PictureElement, positions: &[[f64; 2]]) -> f64 {
+pub(super) fn extent(element: &PictureElement, positions: &[[f64; 2]]) -> f64 {
     let side = |k: usize| {
-        let range = corners(element, positions)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])));
-        range.1 - range.0
+        let (least, greatest) = extremes(corners(element, positions).map(|position| position[k]));
+        greatest - least
     };
     side(0).max(side(1))
 }

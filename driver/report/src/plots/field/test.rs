@@ -1,8 +1,10 @@
+use super::canvas::part_color;
 use super::levels::Levels;
 use super::region::Region;
 use super::*;
 use crate::plots::figure::UNIT;
 use fe_core::output::Activity;
+use plotters::style::RGBColor;
 use std::f64::consts::FRAC_PI_4;
 
 /// A quarter ring of Q8 elements with curved edges, an inner part and an outer one, nodes of their own where they meet.
@@ -375,7 +377,7 @@ fn crosses_lie_along_the_principal_directions_and_are_as_long_as_the_stresses() 
 #[test]
 fn zones_have_a_colour_for_each_class_that_is_there() {
     let mesh = ring(4, 2);
-    let classes: [Class; 3] =
+    let classes: [Class<'_>; 3] =
         [(RGBColor(1, 2, 3), "calm"), (RGBColor(4, 5, 6), "never"), (RGBColor(7, 8, 9), "moving")];
     let of: Vec<usize> = (0..mesh.elements.len()).map(|index| if index % 2 == 0 { 0 } else { 2 }).collect();
     let svg = zones(&FieldPicture::new("Zones", &mesh), &of, &classes).expect("a picture");
