@@ -69,6 +69,11 @@ impl Axis {
         RangedCoordf64::from(self.range.clone()).key_points(BoldPoints(self.ticks))
     }
 
+    /// Characters of the longest number.
+    pub fn widest(&self) -> usize {
+        self.ticks().iter().map(|&tick| self.text(tick).chars().count()).max().unwrap_or(1)
+    }
+
     /// Text of a tick.
     pub fn text(&self, value: f64) -> String {
         // no "-0.0"

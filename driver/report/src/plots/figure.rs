@@ -10,6 +10,7 @@ use super::quantity::Quantity;
 use crate::extremes;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// The area on which a picture is drawn.
 pub(super) type Root<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -141,8 +142,8 @@ pub struct Marks {
     pub line: Option<usize>,
 }
 
-/// Two opposite corners of a bar.
-type Corners = [(f64, f64); 2];
+/// Two opposite corners of a rectangle; on the picture the upper left and the lower right one.
+pub(super) type Corners<T> = [(T, T); 2];
 
 impl Figure {
     /// The picture as SVG.
@@ -199,7 +200,7 @@ impl Figure {
     }
 
     /// Opposite corners of the bars of each marked line, in the axes' numbers: those of one name side by side.
-    fn bars(&self, x: &Axis, y: &Axis) -> Vec<(Style, Vec<Corners>)> {
+    fn bars(&self, x: &Axis, y: &Axis) -> Vec<(Style, Vec<Corners<f64>>)> {
         let lines: Vec<&Line> = self.lines.iter().filter(|line| self.has_bars() && line.marked).collect();
         let width = BARS / lines.len().max(1) as f64;
         let of_line = |(k, line): (usize, &&Line)| {
@@ -287,10 +288,10 @@ impl Figure {
             .set_label_area_size(LabelAreaPosition::Left, left * UNIT)
             .set_label_area_size(LabelAreaPosition::Bottom, 46 * UNIT)
             .build_cartesian_2d(x.range.clone(), y.range.clone())?;
-        draw_axes(&mut chart, (x, y), true)?;
+        draw_axes(&mut chart, (x, y), true, AxisSizes::OF_PICTURES)?;
         let area = chart.plotting_area();
         for (start, end) in zero_lines(x, y) {
-            area.draw(&PathElement::new(vec![start, end], ZERO.stroke_width(UNIT as u32)))?;
+            area.draw(&PathElement::new(vec![start, end], thin(ZERO)))?;
         }
         for (line, stretches) in self.lines.iter().zip(self.scaled_lines(x, y)) {
             for points in stretches {
@@ -315,17 +316,12 @@ impl Figure {
             }
         }
         let (across, up) = area.get_pixel_range();
-        let corners = [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)];
-        let corner = |(right, lower)| {
-            (if right == 1 { across.end } else { across.start }, if lower == 1 { up.end } else { up.start })
-        };
-        root.draw(&PathElement::new(corners.map(corner).to_vec(), INK.stroke_width(UNIT as u32)))?;
+        let frame = [(across.start, up.start), (across.end, up.end)];
+        root.draw(&outline(frame, INK))?;
         if let Some(inset) = inset {
-            let ((left, top), (right, bottom)) = (corner((0, 0)), corner((1, 1)));
-            inset.draw(self, root, (left, top, right, bottom), (x, y))?;
+            inset.draw(self, root, frame, (x, y))?;
         }
-        legend.draw(root, (corner((0, 0)), corner((1, 1))))?;
-        Ok(())
+        legend.draw(root, frame)
     }
 }
 
@@ -364,8 +360,7 @@ pub(super) fn text_width(size: i32, characters: usize) -> i32 {
 
 /// Room to the left of a plot for the numbers and the name of its axis, px.
 pub(super) fn left_of(y: &Axis) -> i32 {
-    let widest = y.ticks().iter().map(|&tick| y.text(tick).chars().count()).max().unwrap_or(1);
-    text_width(TICK_SIZE, widest) + 40
+    text_width(TICK_SIZE, y.widest()) + 40
 }
 
 /// Draws the lines of a title on a picture of this width in px.
@@ -377,26 +372,42 @@ pub(super) fn draw_title<'a>(root: &Root<'a>, lines: &[String], width: i32) -> D
     Ok(())
 }
 
+/// Sizes of what belongs to axes, px.
+#[derive(Clone, Copy)]
+pub(super) struct AxisSizes {
+    /// Length of the marks at the numbers.
+    pub marks: i32,
+    /// Text of the numbers.
+    pub numbers: i32,
+    /// Text of the names.
+    pub names: i32,
+}
+
+impl AxisSizes {
+    pub const OF_PICTURES: Self = Self { marks: 5, numbers: TICK_SIZE, names: LABEL_SIZE };
+}
+
 /// Draws axes with their numbers and names, and lines at the numbers where a plot has a grid.
 pub(super) fn draw_axes<'a>(
     chart: &mut ChartContext<'_, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
     (x, y): (&Axis, &Axis),
     has_grid: bool,
+    sizes: AxisSizes,
 ) -> Drawn<'a, ()> {
     let mut mesh = chart.configure_mesh();
     if has_grid {
-        mesh.light_line_style(TRANSPARENT).bold_line_style(GRID.stroke_width(UNIT as u32));
+        mesh.light_line_style(TRANSPARENT).bold_line_style(thin(GRID));
     } else {
         mesh.disable_mesh();
     }
-    mesh.axis_style(INK.stroke_width(UNIT as u32))
-        .set_all_tick_mark_size(5 * UNIT)
+    mesh.axis_style(thin(INK))
+        .set_all_tick_mark_size(sizes.marks * UNIT)
         .x_labels(x.tick_count())
         .y_labels(y.tick_count())
         .x_label_formatter(&|value| x.text(*value))
         .y_label_formatter(&|value| y.text(*value))
-        .label_style(font(TICK_SIZE))
-        .axis_desc_style(font(LABEL_SIZE))
+        .label_style(font(sizes.numbers))
+        .axis_desc_style(font(sizes.names))
         .x_desc(x.label.clone())
         .y_desc(y.label.clone())
         .draw()?;
@@ -480,8 +491,22 @@ pub(super) fn font(size: i32) -> TextStyle<'static> {
 }
 
 pub(super) fn centered(size: i32) -> TextStyle<'static> {
-    use plotters::style::text_anchor::{HPos, Pos, VPos};
     font(size).pos(Pos::new(HPos::Center, VPos::Center))
+}
+
+/// The font of text that begins here, at half its height.
+pub(super) fn beside(size: i32) -> TextStyle<'static> {
+    font(size).pos(Pos::new(HPos::Left, VPos::Center))
+}
+
+/// A pen 1 px wide.
+pub(super) fn thin(color: RGBColor) -> ShapeStyle {
+    color.stroke_width(UNIT as u32)
+}
+
+/// The outline of a rectangle, 1 px wide. (The SVG of plotters' own has no stroke width.)
+pub(super) fn outline([(left, top), (right, bottom)]: Corners<i32>, color: RGBColor) -> PathElement<(i32, i32)> {
+    PathElement::new([(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], thin(color))
 }
 
 pub(super) fn pixels((width, height): (i32, i32)) -> (u32, u32) {

@@ -2,14 +2,14 @@
 
 use super::axis::Axis;
 use super::decimation::{MOST_POINTS, decimate, drawable_stretches};
-use super::figure::{Drawn, Figure, GRID, INK, Root, UNIT, ZERO, bounds, draw_mark, font};
-use super::legend::{OFFSET, PLOT, free_corner};
+use super::figure::{AxisSizes, Corners, Drawn, Figure, Root, UNIT, ZERO, bounds, draw_axes, draw_mark, outline};
+use super::legend::{Corner, free_corner, in_corner, part_of_plot};
 use plotters::prelude::*;
 use std::ops::RangeInclusive;
 
 /// Width and height, px.
 const SIZE: (i32, i32) = (250, 180);
-const TEXT_SIZE: i32 = 11;
+const AXIS_SIZES: AxisSizes = AxisSizes { marks: 3, numbers: 11, names: 11 };
 const TICKS: usize = 4;
 /// A spike stands above three quarters of its height along less than this part of what the picture shows along x.
 const NARROW: f64 = 0.03;
@@ -26,8 +26,7 @@ pub(super) struct Inset {
     window: RangeInclusive<f64>,
     x: Axis,
     y: Axis,
-    /// Right side, lower side.
-    corner: (bool, bool),
+    corner: Corner,
 }
 
 impl Inset {
@@ -48,12 +47,19 @@ impl Inset {
         let shown = curves().flat_map(|points| clipped(points, &window)).flatten().map(|point| point.1);
         let across = Axis::exact(&figure.x, *window.start()..*window.end(), TICKS);
         let up = Axis::new(&figure.y, bounds(shown), 0.0, TICKS);
-        Some(Self { window, x: across, y: up, corner: free_corner(SIZE, drawn, x, y)? })
+        // what the picture's own axes say is not said again
+        let named = |mut axis: Axis, of_picture: &Axis| {
+            if axis.label == of_picture.label {
+                axis.label.clear();
+            }
+            axis
+        };
+        Some(Self { window, x: named(across, x), y: named(up, y), corner: free_corner(SIZE, drawn, x, y)? })
     }
 
     /// The outline of the corner that it takes, in the numbers of the picture's axes.
     pub fn outline(&self, x: &Axis, y: &Axis) -> Vec<(f64, f64)> {
-        let part = (f64::from(SIZE.0 + 2 * OFFSET) / PLOT.0, f64::from(SIZE.1 + 2 * OFFSET) / PLOT.1);
+        let part = part_of_plot(SIZE);
         let at = |(across, up): (f64, f64)| {
             let across = if self.corner.0 { 1.0 - across } else { across };
             let up = if self.corner.1 { up } else { 1.0 - up };
@@ -63,53 +69,32 @@ impl Inset {
         [(0.0, 0.0), (part.0, 0.0), part, (0.0, part.1), (0.0, 0.0)].map(at).to_vec()
     }
 
-    /// Draws it, and a frame around what it enlarges; `corners`: upper left and lower right corner of the plot.
+    /// Draws it, and a frame around what it enlarges; `plot`: the frame of the whole plot.
     pub fn draw<'a>(
         &self,
         figure: &Figure,
         root: &Root<'a>,
-        (left, top, right, bottom): (i32, i32, i32, i32),
+        plot: Corners<i32>,
         (x, y): (&Axis, &Axis),
     ) -> Drawn<'a, ()> {
-        let thin = |color: RGBColor| color.stroke_width(UNIT as u32);
+        let [(left, top), (right, bottom)] = plot;
         let enlarged =
             |axis: &Axis, of: &Axis, value: f64| axis.position(value * of.scale / axis.scale).clamp(0.0, 1.0);
         let across = |value| left + (enlarged(x, &self.x, value) * f64::from(right - left)) as i32;
         let up = |value| bottom - (enlarged(y, &self.y, value) * f64::from(bottom - top)) as i32;
         let corners =
             [(across(self.x.range.start), up(self.y.range.end)), (across(self.x.range.end), up(self.y.range.start))];
-        root.draw(&frame(corners, thin(ZERO)))?;
-        let (width, height, offset) = (SIZE.0 * UNIT, SIZE.1 * UNIT, OFFSET * UNIT);
-        let place = (
-            if self.corner.0 { right - offset - width } else { left + offset },
-            if self.corner.1 { bottom - offset - height } else { top + offset },
-        );
-        let area = root.clone().shrink(place, (width, height));
+        root.draw(&outline(corners, ZERO))?;
+        let frame = in_corner(self.corner, plot, SIZE);
+        let area = root.clone().shrink(frame[0], (SIZE.0 * UNIT, SIZE.1 * UNIT));
         area.fill(&WHITE)?;
-        let room = |label: &str, of_picture: &str| if label == of_picture { 0 } else { 16 };
-        let labels = (room(&self.x.label, &x.label), room(&self.y.label, &y.label));
-        let widest = self.y.ticks().iter().map(|&tick| self.y.text(tick).chars().count()).max().unwrap_or(1) as i32;
+        let room = |axis: &Axis| if axis.label.is_empty() { 0 } else { 16 };
         let mut chart = ChartBuilder::on(&area)
             .margin(6 * UNIT)
-            .set_label_area_size(LabelAreaPosition::Left, (7 * widest + 10 + labels.1) * UNIT)
-            .set_label_area_size(LabelAreaPosition::Bottom, (20 + labels.0) * UNIT)
+            .set_label_area_size(LabelAreaPosition::Left, (7 * self.y.widest() as i32 + 10 + room(&self.y)) * UNIT)
+            .set_label_area_size(LabelAreaPosition::Bottom, (20 + room(&self.x)) * UNIT)
             .build_cartesian_2d(self.x.range.clone(), self.y.range.clone())?;
-        let label = |axis: &Axis, room: i32| if room == 0 { String::new() } else { axis.label.clone() };
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(thin(GRID))
-            .axis_style(thin(INK))
-            .set_all_tick_mark_size(3 * UNIT)
-            .x_labels(TICKS)
-            .y_labels(TICKS)
-            .x_label_formatter(&|value| self.x.text(*value))
-            .y_label_formatter(&|value| self.y.text(*value))
-            .label_style(font(TEXT_SIZE))
-            .axis_desc_style(font(TEXT_SIZE))
-            .x_desc(label(&self.x, labels.0))
-            .y_desc(label(&self.y, labels.1))
-            .draw()?;
+        draw_axes(&mut chart, (&self.x, &self.y), true, AXIS_SIZES)?;
         let plot = chart.plotting_area();
         let scaled = |&(across, up): &(f64, f64)| (self.x.scaled(across), self.y.scaled(up));
         for line in figure.lines.iter().filter(|line| !line.marked) {
@@ -125,14 +110,9 @@ impl Inset {
                 draw_mark(root, k, plot.map_coordinate(&point), figure.mark_color(marks))?;
             }
         }
-        root.draw(&frame([place, (place.0 + width, place.1 + height)], thin(ZERO)))?;
+        root.draw(&outline(frame, ZERO))?;
         Ok(())
     }
-}
-
-/// The outline of a rectangle. (The SVG of plotters' own has no stroke width.)
-fn frame([(left, top), (right, bottom)]: [(i32, i32); 2], style: ShapeStyle) -> PathElement<(i32, i32)> {
-    PathElement::new([(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], style)
 }
 
 /// Returns the abscissae to be shown around a curve's greatest ordinate, if that is a spike narrower than `width`.

@@ -1,10 +1,9 @@
 //! The legend: in a corner where nothing is drawn, else below the picture.
 
 use super::axis::Axis;
-use super::figure::{CHARACTER, Drawn, Root, Style, UNIT, WIDTH, draw_mark, font, shade};
+use super::figure::{CHARACTER, Corners, Drawn, Root, Style, UNIT, WIDTH, beside, draw_mark, shade};
 use super::markup;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 const TEXT_SIZE: i32 = 13;
 const LINE_HEIGHT: i32 = 19;
@@ -12,9 +11,9 @@ const LINE_HEIGHT: i32 = 19;
 const SAMPLE: i32 = 30;
 const PADDING: i32 = 8;
 /// Distance from the frame, px.
-pub(super) const OFFSET: i32 = 10;
+const OFFSET: i32 = 10;
 /// About what remains of the picture's width and height for the plot, px: decides whether a corner is free.
-pub(super) const PLOT: (f64, f64) = (540.0, 370.0);
+const PLOT: (f64, f64) = (540.0, 370.0);
 /// Width for a legend below, px.
 const BELOW: i32 = WIDTH - 80;
 
@@ -40,37 +39,31 @@ pub(super) struct Entry {
     pub label: String,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum LegendPosition {
-    /// Right side, lower side.
-    Corner(bool, bool),
-    Below,
-}
+/// A corner of the plot: whether it is on the right side, and on the lower side.
+pub(super) type Corner = (bool, bool);
 
 #[derive(Clone, Debug)]
 pub(super) struct Legend {
     entries: Vec<Entry>,
-    position: LegendPosition,
+    /// Corner in which it stands; `None`: below the picture.
+    corner: Option<Corner>,
 }
 
 impl Legend {
     /// Looks for a corner that is free of lines and points.
     pub fn place(entries: Vec<Entry>, drawn: &[Vec<(f64, f64)>], x: &Axis, y: &Axis) -> Self {
-        let mut legend = Self { entries, position: LegendPosition::Below };
-        if let Some((right, lower)) = free_corner(legend.size(), drawn, x, y) {
-            legend.position = LegendPosition::Corner(right, lower);
-        }
-        legend
+        let legend = Self { entries, corner: None };
+        Self { corner: free_corner(legend.size(), drawn, x, y), ..legend }
     }
 
     /// Returns what it needs below the picture, px.
     pub fn height_below(&self) -> i32 {
-        if self.position == LegendPosition::Below && !self.entries.is_empty() { Self::height(self.rows()) } else { 0 }
+        if self.corner.is_none() && !self.entries.is_empty() { Self::height(self.rows()) } else { 0 }
     }
 
     /// Returns the rows of a column: all in a corner, as few as there is room for below.
     fn rows(&self) -> usize {
-        let columns = if self.position == LegendPosition::Below { (BELOW / self.size().0).max(1) as usize } else { 1 };
+        let columns = if self.corner.is_none() { (BELOW / self.size().0).max(1) as usize } else { 1 };
         self.entries.len().div_ceil(columns)
     }
 
@@ -84,68 +77,70 @@ impl Legend {
         (2 * PADDING + SAMPLE + 8 + text, Self::height(self.entries.len()))
     }
 
-    /// Draws it; `frame`: upper left and lower right corner of the plot.
-    pub fn draw<'a>(&self, root: &Root<'a>, frame: ((i32, i32), (i32, i32))) -> Drawn<'a, ()> {
+    /// Draws it; `plot`: the frame of the plot.
+    pub fn draw<'a>(&self, root: &Root<'a>, plot: Corners<i32>) -> Drawn<'a, ()> {
         if self.entries.is_empty() {
             return Ok(());
         }
-        let (width, height) = (self.size().0 * UNIT, self.size().1 * UNIT);
-        let ((left, top), (right, bottom)) = frame;
-        let offset = OFFSET * UNIT;
-        let corner = match self.position {
-            LegendPosition::Corner(on_right, lower) => {
-                let x = if on_right { right - offset - width } else { left + offset };
-                (x, if lower { bottom - offset - height } else { top + offset })
+        let size = self.size();
+        let (left, top) = match self.corner {
+            Some(corner) => {
+                let place = in_corner(corner, plot, size);
+                root.draw(&Rectangle::new(place, WHITE.mix(0.85).filled()))?;
+                place[0]
             }
-            LegendPosition::Below => (left, bottom + 52 * UNIT),
+            None => (plot[0].0, plot[1].1 + 52 * UNIT),
         };
-        if self.position != LegendPosition::Below {
-            let opposite = (corner.0 + width, corner.1 + height);
-            root.draw(&Rectangle::new([corner, opposite], WHITE.mix(0.85).filled()))?;
-        }
         let rows = self.rows();
         for (k, entry) in self.entries.iter().enumerate() {
-            let y = corner.1 + (PADDING + LINE_HEIGHT * (k % rows) as i32 + LINE_HEIGHT / 2 - 2) * UNIT;
-            let x = corner.0 + PADDING * UNIT + (k / rows) as i32 * width;
+            let y = top + (PADDING + LINE_HEIGHT * (k % rows) as i32 + LINE_HEIGHT / 2 - 2) * UNIT;
+            let x = left + PADDING * UNIT + (k / rows) as i32 * size.0 * UNIT;
+            let half = LINE_HEIGHT / 3 * UNIT;
+            let bar = |start: i32, end: i32, color: RGBColor| {
+                Rectangle::new([(x + start * UNIT, y - half), (x + end * UNIT, y + half)], color.filled())
+            };
+            if let Sample::Line(style) | Sample::MarkedLine(style) = entry.sample {
+                root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen(entry.color)))?;
+            }
             match entry.sample {
-                Sample::Line(style) => {
-                    root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen(entry.color)))?;
+                Sample::Line(_) => {}
+                Sample::Mark(shape) | Sample::MarkedLine(Style { color: shape, .. }) => {
+                    draw_mark(root, shape, (x + SAMPLE * UNIT / 2, y), entry.color)?;
                 }
-                Sample::MarkedLine(style) => {
-                    root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen(entry.color)))?;
-                    draw_mark(root, style.color, (x + SAMPLE * UNIT / 2, y), entry.color)?;
-                }
-                Sample::Bar => {
-                    let half = LINE_HEIGHT / 3 * UNIT;
-                    let corners = [(x, y - half), (x + SAMPLE * UNIT, y + half)];
-                    root.draw(&Rectangle::new(corners, entry.color.filled()))?;
-                }
+                Sample::Bar => root.draw(&bar(0, SAMPLE, entry.color))?,
                 Sample::Shades => {
-                    let half = LINE_HEIGHT / 3 * UNIT;
                     for k in 0..SAMPLE {
-                        let (left, right) = (x + k * UNIT, x + (k + 1) * UNIT);
-                        let color = shade(k as usize, SAMPLE as usize).filled();
-                        root.draw(&Rectangle::new([(left, y - half), (right, y + half)], color))?;
+                        root.draw(&bar(k, k + 1, shade(k as usize, SAMPLE as usize)))?;
                     }
                 }
-                Sample::Mark(shape) => draw_mark(root, shape, (x + SAMPLE * UNIT / 2, y), entry.color)?,
             }
-            let style = font(TEXT_SIZE).pos(Pos::new(HPos::Left, VPos::Center));
-            root.draw(&Text::new(entry.label.clone(), (x + (SAMPLE + 8) * UNIT, y), style))?;
+            root.draw(&Text::new(entry.label.clone(), (x + (SAMPLE + 8) * UNIT, y), beside(TEXT_SIZE)))?;
         }
         Ok(())
     }
 }
 
-/// Looks for a corner (right side, lower side) with room for so many px, free of what is drawn.
-pub(super) fn free_corner(
+/// Returns the place in a corner of a plot of what has this width and height, px.
+pub(super) fn in_corner(
+    (on_right, is_lower): Corner,
+    [(left, top), (right, bottom)]: Corners<i32>,
     (width, height): (i32, i32),
-    drawn: &[Vec<(f64, f64)>],
-    x: &Axis,
-    y: &Axis,
-) -> Option<(bool, bool)> {
-    let part = (f64::from(width + 2 * OFFSET) / PLOT.0, f64::from(height + 2 * OFFSET) / PLOT.1);
-    let free = |&(right, lower): &(bool, bool)| {
+) -> Corners<i32> {
+    let (width, height, offset) = (width * UNIT, height * UNIT, OFFSET * UNIT);
+    let x = if on_right { right - offset - width } else { left + offset };
+    let y = if is_lower { bottom - offset - height } else { top + offset };
+    [(x, y), (x + width, y + height)]
+}
+
+/// Returns the part of a plot along x and y that this width and height, px, take with the distance from the frame.
+pub(super) fn part_of_plot((width, height): (i32, i32)) -> (f64, f64) {
+    (f64::from(width + 2 * OFFSET) / PLOT.0, f64::from(height + 2 * OFFSET) / PLOT.1)
+}
+
+/// Looks for a corner with room for so many px, free of what is drawn.
+pub(super) fn free_corner(size: (i32, i32), drawn: &[Vec<(f64, f64)>], x: &Axis, y: &Axis) -> Option<Corner> {
+    let part = part_of_plot(size);
+    let free = |&(right, lower): &Corner| {
         let inside = |(across, up): (f64, f64)| {
             (if right { across > 1.0 - part.0 } else { across < part.0 })
                 && (if lower { up < part.1 } else { up > 1.0 - part.1 })

@@ -2,8 +2,8 @@
 
 use super::super::axis::Axis;
 use super::super::figure::{
-    Drawn, INK, LABEL_SIZE, PALETTE, Root, TICK_SIZE, UNIT, centered, draw_axes, draw_title, finish, font, left_of,
-    pixels, text_width, wrapped,
+    AxisSizes, Drawn, INK, LABEL_SIZE, PALETTE, Root, TICK_SIZE, UNIT, beside, centered, draw_axes, draw_title, finish,
+    left_of, outline, pixels, text_width, thin, wrapped,
 };
 use super::super::guarded;
 use super::super::markup;
@@ -12,7 +12,6 @@ use super::PictureError;
 use super::levels::Levels;
 use super::view::View;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Colour of elements without a value.
 pub(super) const NO_VALUE: &str = "#d9d9d9";
@@ -62,7 +61,6 @@ impl Canvas {
         let mut svg = String::new();
         let corner = {
             let root = SVGBackend::with_string(&mut svg, pixels(size)).into_drawing_area();
-            let layout = Layout { top, left, plot, x: &x, y: &y };
             let draw = || -> Drawn<'_, (i32, i32)> {
                 root.fill(&WHITE)?;
                 draw_title(&root, &lines, width)?;
@@ -70,7 +68,7 @@ impl Canvas {
                     let place = (width / 2 * UNIT, (16 + 20 * lines.len() as i32) * UNIT);
                     root.draw(&Text::new(note.to_owned(), place, centered(TICK_SIZE)))?;
                 }
-                let corner = layout.draw(&root)?;
+                let corner = draw_frame(&root, (&x, &y), (left, top), plot)?;
                 side.draw(&root, (corner.0 + plot.0 * UNIT, corner.1), plot.1)?;
                 root.present()?;
                 Ok(corner)
@@ -100,34 +98,26 @@ impl Canvas {
     }
 }
 
-/// The plot's place and axes.
-struct Layout<'l> {
-    top: i32,
-    left: i32,
+/// Draws frame, ticks and names of the axes of a plot with so much room above and to the left, px; its upper left corner.
+fn draw_frame<'a>(
+    root: &Root<'a>,
+    (x, y): (&Axis, &Axis),
+    (left, top): (i32, i32),
     plot: (i32, i32),
-    x: &'l Axis,
-    y: &'l Axis,
-}
-
-impl Layout<'_> {
-    /// Frame, ticks and names of the axes; the upper left corner of the plot.
-    fn draw<'a>(&self, root: &Root<'a>) -> Drawn<'a, (i32, i32)> {
-        let (x, y) = (self.x, self.y);
-        let (width, height) = pixels((10 + self.left + self.plot.0, self.top + self.plot.1 + 46));
-        let (chart_area, _) = root.split_horizontally(width as i32);
-        let (chart_area, _) = chart_area.split_vertically(height as i32);
-        let mut chart = ChartBuilder::on(&chart_area)
-            .margin_left(10 * UNIT)
-            .margin_top(self.top * UNIT)
-            .set_label_area_size(LabelAreaPosition::Left, self.left * UNIT)
-            .set_label_area_size(LabelAreaPosition::Bottom, 46 * UNIT)
-            .build_cartesian_2d(x.range.clone(), y.range.clone())?;
-        draw_axes(&mut chart, (x, y), false)?;
-        let (across, up) = chart.plotting_area().get_pixel_range();
-        let ((left, right), (top, bottom)) = ((across.start, across.end), (up.start, up.end));
-        draw_outline(root, [(left, top), (right, bottom)])?;
-        Ok((left, top))
-    }
+) -> Drawn<'a, (i32, i32)> {
+    let (width, height) = pixels((10 + left + plot.0, top + plot.1 + 46));
+    let (chart_area, _) = root.split_horizontally(width as i32);
+    let (chart_area, _) = chart_area.split_vertically(height as i32);
+    let mut chart = ChartBuilder::on(&chart_area)
+        .margin_left(10 * UNIT)
+        .margin_top(top * UNIT)
+        .set_label_area_size(LabelAreaPosition::Left, left * UNIT)
+        .set_label_area_size(LabelAreaPosition::Bottom, 46 * UNIT)
+        .build_cartesian_2d(x.range.clone(), y.range.clone())?;
+    draw_axes(&mut chart, (x, y), false, AxisSizes::OF_PICTURES)?;
+    let (across, up) = chart.plotting_area().get_pixel_range();
+    root.draw(&outline([(across.start, up.start), (across.end, up.end)], INK))?;
+    Ok((across.start, up.start))
 }
 
 impl Side<'_> {
@@ -176,21 +166,13 @@ impl Side<'_> {
     }
 }
 
-/// A frame 1 px wide; the backend draws outlines of rectangles as hairlines.
-fn draw_outline<'a>(root: &Root<'a>, [(left, top), (right, bottom)]: [(i32, i32); 2]) -> Drawn<'a, ()> {
-    let frame = vec![(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
-    root.draw(&PathElement::new(frame, INK.stroke_width(UNIT as u32)))?;
-    Ok(())
-}
-
 /// A square of a colour with a name beside it.
 fn draw_swatch<'a>(root: &Root<'a>, (x, y): (i32, i32), color: RGBColor, name: &str) -> Drawn<'a, ()> {
     let side = BAR_WIDTH * UNIT;
     let corners = [(x, y), (x + side, y + side)];
     root.draw(&Rectangle::new(corners, color.filled()))?;
-    draw_outline(root, corners)?;
-    let style = font(TICK_SIZE).pos(Pos::new(HPos::Left, VPos::Center));
-    root.draw(&Text::new(name.to_owned(), (x + side + BAR_TEXT * UNIT, y + side / 2), style))?;
+    root.draw(&outline(corners, INK))?;
+    root.draw(&Text::new(name.to_owned(), (x + side + BAR_TEXT * UNIT, y + side / 2), beside(TICK_SIZE)))?;
     Ok(())
 }
 
@@ -216,12 +198,11 @@ impl Levels {
                 band_color(band, self.count()).filled(),
             ))?;
         }
-        draw_outline(root, [(x, y), (right, y + height * UNIT)])?;
-        let style = || font(TICK_SIZE).pos(Pos::new(HPos::Left, VPos::Center));
+        root.draw(&outline([(x, y), (right, y + height * UNIT)], INK))?;
         let place = |share: f64, text: String| -> Drawn<'a, ()> {
             let tick = vec![(right, up(share)), (right + 4 * UNIT, up(share))];
-            root.draw(&PathElement::new(tick, INK.stroke_width(UNIT as u32)))?;
-            root.draw(&Text::new(text, (right + BAR_TEXT * UNIT, up(share)), style()))?;
+            root.draw(&PathElement::new(tick, thin(INK)))?;
+            root.draw(&Text::new(text, (right + BAR_TEXT * UNIT, up(share)), beside(TICK_SIZE)))?;
             Ok(())
         };
         if self.between.is_empty() {
