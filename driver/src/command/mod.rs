@@ -14,7 +14,6 @@ mod sweep;
 
 use clap::{Parser, Subcommand};
 use pullout_case::{Case, CaseErrors};
-use pullout_report::directory;
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
 use pullout_run::isolation::prints::plain;
@@ -313,15 +312,5 @@ impl From<io::Error> for Refusal {
 impl From<CaseErrors> for Refusal {
     fn from(errors: CaseErrors) -> Self {
         Self { message: errors.to_string(), code: errors.exit_code() }
-    }
-}
-
-impl From<directory::Refusal> for Refusal {
-    fn from(refusal: directory::Refusal) -> Self {
-        // nothing has run yet
-        match refusal {
-            directory::Refusal::Content(message) => Self::input(message),
-            directory::Refusal::System(error) => Self::input(error),
-        }
     }
 }

@@ -44,9 +44,9 @@ pub(super) fn plot(arguments: &Arguments) -> Result<u8, Refusal> {
     };
     let formats: [(bool, &str, Export); 2] = [(arguments.png, "png", export::png), (arguments.pdf, "pdf", export::pdf)];
     let formats = formats.iter().filter(|(is_wanted, ..)| *is_wanted).map(|&(_, name, export)| (name, export));
-    let mut directory = ResultDirectory::open_to_add(root, kind)?;
+    let mut directory = ResultDirectory::open_to_add(root, kind).map_err(Refusal::input)?;
     let redrawing = Redrawing::new(&runs, &directory, folder, &Vec::from_iter(formats));
-    directory.admit(redrawing.names(), arguments.overwrite)?;
+    directory.admit(redrawing.names(), arguments.overwrite).map_err(Refusal::input)?;
     directory.notes().iter().for_each(complain);
     let drawings = redrawing.draw(&mut directory)?;
     drawings.warnings.iter().for_each(|warning| complain(format!("warning: {warning}")));

@@ -258,7 +258,7 @@ fn open(file: &Path, folder: &Path, arguments: &Arguments, libraries: &[PathBuf]
 
 /// Opens a result directory, and says what the user should know of it.
 pub(super) fn open_for(folder: &Path, kind: Kind, access: Access<'_>) -> Result<ResultDirectory, Refusal> {
-    let directory = ResultDirectory::open(folder, kind, access)?;
+    let directory = ResultDirectory::open(folder, kind, access).map_err(Refusal::input)?;
     if !access.is_locked {
         directory.notes().iter().for_each(complain);
     }

@@ -1,6 +1,6 @@
 //! One writer at a time.
 
-use super::{Refusal, at};
+use super::at;
 use pullout_run::input::{self, Input};
 use rustix::fs::{FlockOperation, OFlags, flock};
 use rustix::io::Errno;
@@ -12,6 +12,8 @@ use std::time::Duration;
 
 /// The lock's file in a directory.
 const FILE: &str = ".pullout.lock";
+/// Kind of the error that another process has the lock.
+const TAKEN: io::ErrorKind = io::ErrorKind::ResourceBusy;
 
 /// The right to write into a directory. The kernel takes it back when the process ends, however it ends: a file that was
 /// left behind by a killed one locks nothing.
@@ -26,8 +28,8 @@ impl Lock {
     /// Takes the lock of a directory, and says what the user should know of it.
     ///
     /// # Errors
-    /// Another process has it; the file cannot be written.
-    pub(super) fn take(directory: &Path) -> Result<(Self, Option<String>), Refusal> {
+    /// Another process has it ([`TAKEN`]); the file cannot be written.
+    pub(super) fn take(directory: &Path) -> io::Result<(Self, Option<String>)> {
         let path = directory.join(FILE);
         loop {
             let mut options = File::options();
@@ -49,7 +51,7 @@ impl Lock {
                         directory.display()
                     ))
                 }
-                Err(error) => return Err(at(&path)(error.into()).into()),
+                Err(error) => return Err(at(&path)(error.into())),
             };
             // Its last holder may have removed the file after it was opened here: then nobody else will meet this lock.
             let identity = |file: io::Result<fs::Metadata>| file.ok().map(|file| (file.dev(), file.ino()));
@@ -75,9 +77,9 @@ impl Lock {
         loop {
             match Self::take(directory) {
                 Ok((lock, _)) => return Ok(Some(lock)),
-                Err(Refusal::System(error)) => return Err(error),
-                Err(Refusal::Content(_)) if gives_up() => return Ok(None),
-                Err(Refusal::Content(_)) => std::thread::sleep(POLL),
+                Err(error) if error.kind() != TAKEN => return Err(error),
+                Err(_) if gives_up() => return Ok(None),
+                Err(_) => std::thread::sleep(POLL),
             }
         }
     }
@@ -116,13 +118,11 @@ fn is_alive(text: &str) -> bool {
     })
 }
 
-fn taken(directory: &Path, text: &str) -> Refusal {
+fn taken(directory: &Path, text: &str) -> io::Error {
     let who = match holder(text) {
         Some((pid, host)) => format!("process {pid} on {host}"),
         None => "another process".into(),
     };
-    Refusal::Content(format!(
-        "{}: {who} is writing results there: wait for its end, or choose another --out",
-        directory.display()
-    ))
+    let advice = "wait for its end, or choose another --out";
+    io::Error::new(TAKEN, format!("{}: {who} is writing results there: {advice}", directory.display()))
 }

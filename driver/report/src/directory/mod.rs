@@ -48,21 +48,6 @@ pub struct Access<'a> {
     pub is_locked: bool,
 }
 
-/// Reason why a directory cannot be used.
-#[derive(Debug)]
-pub enum Refusal {
-    /// Reason in the content of the directory.
-    Content(String),
-    /// An error of the operating system.
-    System(io::Error),
-}
-
-impl From<io::Error> for Refusal {
-    fn from(error: io::Error) -> Self {
-        Self::System(error)
-    }
-}
-
 /// A directory that this process may write results into.
 #[derive(Debug)]
 pub struct ResultDirectory {
@@ -82,7 +67,7 @@ impl ResultDirectory {
     ///
     /// # Errors
     /// Somebody else writes there; files stand in the way; the operating system.
-    pub fn open(path: &Path, kind: Kind, access: Access<'_>) -> Result<Self, Refusal> {
+    pub fn open(path: &Path, kind: Kind, access: Access<'_>) -> io::Result<Self> {
         let made = make(path)?;
         let mut directory = Self {
             path: path.to_owned(),
@@ -99,7 +84,7 @@ impl ResultDirectory {
             directory.notes.extend(note);
         }
         directory.survey(access)?;
-        directory.refuse_links().map_err(|error| Refusal::Content(error.to_string()))?;
+        directory.refuse_links()?;
         Ok(directory)
     }
 
@@ -107,17 +92,12 @@ impl ResultDirectory {
     ///
     /// # Errors
     /// Somebody else writes there; the manifest is invalid; an error of the operating system.
-    pub fn open_to_add(path: &Path, kind: Kind) -> Result<Self, Refusal> {
+    pub fn open_to_add(path: &Path, kind: Kind) -> io::Result<Self> {
         let made = make(path)?;
         let (lock, _) = Lock::take(path)?;
-        match Self::join(path, kind) {
-            Ok(mut directory) => {
-                (directory.lock, directory.made) = (Some(lock), made);
-                Ok(directory)
-            }
-            Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(Refusal::Content(error.to_string())),
-            Err(error) => Err(error.into()),
-        }
+        let mut directory = Self::join(path, kind)?;
+        (directory.lock, directory.made) = (Some(lock), made);
+        Ok(directory)
     }
 
     /// Goes on with results that were begun, or adds to those of a finished run; the caller sees to it that nobody else
@@ -167,14 +147,14 @@ impl ResultDirectory {
     }
 
     /// Finds out what stands in the way.
-    fn survey(&mut self, access: Access<'_>) -> Result<(), Refusal> {
+    fn survey(&mut self, access: Access<'_>) -> io::Result<()> {
         let path = self.path.clone();
         let mut foreign = Vec::new();
         match Manifest::read(&path) {
             Ok(Some(manifest)) => self.manifest = manifest,
             Ok(None) => {}
             Err(error) if error.kind() == io::ErrorKind::InvalidData => foreign.push(MANIFEST.to_owned()),
-            Err(error) => return Err(error.into()),
+            Err(error) => return Err(error),
         }
         let mut names = self.kind.present(&path);
         names.extend(self.manifest.present(&path));
@@ -186,14 +166,14 @@ impl ResultDirectory {
             .filter(|name| access.inputs.iter().any(|input| is_same(&path.join(name), input)))
             .collect();
         if !read.is_empty() {
-            return Err(Refusal::Content(format!(
+            return Err(io::Error::other(format!(
                 "{}: the case is read from {} there, which its results would replace: choose another --out",
                 path.display(),
                 listed(&read)
             )));
         }
         if !self.manifest.is_empty() && !self.manifest.kind.agrees_with(self.kind) && !access.overwrite {
-            return Err(Refusal::Content(format!(
+            return Err(io::Error::other(format!(
                 "{}: holds the results of {}: choose another --out, or replace them with --overwrite",
                 path.display(),
                 self.manifest.kind.words()
@@ -203,13 +183,13 @@ impl ResultDirectory {
     }
 
     /// Notes files of the user's that are replaced, or refuses.
-    fn make_way(&mut self, foreign: Vec<String>, overwrite: bool) -> Result<(), Refusal> {
+    fn make_way(&mut self, foreign: Vec<String>, overwrite: bool) -> io::Result<()> {
         if foreign.is_empty() {
             return Ok(());
         }
         let (path, listed) = (self.path.display(), listed(&foreign));
         if !overwrite {
-            return Err(Refusal::Content(format!(
+            return Err(io::Error::other(format!(
                 "{path}: {listed} would be replaced, but this program did not write it, or it was changed since: choose \
                  another --out, or replace it with --overwrite"
             )));
@@ -281,7 +261,7 @@ impl ResultDirectory {
     ///
     /// # Errors
     /// Such a file exists and `overwrite` is false.
-    pub fn admit<'n>(&mut self, names: impl IntoIterator<Item = &'n str>, overwrite: bool) -> Result<(), Refusal> {
+    pub fn admit<'n>(&mut self, names: impl IntoIterator<Item = &'n str>, overwrite: bool) -> io::Result<()> {
         let is_there = |name: &&str| fs::symlink_metadata(self.path.join(name)).is_ok();
         let names = names.into_iter().filter(is_there).filter(|name| !self.manifest.owns(name, &self.path));
         let foreign = names.map(str::to_owned).collect();

@@ -7,10 +7,7 @@ fn opened(path: &Path, access: Access<'_>) -> ResultDirectory {
 }
 
 fn refused(path: &Path, kind: Kind, access: Access<'_>) -> String {
-    match ResultDirectory::open(path, kind, access) {
-        Err(Refusal::Content(message)) => message,
-        other => panic!("{other:?}"),
-    }
+    ResultDirectory::open(path, kind, access).unwrap_err().to_string()
 }
 
 /// A finished run with these files.
