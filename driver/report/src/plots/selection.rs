@@ -51,13 +51,18 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(name: &str, pairs: impl IntoIterator<Item = (&'static str, String)>) -> Self {
-        let pairs = pairs.into_iter().map(|(x, y)| (x.to_string(), y)).collect();
+    fn new<Y: Into<String>>(name: &str, pairs: impl IntoIterator<Item = (&'static str, Y)>) -> Self {
+        let pairs = pairs.into_iter().map(|(x, y)| (x.to_owned(), y.into())).collect();
         Self { name: name.into(), pairs, equal_units: false, curves: Vec::new() }
     }
 
     fn pair(name: &str, x: &str, y: &str) -> Self {
         Self { name: name.into(), pairs: vec![(x.into(), y.into())], equal_units: false, curves: Vec::new() }
+    }
+
+    /// Columns over a common one; without any there is no picture.
+    fn over<Y: Into<String>>(x: &'static str, name: &str, columns: impl IntoIterator<Item = Y>) -> Self {
+        Self::new(name, columns.into_iter().map(|y| (x, y)))
     }
 
     /// A measured curve fits if its columns are shown, or are of the sorts that are shown.
@@ -167,10 +172,8 @@ fn point(run: &Run<'_>, controlled: &[usize]) -> Vec<Layout> {
     let mut layouts = vec![Layout::pair("stress_strain", strain, stress)];
     let damage = columns(run, |column| group_of(column) == Group::Damage);
     let damage = if damage.is_empty() { columns(run, |column| column == "peeq") } else { damage };
-    if !damage.is_empty() {
-        let name = if damage[0] == "peeq" { "plastic_strain" } else { "damage_strain" };
-        layouts.push(Layout::new(name, damage.into_iter().map(|column| (strain, column))));
-    }
+    let name = if damage == ["peeq"] { "plastic_strain" } else { "damage_strain" };
+    layouts.push(Layout::over(strain, name, damage));
     let ordinate = if span(run, "s12") > span(run, "s22") { "s12" } else { "s22" };
     // uniaxial stress has no path to show
     if span(run, ordinate) > NEGLIGIBLE_STRESS * span(run, "s11") {
@@ -194,9 +197,9 @@ fn driven_component(run: &Run<'_>, controlled: &[usize]) -> usize {
 }
 
 fn interface(run: &Run<'_>) -> Vec<Layout> {
-    let mut tractions = vec![("slip", "tau".to_string())];
+    let mut tractions = vec![("slip", "tau")];
     if span(run, "slip2") > 0.0 {
-        tractions.push(("slip2", "tau2".to_string()));
+        tractions.push(("slip2", "tau2"));
     }
     let mut layouts = vec![Layout::new("traction_slip", tractions)];
     if span(run, "gap") > 0.0 {
@@ -205,10 +208,7 @@ fn interface(run: &Run<'_>) -> Vec<Layout> {
     if span(run, "p") > 0.0 {
         layouts.push(Layout { equal_units: true, ..Layout::pair("traction_path", "p", "tau") });
     }
-    let damage = columns(run, |column| group_of(column) == Group::Damage);
-    if !damage.is_empty() {
-        layouts.push(Layout::new("damage_slip", damage.into_iter().map(|column| ("slip", column))));
-    }
+    layouts.push(Layout::over("slip", "damage_slip", columns(run, |column| group_of(column) == Group::Damage)));
     if run.history.column("kappa").is_some() {
         layouts.push(Layout::pair("kappa_slip", "slip", "kappa"));
     }
@@ -218,14 +218,10 @@ fn interface(run: &Run<'_>) -> Vec<Layout> {
 fn pullout(run: &Run<'_>) -> Vec<Layout> {
     let mut layouts = vec![Layout::pair("load_slip", "slip", "load")];
     let others = ["slip_exit", "slip_tail"].into_iter().filter(|column| span(run, column) > 0.0);
-    let others: Vec<_> = others.map(|column| (column, "load".to_string())).collect();
-    if !others.is_empty() {
-        layouts.push(Layout::new("load_local_slip", others));
-    }
+    layouts.push(Layout::new("load_local_slip", others.map(|column| (column, "load"))));
     // components of an inclined fibre's load: along a perpendicular one the axial is the load
     if span(run, "load_shear") > NEGLIGIBLE_SHEAR * span(run, "load") {
-        let components = ["load_axial", "load_shear"].map(|column| ("slip", column.to_owned()));
-        layouts.push(Layout::new("load_components", components));
+        layouts.push(Layout::over("slip", "load_components", ["load_axial", "load_shear"]));
     }
     let lengths_and_volumes = [
         ("separation", "separation_length"),
@@ -240,9 +236,7 @@ fn pullout(run: &Run<'_>) -> Vec<Layout> {
     }
     for (name, group) in [("energies", Group::Energy), ("points", Group::Count)] {
         let moving = columns(run, |column| group_of(column) == group && span(run, column) > 0.0);
-        if !moving.is_empty() {
-            layouts.push(Layout::new(name, moving.into_iter().map(|column| ("slip", column))));
-        }
+        layouts.push(Layout::over("slip", name, moving));
     }
     layouts.push(Layout::pair("iterations", "time", "iterations"));
     layouts
@@ -250,17 +244,14 @@ fn pullout(run: &Run<'_>) -> Vec<Layout> {
 
 /// σ(w) with its band, what fibres of each angle carry of it, those that broke, and the beam.
 fn bridging(run: &Run<'_>) -> Vec<Layout> {
-    let of = |x: &'static str, y: &[&str]| -> Vec<(&'static str, String)> {
-        y.iter().map(|y| (x, (*y).to_owned())).collect()
-    };
     let mut layouts = vec![
-        Layout::new("sigma_w", of("w", &["sigma", "sigma_fibre", "sigma_matrix", "sigma_05", "sigma_95"])),
-        Layout::new("shares_w", columns(run, |column| group_of(column) == Group::Share).into_iter().map(|y| ("w", y))),
+        Layout::over("w", "sigma_w", ["sigma", "sigma_fibre", "sigma_matrix", "sigma_05", "sigma_95"]),
+        Layout::over("w", "shares_w", columns(run, |column| group_of(column) == Group::Share)),
     ];
     if span(run, "ruptured") > 0.0 {
-        layouts.push(Layout::new("ruptured_w", of("w", &["ruptured"])));
+        layouts.push(Layout::pair("ruptured_w", "w", "ruptured"));
     }
-    layouts.push(Layout::new("load_cmod", of("cmod", &["load", "load_05", "load_50", "load_95"])));
+    layouts.push(Layout::over("cmod", "load_cmod", ["load", "load_05", "load_50", "load_95"]));
     layouts
 }
 
