@@ -4,8 +4,8 @@ use pullout_case::Case;
 use pullout_run::bridging;
 use pullout_run::number::{self, rounded, signed};
 use pullout_run::program::{
-    Constraint, Control, InterfaceEntry, InterfaceGoal, InterfaceProgram, Kind, Measure, Mode, NormalControl, Pace,
-    PointDrive, PointGoal, PointProgram, Program, STRAIN_NAMES, STRESS_NAMES, Step, StepFields, Until,
+    About, Constraint, Control, InterfaceEntry, InterfaceGoal, InterfaceProgram, Kind, Measure, Mode, NormalControl,
+    Pace, PointDrive, PointGoal, PointProgram, Program, STRAIN_NAMES, STRESS_NAMES, Step, StepFields, Until,
 };
 use umat_abi::host::{LawDescription, Manner, TangentSource};
 
@@ -15,21 +15,18 @@ mod specimen;
 const MOST_STEPS: usize = 40;
 
 /// Account of what was run.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Account {
-    /// The case file.
+#[derive(Default)]
+pub(crate) struct Account {
     pub case_file: String,
-    /// The case's description.
     pub description: String,
-    /// Name of the law.
+    /// Name of the law; of a specimen, that of its first one.
     pub law: String,
-    /// The law's description.
+    /// The description of a point's law.
     pub law_description: String,
-    /// Mode of the point, in words.
     pub mode: String,
     /// Other settings, by name.
     pub settings: Vec<(String, String)>,
-    /// PROPS.
+    /// PROPS of a point.
     pub parameters: Vec<Parameter>,
     /// The laws of a specimen's parts and contact pairs, in the order of the summary's plugins; empty for a point.
     pub laws: Vec<LawAccount>,
@@ -42,38 +39,38 @@ pub struct Account {
 }
 
 /// A law of a specimen.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LawAccount {
+pub(crate) struct LawAccount {
     /// Owner of the law: "part fibre".
     pub subject: String,
-    /// Name.
     pub law: String,
-    /// Description.
     pub description: String,
-    /// PROPS.
     pub parameters: Vec<Parameter>,
 }
 
 /// A line of the table of parameters.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Parameter {
-    /// Name.
+#[derive(Default)]
+pub(crate) struct Parameter {
     pub name: String,
     /// Exact value, with the name of the choice it stands for.
     pub value: String,
-    /// Unit.
     pub unit: String,
-    /// Meaning.
     pub meaning: String,
 }
 
 impl Account {
     /// Makes an account of a case.
     pub fn of(case: &Case) -> Self {
-        match case {
+        let about = case.about();
+        let of_kind = match case {
             Case::Path(program) => Self::of_point(program),
             Case::Pullout(program) => specimen::account(program),
             Case::Bridging(program) => Self::of_bridging(program),
+        };
+        Self {
+            case_file: about.case_file.display().to_string(),
+            description: about.description.clone(),
+            defaults: about.defaults.clone(),
+            ..of_kind
         }
     }
 
@@ -111,20 +108,14 @@ impl Account {
         ]);
         settings.extend(program.beam.map(|beam| ("Beam".to_owned(), json(serde_json::to_string(&beam)))));
         settings.extend(program.scatter.map(|scatter| ("Scatter".to_owned(), json(serde_json::to_string(&scatter)))));
-        Self {
-            case_file: program.about.case_file.display().to_string(),
-            description: program.about.description.clone(),
-            settings,
-            defaults: program.about.defaults.clone(),
-            ..Self::default()
-        }
+        Self { settings, ..Self::default() }
     }
 
     /// Makes an account of a material or contact point.
     pub(super) fn of_point(program: &Program) -> Self {
         let law = program.plugin.law.as_ref();
         let columns = program.columns();
-        let (mode, mut steps) = match &program.kind {
+        let (mode, (steps, steps_left_out)) = match &program.kind {
             Kind::Point(point) => (point_mode(point), tell(&point.steps, |of| step(of, point_goal, &columns))),
             Kind::Interface(contact) => (
                 interface_mode(contact),
@@ -133,19 +124,15 @@ impl Account {
                 }),
             ),
         };
-        let steps_left_out = steps.1;
         Self {
-            case_file: program.about.case_file.display().to_string(),
-            description: program.about.description.clone(),
             law: program.plugin.name.clone(),
             law_description: law.map(|law| law.description.clone()).unwrap_or_default(),
             mode,
             settings: settings(program, &columns),
-            parameters: parameters(program.plugin.law.as_ref(), &program.plugin.props),
-            laws: Vec::new(),
-            defaults: program.about.defaults.clone(),
-            steps: std::mem::take(&mut steps.0),
+            parameters: parameters(law, &program.plugin.props),
+            steps,
             steps_left_out,
+            ..Self::default()
         }
     }
 }
@@ -189,10 +176,7 @@ fn exact(value: f64) -> String {
 
 /// Returns how a UMAT is called, where the case says so.
 fn called(manner: Manner) -> Option<String> {
-    let components = match manner.as_three_d {
-        Some(true) => Some("called with NTENS = 6"),
-        Some(false) | None => None,
-    };
+    let components = (manner.as_three_d == Some(true)).then_some("called with NTENS = 6");
     let tangent = match manner.tangent {
         Some(TangentSource::Numerical) => Some("DDSDDE by differences of the stress"),
         Some(TangentSource::Compared) => Some("DDSDDE compared with differences of the stress"),
@@ -208,13 +192,15 @@ fn settings(program: &Program, columns: &[String]) -> Vec<(String, String)> {
     if let Some(length) = program.characteristic_length {
         settings.push(("Characteristic length".to_string(), format!("{} mm", exact(length))));
     }
-    if let Some(until) = &program.about.until {
-        settings.push(("Until".to_string(), bound(until, columns)));
-    }
-    if program.about.every > 1 {
-        settings.push(("History".to_string(), format!("every {}th increment", program.about.every)));
-    }
+    settings.extend(until_and_every(&program.about, columns));
     settings
+}
+
+/// Returns where a run ends early, and which increments the history has, if the case says so.
+fn until_and_every(about: &About, columns: &[String]) -> impl Iterator<Item = (String, String)> {
+    let until = about.until.as_ref().map(|until| ("Until".to_owned(), bound(until, columns)));
+    let every = (about.every > 1).then(|| ("History".to_owned(), format!("every {}th increment", about.every)));
+    until.into_iter().chain(every)
 }
 
 fn point_mode(point: &PointProgram) -> String {

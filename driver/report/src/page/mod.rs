@@ -11,7 +11,8 @@ use std::io;
 mod account;
 mod bridging;
 mod specimen;
-pub use account::{Account, LawAccount, Parameter};
+pub(crate) use account::Account;
+use account::Parameter;
 
 #[cfg(test)]
 mod test;
@@ -19,10 +20,10 @@ mod test;
 const STYLE: &str = include_str!("style.css");
 
 /// Name of the file in the result directory.
-pub const FILE: &str = "report.html";
+const FILE: &str = "report.html";
 
 /// Writes the page.
-pub fn write(
+pub(crate) fn write(
     directory: &mut ResultDirectory,
     account: &Account,
     summary: &mut Summary,

@@ -1,6 +1,6 @@
 //! A specimen in words and tables.
 
-use super::{Account, LawAccount, bound, called, count, parameters, tell};
+use super::{Account, LawAccount, bound, called, count, parameters, tell, until_and_every};
 use fe_core::kinematics::PlaneModel;
 use fe_core::model::{
     ContactPair, Controls, Enforcement, Model, Quadrature, Skipping, Step, StepControl, Support, Width,
@@ -10,7 +10,7 @@ use pullout_run::program::Until;
 use pullout_run::pullout::PulloutProgram;
 
 /// Returns the account of a specimen.
-pub fn account(program: &PulloutProgram) -> Account {
+pub(super) fn account(program: &PulloutProgram) -> Account {
     let columns = program.columns();
     let model = &program.model;
     let laws: Vec<LawAccount> = program
@@ -27,21 +27,17 @@ pub fn account(program: &PulloutProgram) -> Account {
         model.steps.iter().zip(program.step_untils.iter().map(Option::as_ref)).collect();
     let (steps, steps_left_out) = tell(&pairs, |(step, until)| one_step(step, *until, model, &columns));
     Account {
-        case_file: program.about.case_file.display().to_string(),
-        description: program.about.description.clone(),
         law: laws.first().map(|law| law.law.clone()).unwrap_or_default(),
-        law_description: String::new(),
         mode: format!(
             "{}, {}",
             program.mesh,
             if model.has_large_displacements() { "large displacements" } else { "small displacements" }
         ),
         settings: settings(program, &columns),
-        parameters: Vec::new(),
         laws,
-        defaults: program.about.defaults.clone(),
         steps,
         steps_left_out,
+        ..Account::default()
     }
 }
 
@@ -68,10 +64,7 @@ fn settings(program: &PulloutProgram, columns: &[String]) -> Vec<(String, String
     }
     settings.push(("Controls".to_owned(), controls(&model.controls)));
     settings.push(("Skipping".to_owned(), skipping(model.skipping)));
-    settings.extend(program.about.until.as_ref().map(|until| ("Until".to_owned(), bound(until, columns))));
-    if program.about.every > 1 {
-        settings.push(("History".to_owned(), format!("every {}th increment", program.about.every)));
-    }
+    settings.extend(until_and_every(&program.about, columns));
     settings
 }
 
