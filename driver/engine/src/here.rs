@@ -58,8 +58,7 @@ pub fn extent(case: &Case) -> Extent {
 
 /// The viewer as a page of its own.
 fn view(program: &pullout::PulloutProgram, history: &History, states: &States) -> io::Result<Option<String>> {
-    let curve = ["slip", "load"].map(|name| history.column(name).unwrap_or_default().to_vec());
-    Ok(states.page(program, curve)?.map(|viewer| page::around("Over the run", &viewer)))
+    Ok(states.page(program, history)?.map(|viewer| page::around("Over the run", &viewer)))
 }
 
 /// Runs a case; what it would write is left out.

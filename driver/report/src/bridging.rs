@@ -122,9 +122,9 @@ fn draw(
     history: &History,
     (program, composite, _): &Done<'_>,
 ) -> io::Result<Drawings> {
-    let mut drawings = plots::draw(directory, "plots", history, &Spec::of(case))?;
+    let mut drawings = plots::draw(directory, plots::FOLDER, history, &Spec::of(case))?;
     let figures = [family(program, composite), directions(composite)];
-    drawings.append(plots::write_all(directory, "plots", &figures)?);
+    drawings.append(plots::write_all(directory, plots::FOLDER, &figures)?);
     Ok(drawings)
 }
 

@@ -140,11 +140,10 @@ fn draw(
         return Ok(Default::default());
     }
     let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
-    let mut drawings = plots::draw(directory, "plots", &history, &Spec::of(case))?;
+    let mut drawings = plots::draw(directory, plots::FOLDER, &history, &Spec::of(case))?;
     let Some((program, outcome)) = specimen else { return Ok((drawings, None)) };
-    drawings.append(pictures::draw(directory, "plots", program, outcome)?);
-    let curve = ["slip", "load"].map(|name| history.column(name).unwrap_or_default().to_vec());
-    Ok((drawings, states.page(program, curve)?))
+    drawings.append(pictures::draw(directory, program, outcome)?);
+    Ok((drawings, states.page(program, &history)?))
 }
 
 /// Says what came out, but for comparisons with curves.

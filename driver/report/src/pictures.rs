@@ -8,13 +8,13 @@
 
 use crate::directory::ResultDirectory;
 use crate::extremes;
-use crate::plots::Drawings;
 use crate::plots::field::{
     Class, FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, crosses, deformed_mesh,
     interface_profiles, zones,
 };
 use crate::plots::figure::{Figure, Line, Style};
 use crate::plots::quantity::{Quantity, capital, group_of};
+use crate::plots::{Drawings, FOLDER};
 use fe_core::mesh::Mesh;
 use fe_core::model::Model;
 use fe_core::output::{Activity, FieldsError, Principal, Recovery, axial_stress};
@@ -42,26 +42,13 @@ const ACTIVITIES: [Class<'static>; 4] = [
 pub(crate) const ALONG_HOLE: &str = "distance along the hole from where the fibre ended at first";
 const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 
-/// Draws everything into a folder of the result directory.
+/// Draws everything into the folder of the pictures.
 ///
 /// # Errors
 /// A file that cannot be written, or fields that do not fit the mesh.
-pub fn draw(
-    directory: &mut ResultDirectory,
-    folder: &str,
-    program: &PulloutProgram,
-    outcome: &Outcome<'_>,
-) -> io::Result<Drawings> {
-    let mut album = Album::new(directory, folder, program);
-    let asked = || outcome.moments.iter().map(|(_, state)| state);
-    let states = || outcome.peak.iter().chain(&outcome.end).chain(asked());
-    let greatest = states().map(|state| state.load.abs()).fold(0.0, f64::max);
-    let load = |state: &State<'_>| without_rounding(state.load, greatest);
-    let peak = outcome.peak.as_ref();
-    let moment = |state, suffix: String, words: String| Moment { state, suffix, words, load: load(state) };
-    let peak = peak.map(|state| moment(state, "_peak".into(), "greatest load".into()));
-    let end = outcome.end.as_ref();
-    let end = end.map(|state| moment(state, String::new(), "end of the run".into()));
+pub fn draw(directory: &mut ResultDirectory, program: &PulloutProgram, outcome: &Outcome<'_>) -> io::Result<Drawings> {
+    let mut album = Album::new(directory, program);
+    let moment = |state, suffix: String, words: String| Moment { state, suffix, words, load: state.load };
     let asked = outcome.moments.iter().enumerate().map(|(index, (at, state))| {
         let words = match at {
             PictureAt::Slip(slip) => format!("at {slip} mm"),
@@ -69,7 +56,11 @@ pub fn draw(
         };
         moment(state, format!("_at_{}", index + 1), words)
     });
-    let moments: Vec<Moment<'_>> = asked.chain(peak).chain(end).collect();
+    let peak = outcome.peak.iter().map(|state| moment(state, "_peak".into(), "greatest load".into()));
+    let end = outcome.end.iter().map(|state| moment(state, String::new(), "end of the run".into()));
+    let mut moments: Vec<Moment<'_>> = asked.chain(peak).chain(end).collect();
+    let greatest = moments.iter().map(|moment| moment.load.abs()).fold(0.0, f64::max);
+    moments.iter_mut().for_each(|moment| moment.load = without_rounding(moment.load, greatest));
     for moment in &moments {
         album.contours(moment)?;
     }
@@ -104,7 +95,6 @@ fn without_rounding(value: f64, greatest: f64) -> f64 {
 /// Pictures of one run.
 struct Album<'a> {
     directory: &'a mut ResultDirectory,
-    folder: &'a str,
     mesh: &'a Mesh,
     recovery: Recovery,
     fibre: Option<Fibre>,
@@ -117,13 +107,12 @@ struct Album<'a> {
 }
 
 impl<'a> Album<'a> {
-    fn new(directory: &'a mut ResultDirectory, folder: &'a str, program: &'a PulloutProgram) -> Self {
+    fn new(directory: &'a mut ResultDirectory, program: &'a PulloutProgram) -> Self {
         let mesh = &program.model.mesh;
         let (fibre, walls) = walls(&program.model);
         Self {
             walls,
             directory,
-            folder,
             mesh,
             recovery: Recovery::new(mesh),
             fibre,
@@ -142,46 +131,37 @@ impl<'a> Album<'a> {
         let magnitudes = principal.iter().flat_map(|p| [p.maximum.abs(), p.minimum.abs()]);
         self.greatest_stress = magnitudes.fold(self.greatest_stress, f64::max);
         let greatest = self.greatest_stress;
-        let stress = |name: &str| Quantity { name: name.into(), unit: "MPa".into() };
+        let stress = |name: &str, what: &str, symbol: &str, value: fn(&Principal) -> f64| Contour {
+            name: name.into(),
+            what: what.into(),
+            values: principal.iter().map(|stress| without_rounding(value(stress), greatest)).collect(),
+            quantity: Quantity { name: symbol.into(), unit: "MPa".into() },
+            follows_matrix: true,
+        };
         let mut contours = vec![
-            Contour {
-                name: "principal_stress_max".into(),
-                what: "Maximum principal stress".into(),
-                values: principal.iter().map(|p| without_rounding(p.maximum, greatest)).collect(),
-                quantity: stress("σ_{max}"),
-                limits: Limits::OfMatrix,
-            },
-            Contour {
-                name: "principal_stress_min".into(),
-                what: "Minimum principal stress".into(),
-                values: principal.iter().map(|p| without_rounding(p.minimum, greatest)).collect(),
-                quantity: stress("σ_{min}"),
-                limits: Limits::OfMatrix,
-            },
+            stress("principal_stress_max", "Maximum principal stress", "σ_{max}", |stress| stress.maximum),
+            stress("principal_stress_min", "Minimum principal stress", "σ_{min}", |stress| stress.minimum),
         ];
         for name in damages(&fields.distinct_state_names()) {
             let values = self.recovery.recover_limited(self.mesh, &fields.state(name)).map_err(unfit)?;
             let quantity = Quantity::of(name, &Default::default());
             let file = if is_total(name) { "damage".to_owned() } else { format!("damage_{name}") };
             let what = if is_total(name) { "Damage".to_owned() } else { format!("Damage {name}") };
-            contours.push(Contour { name: file, what, values, quantity, limits: Limits::OfData });
+            contours.push(Contour { name: file, what, values, quantity, follows_matrix: false });
         }
         for (place, window) in self.windows(&mesh) {
             let name = |stem: &str| format!("{stem}{place}{}", moment.suffix);
+            let picture =
+                |what: &str| FieldPicture { window: window.clone(), ..FieldPicture::new(moment.title(what), &mesh) };
             let magnification = mesh.suggested_magnification();
-            let mut picture = FieldPicture::new(moment.title("Deformed mesh"), &mesh);
-            (picture.window, picture.magnification) = (window.clone(), magnification);
-            self.keep(&name("deformed_mesh"), deformed_mesh(&picture))?;
-            let mut picture = FieldPicture::new(moment.title("Active zone"), &mesh);
-            picture.window = window.clone();
+            let deformed = FieldPicture { magnification, ..picture("Deformed mesh") };
+            self.keep(&name("deformed_mesh"), deformed_mesh(&deformed))?;
             let shown = fields.activities.iter().filter(|activity| **activity != Activity::Spalled);
             let classes: Vec<usize> = shown.map(|activity| *activity as usize).collect();
-            self.keep(&name("active_zone"), zones(&picture, &classes, &ACTIVITIES))?;
+            self.keep(&name("active_zone"), zones(&picture("Active zone"), &classes, &ACTIVITIES))?;
             if self.greatest_stress > 0.0 {
-                let mut picture = FieldPicture::new(moment.title("Principal stresses"), &mesh);
-                picture.window = window.clone();
                 let in_scale = |part: usize| self.matrix.is_empty() || self.matrix.contains(&part);
-                let drawn = crosses(&picture, &stresses, in_scale);
+                let drawn = crosses(&picture("Principal stresses"), &stresses, in_scale);
                 self.keep(&name("principal_directions"), drawn)?;
             }
             // a zoom on nothing says no more than the whole, and a field of zeros nothing
@@ -190,10 +170,9 @@ impl<'a> Album<'a> {
                 _ => !shown.is_constant(),
             };
             for shown in contours.iter().filter(is_worth_it) {
-                let mut picture = FieldPicture::new(moment.title(&shown.what), &mesh);
-                picture.window = window.clone();
                 let range = shown.range(&self.recovery, &mesh, &self.matrix, window.as_ref());
-                self.keep(&name(&shown.name), contour(&picture, &shown.values, &shown.quantity, range))?;
+                let drawn = contour(&picture(&shown.what), &shown.values, &shown.quantity, range);
+                self.keep(&name(&shown.name), drawn)?;
             }
         }
         Ok(())
@@ -245,7 +224,7 @@ impl<'a> Album<'a> {
     fn interface(&mut self, moments: &[Moment<'_>]) -> io::Result<()> {
         let mut figures: Vec<Figure> = Vec::new();
         for (color, moment) in moments.iter().enumerate() {
-            for mut figure in interface_profiles("", &moment.state.fields) {
+            for mut figure in interface_profiles(&moment.state.fields) {
                 for (dash, line) in figure.lines.iter_mut().enumerate() {
                     if let Some(Some(wall)) = self.walls.get(dash) {
                         let sign = if figure.name == INTERFACE_SHEAR { wall.direction } else { 1.0 };
@@ -273,14 +252,14 @@ impl<'a> Album<'a> {
         if figure.lines.is_empty() {
             return Ok(());
         }
-        self.drawings.keep(self.directory, self.folder, &figure.name, figure.svg())
+        self.drawings.keep(self.directory, FOLDER, &figure.name, figure.svg())
     }
 
     /// Keeps a picture, unless there was nothing to draw.
     fn keep(&mut self, name: &str, drawn: Result<String, PictureError>) -> io::Result<()> {
         match drawn {
             Err(PictureError::Nothing) => Ok(()),
-            drawn => self.drawings.keep(self.directory, self.folder, name, drawn),
+            drawn => self.drawings.keep(self.directory, FOLDER, name, drawn),
         }
     }
 }
@@ -291,16 +270,8 @@ struct Contour {
     what: String,
     values: Vec<f64>,
     quantity: Quantity,
-    limits: Limits,
-}
-
-/// Range of the colours.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Limits {
-    /// The values shown.
-    OfData,
-    /// The values of the matrix that are shown.
-    OfMatrix,
+    /// Whether the range of the colours is that of the matrix where it is shown, instead of that of all that is shown.
+    follows_matrix: bool,
 }
 
 impl Contour {
@@ -316,7 +287,7 @@ impl Contour {
         matrix: &BTreeSet<usize>,
         window: Option<&Window>,
     ) -> Option<(f64, f64)> {
-        if self.limits == Limits::OfData {
+        if !self.follows_matrix {
             return None;
         }
         let is_shown = |[x, y]: [f64; 2]| window.is_none_or(|window| window.x.contains(&x) && window.y.contains(&y));

@@ -3,9 +3,10 @@
 //! States are kept as the run goes on, evenly over its increments. Displacements and fields are given in 65535 steps of
 //! their ranges, each state by its difference to the one before, deflated.
 
+use crate::history::History;
 use crate::pictures::{ALONG_HOLE, is_total, matrix, walls};
 use crate::plots::field::{ALONG_SURFACE, band_color_text};
-use crate::plots::quantity::{Quantity, group_of};
+use crate::plots::quantity::group_of;
 use fe_core::mesh::Mesh;
 use fe_core::output::{FieldsError, Principal, Recovery, contact_points};
 use fe_core::stepping::Snapshot;
@@ -78,14 +79,15 @@ impl States {
         }
     }
 
-    /// The viewer's part of the page; `curve`: slip and load of the history.
+    /// The viewer's part of the page.
     ///
     /// # Errors
     /// States of another mesh.
-    pub fn page(&self, program: &PulloutProgram, curve: [Vec<f64>; 2]) -> io::Result<Option<Markup>> {
+    pub fn page(&self, program: &PulloutProgram, history: &History) -> io::Result<Option<Markup>> {
         if self.kept.is_empty() {
             return Ok(None);
         }
+        let curve = ["slip", "load"].map(|name| history.column(name).unwrap_or_default().to_vec());
         let (head, data) = self.encode(program, curve).map_err(io::Error::other)?;
         let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
         encoder.write_all(&data)?;
@@ -151,14 +153,9 @@ impl States {
             self.kept.iter().map(|state| state.at_nodes(mesh, &recovery)).collect::<Result<_, _>>()?;
         let matrix = matrix(model);
         let in_scale = |place: usize| matrix.is_empty() || matrix.contains(&places.parts()[place]);
-        let quantity = |name: &str, unit: &str| Quantity { name: name.into(), unit: unit.into() };
-        let quantities = [
-            quantity("principal stress, greatest", "MPa"),
-            quantity("principal stress, least", "MPa"),
-            quantity("damage", ""),
-        ];
+        let quantities = [("principal stress, greatest", "MPa"), ("principal stress, least", "MPa"), ("damage", "")];
         let mut fields = Vec::new();
-        for (k, quantity) in quantities.into_iter().enumerate() {
+        for (k, (name, unit)) in quantities.into_iter().enumerate() {
             let values = recovered.iter().flat_map(|state| state.iter().enumerate());
             let own = range(values.filter(|(place, _)| in_scale(*place)).map(|(_, values)| values[k] as f32));
             if own[0].is_finite() {
@@ -167,7 +164,7 @@ impl States {
                     recovered.iter().map(|state| state.iter().map(|values| step(values[k] as f32, own)).collect()),
                 );
                 let all = range(recovered.iter().flatten().map(|values| values[k] as f32));
-                fields.push(json!({ "name": quantity.name, "unit": quantity.unit, "range": own, "values": all }));
+                fields.push(json!({ "name": name, "unit": unit, "range": own, "values": all }));
             }
         }
         let frames = self.kept.iter().enumerate().map(|(k, state)| {
@@ -266,9 +263,7 @@ impl State {
             contact: contact.collect(),
         }
     }
-}
 
-impl State {
     /// The fields at the places of the recovery; damages do not leave the range that they have at the points.
     fn at_nodes(&self, mesh: &Mesh, recovery: &Recovery) -> Result<Vec<[f64; VALUES]>, FieldsError> {
         let values: Vec<[f64; VALUES]> = self.fields.iter().map(|values| values.map(f64::from)).collect();

@@ -2,7 +2,7 @@
 
 use super::export::Export;
 use super::figure::Figure;
-use super::{Drawings, Run, SPEC_FILE, Spec, selection, within, write_all};
+use super::{Drawings, FOLDER, Run, SPEC_FILE, Spec, selection, within, write_all};
 use crate::directory::ResultDirectory;
 use crate::history::History;
 use pullout_run::input::{self, Input};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// The directory has no history, or no pictures.
 pub fn read(folder: &Path) -> io::Result<(History, Spec)> {
     let history = History::of_run(folder, |table| table.for_pictures())?;
-    let spec = Spec::read(&folder.join("plots").join(SPEC_FILE))?;
+    let spec = Spec::read(&folder.join(FOLDER).join(SPEC_FILE))?;
     Ok((history, spec))
 }
 

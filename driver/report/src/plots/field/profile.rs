@@ -12,14 +12,13 @@ pub(crate) const INTERFACE_SHEAR: &str = "interface_shear";
 /// Shear traction and pressure of each contact pair along its slave surface.
 ///
 /// The lines stop where a point has left the other surface (weight 0).
-pub(crate) fn interface_profiles(title: &str, fields: &Fields<'_>) -> Vec<Figure> {
+pub(crate) fn interface_profiles(fields: &Fields<'_>) -> Vec<Figure> {
     type Value = fn(&ContactPoint) -> f64;
     let shear: Value = |point| point.shear_traction;
     let pressure: Value = |point| point.pressure;
     let quantities = [(INTERFACE_SHEAR, "bond traction", shear), ("interface_pressure", "contact pressure", pressure)];
     let figure = |(name, label, value): (&str, &str, Value)| Figure {
         name: name.into(),
-        title: title.into(),
         x: Quantity { name: ALONG_SURFACE.into(), unit: "mm".into() },
         y: Quantity { name: label.into(), unit: "MPa".into() },
         lines: (0..fields.pairs.len()).map(|pair| line(fields, pair, name, value)).collect(),

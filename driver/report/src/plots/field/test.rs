@@ -303,7 +303,7 @@ fn pictures_and_profiles_come_from_computed_fields() {
     assert_eq!((picture.nodes.len(), picture.parts.len()), (8, 2));
     let drawn: Vec<[f64; 2]> = picture.elements[1].nodes.iter().map(|&node| picture.nodes[node]).collect();
     assert_eq!(drawn, [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]]);
-    let figures = interface_profiles("Tractions", &fields);
+    let figures = interface_profiles(&fields);
     assert_eq!(
         figures.iter().map(|figure| figure.name.as_str()).collect::<Vec<_>>(),
         ["interface_shear", "interface_pressure"]
