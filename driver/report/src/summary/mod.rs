@@ -153,70 +153,43 @@ pub struct HistoryLine {
     pub time: f64,
 }
 
-/// Gathers the peaks during a run, increments that `output.every` leaves out included.
+/// Gathers the peaks of columns during a run, increments that `output.every` leaves out included.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct PeakRecorder {
-    names: Vec<String>,
-    extremes: Vec<Extremes>,
-}
-
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Extremes {
-    max: f64,
-    min: f64,
-    max_at: HistoryLine,
-    min_at: HistoryLine,
-}
+pub struct PeakRecorder(Vec<(String, Peak)>);
 
 impl PeakRecorder {
     /// Makes a peak recorder for a history with these columns.
     pub fn new(columns: &[String]) -> Self {
         let last = columns.len().saturating_sub(1).max(3.min(columns.len()));
-        let names = columns.get(3..last).unwrap_or_default().to_vec();
-        let none = Extremes {
-            max: f64::NEG_INFINITY,
-            min: f64::INFINITY,
-            max_at: HistoryLine::default(),
-            min_at: HistoryLine::default(),
-        };
-        Self { extremes: vec![none; names.len()], names }
+        let names = columns.get(3..last).unwrap_or_default();
+        Self(names.iter().map(|name| (name.clone(), Peak::default())).collect())
     }
 
     /// Returns whether it is of a history with these columns.
     pub fn fits(&self, columns: &[String]) -> bool {
         let virgin = Self::new(columns);
-        let times = self.extremes.iter().flat_map(|extremes| [extremes.max_at.time, extremes.min_at.time]);
-        self.names == virgin.names
-            && self.extremes.len() == virgin.extremes.len()
-            && times.into_iter().all(f64::is_finite)
+        let names = virgin.0.iter().map(|(name, _)| name);
+        let mut lines = self.0.iter().flat_map(|(_, peak)| [peak.max_at, peak.min_at]).flatten();
+        self.0.iter().map(|(name, _)| name).eq(names) && lines.all(|line| line.time.is_finite())
     }
 
     /// Takes an increment into account.
     pub fn observe(&mut self, row: &Row<'_>) {
         let Some((&time, values)) = row.values.split_first() else { return };
-        let line = HistoryLine { step: row.step, increment: row.increment, time };
-        for (extremes, &value) in self.extremes.iter_mut().zip(values) {
-            // comparisons with NaN are false; infinities are no peaks
-            if value > extremes.max && value < f64::INFINITY {
-                (extremes.max, extremes.max_at) = (value, line);
+        let line = Some(HistoryLine { step: row.step, increment: row.increment, time });
+        let columns = self.0.iter_mut().map(|(_, peak)| peak).zip(values);
+        for (peak, &value) in columns.filter(|(_, value)| value.is_finite()) {
+            if peak.max.is_none_or(|max| value > max) {
+                (peak.max, peak.max_at) = (Some(value), line);
             }
-            if value < extremes.min && value > f64::NEG_INFINITY {
-                (extremes.min, extremes.min_at) = (value, line);
+            if peak.min.is_none_or(|min| value < min) {
+                (peak.min, peak.min_at) = (Some(value), line);
             }
         }
     }
 
     /// The peaks, in the history's order.
     pub fn peaks(&self) -> IndexMap<String, Peak> {
-        let peak = |extremes: &Extremes| {
-            let (max, min) = (extremes.max.is_finite(), extremes.min.is_finite());
-            Peak {
-                max: max.then_some(extremes.max),
-                min: min.then_some(extremes.min),
-                max_at: max.then_some(extremes.max_at),
-                min_at: min.then_some(extremes.min_at),
-            }
-        };
-        self.names.iter().cloned().zip(self.extremes.iter().map(peak)).collect()
+        self.0.iter().cloned().collect()
     }
 }
