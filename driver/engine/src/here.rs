@@ -111,7 +111,7 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let trail = specimen.as_mut().and_then(|(_, outcome)| outcome.trail.take());
     let trail = trail.filter(|_| summary.status == Status::Done).map(Arc::new);
     let history = record.into_history();
-    summary.take_comparisons(compare_all(case, || Ok(&history))?);
+    summary.take_comparisons(compare_all(case, &history)?);
     let view = match specimen {
         Some((program, _)) => view(program, &history, &end.states)?,
         None => None,

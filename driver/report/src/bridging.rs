@@ -1,6 +1,5 @@
 //! Results of a run of kind "bridging": its tables, pictures, summary and report.
 
-use crate::compare::compare;
 use crate::directory::ResultDirectory;
 use crate::ending;
 use crate::history::{BRIDGING_TABLES, History};
@@ -71,7 +70,7 @@ pub fn conclude(
         Err(_) => History::default(),
     };
     let compared = match &done {
-        Ok(_) => case.about().compare.iter().map(|curve| compare(&history, curve)).collect(),
+        Ok(_) => ending::compare_all(case, &history),
         Err(_) => Ok(Vec::new()),
     };
     ending::write(case, directory, summary, compared, |directory| match &done {

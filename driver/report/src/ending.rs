@@ -92,7 +92,10 @@ pub fn conclude(
     mut specimen: Option<Specimen<'_>>,
 ) -> io::Result<(Summary, io::Result<()>)> {
     let summary = summarise(case, &end, specimen.as_mut())?;
-    let compared = compare_all(case, || HistoryFile::open(&directory.path().join("history.csv")));
+    let compared = match case.about().compare.is_empty() {
+        true => Ok(Vec::new()),
+        false => HistoryFile::open(&directory.path().join("history.csv")).and_then(|rows| compare_all(case, &rows)),
+    };
     write(case, directory, summary, compared, |directory| draw(case, directory, specimen.as_ref(), &end.states))
 }
 
@@ -121,12 +124,8 @@ pub(crate) fn write(
 ///
 /// # Errors
 /// The history cannot be read.
-pub fn compare_all<R: Rows>(case: &Case, history: impl FnOnce() -> io::Result<R>) -> io::Result<Vec<Comparison>> {
-    if case.about().compare.is_empty() {
-        return Ok(Vec::new());
-    }
-    let history = history()?;
-    case.about().compare.iter().map(|curve| compare(&history, curve)).collect()
+pub fn compare_all(case: &Case, history: &impl Rows) -> io::Result<Vec<Comparison>> {
+    case.about().compare.iter().map(|curve| compare(history, curve)).collect()
 }
 
 /// Draws what the case asks for.

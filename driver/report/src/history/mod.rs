@@ -404,16 +404,6 @@ impl Rows for HistoryFile {
     }
 }
 
-impl<R: Rows> Rows for &R {
-    fn columns(&self) -> &[String] {
-        (**self).columns()
-    }
-
-    fn pairs(&self, x: usize, y: usize, each: &mut dyn FnMut(f64, f64) -> ControlFlow<()>) -> io::Result<()> {
-        (**self).pairs(x, y, each)
-    }
-}
-
 impl Rows for History {
     fn columns(&self) -> &[String] {
         &self.columns
