@@ -69,15 +69,7 @@ impl ResultDirectory {
     /// Somebody else writes there; files stand in the way; the operating system.
     pub fn open(path: &Path, kind: Kind, access: Access<'_>) -> io::Result<Self> {
         let made = make(path)?;
-        let mut directory = Self {
-            path: path.to_owned(),
-            kind,
-            manifest: Manifest::new(kind),
-            lock: None,
-            replaced: Vec::new(),
-            notes: Vec::new(),
-            made,
-        };
+        let mut directory = Self::of(path, kind, Manifest::new(kind), made);
         if !access.is_locked {
             let (lock, note) = Lock::take(path)?;
             directory.lock = Some(lock);
@@ -107,10 +99,13 @@ impl ResultDirectory {
     /// The manifest cannot be read.
     pub fn join(path: &Path, kind: Kind) -> io::Result<Self> {
         let manifest = Manifest::read(path)?.unwrap_or_else(|| Manifest::new(kind));
-        let (lock, replaced, notes, made) = (None, Vec::new(), Vec::new(), Vec::new());
-        let directory = Self { path: path.to_owned(), kind, manifest, lock, replaced, notes, made };
+        let directory = Self::of(path, kind, manifest, Vec::new());
         directory.refuse_links()?;
         Ok(directory)
+    }
+
+    fn of(path: &Path, kind: Kind, manifest: Manifest, made: Vec<PathBuf>) -> Self {
+        Self { path: path.to_owned(), kind, manifest, lock: None, replaced: Vec::new(), notes: Vec::new(), made }
     }
 
     /// Takes over what another process, which had the directory from this one, noted in it.
