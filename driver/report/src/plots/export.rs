@@ -23,7 +23,13 @@ pub type Export = fn(&str) -> io::Result<Vec<u8>>;
 /// # Errors
 /// No valid SVG, or no font.
 pub fn png(svg: &str) -> io::Result<Vec<u8>> {
-    rasterised(svg).map_err(io::Error::other)
+    let tree = tree(svg)?;
+    let of_no_size = || io::Error::other("the picture has no size");
+    let size = tree.size().to_int_size().scale_by(DENSITY).ok_or_else(of_no_size)?;
+    let too_large = || io::Error::other("the picture is too large");
+    let mut pixels = Pixmap::new(size.width(), size.height()).ok_or_else(too_large)?;
+    resvg::render(&tree, Transform::from_scale(DENSITY, DENSITY), &mut pixels.as_mut());
+    pixels.encode_png().map_err(io::Error::other)
 }
 
 /// Returns a picture as PDF: one page of its size, lines and text as such.
@@ -31,26 +37,18 @@ pub fn png(svg: &str) -> io::Result<Vec<u8>> {
 /// # Errors
 /// No valid SVG, or no font.
 pub fn pdf(svg: &str) -> io::Result<Vec<u8>> {
-    let tree = tree(svg).map_err(io::Error::other)?;
     let page = PageOptions { dpi: PX_PER_INCH };
-    svg2pdf::to_pdf(&tree, ConversionOptions::default(), page).map_err(|error| io::Error::other(error.to_string()))
+    svg2pdf::to_pdf(&tree(svg)?, ConversionOptions::default(), page)
+        .map_err(|error| io::Error::other(error.to_string()))
 }
 
-fn tree(svg: &str) -> Result<Tree, String> {
+fn tree(svg: &str) -> io::Result<Tree> {
     let fonts = fonts();
     if fonts.is_empty() {
-        return Err("no font is installed: a picture would have no text".into());
+        return Err(io::Error::other("no font is installed: a picture would have no text"));
     }
     let options = Options { fontdb: fonts, ..Options::default() };
-    Tree::from_str(svg, &options).map_err(|error| error.to_string())
-}
-
-fn rasterised(svg: &str) -> Result<Vec<u8>, String> {
-    let tree = tree(svg)?;
-    let size = tree.size().to_int_size().scale_by(DENSITY).ok_or("the picture has no size")?;
-    let mut pixels = Pixmap::new(size.width(), size.height()).ok_or("the picture is too large")?;
-    resvg::render(&tree, Transform::from_scale(DENSITY, DENSITY), &mut pixels.as_mut());
-    pixels.encode_png().map_err(|error| error.to_string())
+    Tree::from_str(svg, &options).map_err(io::Error::other)
 }
 
 /// The fonts of the system, found once.

@@ -9,14 +9,14 @@ fn a_picture_has_its_colours_and_its_text() {
              font-size=\"14\">{text}</text></svg>"
         )
     };
-    let [with, without] = ["W", ""].map(|text| rasterised(&drawing(text)).expect("fonts are installed"));
-    let [with, without] = [with, without].map(|png| Pixmap::decode_png(&png).expect("a PNG"));
+    let [with, without] = ["W", ""].map(|text| png(&drawing(text)).expect("fonts are installed"));
+    let [with, without] = [with, without].map(|picture| Pixmap::decode_png(&picture).expect("a PNG"));
     assert_eq!((with.width(), with.height()), (120, 60));
     let color = with.pixel(30, 30).expect("inside").demultiply();
     assert_eq!((color.red(), color.green(), color.blue()), (0x00, 0x72, 0xb2));
     let inked = |picture: &Pixmap| picture.pixels().iter().filter(|pixel| pixel.alpha() > 128).count();
     assert!(inked(&with) > inked(&without) + 50, "{} {}", inked(&with), inked(&without));
-    assert!(rasterised("<svg").is_err());
+    assert!(png("<svg").is_err());
 }
 
 /// The page has the size of the picture, 40 × 20 px of 0.75 pt, and text is text.
