@@ -14,7 +14,7 @@ pub mod ending;
 pub mod history;
 pub mod outcome;
 pub mod page;
-pub mod pictures;
+mod pictures;
 pub mod plots;
 pub mod progress;
 pub mod record;

@@ -15,8 +15,9 @@ pub(super) struct Axis {
     pub label: String,
     pub range: Range<f64>,
     pub scale: f64,
+    /// Number of ticks to ask for.
+    pub tick_count: usize,
     decimals: usize,
-    ticks: usize,
     kind: Kind,
 }
 
@@ -33,9 +34,9 @@ enum Kind {
 
 impl Axis {
     /// Makes an axis for data between `least` and `greatest`; `least_span` widens a narrower range about its middle.
-    pub fn new(quantity: &Quantity, (least, greatest): (f64, f64), least_span: f64, ticks: usize) -> Self {
+    pub fn new(quantity: &Quantity, (least, greatest): (f64, f64), least_span: f64, tick_count: usize) -> Self {
         let (start, end) = widened(least, greatest, least_span);
-        Self::exact(quantity, start..end, ticks)
+        Self::exact(quantity, start..end, tick_count)
     }
 
     /// Powers of ten around data > 0.
@@ -44,29 +45,29 @@ impl Axis {
         let (least, greatest) = (exponent(least), exponent(greatest));
         let spare = MARGIN * (greatest - least).max(1.0);
         let range = least - spare..greatest + spare;
-        let ticks = (greatest - least).ceil() as usize + 1;
-        Self { label: quantity.label(0), range, scale: 1.0, decimals: 1, ticks, kind: Kind::Exponents }
+        let tick_count = (greatest - least).ceil() as usize + 1;
+        Self { label: quantity.label(0), range, scale: 1.0, tick_count, decimals: 1, kind: Kind::Exponents }
     }
 
     /// Names side by side; without a quantity's name the names speak for themselves.
     pub fn named(quantity: &Quantity, names: &[String]) -> Self {
         let label = if quantity.name.is_empty() { String::new() } else { quantity.label(0) };
         let range = -0.5..names.len() as f64 - 0.5;
-        Self { label, range, scale: 1.0, decimals: 0, ticks: names.len() + 1, kind: Kind::Names(names.to_vec()) }
+        Self { label, range, scale: 1.0, tick_count: names.len() + 1, decimals: 0, kind: Kind::Names(names.to_vec()) }
     }
 
     /// Makes an axis for just this range, in the quantity's unit.
-    pub fn exact(quantity: &Quantity, range: Range<f64>, ticks: usize) -> Self {
+    pub fn exact(quantity: &Quantity, range: Range<f64>, tick_count: usize) -> Self {
         let exponent = exponent(range.start.abs().max(range.end.abs()));
         let scale = 10f64.powi(exponent);
         let range = range.start / scale..range.end / scale;
-        let decimals = decimals(&range, ticks);
-        Self { label: quantity.label(exponent), range, scale, decimals, ticks, kind: Kind::Numbers }
+        let decimals = decimals(&range, tick_count);
+        Self { label: quantity.label(exponent), range, scale, tick_count, decimals, kind: Kind::Numbers }
     }
 
     /// Returns where ticks are.
     pub fn ticks(&self) -> Vec<f64> {
-        RangedCoordf64::from(self.range.clone()).key_points(BoldPoints(self.ticks))
+        RangedCoordf64::from(self.range.clone()).key_points(BoldPoints(self.tick_count))
     }
 
     /// Characters of the longest number.
@@ -94,11 +95,6 @@ impl Axis {
     /// Returns whether 0 is a number as any other on this axis.
     pub fn has_zero(&self) -> bool {
         matches!(self.kind, Kind::Numbers) && self.range.start < 0.0 && self.range.end > 0.0
-    }
-
-    /// Number of ticks to ask for.
-    pub fn tick_count(&self) -> usize {
-        self.ticks
     }
 
     /// A value in the axis's numbers.

@@ -402,8 +402,8 @@ pub(super) fn draw_axes<'a>(
     }
     mesh.axis_style(thin(INK))
         .set_all_tick_mark_size(sizes.marks * UNIT)
-        .x_labels(x.tick_count())
-        .y_labels(y.tick_count())
+        .x_labels(x.tick_count)
+        .y_labels(y.tick_count)
         .x_label_formatter(&|value| x.text(*value))
         .y_label_formatter(&|value| y.text(*value))
         .label_style(font(sizes.numbers))

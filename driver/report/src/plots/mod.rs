@@ -1,8 +1,8 @@
 //! The pictures of a run, or of several on top of each other, as SVG.
 //!
 //! [`Spec`] says what a history's columns mean and which measured curves belong to it; it is kept beside the pictures
-//! so that [`redraw`] makes them anew without the case. [`selection`] decides which pictures there are,
-//! [`figure`] draws one; [`field`] draws what a mesh carries.
+//! so that [`redraw`] makes them anew without the case. `selection` decides which pictures there are,
+//! [`figure`] draws one; `field` draws what a mesh carries.
 
 use super::directory::ResultDirectory;
 use super::history::History;
@@ -20,14 +20,14 @@ use std::path::{Path, PathBuf};
 mod axis;
 mod decimation;
 pub mod export;
-pub mod field;
+pub(crate) mod field;
 pub mod figure;
 mod inset;
 mod legend;
 mod markup;
 pub mod quantity;
 pub mod redraw;
-pub mod selection;
+mod selection;
 
 #[cfg(test)]
 mod test;

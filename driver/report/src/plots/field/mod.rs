@@ -2,25 +2,6 @@
 //!
 //! Fills are drawn as a stack: first all of the body in the lowest colour, then what lies above each level. One path
 //! holds what a colour covers, across elements, so there are no seams and the picture stays small.
-//!
-//! # Example
-//!
-//! ```
-//! use pullout_report::plots::field::{ElementKind, FieldPicture, PictureElement, PictureMesh, contour};
-//! use pullout_report::plots::quantity::Quantity;
-//!
-//! let mesh = PictureMesh {
-//!     nodes: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]],
-//!     displacements: vec![[0.0, 0.0]; 4],
-//!     elements: vec![PictureElement { kind: ElementKind::Q4, part: 0, nodes: vec![0, 1, 2, 3] }],
-//!     parts: vec!["matrix".into()],
-//!     behind: vec![],
-//! };
-//! let stress = Quantity { name: "σ_{max}".into(), unit: "MPa".into() };
-//! let svg = contour(&FieldPicture::new("Tension", &mesh), &[0.0, 1.0, 3.0, 2.0], &stress, None)?;
-//! assert!(svg.starts_with("<svg"));
-//! # Ok::<(), pullout_report::plots::field::PictureError>(())
-//! ```
 
 mod canvas;
 mod crosses;
@@ -36,14 +17,14 @@ pub(crate) fn band_color_text(band: usize, count: usize) -> String {
     hexadecimal(band_color(band, count))
 }
 
-pub use crosses::crosses;
-pub use fe_core::element::ElementKind;
+pub(crate) use crosses::crosses;
 pub(crate) use profile::{ALONG_SURFACE, INTERFACE_SHEAR, interface_profiles};
-pub use zones::{Class, deformed_mesh, zones};
+pub(crate) use zones::{Class, deformed_mesh, zones};
 
 use super::quantity::Quantity;
 use crate::extremes;
 use canvas::{Canvas, Side, band_color, hexadecimal};
+use fe_core::element::ElementKind;
 use fe_core::output::{Activity, Fields, Recovery};
 use levels::Levels;
 use std::fmt::Write as _;
@@ -61,7 +42,6 @@ pub struct PictureMesh {
     pub nodes: Vec<[f64; 2]>,
     /// Displacement of each node, mm.
     pub displacements: Vec<[f64; 2]>,
-    /// Elements.
     pub elements: Vec<PictureElement>,
     /// Names of the parts.
     pub parts: Vec<String>,
@@ -69,10 +49,8 @@ pub struct PictureMesh {
     pub behind: Vec<usize>,
 }
 
-/// An element.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PictureElement {
-    /// Kind.
     pub kind: ElementKind,
     /// Index of its part.
     pub part: usize,
@@ -94,7 +72,6 @@ pub struct Window {
 pub struct FieldPicture<'a> {
     /// Above the picture; may be empty.
     pub title: String,
-    /// The mesh.
     pub mesh: &'a PictureMesh,
     /// Displacements are drawn this many times as large; the picture says so.
     pub magnification: f64,
