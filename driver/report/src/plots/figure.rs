@@ -303,16 +303,12 @@ impl Figure {
                 area.draw(&Rectangle::new(bar, self.color(style).filled()))?;
             }
         }
-        for line in self.lines.iter().filter(|line| line.marked && !self.has_bars()) {
-            for &(across, up) in drawable_stretches(&line.points).flatten() {
-                let place = area.map_coordinate(&(x.scaled(across), y.scaled(up)));
-                draw_mark(root, line.style.color, place, self.color(line.style))?;
-            }
-        }
-        for (k, marks) in self.marks.iter().enumerate() {
-            for &(across, up) in drawable_stretches(&marks.points).flatten() {
-                let place = area.map_coordinate(&(x.scaled(across), y.scaled(up)));
-                draw_mark(root, k, place, self.mark_color(marks))?;
+        let marked = self.lines.iter().filter(|line| line.marked && !self.has_bars());
+        let marked = marked.map(|line| (line.style.color, self.color(line.style), &line.points));
+        let measured = self.marks.iter().enumerate().map(|(k, marks)| (k, self.mark_color(marks), &marks.points));
+        for (shape, color, points) in marked.chain(measured) {
+            for &(across, up) in drawable_stretches(points).flatten() {
+                draw_mark(root, shape, area.map_coordinate(&(x.scaled(across), y.scaled(up))), color)?;
             }
         }
         let (across, up) = area.get_pixel_range();
@@ -328,20 +324,22 @@ impl Figure {
 impl Key {
     /// Rows of colours (or their bar), then rows of dashes.
     fn entries(&self, color: impl Fn(Style) -> RGBColor) -> Vec<Entry> {
-        let style = |color, dash| Style { color, dash };
-        let colors = || {
-            let rows = self.colors.iter().enumerate();
-            rows.map(|(k, label)| (Sample::Line(style(k, 0)), color(style(k, 0)), label.clone())).collect::<Vec<_>>()
+        let line = |style, color, label: &String| Entry { sample: Sample::Line(style), color, label: label.clone() };
+        let of_color = |(k, label)| {
+            let style = Style { color: k, dash: 0 };
+            line(style, color(style), label)
         };
-        let mut rows = match self.colors.as_slice() {
-            [first, .., last] if self.shaded => vec![(Sample::Shades, INK, format!("{first} … {last}"))],
-            _ => colors(),
+        let mut rows: Vec<Entry> = match self.colors.as_slice() {
+            [first, .., last] if self.shaded => {
+                vec![Entry { sample: Sample::Shades, color: INK, label: format!("{first} … {last}") }]
+            }
+            colors => colors.iter().enumerate().map(of_color).collect(),
         };
         if self.dashes.len() > 1 {
             let dashes = self.dashes.iter().enumerate();
-            rows.extend(dashes.map(|(k, label)| (Sample::Line(style(0, k)), INK, label.clone())));
+            rows.extend(dashes.map(|(k, label)| line(Style { color: 0, dash: k }, INK, label)));
         }
-        rows.into_iter().map(|(sample, color, label)| Entry { sample, color, label }).collect()
+        rows
     }
 }
 
