@@ -50,14 +50,11 @@ pub fn conclude(
             write_table(directory, "scatter.csv", &SCATTER, None, &results.scatter)?;
         }
     }
-    let (results, message) = match &done {
-        Ok((.., results)) => (Some(results), None),
-        Err(message) => (None, Some(message.clone())),
-    };
+    let results = done.as_ref().ok().map(|(.., results)| *results);
     let own = case.about().warnings.iter();
     let summary = Summary {
-        status: if message.is_none() { Status::Done } else { Status::Failed },
-        message,
+        status: if done.is_ok() { Status::Done } else { Status::Failed },
+        message: done.as_ref().err().cloned(),
         title: case.about().title.clone(),
         wall_time_s,
         cpu_time_s: Some(cpu_time_s),
@@ -65,13 +62,13 @@ pub fn conclude(
         warnings: own.chain(results.into_iter().flat_map(|results| &results.warnings)).cloned().collect(),
         ..Summary::default()
     };
-    let history = match &done {
-        Ok(_) => History::of_run(directory.path(), |table| table.for_pictures())?,
-        Err(_) => History::default(),
-    };
-    let compared = match &done {
-        Ok(_) => ending::compare_all(case, &history),
-        Err(_) => Ok(Vec::new()),
+    let (history, compared) = match &done {
+        Ok(_) => {
+            let history = History::of_run(directory.path(), |table| table.for_pictures())?;
+            let compared = ending::compare_all(case, &history);
+            (history, compared)
+        }
+        Err(_) => (History::default(), Ok(Vec::new())),
     };
     ending::write(case, directory, summary, compared, |directory| match &done {
         Ok(done) if case.about().plots => Ok((draw(case, directory, &history, done)?, None)),
