@@ -62,14 +62,6 @@ impl FarField {
         self.superelement.stiffness()
     }
 
-    /// Adds the forces on its border, or takes them away (`sign` −1).
-    pub(super) fn add_forces(&self, displacements: &[f64], sign: f64, forces: &mut [f64]) {
-        for (row, &freedom) in self.stiffness().chunks_exact(self.border.len()).zip(&self.border) {
-            let force: f64 = row.iter().zip(&self.border).map(|(k, &other)| k * displacements[other]).sum();
-            forces[freedom] += sign * force;
-        }
-    }
-
     /// Sets the displacements of its interior from those of its border.
     pub(super) fn expand(&mut self, displacements: &mut [f64]) {
         let border: Vec<f64> = self.border.iter().map(|&freedom| displacements[freedom]).collect();

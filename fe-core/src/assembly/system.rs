@@ -18,7 +18,7 @@ use std::sync::Arc;
 #[cfg(test)]
 mod test;
 
-/// Places in the matrix of the entries of an element's stiffness.
+/// Places in the matrix of the entries of the stiffness of an element or of the far field.
 #[derive(Clone, Debug)]
 enum Scatter {
     /// Freedoms are equations or held: the place of each entry of the element, or [`NOWHERE`]; none of a condensed element.
@@ -54,8 +54,7 @@ pub struct System {
     /// Blocks of contact and loads, by freedoms.
     blocks: Blocks,
     far_field: Option<FarField>,
-    /// Values of the far field in the matrix: places of its stiffness.
-    far_places: Vec<u32>,
+    far_scatter: Scatter,
 }
 
 /// A matrix with its factor, apart from the system.
@@ -125,16 +124,8 @@ impl System {
                 false => Scatter::Direct(Vec::new()),
             })
             .collect();
-        let far_places = far_field.as_ref().map_or_else(Vec::new, |far| {
-            let rows: Vec<usize> = far
-                .border
-                .iter()
-                .map(|&freedom| row_of_equation[equations.equations_of(freedom)[0].0] as usize)
-                .collect();
-            let place =
-                |(&row, &column)| pattern.index(row, column).expect("the border is a group of the pattern") as u32;
-            rows.iter().flat_map(|row| rows.iter().map(move |column| (row, column))).map(place).collect()
-        });
+        let border = far_field.as_ref().map_or(&[][..], |far| &far.border);
+        let far_scatter = Scatter::new(&equations, &row_of_equation, &pattern, border);
         let driven = |freedoms: &Vec<usize>| freedoms.iter().any(|&freedom| !equations.drives_of(freedom).is_empty());
         let driven_elements = (0..element_freedoms.len()).filter(|&e| driven(&element_freedoms[e])).collect();
         let nodes: Vec<usize> = equation_of_row.iter().map(|&equation| equations.freedoms()[equation] / 2).collect();
@@ -157,7 +148,7 @@ impl System {
             driven_elements,
             blocks: Blocks::default(),
             far_field,
-            far_places,
+            far_scatter,
         })
     }
 
@@ -189,7 +180,7 @@ impl System {
         let length = values.len().div_ceil(count).max(1);
         let mut ranges: Vec<(usize, &mut [f64])> =
             values.chunks_mut(length).enumerate().map(|(number, range)| (number * length, range)).collect();
-        let (scatter, spans, far) = (&self.scatter, &self.spans, &self.far_field);
+        let (scatter, spans, far) = (&self.scatter, &self.spans, self.far_field.as_ref());
         let add = |(first, values): &mut (usize, &mut [f64])| {
             values.fill(0.0);
             let (first, behind) = (*first, *first + values.len());
@@ -198,10 +189,8 @@ impl System {
                     scatter.add(elements.stiffness(element), first, values);
                 }
             }
-            for (&place, entry) in self.far_places.iter().zip(far.iter().flat_map(FarField::stiffness)) {
-                if let Some(value) = values.get_mut((place as usize).wrapping_sub(first)) {
-                    *value += entry;
-                }
+            if let Some(far) = far {
+                self.far_scatter.add(far.stiffness(), first, values);
             }
         };
         match ranges.as_mut_slice() {
@@ -306,10 +295,11 @@ impl System {
         let displacements = self.displacements(&vec![0.0; self.row_count()], drives);
         let mut forces = vec![0.0; displacements.len()];
         for &element in &self.driven_elements {
-            add_product(&self.element_freedoms[element], elements.stiffness(element), &displacements, &mut forces);
+            let stiffness = elements.stiffness(element);
+            add_product(&self.element_freedoms[element], stiffness, &displacements, 1.0, &mut forces);
         }
         for (freedoms, values) in self.blocks.iter() {
-            add_product(freedoms, values, &displacements, &mut forces);
+            add_product(freedoms, values, &displacements, 1.0, &mut forces);
         }
         self.reduce(&forces)
     }
@@ -317,7 +307,7 @@ impl System {
     /// Adds the forces of the far field on its border (`sign` 1), or takes them away (−1).
     pub(crate) fn add_far_forces(&self, displacements: &[f64], sign: f64, forces: &mut [f64]) {
         if let Some(far) = &self.far_field {
-            far.add_forces(displacements, sign, forces);
+            add_product(&far.border, far.stiffness(), displacements, sign, forces);
         }
     }
 
@@ -347,10 +337,11 @@ pub(super) fn freedoms(nodes: &[usize]) -> Vec<usize> {
     nodes.iter().flat_map(|&node| [0, 1].map(|component| Freedom { node, component }.index())).collect()
 }
 
-/// f += k u over some freedoms.
-fn add_product(freedoms: &[usize], stiffness: &[f64], displacements: &[f64], forces: &mut [f64]) {
+/// f += `sign` k u over some freedoms.
+fn add_product(freedoms: &[usize], stiffness: &[f64], displacements: &[f64], sign: f64, forces: &mut [f64]) {
     for (row, &freedom) in stiffness.chunks_exact(freedoms.len()).zip(freedoms) {
-        forces[freedom] += row.iter().zip(freedoms).map(|(k, &other)| k * displacements[other]).sum::<f64>();
+        let force: f64 = row.iter().zip(freedoms).map(|(k, &other)| k * displacements[other]).sum();
+        forces[freedom] += sign * force;
     }
 }
 
