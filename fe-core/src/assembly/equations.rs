@@ -168,14 +168,15 @@ impl Equations {
         }
     }
 
-    /// Tᵀ f, in place of what `reduced` holds.
-    pub fn reduce(&self, forces: &[f64], reduced: &mut [f64]) {
-        reduced.fill(0.0);
+    /// Tᵀ f.
+    pub fn reduce(&self, forces: &[f64]) -> Vec<f64> {
+        let mut reduced = vec![0.0; self.count()];
         for (force, expression) in forces.iter().zip(&self.expressions) {
             for &(equation, coefficient) in &expression.equations {
                 reduced[equation] += coefficient * force;
             }
         }
+        reduced
     }
 
     /// Sᵀ f: the force that each drive needs, conjugate to its value.

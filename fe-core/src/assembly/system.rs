@@ -276,8 +276,7 @@ impl System {
 
     /// Tᵀ f by rows.
     pub fn reduce(&self, forces: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; self.equations.count()];
-        self.equations.reduce(forces, &mut all);
+        let all = self.equations.reduce(forces);
         self.equation_of_row.iter().map(|&equation| all[equation]).collect()
     }
 

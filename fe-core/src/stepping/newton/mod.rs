@@ -331,8 +331,7 @@ impl<'m> Equilibrium<'m> {
         self.solids.set_active(self.zone.active());
         called?;
         let equations = self.system.equations();
-        let mut residual = vec![0.0; equations.count()];
-        equations.reduce(&self.memory.unbalanced(), &mut residual);
+        let residual = equations.reduce(&self.memory.unbalanced());
         let limit = (self.model.controls.force_tolerance * self.force_scale()).max(self.memory.rounding);
         let unbalanced: Vec<bool> = residual.iter().map(|force| force.abs() > limit).collect();
         if !unbalanced.contains(&true) {
