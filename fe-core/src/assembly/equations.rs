@@ -139,15 +139,15 @@ impl Equations {
         &self.expressions[freedom].drives
     }
 
-    /// Returns whether the freedom is its own equation and nothing else moves it.
-    pub(crate) fn is_independent(&self, freedom: usize) -> bool {
+    /// Returns whether the freedom is held still, or its own equation that no other freedom follows.
+    pub(crate) fn is_plain(&self, freedom: usize) -> bool {
         let Expression { equations, drives } = &self.expressions[freedom];
-        drives.is_empty() && matches!(equations[..], [(_, 1.0)])
-    }
-
-    /// Returns whether other freedoms follow this one's equation.
-    pub fn is_shared(&self, freedom: usize) -> bool {
-        self.expressions[freedom].equations.iter().any(|(equation, _)| self.shared[*equation])
+        drives.is_empty()
+            && match equations[..] {
+                [] => true,
+                [(equation, 1.0)] => !self.shared[equation],
+                _ => false,
+            }
     }
 
     /// u += T q + S a.

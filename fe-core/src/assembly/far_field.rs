@@ -102,11 +102,8 @@ fn assemble(mesh: &Mesh, elements: &Solids, active: &[bool], local: &[usize], si
 pub(crate) fn may_be_condensed(mesh: &Mesh, equations: &Equations, loaded: &[usize]) -> Vec<bool> {
     let mut has_load = vec![false; equations.freedom_count()];
     loaded.iter().for_each(|&freedom| has_load[freedom] = true);
-    let plain = |freedom: usize| {
-        let held = equations.equations_of(freedom).is_empty() && equations.drives_of(freedom).is_empty();
-        !has_load[freedom] && (held || equations.is_independent(freedom)) && !equations.is_shared(freedom)
-    };
-    mesh.elements().iter().map(|element| freedoms(element.nodes()).into_iter().all(plain)).collect()
+    let may_be = |freedom: usize| !has_load[freedom] && equations.is_plain(freedom);
+    mesh.elements().iter().map(|element| freedoms(element.nodes()).into_iter().all(may_be)).collect()
 }
 
 /// Returns which elements have one of these freedoms.
