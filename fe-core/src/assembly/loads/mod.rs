@@ -12,10 +12,11 @@
 //! Loads on released elements fade with their forces: on an edge with those of its element, at a node with those of the last of
 //! its elements.
 
+use super::system::freedoms;
 use crate::element::EdgePoint;
 use crate::kinematics::PlaneModel;
 use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
-use crate::model::{Freedom, LoadKind, Model};
+use crate::model::{Freedom, Load, LoadKind, Model};
 use crate::solver::Blocks;
 
 #[cfg(test)]
@@ -153,14 +154,10 @@ impl LoadedEdge {
 
     /// Adds the block p ∂(∫ N_i n dA)/∂u_j.
     fn add_pressure_stiffness(&self, pressure: f64, blocks: &mut Blocks) {
-        const FREEDOMS: usize = 6;
         let nodes = self.edge.nodes();
-        let size = 2 * nodes.len();
-        let (mut rows, mut values) = ([0; FREEDOMS], [0.0; FREEDOMS * FREEDOMS]);
-        for (local, &node) in nodes.iter().enumerate() {
-            rows[2 * local] = Freedom { node, component: 0 }.index();
-            rows[2 * local + 1] = Freedom { node, component: 1 }.index();
-        }
+        let rows = freedoms(nodes);
+        let size = rows.len();
+        let mut values = vec![0.0; size * size];
         for (s, weight) in RULE {
             let point = self.edge.kind().point(&self.positions, s);
             let (shape, slopes) = (self.edge.kind().shape_functions(s), self.edge.kind().shape_derivatives(s));
@@ -181,17 +178,17 @@ impl LoadedEdge {
                 }
             }
         }
-        blocks.push(&rows[..size], &values[..size * size]);
+        blocks.push(&rows, &values);
     }
 }
 
 /// The freedoms at which a model's loads act.
 pub(crate) fn loaded_freedoms(model: &Model) -> Vec<usize> {
-    let nodes = model.loads.iter().flat_map(|load| match &load.kind {
-        LoadKind::Force { nodes, .. } => nodes.clone(),
+    let of_load = |load: &Load| match &load.kind {
+        LoadKind::Force { nodes, .. } => freedoms(nodes),
         LoadKind::Traction { edges, .. } | LoadKind::Pressure { edges, .. } => {
-            edges.iter().flat_map(|&edge| model.mesh.edge_nodes(edge).nodes().to_vec()).collect()
+            edges.iter().flat_map(|&edge| freedoms(model.mesh.edge_nodes(edge).nodes())).collect()
         }
-    });
-    nodes.flat_map(|node| [2 * node, 2 * node + 1]).collect()
+    };
+    model.loads.iter().flat_map(of_load).collect()
 }
