@@ -122,7 +122,7 @@ impl Solids {
             version: 0,
             context: IncrementContext::default(),
             fields: model.fields.clone(),
-            steps: if model.fields.change() { model.steps.clone() } else { Vec::new() },
+            steps: model.steps.clone(),
             earlier: Counters::default(),
             notes,
             trust: model.laws.iter().map(Trust::new).collect(),
@@ -263,11 +263,8 @@ impl Solids {
     /// Passes the increment to the laws. Times are arguments of a law: results for other times are discarded.
     fn set_context(&mut self, context: &IncrementContext) {
         let times = |context: &IncrementContext| [context.step_time, context.total_time, context.time_increment];
-        if !same_bits(&times(&self.context), &times(context)) {
-            self.blocks.iter_mut().for_each(ElementBlock::forget);
-        }
-        if self.context.step != context.step {
-            self.blocks.iter_mut().for_each(ElementBlock::forget);
+        if !same_bits(&times(&self.context), &times(context)) || self.context.step != context.step {
+            self.restore();
         }
         self.context = *context;
         if self.fields.change() {
