@@ -3,7 +3,6 @@
 use super::control::Findings;
 use super::newton::{Committed, Converged, Equilibrium, largest};
 use super::{Analysis, Energies, Snapshot};
-use crate::assembly::solids::SolidEnergies;
 
 /// Least part of the energy that the drives take back which an increment dissipates: less is elastic unloading.
 const LEAST_DISSIPATION: f64 = 1e-2;
@@ -72,11 +71,9 @@ impl Analysis<'_> {
         }
         for part in found {
             let Some(account) = self.present.datum_accounts.get(part) else { continue };
-            let SolidEnergies { stored, plastic, damage, .. } = account.reported();
             let datum = &mut self.present.datum;
-            datum.elastic -= stored;
-            datum.plastic -= plastic;
-            datum.damage -= damage;
+            datum.elastic -= account.stored;
+            *if account.damages { &mut datum.damage } else { &mut datum.plastic } -= account.dissipated;
             datum.unaccounted += account.work;
         }
         let external_work = self.present.energies.external_work;

@@ -196,13 +196,7 @@ impl Solids {
 
     /// Returns what all points have dissipated at the last evaluation of each: SPD + SCD, N·mm.
     pub(crate) fn trial_dissipation(&self) -> f64 {
-        let mut parts = vec![0.0; self.trust.len()];
-        for body in self.bodies() {
-            for ([_, plastic, creep], volume) in body.points.trial.reference_energies.iter().zip(&body.volumes) {
-                parts[body.index] += (plastic + creep) * volume;
-            }
-        }
-        parts.into_iter().sum()
+        self.accounts_of(|points| &points.trial).iter().map(|account| account.dissipated).sum()
     }
 
     /// Returns how many points have failed: their damage has grown, or, of laws without one, they have dissipated.

@@ -14,8 +14,7 @@
 //! differences; where it is far off, differences take its place.
 
 use super::Solids;
-use super::record::Body;
-use super::summary::SolidEnergies;
+use super::points::{Points, States};
 use crate::model::PluginLaw;
 use serde::{Deserialize, Serialize};
 use umat_abi::host::{TangentDeviation, TangentSource};
@@ -148,16 +147,6 @@ impl PartAccount {
         [self.stored, self.dissipated, self.work].into_iter().all(f64::is_finite)
     }
 
-    /// Returns the reported energies as entries of the sums.
-    pub fn reported(&self) -> SolidEnergies {
-        let Self { stored, dissipated, damages, .. } = *self;
-        if damages {
-            SolidEnergies { stored, damage: dissipated, ..SolidEnergies::default() }
-        } else {
-            SolidEnergies { stored, plastic: dissipated, ..SolidEnergies::default() }
-        }
-    }
-
     fn total(&self) -> f64 {
         self.stored + self.dissipated
     }
@@ -171,13 +160,13 @@ pub(super) fn work_of(work: &[f64], volumes: &[f64]) -> f64 {
 impl Solids {
     /// Returns the energies that each part's law has reported of the committed state, and the work of its stresses.
     pub fn accounts(&self) -> Vec<PartAccount> {
-        self.accounts_of(|body| &body.points.committed)
+        self.accounts_of(|points| &points.committed)
     }
 
-    fn accounts_of(&self, states: fn(&Body) -> &super::points::States) -> Vec<PartAccount> {
+    pub(super) fn accounts_of(&self, states: fn(&Points) -> &States) -> Vec<PartAccount> {
         let mut accounts = vec![PartAccount::default(); self.trust.len()];
         for body in self.bodies() {
-            let (states, account) = (states(body), &mut accounts[body.index]);
+            let (states, account) = (states(&body.points), &mut accounts[body.index]);
             account.damages = body.part.damages;
             account.work += work_of(&states.work, &body.volumes);
             for ([stored, plastic, creep], volume) in states.reference_energies.iter().zip(&body.volumes) {
@@ -197,7 +186,7 @@ impl Solids {
     /// for those whose report contradicts the work: `refused` is the size of the increment and the imbalance of energies
     /// that it would add, N·mm, if it is refused for that. Returns the parts that are not believed from now on.
     pub(crate) fn judge_energies(&mut self, refused: Option<[f64; 2]>) -> Vec<usize> {
-        let (before, after) = (self.accounts(), self.accounts_of(|body| &body.points.trial));
+        let (before, after) = (self.accounts(), self.accounts_of(|points| &points.trial));
         let mut found = Vec::new();
         for (part, trust) in self.trust.iter_mut().enumerate() {
             let (Some(before), Some(after)) = (before.get(part), after.get(part)) else { continue };
