@@ -9,7 +9,7 @@
 //! equation checked with the laws: an element that is no longer elastic is noticed exactly, leaves the far field,
 //! and the increment goes on.
 
-use super::system::freedoms;
+use super::system::{NOWHERE, Scatter, freedoms, rows_of};
 use super::{Equations, Solids};
 use crate::mesh::Mesh;
 use crate::solver::{Pattern, SolverError, Superelement};
@@ -46,9 +46,22 @@ impl FarField {
         if own.is_empty() {
             return Ok(None);
         }
-        let mut local = vec![usize::MAX; far.len()];
-        own.iter().enumerate().for_each(|(index, &freedom)| local[freedom] = index);
-        let (pattern, values) = assemble(mesh, elements, active, &local, own.len());
+        let mut row_of_equation = vec![NOWHERE; equations.count()];
+        for (row, &freedom) in (0..).zip(&own) {
+            equations.equations_of(freedom).iter().for_each(|&(equation, _)| row_of_equation[equation] = row);
+        }
+        let far_elements: Vec<(usize, Vec<usize>)> = (0..active.len())
+            .filter(|&element| !active[element])
+            .map(|element| (element, freedoms(mesh.elements()[element].nodes())))
+            .collect();
+        let groups: Vec<Vec<usize>> =
+            far_elements.iter().map(|(_, freedoms)| rows_of(equations, &row_of_equation, freedoms)).collect();
+        let pattern = Pattern::from_groups(own.len(), groups.iter().map(Vec::as_slice));
+        let mut values = vec![0.0; pattern.entries()];
+        for (element, freedoms) in &far_elements {
+            let scatter = Scatter::new(equations, &row_of_equation, &pattern, freedoms);
+            scatter.add(elements.stiffness(*element), 0, &mut values);
+        }
         let nodes: Vec<usize> = own.iter().map(|freedom| freedom / 2).collect();
         let (border, interior): (Vec<usize>, Vec<usize>) = (0..own.len()).partition(|&index| kept[own[index]]);
         let superelement = Superelement::new(&pattern, &values, &nodes, &border)?;
@@ -69,33 +82,6 @@ impl FarField {
         self.superelement.expand(&border, &mut expanded);
         self.own.iter().zip(&expanded).for_each(|(&freedom, value)| displacements[freedom] = *value);
     }
-}
-
-/// The stiffness of the far elements over their own numbering.
-fn assemble(mesh: &Mesh, elements: &Solids, active: &[bool], local: &[usize], size: usize) -> (Pattern, Vec<f64>) {
-    let far: Vec<(usize, Vec<usize>)> = (0..active.len())
-        .filter(|&element| !active[element])
-        .map(|element| (element, freedoms(mesh.elements()[element].nodes())))
-        .collect();
-    let groups: Vec<Vec<usize>> = far
-        .iter()
-        .map(|(_, freedoms)| freedoms.iter().map(|&f| local[f]).filter(|&index| index != usize::MAX).collect())
-        .collect();
-    let pattern = Pattern::from_groups(size, groups.iter().map(Vec::as_slice));
-    let mut values = vec![0.0; pattern.entries()];
-    for (element, freedoms) in &far {
-        let rows = elements.stiffness(*element).chunks_exact(freedoms.len());
-        for (row, &row_freedom) in rows.zip(freedoms) {
-            for (value, &column_freedom) in row.iter().zip(freedoms) {
-                let (row, column) = (local[row_freedom], local[column_freedom]);
-                if row != usize::MAX && column != usize::MAX {
-                    let place = pattern.index(row, column).expect("the pattern was made from these elements");
-                    values[place] += value;
-                }
-            }
-        }
-    }
-    (pattern, values)
 }
 
 /// Returns which elements may be condensed: their freedoms are each an equation of their own or held still, and carry no load.

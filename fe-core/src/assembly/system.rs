@@ -20,7 +20,7 @@ mod test;
 
 /// Places in the matrix of the entries of the stiffness of an element or of the far field.
 #[derive(Clone, Debug)]
-enum Scatter {
+pub(super) enum Scatter {
     /// Freedoms are equations or held: the place of each entry of the element, or [`NOWHERE`]; none of a condensed element.
     Direct(Vec<u32>),
     /// Couplings: (entry of the element, place, coefficient).
@@ -28,7 +28,7 @@ enum Scatter {
 }
 
 /// The place of an entry whose row or column is held; the row of an equation that is condensed.
-const NOWHERE: u32 = u32::MAX;
+pub(super) const NOWHERE: u32 = u32::MAX;
 
 /// Fewer values are assembled by one thread: it takes less than a millisecond, and waking another one a tenth.
 const LEAST_SHARED: usize = 400_000;
@@ -102,12 +102,7 @@ impl System {
         let (row_of_equation, equation_of_row) = rows(&equations, far_field.as_ref());
         let element_freedoms: Vec<Vec<usize>> =
             mesh.elements().iter().map(|element| freedoms(element.nodes())).collect();
-        let by_rows = |freedoms: &[usize]| -> Vec<usize> {
-            equations_of_all(&equations, freedoms)
-                .into_iter()
-                .map(|equation| row_of_equation[equation] as usize)
-                .collect()
-        };
+        let by_rows = |freedoms: &[usize]| rows_of(&equations, &row_of_equation, freedoms);
         let mut groups: Vec<Vec<usize>> = element_freedoms
             .iter()
             .enumerate()
@@ -353,6 +348,11 @@ fn equations_of_all(equations: &Equations, freedoms: &[usize]) -> Vec<usize> {
     all
 }
 
+/// The rows of the equations that some freedoms are made of, ascending, each once.
+pub(super) fn rows_of(equations: &Equations, row_of_equation: &[u32], freedoms: &[usize]) -> Vec<usize> {
+    equations_of_all(equations, freedoms).into_iter().map(|equation| row_of_equation[equation] as usize).collect()
+}
+
 /// Tᵀ k T of a block: its equations and values.
 fn reduced_block(equations: &Equations, freedoms: &[usize], values: &[f64]) -> (Vec<usize>, Vec<f64>) {
     let rows = equations_of_all(equations, freedoms);
@@ -375,7 +375,7 @@ fn reduced_block(equations: &Equations, freedoms: &[usize], values: &[f64]) -> (
 
 impl Scatter {
     /// Adds an element's stiffness to the values from `first` on.
-    fn add(&self, stiffness: &[f64], first: usize, values: &mut [f64]) {
+    pub(super) fn add(&self, stiffness: &[f64], first: usize, values: &mut [f64]) {
         match self {
             Self::Direct(places) => {
                 for (&place, entry) in places.iter().zip(stiffness) {
@@ -409,7 +409,8 @@ impl Scatter {
         }
     }
 
-    fn new(equations: &Equations, row_of_equation: &[u32], pattern: &Pattern, freedoms: &[usize]) -> Self {
+    /// Finds the places of an element's entries in a pattern over the rows that its equations have.
+    pub(super) fn new(equations: &Equations, row_of_equation: &[u32], pattern: &Pattern, freedoms: &[usize]) -> Self {
         let mut entries = Vec::with_capacity(freedoms.len() * freedoms.len());
         for (i, &row_freedom) in freedoms.iter().enumerate() {
             for (j, &column_freedom) in freedoms.iter().enumerate() {
