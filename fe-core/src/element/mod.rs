@@ -37,7 +37,8 @@ pub enum ElementKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeFunctions {
     count: usize,
-    values: [f64; MAX_NODES],
+    /// Nᵢ; 0 beyond `count`.
+    pub(crate) values: [f64; MAX_NODES],
     derivatives: [[f64; 2]; MAX_NODES],
 }
 

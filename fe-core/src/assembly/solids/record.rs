@@ -42,7 +42,7 @@ pub(super) struct ElementData {
 }
 
 /// How the stiffness of an element was built, as it is kept between runs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Built {
     pub(super) choice: TangentChoice,
     /// A DDSDDE is another one than that of the stiffness.
@@ -280,8 +280,8 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Mode
     for (part, law) in laws.iter().enumerate() {
         let mut of_part = blocks.iter_mut().map(|block| &mut block.body).filter(|body| body.index == part);
         let Some(first) = of_part.next() else { continue };
-        if let Some(element) = largest_element(mesh, part) {
-            first.points.call.celent = mesh.characteristic_length(element);
+        if let Some((_, length)) = largest_element(mesh, part) {
+            first.points.call.celent = length;
         }
         notes.extend(first.points.prepare(law, &shared[part].name)?);
         if nlgeom[part] && parts[part].model == PlaneModel::PlaneStress && !first.points.knows_thickness() {
@@ -355,11 +355,12 @@ fn checked_part(
             let kind = ElementKind::ALL[kind];
             let integration = definition.integration.unwrap_or(kind.default_integration());
             let points = kind.integration_points(integration).unwrap_or_default();
-            points.iter().map(|point| padded(kind.shape_functions(point.coordinates).values())).collect()
+            points.iter().map(|point| kind.shape_functions(point.coordinates).values).collect()
         }),
     })
 }
 
+/// Makes a block of some elements of a part.
 fn block(
     mesh: &Mesh,
     part: usize,
@@ -376,7 +377,32 @@ fn block(
         volumes: Vec::with_capacity(count),
         positions: Vec::with_capacity(count),
     };
-    let records = records(mesh, &mut body, elements);
+    let mut records: Vec<ElementData> = Vec::with_capacity(elements.len());
+    for &element in elements {
+        let definition = &mesh.elements()[element];
+        let kind = definition.kind();
+        let (first_point, first_gradient) = (body.volumes.len(), body.gradients.len());
+        body.add_points(mesh, element);
+        let count = kind.node_count();
+        let mut nodes = [0; MAX_NODES];
+        nodes[..count].copy_from_slice(definition.nodes());
+        let nodal = records.last().map_or(0, |last| last.nodal.end);
+        let stiffness = records.last().map_or(0, |last| last.stiffness.end);
+        records.push(ElementData {
+            element,
+            kind,
+            nodes,
+            characteristic_length: mesh.characteristic_length(element),
+            points: first_point..body.volumes.len(),
+            gradients: first_gradient..body.gradients.len(),
+            nodal: nodal..nodal + count,
+            stiffness: stiffness..stiffness + 4 * count * count,
+            // The virgin stiffness is not built yet.
+            built: Built { moduli_changed: true, ..Built::default() },
+            is_evaluated: false,
+            has_tangent: false,
+        });
+    }
     Ok(ElementBlock::new(body, records))
 }
 
@@ -445,14 +471,11 @@ pub(super) fn number_of(index: usize) -> i32 {
     i32::try_from(index + 1).unwrap_or(i32::MAX)
 }
 
-fn padded(values: &[f64]) -> [f64; MAX_NODES] {
-    std::array::from_fn(|node| values.get(node).copied().unwrap_or(0.0))
-}
-
-fn largest_element(mesh: &Mesh, part: usize) -> Option<usize> {
-    let length = |&element: &usize| mesh.characteristic_length(element);
+/// Returns the element of a part with the greatest characteristic length, and that length.
+fn largest_element(mesh: &Mesh, part: usize) -> Option<(usize, f64)> {
     let of_part = (0..mesh.elements().len()).filter(|&element| mesh.elements()[element].part() == part);
-    of_part.max_by(|a, b| length(a).total_cmp(&length(b)))
+    let with_length = of_part.map(|element| (element, mesh.characteristic_length(element)));
+    with_length.max_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
 /// Checks plane model, parameters and size of elements with the law itself.
@@ -469,8 +492,7 @@ fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), ModelEr
     if law.stress_states & needed == 0 && !through_six {
         return Err(ModelError::of_part(part_name, format!("{law_name} has no {form} form")));
     }
-    let Some(element) = largest_element(mesh, part) else { return Ok(()) };
-    let length = mesh.characteristic_length(element);
+    let Some((element, length)) = largest_element(mesh, part) else { return Ok(()) };
     match law.validate(&plugin.props, Some(length)) {
         Validation::Valid => Ok(()),
         Validation::Invalid(message) | Validation::NeedsCharacteristicLength(message) => {
@@ -478,41 +500,4 @@ fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), ModelEr
             Err(ModelError(format!("{place}: {law_name}: {message}")))
         }
     }
-}
-
-/// The records of some elements; gradients, volumes and positions of their points go to the body.
-fn records(mesh: &Mesh, body: &mut Body, elements: &[usize]) -> Vec<ElementData> {
-    let mut records: Vec<ElementData> = Vec::with_capacity(elements.len());
-    for &element in elements {
-        let definition = &mesh.elements()[element];
-        let kind = definition.kind();
-        let (first_point, first_gradient) = (body.volumes.len(), body.gradients.len());
-        body.add_points(mesh, element);
-        let count = kind.node_count();
-        let mut nodes = [0; MAX_NODES];
-        nodes[..count].copy_from_slice(definition.nodes());
-        let nodal = records.last().map_or(0, |last| last.nodal.end);
-        let stiffness = records.last().map_or(0, |last| last.stiffness.end);
-        records.push(ElementData {
-            element,
-            kind,
-            nodes,
-            characteristic_length: mesh.characteristic_length(element),
-            points: first_point..body.volumes.len(),
-            gradients: first_gradient..body.gradients.len(),
-            nodal: nodal..nodal + count,
-            stiffness: stiffness..stiffness + 4 * count * count,
-            built: Built {
-                choice: TangentChoice::default(),
-                // The virgin stiffness is not built yet.
-                moduli_changed: true,
-                is_unsymmetric: false,
-                version: 0,
-                spalled: None,
-            },
-            is_evaluated: false,
-            has_tangent: false,
-        });
-    }
-    records
 }
