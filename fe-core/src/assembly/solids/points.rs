@@ -49,9 +49,7 @@ impl States {
             work: if law.law.is_some() { Vec::new() } else { vec![0.0; points] },
         }
     }
-}
 
-impl States {
     /// Returns whether it is of as many points with as many states, and what the host computes with are numbers; what state
     /// variables are is the law's.
     pub(super) fn fits(&self, other: &Self) -> bool {
@@ -190,7 +188,9 @@ impl Points {
     /// The arguments of the first point in its virgin state.
     fn set_virgin(&mut self) {
         let zero = [0.0; MAX_COMPONENTS];
-        self.rest();
+        self.call.drot = columns(IDENTITY);
+        self.call.dfgrd0 = columns(IDENTITY);
+        self.call.dfgrd1 = columns(IDENTITY);
         let stress = self.committed.stress.first().copied().unwrap_or(zero);
         let statev = self.committed.statev.get(..self.nstatv).map_or_else(|| vec![0.0; self.nstatv], <[f64]>::to_vec);
         self.call.set_point([&zero, &zero, &stress], &statev, [0.0; 3]);
@@ -227,9 +227,9 @@ impl Points {
         (c[0][0] * minor(1, 2) - c[0][1] * minor(0, 2) + c[0][2] * minor(0, 1)) / minor(1, 2)
     }
 
-    /// NSTATV.
-    pub(super) fn nstatv(&self) -> usize {
-        self.nstatv
+    /// Returns one of the states of the law at all points.
+    pub(super) fn state_at_all<'s>(&self, states: &'s States, state: usize) -> impl Iterator<Item = &'s f64> {
+        states.statev.iter().skip(state).step_by(self.nstatv)
     }
 
     /// STATEV of a point.
@@ -418,13 +418,6 @@ impl Points {
         self.call.set_point([strain, &[0.0; MAX_COMPONENTS], stress], statev, self.trial.energies[point]);
         self.run(Request::StressAndTangent)?;
         Ok(self.returned_moduli())
-    }
-
-    /// The kinematics of what has not moved.
-    fn rest(&mut self) {
-        self.call.drot = columns(IDENTITY);
-        self.call.dfgrd0 = columns(IDENTITY);
-        self.call.dfgrd1 = columns(IDENTITY);
     }
 
     /// Sets the components of the strain that follow from the displacements.

@@ -176,7 +176,7 @@ impl Solids {
                 *dissipated += (plastic + creep) * volume;
             }
             if let Some(state) = part.overstress_work {
-                let works = states.statev.iter().skip(state).step_by(points.nstatv());
+                let works = points.state_at_all(states, state);
                 let overstress: f64 = works.zip(volumes).map(|(work, volume)| work * volume).sum();
                 sum.overstress += overstress;
                 *if part.damages { &mut sum.damage } else { &mut sum.plastic } -= overstress;
@@ -300,7 +300,7 @@ impl Solids {
         for Body { part, points, .. } in self.bodies().filter(|body| body.index == part) {
             let states = &points.committed;
             if let Some(state) = part.plastic_strain {
-                let strains = states.statev.iter().skip(state).step_by(points.nstatv());
+                let strains = points.state_at_all(states, state);
                 greatest.plastic_strain =
                     strains.fold(greatest.plastic_strain, |greatest, &strain| greatest.max(strain));
             }
