@@ -3,7 +3,7 @@
 use super::Solids;
 use super::block::ElementBlock;
 use super::points::{Points, States};
-use super::record::{Body, Spalled};
+use super::record::{Body, Spalled, number_of};
 use super::trust::work_of;
 use crate::assembly::GREATEST_COUNT;
 use crate::kinematics::finite::{Components, rotated};
@@ -43,8 +43,6 @@ impl std::ops::AddAssign for SolidEnergies {
 /// Numbers of points whose damage has grown or that, where the law has none, have dissipated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PointCounts {
-    /// All points.
-    pub points: usize,
     /// Points of laws without a damage.
     pub plastic: usize,
     /// Points of laws with a damage.
@@ -127,8 +125,7 @@ impl Solids {
     /// The last call of the law of an element's part, if it was for this point: the one that failed, where a law did.
     pub fn last_call(&self, element: usize, point: usize) -> Option<PointCall> {
         let call = &self.block(element).body.points.call;
-        let number = |index: usize| i32::try_from(index + 1).ok();
-        if [Some(call.noel), Some(call.npt)] != [number(element), number(point)] {
+        if [call.noel, call.npt] != [number_of(element), number_of(point)] {
             return None;
         }
         let PointView { stress, strain, statev, energies, .. } = self.point(element, point);
@@ -204,7 +201,6 @@ impl Solids {
         let mut counts = PointCounts::default();
         for body in self.bodies() {
             let failed = (0..body.volumes.len()).filter(|&point| body.has_failed(point)).count();
-            counts.points += body.volumes.len();
             *if body.part.damages { &mut counts.damaged } else { &mut counts.plastic } += failed;
         }
         counts

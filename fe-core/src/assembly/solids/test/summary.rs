@@ -4,6 +4,10 @@ use super::*;
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
 
+fn point_count(solids: &Solids) -> usize {
+    (0..solids.active().len()).map(|element| solids.point_count(element)).sum()
+}
+
 #[test]
 fn stored_energy_is_half_of_displacement_times_force() {
     for variant in Variant::ALL {
@@ -46,7 +50,7 @@ fn work_is_stored_or_dissipated() {
         // Cauchy stress works on the present volume, energies are counted per reference volume: it changes by 1 %.
         let tolerance = if nlgeom { 1e-2 } else { 1e-3 };
         assert_relative_eq!(energies.stored + energies.plastic, work, max_relative = tolerance);
-        assert_eq!(solids.counts().plastic, solids.counts().points);
+        assert_eq!(solids.counts().plastic, point_count(&solids));
     }
 }
 
@@ -58,7 +62,7 @@ fn what_a_damage_law_dissipates_is_damage() {
     advance(&mut solids, &moved(&mesh, |[x, y]| [x + 4e-4 * x, y]));
     let (energies, counts) = (solids.energies(), solids.counts());
     assert!(energies.damage > 0.0 && energies.plastic == 0.0);
-    assert_eq!(counts, PointCounts { points: 10, plastic: 0, damaged: 10 });
+    assert_eq!((counts, point_count(&solids)), (PointCounts { plastic: 0, damaged: 10 }, 10));
     assert_eq!(solids.part_energies(), [energies]);
 }
 
