@@ -10,6 +10,12 @@ pub(crate) fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
 
+/// The principal values in the plane of a tensor 11, 22, 33, 12, the greater one first.
+pub(crate) fn principal([t11, t22, _, t12]: [f64; 4]) -> [f64; 2] {
+    let (mean, radius) = (0.5 * (t11 + t22), (0.5 * (t11 - t22)).hypot(t12));
+    [mean + radius, mean - radius]
+}
+
 /// |a − b|.
 pub(crate) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])

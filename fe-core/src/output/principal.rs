@@ -1,5 +1,7 @@
 //! Principal stresses of a plane state.
 
+use crate::plane::principal;
+
 /// Principal stresses of 11, 22, 33, 12, where 33 is one of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Principal {
@@ -18,9 +20,7 @@ pub struct Principal {
 impl Principal {
     /// Finds the principal values of a stress 11, 22, 33, 12; all NaN if any component is.
     pub fn new([s11, s22, s33, s12]: [f64; 4]) -> Self {
-        let (mean, half_difference) = (0.5 * (s11 + s22), 0.5 * (s11 - s22));
-        let radius = half_difference.hypot(s12);
-        let in_plane = [mean + radius, mean - radius];
+        let in_plane = principal([s11, s22, s33, s12]);
         let mut ordered = [in_plane[0], in_plane[1], s33];
         if ordered.iter().any(|value| value.is_nan()) {
             return Self {
@@ -33,7 +33,7 @@ impl Principal {
         }
         ordered.sort_unstable_by(f64::total_cmp);
         let [minimum, middle, maximum] = ordered;
-        Self { maximum, middle, minimum, in_plane, angle: 0.5 * s12.atan2(half_difference) }
+        Self { maximum, middle, minimum, in_plane, angle: 0.5 * s12.atan2(0.5 * (s11 - s22)) }
     }
 
     /// The unit vector along the greatest of the three: (0, 0, 1) where that is the one out of the plane.

@@ -7,6 +7,7 @@ use super::record::{Body, Spalled, number_of};
 use super::trust::work_of;
 use crate::assembly::GREATEST_COUNT;
 use crate::kinematics::finite::{Components, rotated};
+use crate::plane::principal;
 use umat_abi::host::recorder::UmatRecord;
 
 /// Energies of the committed state, N·mm (of a plane part over its thickness).
@@ -242,14 +243,10 @@ impl Solids {
     pub(crate) fn is_torn(&self, element: usize, opening: f64, stress: f64) -> bool {
         let (block, record) = (self.block(element), self.record(element));
         let states = &block.body.points.committed;
-        let principal = |[a, b, _, c]: Components| {
-            let (mean, radius) = (0.5 * (a + b), (0.5 * (a - b)).hypot(c));
-            [mean - radius, mean + radius]
-        };
         record.points.clone().all(|point| {
             let [e11, e22, e33, gamma] = states.strain[point];
-            let [_, widest] = principal([e11, e22, e33, 0.5 * gamma]);
-            let [least, greatest] = principal(states.stress[point]);
+            let [widest, _] = principal([e11, e22, e33, 0.5 * gamma]);
+            let [greatest, least] = principal(states.stress[point]);
             let borne = least.abs().max(greatest.abs()).max(states.stress[point][2].abs());
             widest * record.characteristic_length > opening && borne <= stress
         })
@@ -300,11 +297,8 @@ impl Solids {
                 greatest.plastic_strain =
                     strains.fold(greatest.plastic_strain, |greatest, &strain| greatest.max(strain));
             }
-            let principal = states.stress.iter().map(|&[s11, s22, s33, s12]| {
-                let (middle, radius) = (0.5 * (s11 + s22), (0.5 * (s11 - s22)).hypot(s12));
-                (middle + radius).max(s33)
-            });
-            greatest.principal_stress = principal.fold(greatest.principal_stress, f64::max);
+            let stresses = states.stress.iter().map(|&stress| principal(stress)[0].max(stress[2]));
+            greatest.principal_stress = stresses.fold(greatest.principal_stress, f64::max);
         }
         greatest
     }
