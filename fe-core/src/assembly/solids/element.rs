@@ -182,7 +182,8 @@ pub(super) fn advance_finite<const N: usize>(
         }
         let [f0, f1] = &gradients[point];
         let increment = PointIncrement { strain, motion: Some((&motions[point], f0, f1)) };
-        (points.call.coords, points.call.npt) = (present_position(shape, point, end), number_of(point));
+        let [x, y] = present_position(shape.positions[point], &shape.values[point], end);
+        (points.call.coords, points.call.npt) = ([x, y, 0.0], number_of(point));
         *changed |= points
             .advance(shape.first_point + point, &increment, task.request, task.choice)
             .map_err(|trouble| (point, trouble))?;
@@ -214,13 +215,13 @@ fn mean_dilatation<const N: usize>(shape: &Shape<'_, N>, motions: &Motions) -> O
     })
 }
 
-fn present_position<const N: usize>(shape: &Shape<'_, N>, point: usize, displacements: &Nodal<N>) -> [f64; 3] {
-    let [mut x, mut y] = shape.positions[point];
-    for ([u, v], value) in displacements.iter().zip(&shape.values[point]) {
+/// x + Σ N_i u_i.
+pub(super) fn present_position([mut x, mut y]: [f64; 2], values: &[f64], displacements: &[[f64; 2]]) -> [f64; 2] {
+    for ([u, v], value) in displacements.iter().zip(values) {
         x += value * u;
         y += value * v;
     }
-    [x, y, 0.0]
+    [x, y]
 }
 
 /// Computes the derivative of the forces of [`advance_finite`], which is not symmetric.

@@ -2,6 +2,7 @@
 
 use super::Solids;
 use super::block::ElementBlock;
+use super::element::present_position;
 use super::points::{Points, States};
 use super::record::{Body, Spalled, number_of};
 use super::trust::work_of;
@@ -270,10 +271,7 @@ impl Solids {
         let mut position = body.positions[index];
         if body.part.nlgeom {
             let values = body.part.values(record.kind, point);
-            for ([u, v], value) in block.committed[record.nodal.clone()].iter().zip(values) {
-                position[0] += value * u;
-                position[1] += value * v;
-            }
+            position = present_position(position, values, &block.committed[record.nodal.clone()]);
         }
         let states = &body.points.committed;
         PointView {
