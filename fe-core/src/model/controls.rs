@@ -133,9 +133,3 @@ impl Skipping {
     pub const NONE: Self =
         Self { unchanged_elements: false, elastic_far_field: false, factor_reuse: false, contact_search: false };
 }
-
-impl Default for Skipping {
-    fn default() -> Self {
-        Self::ALL
-    }
-}
