@@ -20,8 +20,15 @@ mod test;
 
 /// Places in the matrix of the entries of the stiffness of an element or of the far field.
 #[derive(Clone, Debug)]
-pub(super) enum Scatter {
-    /// Freedoms are equations or held: the place of each entry of the element, or [`NOWHERE`]; none of a condensed element.
+pub(super) struct Scatter {
+    places: Places,
+    /// From the first place to behind the last.
+    span: Range<usize>,
+}
+
+#[derive(Clone, Debug)]
+enum Places {
+    /// Freedoms are equations or held: the place of each entry, or [`NOWHERE`].
     Direct(Vec<u32>),
     /// Couplings: (entry of the element, place, coefficient).
     Coupled(Vec<(u32, u32, f64)>),
@@ -44,9 +51,8 @@ pub struct System {
     /// Place of each row's diagonal entry.
     diagonal: Vec<usize>,
     solver: LinearSolver,
+    /// One of each element; condensed ones have no places.
     scatter: Vec<Scatter>,
-    /// Range of the places of each element among the values.
-    spans: Vec<Range<usize>>,
     threads: Threads,
     element_freedoms: Vec<Vec<usize>>,
     /// Elements with a freedom that a drive moves.
@@ -114,10 +120,8 @@ impl System {
         let scatter: Vec<Scatter> = element_freedoms
             .iter()
             .enumerate()
-            .map(|(element, freedoms)| match is_active(element) {
-                true => Scatter::new(&equations, &row_of_equation, &pattern, freedoms),
-                false => Scatter::Direct(Vec::new()),
-            })
+            .map(|(element, freedoms)| if is_active(element) { &freedoms[..] } else { &[] })
+            .map(|freedoms| Scatter::new(&equations, &row_of_equation, &pattern, freedoms))
             .collect();
         let border = far_field.as_ref().map_or(&[][..], |far| &far.border);
         let far_scatter = Scatter::new(&equations, &row_of_equation, &pattern, border);
@@ -136,7 +140,6 @@ impl System {
             equation_of_row,
             diagonal,
             solver,
-            spans: scatter.iter().map(Scatter::span).collect(),
             scatter,
             threads: Threads::default(),
             element_freedoms,
@@ -175,17 +178,14 @@ impl System {
         let length = values.len().div_ceil(count).max(1);
         let mut ranges: Vec<(usize, &mut [f64])> =
             values.chunks_mut(length).enumerate().map(|(number, range)| (number * length, range)).collect();
-        let (scatter, spans, far) = (&self.scatter, &self.spans, self.far_field.as_ref());
+        let (scatter, far) = (&self.scatter, self.far_field.as_ref());
         let add = |(first, values): &mut (usize, &mut [f64])| {
             values.fill(0.0);
-            let (first, behind) = (*first, *first + values.len());
             for (element, scatter) in scatter.iter().enumerate() {
-                if spans[element].start < behind && first < spans[element].end {
-                    scatter.add(elements.stiffness(element), first, values);
-                }
+                scatter.add(elements.stiffness(element), *first, values);
             }
             if let Some(far) = far {
-                self.far_scatter.add(far.stiffness(), first, values);
+                self.far_scatter.add(far.stiffness(), *first, values);
             }
         };
         match ranges.as_mut_slice() {
@@ -376,8 +376,11 @@ fn reduced_block(equations: &Equations, freedoms: &[usize], values: &[f64]) -> (
 impl Scatter {
     /// Adds an element's stiffness to the values from `first` on.
     pub(super) fn add(&self, stiffness: &[f64], first: usize, values: &mut [f64]) {
-        match self {
-            Self::Direct(places) => {
+        if self.span.start >= first + values.len() || self.span.end <= first {
+            return;
+        }
+        match &self.places {
+            Places::Direct(places) => {
                 for (&place, entry) in places.iter().zip(stiffness) {
                     if place != NOWHERE
                         && let Some(value) = values.get_mut((place as usize).wrapping_sub(first))
@@ -386,26 +389,13 @@ impl Scatter {
                     }
                 }
             }
-            Self::Coupled(entries) => {
+            Places::Coupled(entries) => {
                 for &(entry, place, coefficient) in entries {
                     if let Some(value) = values.get_mut((place as usize).wrapping_sub(first)) {
                         *value += coefficient * stiffness[entry as usize];
                     }
                 }
             }
-        }
-    }
-
-    /// Returns the span from the first place to behind the last.
-    fn span(&self) -> Range<usize> {
-        let span = |places: &mut dyn Iterator<Item = usize>| {
-            let [first, behind] =
-                places.fold([usize::MAX, 0], |[first, behind], place| [first.min(place), behind.max(place + 1)]);
-            first..behind
-        };
-        match self {
-            Self::Direct(places) => span(&mut places.iter().filter(|place| **place != NOWHERE).map(|&p| p as usize)),
-            Self::Coupled(entries) => span(&mut entries.iter().map(|&(_, place, _)| place as usize)),
         }
     }
 
@@ -423,14 +413,17 @@ impl Scatter {
                 }
             }
         }
-        if entries.iter().all(|(_, _, coefficient)| *coefficient == 1.0) {
+        let present = || entries.iter().map(|&(_, place, _)| place as usize);
+        let span = present().min().unwrap_or(0)..present().max().map_or(0, |last| last + 1);
+        let places = if entries.iter().all(|(_, _, coefficient)| *coefficient == 1.0) {
             let mut places = vec![NOWHERE; freedoms.len() * freedoms.len()];
             for (entry, place, _) in entries {
                 places[entry as usize] = place;
             }
-            Self::Direct(places)
+            Places::Direct(places)
         } else {
-            Self::Coupled(entries)
-        }
+            Places::Coupled(entries)
+        };
+        Self { places, span }
     }
 }
