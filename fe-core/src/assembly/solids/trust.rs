@@ -189,7 +189,7 @@ impl Solids {
         let (before, after) = (self.accounts(), self.accounts_of(|points| &points.trial));
         let mut found = Vec::new();
         for (part, trust) in self.trust.iter_mut().enumerate() {
-            let (Some(before), Some(after)) = (before.get(part), after.get(part)) else { continue };
+            let (before, after) = (&before[part], &after[part]);
             if trust.reports != Reports::Believed {
                 continue;
             }
