@@ -141,10 +141,7 @@ impl Analysis<'_> {
         let along = |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, axis));
         let open = measured.interface_lines.iter().map(|line| snapshot.contact().open_length(line));
         let open: Vec<f64> = open.collect();
-        let strained = |part: Option<usize>| {
-            let none = GreatestInPart { plastic_strain: f64::NAN, principal_stress: f64::NAN };
-            part.map_or(none, |part| snapshot.solids().greatest_in_part(part))
-        };
+        let strained = |part: Option<usize>| snapshot.solids().greatest_in_part(part);
         let fibres = measured.fibres.iter().map(|fibre| {
             let GreatestInPart { plastic_strain, principal_stress } = strained(fibre.part);
             let along = |node: usize| snapshot.displacement_of(node, fibre.axis);

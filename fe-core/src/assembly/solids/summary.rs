@@ -285,10 +285,10 @@ impl Solids {
     }
 
     /// The greatest equivalent plastic strain of the points of a part, and their greatest principal stress, MPa: along a fibre, by tension
-    /// and bending. NaN without points, or without a law that has such a strain.
-    pub(crate) fn greatest_in_part(&self, part: usize) -> GreatestInPart {
+    /// and bending. NaN without a part or points, or without a law that has such a strain.
+    pub(crate) fn greatest_in_part(&self, of: Option<usize>) -> GreatestInPart {
         let mut greatest = GreatestInPart { plastic_strain: f64::NAN, principal_stress: f64::NAN };
-        for Body { part, points, .. } in self.bodies().filter(|body| body.index == part) {
+        for Body { part, points, .. } in self.bodies().filter(|body| of == Some(body.index)) {
             let states = &points.committed;
             if let Some(state) = part.plastic_strain {
                 let strains = points.state_at_all(states, state);
