@@ -10,7 +10,7 @@
 //! and the increment goes on.
 
 use super::system::{NOWHERE, Scatter, freedoms, rows_of};
-use super::{Equations, Solids};
+use super::{Condensation, Equations};
 use crate::mesh::Mesh;
 use crate::solver::{Pattern, SolverError, Superelement};
 
@@ -25,13 +25,11 @@ pub(super) struct FarField {
 }
 
 impl FarField {
-    /// Condenses the elements that are not `active`; freedoms that the others share stay. `None` if there are none.
+    /// Condenses the elements that are not active; freedoms that the others share stay. `None` if there are none.
     pub(super) fn new(
         mesh: &Mesh,
         equations: &Equations,
-        elements: &Solids,
-        active: &[bool],
-        retained: &[usize],
+        &Condensation { elements, active, retained }: &Condensation<'_>,
     ) -> Result<Option<Self>, SolverError> {
         let mut kept = vec![false; equations.freedom_count()];
         retained.iter().for_each(|&freedom| kept[freedom] = true);

@@ -99,9 +99,7 @@ impl System {
         options: SolverOptions,
     ) -> Result<Self, SolverError> {
         let far_field = match &condensation {
-            Some(Condensation { elements, active, retained }) => {
-                FarField::new(mesh, &equations, elements, active, retained)?
-            }
+            Some(condensation) => FarField::new(mesh, &equations, condensation)?,
             None => None,
         };
         let is_active = |element: usize| condensation.as_ref().is_none_or(|c| c.active[element]);
