@@ -54,9 +54,8 @@ pub struct System {
     /// One of each element; condensed ones have no places.
     scatter: Vec<Scatter>,
     threads: Threads,
-    element_freedoms: Vec<Vec<usize>>,
-    /// Elements with a freedom that a drive moves.
-    driven_elements: Vec<usize>,
+    /// Elements with a freedom that a drive moves, with all their freedoms.
+    driven_elements: Vec<(usize, Vec<usize>)>,
     /// Blocks of contact and loads, by freedoms.
     blocks: Blocks,
     far_field: Option<FarField>,
@@ -123,8 +122,9 @@ impl System {
             .collect();
         let border = far_field.as_ref().map_or(&[][..], |far| &far.border);
         let far_scatter = Scatter::new(&equations, &row_of_equation, &pattern, border);
-        let driven = |freedoms: &Vec<usize>| freedoms.iter().any(|&freedom| !equations.drives_of(freedom).is_empty());
-        let driven_elements = (0..element_freedoms.len()).filter(|&e| driven(&element_freedoms[e])).collect();
+        let is_driven = |freedoms: &[usize]| freedoms.iter().any(|&freedom| !equations.drives_of(freedom).is_empty());
+        let driven_elements =
+            element_freedoms.into_iter().enumerate().filter(|(_, freedoms)| is_driven(freedoms)).collect();
         let nodes: Vec<usize> = equation_of_row.iter().map(|&equation| equations.freedoms()[equation] / 2).collect();
         let on_diagonal = |row| pattern.index(row, row).expect("the diagonal is always there");
         let diagonal = (0..pattern.size()).map(on_diagonal).collect();
@@ -140,7 +140,6 @@ impl System {
             solver,
             scatter,
             threads: Threads::default(),
-            element_freedoms,
             driven_elements,
             blocks: Blocks::default(),
             far_field,
@@ -286,9 +285,8 @@ impl System {
     pub(crate) fn drive_stiffness(&self, elements: &Solids, drives: &[f64]) -> Vec<f64> {
         let displacements = self.displacements(&vec![0.0; self.row_count()], drives);
         let mut forces = vec![0.0; displacements.len()];
-        for &element in &self.driven_elements {
-            let stiffness = elements.stiffness(element);
-            add_product(&self.element_freedoms[element], stiffness, &displacements, 1.0, &mut forces);
+        for (element, freedoms) in &self.driven_elements {
+            add_product(freedoms, elements.stiffness(*element), &displacements, 1.0, &mut forces);
         }
         for (freedoms, values) in self.blocks.iter() {
             add_product(freedoms, values, &displacements, 1.0, &mut forces);
