@@ -204,17 +204,13 @@ impl Points {
         self.set_virgin();
         self.run(Request::StressAndTangent).map_err(|trouble| error(trouble.reason))?;
         self.elastic = self.returned_moduli();
-        match self.uniaxial_modulus() {
-            modulus if modulus > 0.0 && modulus.is_finite() => Ok(()),
-            modulus => {
-                let advice = if self.call.tangent_source() == TangentSource::Reported {
-                    " (\"tangent\": \"numerical\" does without DDSDDE)"
-                } else {
-                    ""
-                };
-                Err(error(format!("the modulus along 1 is {modulus:?} MPa{advice}")))
-            }
+        let modulus = self.uniaxial_modulus();
+        if modulus > 0.0 && modulus.is_finite() {
+            return Ok(());
         }
+        let is_reported = self.call.tangent_source() == TangentSource::Reported;
+        let advice = if is_reported { " (\"tangent\": \"numerical\" does without DDSDDE)" } else { "" };
+        Err(error(format!("the modulus along 1 is {modulus:?} MPa{advice}")))
     }
 
     /// E: the modulus along 1 of the virgin state with the other direct stresses 0.
