@@ -47,6 +47,8 @@ pub(super) struct BlockLu {
     local: Vec<usize>,
     product: Vec<f64>,
     inverse: Vec<usize>,
+    /// A vector in the order of elimination.
+    ordered: Vec<f64>,
     /// A supernode's part of a vector, and what it adds to the rows below.
     work: Vec<f64>,
     memory: MemBuffer,
@@ -106,7 +108,7 @@ impl Queue {
 
 impl BlockLu {
     /// Memory for a factor.
-    pub(super) fn new(analysis: Arc<Analysis>) -> Result<Self, SolverError> {
+    pub(super) fn new(analysis: Analysis) -> Result<Self, SolverError> {
         let supernodes = &analysis.supernodes;
         let (size, count) = (supernodes.nrows(), supernodes.n_supernodes());
         let mut panels: Vec<Panel> = Vec::with_capacity(count);
@@ -136,8 +138,9 @@ impl BlockLu {
             inverse: vec![0; widest],
             work: vec![0.0; panels.iter().map(Panel::height).max().unwrap_or(0)],
             memory: MemBuffer::try_new(lu_in_place_scratch::<usize, f64>(widest, widest, Par::Seq, Spec::default()))?,
+            ordered: vec![0.0; size],
             panels,
-            analysis,
+            analysis: Arc::new(analysis),
         })
     }
 
@@ -321,9 +324,11 @@ impl BlockLu {
         true
     }
 
-    /// Solves in place, x in the order of elimination.
-    pub(super) fn solve(&mut self, x: &mut [f64]) {
-        let supernodes = &self.analysis.supernodes;
+    /// Solves in place.
+    pub(super) fn solve(&mut self, right_side: &mut [f64]) {
+        let Analysis { supernodes, order, .. } = &*self.analysis;
+        let x = &mut self.ordered;
+        x.iter_mut().zip(order).for_each(|(to, &equation)| *to = right_side[equation]);
         for (index, panel) in self.panels.iter().enumerate() {
             let (block, below) = panel.lower(&self.lower).split_at_row(panel.columns);
             let (own, outside) = self.work.split_at_mut(panel.columns);
@@ -344,6 +349,7 @@ impl BlockLu {
             let block = panel.lower(&self.lower).split_at_row(panel.columns).0;
             solve_upper_triangular_in_place(block, column(own), Par::Seq);
         }
+        x.iter().zip(order).for_each(|(from, &equation)| right_side[equation] = *from);
     }
 }
 

@@ -1,7 +1,5 @@
 //! Sparse LLᵀ of a symmetric, positive definite matrix.
 
-use std::sync::Arc;
-
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
 use faer::sparse::SparseColMatRef;
@@ -24,7 +22,7 @@ pub(super) enum Refusal {
 
 /// The factor L of P A Pᵀ = L Lᵀ, with memory to compute and to use it.
 pub(super) struct Cholesky {
-    pub analysis: Arc<Analysis>,
+    pub analysis: Analysis,
     lower: Vec<f64>,
     factor: Vec<f64>,
     memory: MemBuffer,
@@ -32,7 +30,7 @@ pub(super) struct Cholesky {
 
 impl Cholesky {
     /// Memory for a factor.
-    pub(super) fn new(analysis: Arc<Analysis>) -> Result<Self, SolverError> {
+    pub(super) fn new(analysis: Analysis) -> Result<Self, SolverError> {
         let supernodes = &analysis.supernodes;
         let scratch = factorize_supernodal_numeric_llt_scratch::<usize, f64>(supernodes, Par::Seq, Spec::default())
             .or(supernodes.solve_in_place_scratch::<f64>(1, Par::Seq));

@@ -1,7 +1,5 @@
 //! The whole system, solids and contact, in one sparse matrix, and its factorisations.
 
-use std::sync::Arc;
-
 use super::analysis::Analysis;
 use super::block_lu::BlockLu;
 use super::general_lu::GeneralLu;
@@ -21,14 +19,11 @@ pub(super) struct Whole {
     contact: Vec<Places>,
     /// Values of all; empty if that is what the matrix itself has.
     values: Vec<f64>,
-    analysis: Option<Arc<Analysis>>,
     /// Present if it is large enough, once cuts were looked for.
     parts: Option<Parts>,
     is_cut: bool,
     block_lu: Option<BlockLu>,
     general_lu: Option<GeneralLu>,
-    /// A vector in the order of elimination.
-    ordered: Vec<f64>,
 }
 
 /// Places of the entries of a contact block, row by row. Most points keep theirs from one matrix to the next.
@@ -77,12 +72,10 @@ impl Whole {
             solids: places,
             contact: Vec::new(),
             values: Vec::new(),
-            analysis: None,
             parts: None,
             is_cut: false,
             block_lu: None,
             general_lu: None,
-            ordered: vec![0.0; pattern.size()],
             pattern,
         }
     }
@@ -120,21 +113,12 @@ impl Whole {
         if own.is_empty() { &matrix.values } else { own }
     }
 
-    fn analysis(&mut self, nodes: &[usize], positions: &[[f64; 2]]) -> Result<Arc<Analysis>, SolverError> {
-        let analysis = match self.analysis.take() {
-            Some(analysis) => analysis,
-            None => Arc::new(Analysis::new(&self.pattern, elimination_order(&self.pattern, nodes, positions, &[])?)?),
-        };
-        self.analysis = Some(Arc::clone(&analysis));
-        Ok(analysis)
-    }
-
     /// Returns whether nothing about this method's pattern needs to be found out again.
     pub(super) fn is_analysed(&self, method: Method) -> bool {
         match method {
             Method::GeneralLu => self.general_lu.is_some(),
             Method::Parts => self.parts.is_some(),
-            Method::BlockLu => self.analysis.is_some(),
+            Method::BlockLu => self.block_lu.is_some(),
         }
     }
 
@@ -160,8 +144,10 @@ impl Whole {
         nodes: &[usize],
         positions: &[[f64; 2]],
     ) -> Result<bool, SolverError> {
-        let analysis = self.analysis(nodes, positions)?;
-        let block_lu = get_or_try_insert(&mut self.block_lu, || BlockLu::new(analysis))?;
+        let block_lu = get_or_try_insert(&mut self.block_lu, || {
+            let order = elimination_order(&self.pattern, nodes, positions, &[])?;
+            BlockLu::new(Analysis::new(&self.pattern, order)?)
+        })?;
         Ok(block_lu.factorise(Self::values(&self.values, matrix)))
     }
 
@@ -171,10 +157,10 @@ impl Whole {
         let general_lu = get_or_try_insert(&mut self.general_lu, || GeneralLu::new(&self.pattern))?;
         general_lu.factorise(Self::values(&self.values, matrix))?;
         // The signs follow the bits of the golden ratio's multiples: no smooth mode is orthogonal to them.
-        let signs = (1..=self.ordered.len() as u64).map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 63) as f64);
-        self.ordered.iter_mut().zip(signs).for_each(|(entry, sign)| *entry = 1.0 - 2.0 * sign);
-        general_lu.solve(&mut self.ordered);
-        let greatest = self.ordered.iter().map(|x| if x.is_nan() { f64::INFINITY } else { x.abs() });
+        let signs = (1..=self.pattern.size() as u64).map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 63) as f64);
+        let mut answer: Vec<f64> = signs.map(|sign| 1.0 - 2.0 * sign).collect();
+        general_lu.solve(&mut answer);
+        let greatest = answer.iter().map(|x| if x.is_nan() { f64::INFINITY } else { x.abs() });
         if greatest.fold(0.0, f64::max) * matrix.norm() > LARGEST_GROWTH {
             return Err(SolverError::Singular { equation: None });
         }
@@ -185,13 +171,8 @@ impl Whole {
     pub(super) fn solve(&mut self, method: Method, x: &mut [f64], threads: &Threads) {
         match method {
             Method::Parts => self.parts.iter_mut().for_each(|parts| parts.solve(x, threads)),
+            Method::BlockLu => self.block_lu.iter_mut().for_each(|factor| factor.solve(x)),
             Method::GeneralLu => self.general_lu.iter_mut().for_each(|factor| factor.solve(x)),
-            Method::BlockLu => {
-                let (Some(analysis), Some(factor)) = (&self.analysis, &mut self.block_lu) else { return };
-                self.ordered.iter_mut().zip(&analysis.order).for_each(|(to, &equation)| *to = x[equation]);
-                factor.solve(&mut self.ordered);
-                self.ordered.iter().zip(&analysis.order).for_each(|(from, &equation)| x[equation] = *from);
-            }
         }
     }
 

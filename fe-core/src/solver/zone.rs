@@ -1,7 +1,5 @@
 //! Symmetric systems condensed onto a few equations: LLᵀ with these last.
 
-use std::sync::Arc;
-
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, Par};
 
@@ -47,7 +45,7 @@ impl SchurComplement {
         zone.iter().enumerate().for_each(|(place, &equation)| place_of[equation] = place);
         let count = zone.len();
         Ok(Self {
-            cholesky: Cholesky::new(Arc::new(Analysis::new(pattern, order)?))?,
+            cholesky: Cholesky::new(Analysis::new(pattern, order)?)?,
             place_of,
             diagonal: zone.iter().filter_map(|&equation| pattern.index(equation, equation)).collect(),
             shift: vec![0.0; count],
