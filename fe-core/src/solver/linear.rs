@@ -99,14 +99,14 @@ impl LinearSolver {
             }
             let was_analysed = whole.is_analysed(method);
             let is_done = match method {
-                Method::Parts => whole.factorise_parts(matrix, &self.nodes, &self.positions, &self.threads)?,
+                Method::Parts => whole.factorise_parts(&self.nodes, &self.positions, &self.threads)?,
                 Method::BlockLu => {
                     let judge = || is_better_dissected(&self.pattern, &self.nodes, &self.positions);
                     let is_dissected = *get_or_try_insert(&mut self.is_dissected, judge)?;
                     let positions: &[_] = if is_dissected { &self.positions } else { &[] };
-                    whole.factorise_block_lu(matrix, &self.nodes, positions)?
+                    whole.factorise_block_lu(&self.nodes, positions)?
                 }
-                Method::GeneralLu => whole.factorise_general_lu(matrix)?,
+                Method::GeneralLu => whole.factorise_general_lu(matrix.norm())?,
             };
             if is_done {
                 return Ok((method, was_analysed));

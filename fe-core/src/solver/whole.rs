@@ -17,7 +17,7 @@ pub(super) struct Whole {
     /// Place of each value of the solids.
     solids: Vec<usize>,
     contact: Vec<Places>,
-    /// Values of all; empty if that is what the matrix itself has.
+    /// Values of the matrix that was taken last.
     values: Vec<f64>,
     /// Present if it is large enough, once cuts were looked for.
     parts: Option<Parts>,
@@ -71,7 +71,7 @@ impl Whole {
         Self {
             solids: places,
             contact: Vec::new(),
-            values: Vec::new(),
+            values: vec![0.0; pattern.entries()],
             parts: None,
             is_cut: false,
             block_lu: None,
@@ -91,11 +91,8 @@ impl Whole {
             *self = Self::over(if accepted { superset } else { own }, matrix.pattern());
             self.fits(&matrix.contact);
         }
-        self.values.clear();
-        if self.pattern.entries() != matrix.values.len() || !matrix.contact.is_empty() {
-            self.values.resize(self.pattern.entries(), 0.0);
-            self.solids.iter().zip(&matrix.values).for_each(|(&place, value)| self.values[place] = *value);
-        }
+        self.values.fill(0.0);
+        self.solids.iter().zip(&matrix.values).for_each(|(&place, value)| self.values[place] = *value);
         for ((_, values), Places { places, .. }) in matrix.contact.iter().zip(&self.contact) {
             values.iter().zip(places).for_each(|(value, &place)| self.values[place] += value);
         }
@@ -106,11 +103,6 @@ impl Whole {
     fn fits(&mut self, contact: &Blocks) -> bool {
         self.contact.resize_with(contact.len(), Places::default);
         contact.iter().zip(&mut self.contact).all(|((rows, _), places)| places.find(rows, &self.pattern))
-    }
-
-    /// The values of the matrix that was taken last.
-    fn values<'v>(own: &'v [f64], matrix: &'v SystemMatrix) -> &'v [f64] {
-        if own.is_empty() { &matrix.values } else { own }
     }
 
     /// Returns whether nothing about this method's pattern needs to be found out again.
@@ -125,7 +117,6 @@ impl Whole {
     /// LLᵀ in parts of the matrix that was taken last; `false` if it is small, or not definite.
     pub(super) fn factorise_parts(
         &mut self,
-        matrix: &SystemMatrix,
         nodes: &[usize],
         positions: &[[f64; 2]],
         threads: &Threads,
@@ -133,35 +124,29 @@ impl Whole {
         if !std::mem::replace(&mut self.is_cut, true) {
             self.parts = Parts::new(&self.pattern, nodes, positions, threads)?;
         }
-        let values = Self::values(&self.values, matrix);
-        Ok(self.parts.as_mut().is_some_and(|parts| parts.factorise(values, threads)))
+        Ok(self.parts.as_mut().is_some_and(|parts| parts.factorise(&self.values, threads)))
     }
 
     /// LU with pivoting inside supernodes; `false` if that is not enough.
-    pub(super) fn factorise_block_lu(
-        &mut self,
-        matrix: &SystemMatrix,
-        nodes: &[usize],
-        positions: &[[f64; 2]],
-    ) -> Result<bool, SolverError> {
+    pub(super) fn factorise_block_lu(&mut self, nodes: &[usize], positions: &[[f64; 2]]) -> Result<bool, SolverError> {
         let block_lu = get_or_try_insert(&mut self.block_lu, || {
             let order = elimination_order(&self.pattern, nodes, positions, &[])?;
             BlockLu::new(Analysis::new(&self.pattern, order)?)
         })?;
-        Ok(block_lu.factorise(Self::values(&self.values, matrix)))
+        Ok(block_lu.factorise(&self.values))
     }
 
     /// LU with full partial pivoting. Singular if a right side of ones with changing signs is answered by a vector
-    /// that is greater than a regular matrix of this size could make it.
-    pub(super) fn factorise_general_lu(&mut self, matrix: &SystemMatrix) -> Result<bool, SolverError> {
+    /// that is greater than a regular matrix of this `norm` could make it.
+    pub(super) fn factorise_general_lu(&mut self, norm: f64) -> Result<bool, SolverError> {
         let general_lu = get_or_try_insert(&mut self.general_lu, || GeneralLu::new(&self.pattern))?;
-        general_lu.factorise(Self::values(&self.values, matrix))?;
+        general_lu.factorise(&self.values)?;
         // The signs follow the bits of the golden ratio's multiples: no smooth mode is orthogonal to them.
         let signs = (1..=self.pattern.size() as u64).map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 63) as f64);
         let mut answer: Vec<f64> = signs.map(|sign| 1.0 - 2.0 * sign).collect();
         general_lu.solve(&mut answer);
         let greatest = answer.iter().map(|x| if x.is_nan() { f64::INFINITY } else { x.abs() });
-        if greatest.fold(0.0, f64::max) * matrix.norm() > LARGEST_GROWTH {
+        if greatest.fold(0.0, f64::max) * norm > LARGEST_GROWTH {
             return Err(SolverError::Singular { equation: None });
         }
         Ok(true)
