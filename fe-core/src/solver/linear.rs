@@ -24,9 +24,6 @@ pub struct LinearSolver {
     whole: Option<Whole>,
     /// The factor that solves, by its method, and the symmetry of its solids.
     factor: Option<(Method, Symmetry)>,
-    /// Vectors of the size of the system, to work with.
-    solution: Vec<f64>,
-    residual: Vec<f64>,
 }
 
 impl LinearSolver {
@@ -42,8 +39,6 @@ impl LinearSolver {
             options,
             whole: None,
             factor: None,
-            solution: vec![0.0; pattern.size()],
-            residual: vec![0.0; pattern.size()],
         }
     }
 
@@ -76,8 +71,7 @@ impl LinearSolver {
             whole.forget_factors();
         }
         let pattern_reused = whole.fill(matrix);
-        let found = self.factorise_filled(&mut whole, matrix, symmetry);
-        let (method, was_analysed) = found?;
+        let (method, was_analysed) = self.factorise_filled(&mut whole, matrix, symmetry)?;
         let (flops, factor_entries) = whole.size_of(method);
         self.whole = Some(whole);
         self.factor = Some((method, symmetry));
@@ -152,15 +146,11 @@ impl LinearSolver {
         if scale == 0.0 {
             return Ok(SolveReport { relative_residual: 0.0, refined: false });
         }
-        let mut solution = std::mem::take(&mut self.solution);
-        solution.copy_from_slice(right_side);
+        let mut solution = right_side.to_vec();
         self.apply(method, &mut solution);
-        let result = self.refine(method, matrix, right_side, &mut solution, scale);
-        if result.is_ok() {
-            right_side.copy_from_slice(&solution);
-        }
-        self.solution = solution;
-        result
+        let report = self.refine(method, matrix, right_side, &mut solution, scale)?;
+        right_side.copy_from_slice(&solution);
+        Ok(report)
     }
 
     /// Corrects a solution once if it needs it.
@@ -172,7 +162,7 @@ impl LinearSolver {
         solution: &mut [f64],
         scale: f64,
     ) -> Result<SolveReport, SolverError> {
-        let mut residual = std::mem::take(&mut self.residual);
+        let mut residual = vec![0.0; right_side.len()];
         let mut left = set_residual(matrix, right_side, solution, &mut residual) / scale;
         let (mut refined, mut tolerance) = (false, ACCEPTED_RESIDUAL);
         if left.is_nan() || left > REFINED_RESIDUAL {
@@ -185,7 +175,6 @@ impl LinearSolver {
             }
             tolerance = tolerance.max((ROUNDING_MARGIN * rounding).min(LARGEST_RESIDUAL));
         }
-        self.residual = residual;
         if left <= tolerance {
             Ok(SolveReport { relative_residual: left, refined })
         } else {
