@@ -36,8 +36,8 @@ pub(super) struct BlockLu {
     is_factor: bool,
     /// Supernodes that something below them in the tree of elimination has changed.
     changed: Vec<bool>,
-    /// Multiplications and additions of the last factorisation.
-    flops: f64,
+    /// Multiplications and additions of the last factorisation, without supernodes that were kept.
+    pub(super) flops: f64,
     /// The row of its block that comes to each place.
     permutation: Vec<usize>,
     /// The greatest entry of each column of A.
@@ -147,11 +147,6 @@ impl BlockLu {
     /// Returns how many numbers the factor has.
     pub(super) fn entries(&self) -> usize {
         self.lower.len() + self.upper.len()
-    }
-
-    /// Returns the multiplications and additions of the last factorisation, without supernodes that were kept.
-    pub(super) fn flops(&self) -> f64 {
-        self.flops
     }
 
     /// Discards the factor: nothing of it is kept at the next factorisation.

@@ -170,10 +170,8 @@ impl Whole {
     /// Flops of the last factorisation by this method, as far as known before, and the numbers in its factor.
     pub(super) fn size_of(&self, method: Method) -> (Option<f64>, Option<usize>) {
         match method {
-            Method::Parts => (self.parts.as_ref().map(Parts::flops), self.parts.as_ref().map(Parts::entries)),
-            Method::BlockLu => {
-                (self.block_lu.as_ref().map(BlockLu::flops), self.block_lu.as_ref().map(BlockLu::entries))
-            }
+            Method::Parts => self.parts.as_ref().map(|parts| (parts.flops, parts.entries())).unzip(),
+            Method::BlockLu => self.block_lu.as_ref().map(|factor| (factor.flops, factor.entries())).unzip(),
             Method::GeneralLu => (None, None),
         }
     }

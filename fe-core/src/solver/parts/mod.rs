@@ -31,8 +31,8 @@ const LEAST_EQUATIONS: usize = 10_000;
 /// the number of threads nor parts that are kept change a bit.
 pub(super) struct Parts {
     root: Box<dyn Substructure>,
-    /// Flops of the last factorisation, without parts that were kept.
-    flops: f64,
+    /// Multiplications and additions of the last factorisation, without parts that were kept.
+    pub(super) flops: f64,
 }
 
 /// Outcome of the elimination of a part.
@@ -121,11 +121,6 @@ impl Parts {
         // the whole has no border
         self.root.backward(&[], &[], threads);
         self.root.collect(x);
-    }
-
-    /// Multiplications and additions of the last factorisation.
-    pub(super) fn flops(&self) -> f64 {
-        self.flops
     }
 
     /// Returns how many numbers the factors have.
