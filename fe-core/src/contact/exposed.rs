@@ -11,7 +11,7 @@ use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
 use super::setup::FIRST;
 use crate::mesh::{ElementEdge, Mesh};
-use crate::model::{ContactPair, Freedom, Model, ModelError};
+use crate::model::{ContactPair, Model, ModelError};
 use crate::plane::dot;
 use std::collections::BTreeSet;
 
@@ -154,13 +154,12 @@ fn behind(mesh: &Mesh, slave: &[ElementEdge], covers: &[usize], is_gone: &impl F
     edges.into_iter().collect()
 }
 
-/// The freedoms of the nodes of some edges; several times where edges meet.
-pub(super) fn freedoms_of<'e>(
-    mesh: &Mesh,
-    edges: impl Iterator<Item = &'e ElementEdge>,
-) -> impl Iterator<Item = usize> {
+/// Adds the freedoms of the nodes of some edges to others; ascending, each once.
+pub(super) fn add_freedoms<'e>(freedoms: &mut Vec<usize>, mesh: &Mesh, edges: impl Iterator<Item = &'e ElementEdge>) {
     let nodes = edges.flat_map(|&edge| mesh.edge_nodes(edge).nodes().to_vec());
-    nodes.flat_map(|node| [0, 1].map(|component| Freedom { node, component }.index()))
+    freedoms.extend(nodes.flat_map(|node| [2 * node, 2 * node + 1]));
+    freedoms.sort_unstable();
+    freedoms.dedup();
 }
 
 impl Contact {
@@ -187,8 +186,6 @@ impl Contact {
     /// Counts the freedoms of edges that came to light among those of contact.
     pub(super) fn take_exposed(&mut self, mesh: &Mesh) {
         let edges = self.pairs.iter().flat_map(|pair| pair.exposed.iter().flatten());
-        self.freedoms.extend(freedoms_of(mesh, edges));
-        self.freedoms.sort_unstable();
-        self.freedoms.dedup();
+        add_freedoms(&mut self.freedoms, mesh, edges);
     }
 }

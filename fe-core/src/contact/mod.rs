@@ -147,9 +147,8 @@ impl Contact {
     ) -> Result<Self, ModelError> {
         assert_eq!(moduli.len(), mesh.parts().len(), "one modulus for each part");
         let edges = pairs.iter().flat_map(|pair| pair.slave.iter().chain(&pair.master));
-        let mut freedoms: Vec<usize> = exposed::freedoms_of(mesh, edges).collect();
-        freedoms.sort_unstable();
-        freedoms.dedup();
+        let mut freedoms = Vec::new();
+        exposed::add_freedoms(&mut freedoms, mesh, edges);
         let pairs = pairs.iter().map(|pair| Pair::new(mesh, pair, moduli, contact_search, initial));
         Ok(Self {
             reference: mesh.nodes().to_vec(),
