@@ -18,7 +18,6 @@ mod state;
 
 pub use history::PointStatus;
 pub use pair::Evaluation;
-pub use settle::Settlement;
 pub use state::ContactState;
 
 use crate::assembly::Trouble;

@@ -8,41 +8,25 @@ use crate::model::Enforcement;
 /// The part of the points over the tension cap that open at a time.
 const OPENING_SHARE: f64 = 0.1;
 
-/// Changes made by [`Contact::settle`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Settlement {
-    /// Whether the increment must be iterated again, at the same load.
-    pub again: bool,
-    /// Points that opened for good.
-    pub opened: usize,
-    /// Largest |g_N| of points held under Uzawa's rule, mm.
-    pub worst_gap: f64,
+impl Contact {
+    /// Settles a converged increment, and returns whether it must be iterated again at the same load; to be called until
+    /// it need not. Opens at most a tenth, and at least one, of the points whose tension is over the cap of the host's
+    /// hard law; if there are none, updates the multipliers of pairs with a held point whose gap is over the tolerance.
+    pub fn settle(&mut self) -> bool {
+        if open_worst(&mut self.pairs) > 0 {
+            return true;
+        }
+        let updates = self.updates;
+        let wanting: Vec<&mut Pair> = self.pairs.iter_mut().filter(|pair| wants_update(pair, updates)).collect();
+        self.updates += usize::from(!wanting.is_empty());
+        wanting.into_iter().map(update_multipliers).sum::<usize>() > 0
+    }
 }
 
-impl Contact {
-    /// Settles a converged increment; to be called until it asks for no more iterations. Opens at most a tenth, and
-    /// at least one, of the points whose tension is over the cap of the host's hard law; if there are none, updates
-    /// the multipliers of pairs with a held point whose gap is over the tolerance.
-    pub fn settle(&mut self) -> Settlement {
-        let mut settlement = Settlement { opened: open_worst(&mut self.pairs), ..Settlement::default() };
-        let mut wanting = Vec::new();
-        for (index, pair) in self.pairs.iter().enumerate() {
-            let Enforcement::Uzawa { tolerance, max_updates } = pair.enforcement else { continue };
-            let held = pair.trial.points.iter().filter(|state| state.held);
-            let gap = held.fold(0.0, |worst: f64, state| worst.max(state.gap.abs()));
-            settlement.worst_gap = settlement.worst_gap.max(gap);
-            if gap > tolerance && self.updates < max_updates {
-                wanting.push(index);
-            }
-        }
-        let mut updated = 0;
-        if settlement.opened == 0 && !wanting.is_empty() {
-            self.updates += 1;
-            updated = wanting.iter().map(|&index| update_multipliers(&mut self.pairs[index])).sum();
-        }
-        settlement.again = settlement.opened > 0 || updated > 0;
-        settlement
-    }
+/// Returns whether a pair has a held point whose gap is over the tolerance of Uzawa's rule, after so many updates.
+fn wants_update(pair: &Pair, updates: usize) -> bool {
+    let Enforcement::Uzawa { tolerance, max_updates } = pair.enforcement else { return false };
+    updates < max_updates && pair.trial.points.iter().any(|state| state.held && state.gap.abs() > tolerance)
 }
 
 /// Latches the points that are furthest over the cap; how many.

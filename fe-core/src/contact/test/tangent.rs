@@ -32,7 +32,7 @@ fn check(scene: &Scene, pair: ContactPair, path: &[[f64; 2]]) -> Contact {
     let (last, before) = path.split_last().unwrap();
     for &movement in before {
         forces(&mut contact, &scene.shaken(movement, 0.002));
-        while contact.settle().again {
+        while contact.settle() {
             forces(&mut contact, &scene.shaken(movement, 0.002));
         }
         contact.commit();

@@ -284,7 +284,7 @@ impl<'m> Equilibrium<'m> {
             self.newton(&mut attempt)?;
             self.hand_on();
             self.keep_round(&mut attempt);
-            if self.contact.settle().again {
+            if self.contact.settle() {
                 settlements += 1;
                 if settlements > MAX_SETTLEMENTS {
                     return Err(trouble(Location::System, "contact multipliers do not settle".into(), CUT));
