@@ -117,15 +117,6 @@ pub struct PointIndex {
     pub point: usize,
 }
 
-/// The growth of a point's slip.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SlipGrowth {
-    /// |Δg| of the increment, mm.
-    pub growth: f64,
-    /// |Δg| / max(g_crit, κ/2), κ the largest |g| at the start; 0 where there is no elastic bond.
-    pub ratio: f64,
-}
-
 impl Contact {
     /// The pairs of a mesh without displacements. `moduli`: an elastic modulus of each part, MPa, for the penalty.
     /// `contact_search`: whether feet are looked for from the last ones. `initial`: temperature and field variables.
@@ -372,20 +363,15 @@ impl Contact {
         self.pairs.iter().flat_map(Pair::own_points).map(|(point, _)| point.area).sum()
     }
 
-    /// The growth of the closed point whose slip grows most for its history in the increment that was evaluated last; `None`
-    /// without such a point.
-    pub(crate) fn largest_slip_growth(&self) -> Option<SlipGrowth> {
-        let mut largest: Option<SlipGrowth> = None;
-        for pair in &self.pairs {
+    /// The growth |Δg| of the slip in the increment that was evaluated last over max(g_crit, κ/2), κ the largest |g| at the
+    /// start: of the closed point where it is greatest; 0 without such a point, and where there is no elastic bond.
+    pub(crate) fn largest_slip_growth(&self) -> f64 {
+        let mut largest: f64 = 0.0;
+        for pair in self.pairs.iter().filter(|pair| pair.critical_slip > 0.0) {
             for (start, end) in pair.committed.points.iter().zip(&pair.trial.points) {
-                if matches!(end.status, PointStatus::Open | PointStatus::Released) {
-                    continue;
-                }
-                let growth = (end.slip - start.slip).abs();
-                let measure = pair.critical_slip.max(0.5 * start.largest_slip);
-                let ratio = if pair.critical_slip > 0.0 { growth / measure } else { 0.0 };
-                if largest.is_none_or(|largest| (ratio, growth) > (largest.ratio, largest.growth)) {
-                    largest = Some(SlipGrowth { growth, ratio });
+                if !matches!(end.status, PointStatus::Open | PointStatus::Released) {
+                    let growth = (end.slip - start.slip).abs();
+                    largest = largest.max(growth / pair.critical_slip.max(0.5 * start.largest_slip));
                 }
             }
         }

@@ -34,7 +34,7 @@ impl Analysis<'_> {
         Findings {
             load: load.abs(),
             pulls_on: (drive(&converged.end) - drive(&self.present.committed)) * load > 0.0,
-            slip_growth: contact.largest_slip_growth().map_or(0.0, |growth| growth.ratio),
+            slip_growth: contact.largest_slip_growth(),
             energy_error,
             energy_error_before,
             overstress,
