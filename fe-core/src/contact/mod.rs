@@ -45,19 +45,6 @@ pub struct Contact {
     earlier_calls: u64,
 }
 
-/// Numbers of points by status.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Holding without dissipation.
-    pub sticking: usize,
-    /// Sliding, or with a bond that is degrading.
-    pub slipping: usize,
-    /// Without traction.
-    pub open: usize,
-    /// Past an end of the master, for good.
-    pub released: usize,
-}
-
 /// Energies since the start, N·mm: work = stored + dissipated + opening + released but for the trapezoids' error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
@@ -227,18 +214,9 @@ impl Contact {
         self.foretell_nothing();
     }
 
-    /// Returns how many points do what after the last evaluation.
-    pub fn counts(&self) -> Counts {
-        let mut counts = Counts::default();
-        for state in self.pairs.iter().flat_map(|pair| &pair.trial.points) {
-            match state.status {
-                PointStatus::Sticking => counts.sticking += 1,
-                PointStatus::Slipping => counts.slipping += 1,
-                PointStatus::Open => counts.open += 1,
-                PointStatus::Released => counts.released += 1,
-            }
-        }
-        counts
+    /// Returns how many points have a status after the last evaluation.
+    pub fn count(&self, status: PointStatus) -> usize {
+        self.pairs.iter().flat_map(|pair| &pair.trial.points).filter(|state| state.status == status).count()
     }
 
     /// Returns how much of the reference length of these pairs is open after the last evaluation, mm.

@@ -6,7 +6,7 @@ mod quadrature;
 mod sliding;
 mod tangent;
 
-use super::Contact;
+use super::{Contact, PointStatus};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, ElementEdge, Mesh, MeshDefinition, Part};

@@ -75,8 +75,7 @@ fn what_is_left_of_the_contact_falls_linearly_to_nothing() {
                 let left: f64 = contact.points().map(|point| point.area * point.weight).sum();
                 assert!((left - (3.0 - slide).max(0.0)).abs() < 1e-9, "{quadrature:?}: {left} after {slide}");
             }
-            let counts = contact.counts();
-            assert_eq!(counts.released, contact.points().count());
+            assert_eq!(contact.count(PointStatus::Released), contact.points().count());
             assert_eq!(largest(&forces(&mut contact, &vec![0.0; scene.freedom_count()])), 0.0, "out for good");
         }
     }

@@ -31,7 +31,7 @@ use super::{Counts, Energies, Times};
 use crate::assembly::loads::{Bearers, Shares};
 use crate::assembly::solids::SolidEnergies;
 use crate::assembly::{Equations, Location, Solids, System, Trouble, loaded_freedoms, loads};
-use crate::contact::{self, Contact, PointIndex};
+use crate::contact::{self, Contact, PointIndex, PointStatus};
 use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::SolverError;
 use crate::threads::Threads;
@@ -401,14 +401,14 @@ impl<'m> Equilibrium<'m> {
     }
 
     pub(super) fn counts(&self) -> Counts {
-        let (solids, contact) = (self.solids.counts(), self.contact.counts());
+        let (solids, contact) = (self.solids.counts(), &self.contact);
         Counts {
             damaged: solids.damaged,
             yielding: solids.plastic,
-            sticking: contact.sticking,
-            slipping: contact.slipping,
-            open: contact.open,
-            released: contact.released,
+            sticking: contact.count(PointStatus::Sticking),
+            slipping: contact.count(PointStatus::Slipping),
+            open: contact.count(PointStatus::Open),
+            released: contact.count(PointStatus::Released),
         }
     }
 
