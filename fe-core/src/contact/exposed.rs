@@ -4,12 +4,10 @@ use super::Contact;
 use super::chain::Foot;
 use super::history::{PointState, PointStatus};
 use super::kinematics::Kinematics;
-use super::law::Situation;
 use super::normal::NormalState;
 use super::pair::{Datum, Pair};
 use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
-use super::setup::FIRST;
 use crate::mesh::{ElementEdge, Mesh};
 use crate::model::{ContactPair, Model, ModelError};
 use crate::plane::dot;
@@ -33,21 +31,17 @@ impl Pair {
         let Some((point, &PointState { foot, .. })) = self.points.first().zip(self.committed.points.first()) else {
             return Ok(());
         };
-        let index = 0;
+        let gap = FAR * point.edge_length;
+        let name = self.name.clone();
         let refused = |reason: String| {
-            ModelError::of_pair(&self.name, format!("at the gap of a surface that was torn free: {reason}"))
+            ModelError::of_pair(&name, format!("at the gap of a surface that was torn free: {reason}"))
         };
         let kinematics = Kinematics::new(&self.chain, &point.slave, foot, &position);
         let kinematics = kinematics.map_err(|reason| refused(reason.to_owned()))?;
-        let gap = FAR * point.edge_length;
         let normal = NormalState { latched: true, opening: gap, ..NormalState::default() };
         let start = PointState { normal, ..PointState::new(foot, 1.0) };
-        let (virgin, mut statev) = (vec![0.0; self.state_count], vec![0.0; self.state_count]);
-        let (kinematics, start, start_statev, context) = (&kinematics, &start, &virgin, &FIRST);
-        let situation = Situation { gap, slip: 0.0, point, index, kinematics, start, start_statev, context };
-        let mut state = *start;
-        let asked = self.law.advance(&situation, &mut state, &mut statev);
-        asked.map_err(|setback| refused(setback.reason))?;
+        let asked = self.ask(0, &kinematics, start, [gap, 0.0]);
+        let (mut state, statev) = asked.map_err(|setback| refused(setback.reason))?;
         (state.pressure, state.shear, state.status, state.apart) = (0.0, 0.0, PointStatus::Open, true);
         self.torn = Some(Torn { state, statev });
         Ok(())

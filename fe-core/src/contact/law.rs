@@ -163,22 +163,6 @@ impl PointLaw {
             _ => None,
         }
     }
-
-    /// Returns whether a point carries tension or shear while it is open by a little.
-    pub fn is_bonded(&mut self, situation: &Situation<'_>, statev: &mut [f64]) -> Result<bool, Setback> {
-        if let Self::Fric { normal, .. } = self
-            && normal.carries_tension()
-        {
-            return Ok(true);
-        }
-        let mut end = *situation.start;
-        self.advance(situation, &mut end, statev)?;
-        Ok(match self {
-            Self::Uinter { .. } => end.pressure < 0.0 || end.shear != 0.0,
-            // The soft law presses there; what matters is whether a bond would be lost.
-            Self::Fric { .. } => false,
-        })
-    }
 }
 
 /// The law with penalties by role in place of zeros; with it the value of its normal penalty, and whether the host

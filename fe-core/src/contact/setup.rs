@@ -25,7 +25,7 @@ const ELASTIC_PROBE: f64 = 1e-6;
 /// Halvings by which the limit is found: to a hundredth of itself.
 const PROBES: usize = 7;
 /// The increment in which a law is asked.
-pub(super) const FIRST: IncrementContext =
+const FIRST: IncrementContext =
     IncrementContext { step: 1, increment: 1, iteration: 1, step_time: 0.0, total_time: 0.0, time_increment: 1.0 };
 
 impl Pair {
@@ -93,16 +93,9 @@ impl Pair {
         let point = self.points[index];
         let foot = self.committed.points[index].foot;
         let Ok(kinematics) = Kinematics::new(&self.chain, &point.slave, foot, &position) else { return Ok(0.0) };
-        let start = PointState { gap: 0.0, ..PointState::new(foot, 1.0) };
-        let virgin = vec![0.0; self.state_count];
         let mut shear_at = |slip: f64| {
-            let (start, start_statev, context) = (&start, &virgin, &FIRST);
-            let (point, kinematics) = (&point, &kinematics);
-            let situation = Situation { gap: 0.0, slip, point, index, kinematics, start, start_statev, context };
-            let (mut end, mut statev) = (*start, virgin.clone());
-            let refused = |failure: Setback| ModelError::of_pair(&self.name, failure.reason);
-            self.law.advance(&situation, &mut end, &mut statev).map_err(refused)?;
-            Ok(end.shear)
+            let asked = self.ask(index, &kinematics, PointState::new(foot, 1.0), [0.0, slip]);
+            asked.map(|(end, _)| end.shear).map_err(|failure| ModelError::of_pair(&self.name, failure.reason))
         };
         let first = FIRST_PROBE * point.edge_length;
         let stiffness = shear_at(first)? / first;
@@ -180,12 +173,30 @@ impl Pair {
 
     /// Returns whether the law would carry tension or shear at a small gap and slip.
     fn is_bonded(&mut self, index: usize, kinematics: &Kinematics, length: f64) -> Result<bool, ModelError> {
+        if matches!(&self.law, PointLaw::Fric { normal, .. } if normal.carries_tension()) {
+            return Ok(true);
+        }
         let start = PointState::new(self.committed.points[index].foot, 1.0);
+        let asked = self.ask(index, kinematics, start, [length, length]);
+        let (end, _) = asked.map_err(|failure| ModelError::of_pair(&self.name, failure.reason))?;
+        // The soft law of FRIC presses there; what matters is whether a bond would be lost.
+        Ok(matches!(self.law, PointLaw::Uinter { .. }) && (end.pressure < 0.0 || end.shear != 0.0))
+    }
+
+    /// Asks the law of a point without state variables, from `start`, at a gap and a slip: the point's state and STATEV then.
+    pub(super) fn ask(
+        &mut self,
+        index: usize,
+        kinematics: &Kinematics,
+        start: PointState,
+        [gap, slip]: [f64; 2],
+    ) -> Result<(PointState, Vec<f64>), Setback> {
         let virgin = vec![0.0; self.state_count];
-        let (start, start_statev, context, point) = (&start, &virgin, &FIRST, &self.points[index]);
-        let situation = Situation { gap: length, slip: length, point, index, kinematics, start, start_statev, context };
-        let refused = |failure: Setback| ModelError::of_pair(&self.name, failure.reason);
-        self.law.is_bonded(&situation, &mut virgin.clone()).map_err(refused)
+        let (point, start_statev) = (&self.points[index], &virgin);
+        let situation = Situation { gap, slip, point, index, kinematics, start: &start, start_statev, context: &FIRST };
+        let (mut end, mut statev) = (start, virgin.clone());
+        self.law.advance(&situation, &mut end, &mut statev)?;
+        Ok((end, statev))
     }
 }
 
