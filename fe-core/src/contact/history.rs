@@ -77,36 +77,13 @@ impl PointState {
     fn is_sound(&self) -> bool {
         /// Edges of all rounds about a closed master.
         const MOST_EDGES: u64 = 1 << 40;
-        let Self { foot, gap, slip, origin, own_gap, lean, largest_slip, weight, pressure, shear, normal, .. } = *self;
-        let Self {
-            inelastic_slip,
-            plugin_energies,
-            normal_energy,
-            work,
-            leaning,
-            dissipated,
-            opening,
-            released,
-            own_pressure,
-            own_energy,
-            ..
-        } = *self;
-        let place = [
-            foot.coordinate,
-            gap,
-            slip,
-            origin,
-            own_gap,
-            lean,
-            largest_slip,
-            weight,
-            pressure,
-            shear,
-            normal.multiplier,
-        ];
-        let sums = [normal.opening, inelastic_slip, normal_energy, work, leaning, dissipated, opening, released];
-        let mut numbers = place.into_iter().chain(sums).chain(plugin_energies).chain([own_pressure, own_energy]);
-        numbers.all(f64::is_finite) && foot.edge.unsigned_abs() < MOST_EDGES
+        let Self { foot, normal, plugin_energies, .. } = self;
+        let place = [foot.coordinate, self.gap, self.slip, self.origin, self.own_gap, self.lean, self.largest_slip];
+        let tractions = [self.weight, self.pressure, self.shear, self.own_pressure, normal.multiplier];
+        let law = [normal.opening, self.inelastic_slip, self.normal_energy, self.own_energy];
+        let sums = [self.work, self.leaning, self.dissipated, self.opening, self.released];
+        let numbers = place.iter().chain(&tractions).chain(&law).chain(&sums).chain(plugin_energies);
+        numbers.copied().all(f64::is_finite) && foot.edge.unsigned_abs() < MOST_EDGES
     }
 
     /// Books the energies of an increment that led here from `start`, by trapezoids; `area` mm².
