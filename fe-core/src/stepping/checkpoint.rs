@@ -76,20 +76,12 @@ impl<'m> Analysis<'m> {
             total_time: checkpoint.present.total_time,
             ..IncrementContext::default()
         };
-        let at = clock(&context, 0.0);
-        let databases = ExternalDatabases::resume(model.libraries(), at);
+        let databases = ExternalDatabases::resume(model.libraries(), clock(&context, 0.0));
+        let equilibrium = Equilibrium::with_state(model, &checkpoint.equilibrium)?;
         Ok(Self {
-            model,
-            databases,
-            equilibrium: Equilibrium::with_state(model, &checkpoint.equilibrium)?,
-            present: checkpoint.present.clone(),
-            checkpoint_every: None,
             last_checkpoint: checkpoint.equilibrium.memory.statistics.increments,
             resumed: Some(checkpoint.position.clone()),
-            tried: Vec::new(),
-            repeats: None,
-            trail: None,
-            along: None,
+            ..Self::at(model, databases, equilibrium, checkpoint.present.clone())
         })
     }
 

@@ -79,7 +79,7 @@ impl Statistics {
 }
 
 /// Present state of a run, besides its points.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Present {
     committed: Committed,
     energies: Energies,
@@ -146,23 +146,19 @@ impl<'m> Analysis<'m> {
             drives: vec![0.0; model.drives.len()],
             reactions: vec![0.0; freedoms],
             external: vec![0.0; freedoms],
-            mean_slip: 0.0,
-            dissipation: 0.0,
+            ..Committed::default()
         };
-        Ok(Self {
+        let present = Present { committed, ..Present::default() };
+        Ok(Self::at(model, databases, Equilibrium::new(model, equations)?, present))
+    }
+
+    /// An analysis at a state, with which it begins.
+    fn at(model: &'m Model, databases: ExternalDatabases, equilibrium: Equilibrium<'m>, present: Present) -> Self {
+        Self {
             model,
             databases,
-            equilibrium: Equilibrium::new(model, equations)?,
-            present: Present {
-                committed,
-                energies: Energies::default(),
-                datum: Energies::default(),
-                datum_accounts: Vec::new(),
-                total_time: 0.0,
-                load: LoadHistory::default(),
-                greatest_work: 0.0,
-                spalled: spalling::Spalled::default(),
-            },
+            equilibrium,
+            present,
             checkpoint_every: None,
             last_checkpoint: 0,
             resumed: None,
@@ -170,7 +166,7 @@ impl<'m> Analysis<'m> {
             repeats: None,
             trail: None,
             along: None,
-        })
+        }
     }
 
     /// Shares the work among threads: elements whose laws may be called by several, and factors of large systems. Results
