@@ -14,9 +14,8 @@ const LEAST_RELATIVE_WORK: f64 = 1e-3;
 impl Analysis<'_> {
     /// Returns the quantities that a converged increment is judged by.
     pub(super) fn findings(&self, converged: &Converged) -> Findings {
-        let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
-        let trial =
-            Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.present.total_time);
+        let Equilibrium { solids, contact, .. } = &self.equilibrium;
+        let trial = Snapshot { committed: &converged.end, ..self.snapshot() };
         let [load, _] = self.measured_load(&trial);
         let drive = |state: &Committed| self.model.measured.slip_of(&state.drives);
         // what temperature and fields do to a material is no work of the drives
@@ -76,8 +75,7 @@ impl Analysis<'_> {
             *if account.damages { &mut datum.damage } else { &mut datum.plastic } -= account.dissipated;
             datum.unaccounted += account.work;
         }
-        let external_work = self.present.energies.external_work;
-        self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
+        self.book_energies(self.present.energies.external_work);
         self.findings(converged)
     }
 

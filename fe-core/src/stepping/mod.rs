@@ -287,7 +287,8 @@ impl<'m> Analysis<'m> {
     /// The present state.
     pub fn snapshot(&self) -> Snapshot<'_> {
         let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
-        Snapshot::new(self.model, solids, contact, system.equations(), &self.present.committed, self.present.total_time)
+        let Present { committed, total_time: time, .. } = &self.present;
+        Snapshot { model: self.model, solids, contact, equations: system.equations(), committed, time: *time }
     }
 
     /// Equilibrium at zero drives: contact that repels at gap 0 finds its place.
@@ -456,7 +457,7 @@ impl<'m> Analysis<'m> {
         self.present.committed = end;
         self.present.total_time += time;
         let external_work = self.present.energies.external_work + work;
-        self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
+        self.book_energies(external_work);
         self.present.greatest_work = self.present.greatest_work.max(external_work.abs());
         let load = self.measured_load(&self.snapshot())[0].abs();
         self.present.load.peaked |= load < self.present.load.greatest;
@@ -467,6 +468,11 @@ impl<'m> Analysis<'m> {
         statistics.increments += 1;
         statistics.dragged += u64::from(is_through_drag);
         self.spall();
+    }
+
+    /// Books the energies of the committed state, to which supports and loads did this work, N mm.
+    fn book_energies(&mut self, external_work: f64) {
+        self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
     }
 }
 

@@ -8,26 +8,15 @@ use crate::model::Model;
 /// Views of everything that is known at the end of an increment.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot<'a> {
-    model: &'a Model,
-    solids: &'a Solids,
-    contact: &'a Contact,
-    equations: &'a Equations,
-    committed: &'a Committed,
-    time: f64,
+    pub(super) model: &'a Model,
+    pub(super) solids: &'a Solids,
+    pub(super) contact: &'a Contact,
+    pub(super) equations: &'a Equations,
+    pub(super) committed: &'a Committed,
+    pub(super) time: f64,
 }
 
 impl<'a> Snapshot<'a> {
-    pub(super) fn new(
-        model: &'a Model,
-        solids: &'a Solids,
-        contact: &'a Contact,
-        equations: &'a Equations,
-        committed: &'a Committed,
-        time: f64,
-    ) -> Self {
-        Self { model, solids, contact, equations, committed, time }
-    }
-
     /// The model.
     pub fn model(&self) -> &'a Model {
         self.model

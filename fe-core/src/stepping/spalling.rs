@@ -1,6 +1,6 @@
 //! Torn matter: which elements bear nothing any more, and what holds on to nothing once they are gone.
 
-use super::{Analysis, Energies};
+use super::Analysis;
 use crate::mesh::{ElementEdge, Mesh, preflight};
 use crate::model::Spalling;
 use serde::{Deserialize, Serialize};
@@ -79,8 +79,7 @@ impl Analysis<'_> {
             spalled.depth = spalled.depth.max(face.map_or(0.0, |face| face - lowest));
         }
         self.equilibrium.release(&elements, &self.present.committed.displacements);
-        let external_work = self.present.energies.external_work;
-        self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
+        self.book_energies(self.present.energies.external_work);
     }
 
     /// The elements that hold on to nothing once others are gone: in pieces that are less than the rest of their body and have
