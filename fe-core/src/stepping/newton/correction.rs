@@ -1,12 +1,8 @@
 //! The correction of an iteration, under direct and indirect control, and how much of it is applied.
 
 use super::beside::Beside;
-use super::{
-    Attempt, CUT, Committed, Equilibrium, Leader, Target, largest, present_shares, present_thickness, trouble,
-    unsolvable,
-};
-use crate::assembly::loads::Bearers;
-use crate::assembly::{Location, Trouble, loads};
+use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, add_loads, largest, trouble, unsolvable};
+use crate::assembly::{Location, Trouble};
 use crate::contact::PointIndex;
 use crate::model::IncrementContext;
 use crate::stepping::line_search;
@@ -173,12 +169,7 @@ impl Equilibrium<'_> {
         let mut forces = self.system.drive_stiffness(&self.solids, drives);
         forces.iter_mut().for_each(|force| *force = -*force);
         let mut external = vec![0.0; start.displacements.len()];
-        let thickness = present_thickness(self.model, &self.solids);
-        let bearers = Bearers { thickness: &thickness, shares: present_shares(self.model, &self.solids) };
-        for load in &self.model.loads {
-            let (mesh, factor) = (&self.model.mesh, drives[load.drive]);
-            loads::external(mesh, &bearers, &load.kind, factor, &start.displacements, &mut external, None);
-        }
+        add_loads(self.model, &self.solids, drives, &start.displacements, &mut external, None);
         let reduced = self.system.reduce(&external);
         forces.iter_mut().zip(&reduced).for_each(|(force, load)| *force += load);
         forces

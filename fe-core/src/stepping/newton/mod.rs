@@ -33,7 +33,7 @@ use crate::assembly::solids::SolidEnergies;
 use crate::assembly::{Equations, Location, Solids, System, Trouble, loaded_freedoms, loads};
 use crate::contact::{self, Contact, PointIndex, PointStatus};
 use crate::model::{IncrementContext, Model, ModelError};
-use crate::solver::SolverError;
+use crate::solver::{Blocks, SolverError};
 use crate::threads::Threads;
 use beside::Beside;
 use serde::{Deserialize, Serialize};
@@ -428,7 +428,7 @@ impl<'m> Equilibrium<'m> {
         let is_led = matches!(attempt.target, Target::Led { .. });
         let request = if self.needs_no_tangents() && !is_led { Request::Stress } else { Request::StressAndTangent };
         let (trial, context) = (&attempt.trial, attempt.context());
-        let Model { mesh, loads, fields, steps, .. } = self.model;
+        let Model { mesh, fields, steps, .. } = self.model;
         let Self { solids, contact, system, memory, times, .. } = self;
         memory.statistics.evaluations += 1;
         memory.has_tangents = request.wants_tangent();
@@ -450,13 +450,8 @@ impl<'m> Equilibrium<'m> {
         let Memory { drag, internal, blocks, .. } = memory;
         drag.evaluate(attempt.resistance(), contact.freedoms(), moved, system.equations(), internal, blocks);
         memory.external.fill(0.0);
-        let thickness = present_thickness(self.model, solids);
-        let bearers = Bearers { thickness: &thickness, shares: present_shares(self.model, solids) };
-        for load in loads {
-            let factor = trial.drives[load.drive];
-            let blocks = Some(&mut memory.blocks);
-            loads::external(mesh, &bearers, &load.kind, factor, &trial.displacements, &mut memory.external, blocks);
-        }
+        let (external, blocks) = (&mut memory.external, Some(&mut memory.blocks));
+        add_loads(self.model, solids, &trial.drives, &trial.displacements, external, blocks);
         system.add_far_forces(&trial.displacements, 1.0, &mut memory.internal);
         let unbalanced = memory.unbalanced();
         memory.residual = system.reduce(&unbalanced);
@@ -496,16 +491,28 @@ fn coupled_freedoms(model: &Model, contact: &Contact) -> Vec<usize> {
     freedoms
 }
 
-/// Returns the present thickness of an element with large displacements, mm.
-pub(super) fn present_thickness<'a>(model: &'a Model, solids: &'a Solids) -> impl Fn(usize) -> Option<f64> + 'a {
-    |index| {
+/// Adds the forces of a model's loads under these drives, and if `blocks` are given what the loads add to the stiffness.
+fn add_loads(
+    model: &Model,
+    solids: &Solids,
+    drives: &[f64],
+    displacements: &[f64],
+    forces: &mut [f64],
+    mut blocks: Option<&mut Blocks>,
+) {
+    let thickness = |index: usize| {
         let element = model.mesh.elements()[index];
         model.nlgeom[element.part()].then(|| element.thickness() * solids.thickness_ratio(index))
+    };
+    let bearers = Bearers { thickness: &thickness, shares: present_shares(model, solids) };
+    for load in &model.loads {
+        let (mesh, factor) = (&model.mesh, drives[load.drive]);
+        loads::external(mesh, &bearers, &load.kind, factor, displacements, forces, blocks.as_deref_mut());
     }
 }
 
 /// Returns what is left of the loads of released elements; `None` while there are none.
-pub(super) fn present_shares(model: &Model, solids: &Solids) -> Option<Shares> {
+fn present_shares(model: &Model, solids: &Solids) -> Option<Shares> {
     let may_spall = model.controls.spalling.is_some() && !model.loads.is_empty();
     let is_any_released = may_spall && (0..model.mesh.elements().len()).any(|element| solids.is_spalled(element));
     is_any_released.then(|| Shares::new(&model.mesh, |element| solids.share(element)))
