@@ -146,11 +146,12 @@ pub(super) struct StepRun {
     start: Vec<f64>,
     end: Vec<f64>,
     duration: f64,
-    progress: f64,
+    /// From 0 to 1.
+    pub(super) progress: f64,
     size: IncrementSize,
     lead: Lead,
-    /// Progress that the present attempt aims at.
-    attempted: f64,
+    /// Size of the present attempt.
+    pub(super) attempted: f64,
     failures: u32,
     last_progress: f64,
     /// Growths in the last increments: of the drives, of the mean slip, of the solids' dissipation.
@@ -276,11 +277,6 @@ impl StepRun {
         self.progress >= 1.0
     }
 
-    /// Returns the progress of the step, from 0 to 1.
-    pub(super) fn progress(&self) -> f64 {
-        self.progress
-    }
-
     /// Returns where the next attempt leads.
     pub(super) fn target(&mut self) -> Target {
         match self.lead {
@@ -342,11 +338,6 @@ impl StepRun {
         let length: f64 = direction.iter().map(|d| d * d).sum();
         let along: f64 = drives.iter().zip(&self.start).zip(&direction).map(|((a, start), d)| (a - start) * d).sum();
         if length > 0.0 { along / length } else { 1.0 }
-    }
-
-    /// The size of the present attempt.
-    pub(super) fn attempted(&self) -> f64 {
-        self.attempted
     }
 
     /// Takes note of an accepted increment.

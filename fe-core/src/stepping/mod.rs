@@ -341,7 +341,7 @@ impl<'m> Analysis<'m> {
                 let findings = self.findings(converged);
                 let looks = run.smaller_looks(&findings);
                 if !looks.is_empty() {
-                    self.believed_findings(findings, converged, Some(run.attempted()));
+                    self.believed_findings(findings, converged, Some(run.attempted));
                     self.tell_look(&run, context.time_increment);
                     self.look_closer(looks, context);
                     attempt = self.attempt(&target, context);
@@ -367,7 +367,7 @@ impl<'m> Analysis<'m> {
                     match directive {
                         Directive::GoOn => {}
                         end => {
-                            self.check_stabilisation(number, increment, run.progress())?;
+                            self.check_stabilisation(number, increment, run.progress)?;
                             return Ok(end);
                         }
                     }
@@ -381,13 +381,13 @@ impl<'m> Analysis<'m> {
                     cutbacks += 1;
                     let too_many = cutbacks as usize > self.model.controls.max_cutbacks;
                     if too_many || run.reject(&trouble, has_failed) == Advance::Failed {
-                        let progress = run.progress();
+                        let progress = run.progress;
                         return Err(RunError::Failed { step: number, increment: increment + 1, progress, trouble });
                     }
                 }
             }
         }
-        self.check_stabilisation(number, increment, run.progress())?;
+        self.check_stabilisation(number, increment, run.progress)?;
         Ok(Directive::GoOn)
     }
 
@@ -429,7 +429,7 @@ impl<'m> Analysis<'m> {
             let attempt = self.attempt(&target, context);
             self.tell_look(&look, context.time_increment);
             let Ok(converged) = attempt else { break };
-            self.believed_findings(self.findings(&converged), &converged, Some(look.attempted()));
+            self.believed_findings(self.findings(&converged), &converged, Some(look.attempted));
         }
         self.equilibrium.restore();
     }

@@ -201,7 +201,7 @@ impl Analysis<'_> {
 
     /// Takes down an attempt that was made to learn something of energies.
     pub(super) fn tell_look(&mut self, run: &StepRun, time: f64) {
-        let (to, imbalanced) = (self.way(run), Some(run.attempted()));
+        let (to, imbalanced) = (self.way(run), Some(run.attempted));
         self.tried.push(Tried { to, time, verdict: Verdict::Look, imbalanced });
     }
 

@@ -48,7 +48,8 @@ impl Guide {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beside {
     residual: Vec<f64>,
-    growth: f64,
+    /// Goal of the leading quantity.
+    pub(super) growth: f64,
     /// Largest residual, N, and growth that are to be corrected at the start of the round. Known after the first evaluation.
     first: Option<[f64; 2]>,
 }
@@ -60,11 +61,6 @@ impl Beside {
         if residual.len() == self.residual.len() {
             residual.iter_mut().zip(&self.residual).for_each(|(own, other)| *own -= other);
         }
-    }
-
-    /// Returns the goal of the leading quantity.
-    pub(super) fn growth(&self) -> f64 {
-        self.growth
     }
 
     /// Returns whether so little of residual and growth is left that the round is at its end. `rounding`: what residuals are known to, N;

@@ -1,6 +1,5 @@
 //! The correction of an iteration, under direct and indirect control, and how much of it is applied.
 
-use super::beside::Beside;
 use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, add_loads, largest, trouble, unsolvable};
 use crate::assembly::{Location, Trouble};
 use crate::contact::PointIndex;
@@ -87,7 +86,7 @@ impl Equilibrium<'_> {
                     }
                     Leader::Dissipation => self.dissipation_progress(attempt, &from_residual, &from_drives)?,
                 };
-                let growth = self.beside.as_ref().map_or(*growth, Beside::growth);
+                let growth = self.beside.as_ref().map_or(*growth, |beside| beside.growth);
                 let share = (growth - progress.so_far - progress.along_residual) / progress.along_drives;
                 if !share.is_finite() {
                     let reason = "what leads does not follow the drives".into();

@@ -11,10 +11,10 @@ pub(super) struct Drag {
     /// Forces of drag at the end of the last increment by freedoms, N; empty where there was none.
     start: Vec<f64>,
     /// Work of drag up to the end of the last increment, N·mm.
-    work: f64,
+    pub(super) work: f64,
     /// Forces and work of drag at the trial state.
     trial: Vec<f64>,
-    trial_work: f64,
+    pub(super) trial_work: f64,
 }
 
 impl Drag {
@@ -65,24 +65,13 @@ impl Drag {
         super::dot(&self.start, &self.trial) < 0.0
     }
 
-    /// Returns the work up to the end of the last increment, N·mm.
-    pub(super) fn work(&self) -> f64 {
-        self.work
-    }
-
-    /// Returns the work up to the trial state, N·mm.
-    pub(super) fn trial_work(&self) -> f64 {
-        self.trial_work
-    }
-
     /// Returns whether there are forces for so many freedoms, or none, and all numbers are finite.
     pub(super) fn fits(&self, freedoms: usize) -> bool {
         [&self.start, &self.trial].into_iter().all(|forces| forces.is_empty() || forces.len() == freedoms)
-            && self
-                .start
+            && [self.work, self.trial_work]
                 .iter()
+                .chain(&self.start)
                 .chain(&self.trial)
-                .chain([&self.work, &self.trial_work])
                 .all(|number| number.is_finite())
     }
 }

@@ -392,12 +392,12 @@ impl<'m> Equilibrium<'m> {
 
     /// Returns the energies of the committed state but for the external work.
     pub(super) fn energies(&self) -> Energies {
-        stored_and_spent(self.solids.energies(), self.contact.energies(), self.memory.drag.work())
+        stored_and_spent(self.solids.energies(), self.contact.energies(), self.memory.drag.work)
     }
 
     /// Returns the energies at the last evaluation but for the external work.
     pub(super) fn trial_energies(&self) -> Energies {
-        stored_and_spent(self.solids.trial_energies(), self.contact.trial_energies(), self.memory.drag.trial_work())
+        stored_and_spent(self.solids.trial_energies(), self.contact.trial_energies(), self.memory.drag.trial_work)
     }
 
     pub(super) fn counts(&self) -> Counts {
