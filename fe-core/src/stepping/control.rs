@@ -72,8 +72,9 @@ const MOST_TURNS: u32 = 20;
 const LARGEST_PART_OF_TIME: f64 = 0.5;
 
 /// The quantity that leads an increment.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 enum Lead {
+    #[default]
     Drives,
     /// A slip or the dissipation grows by a given amount; the drives follow.
     Other(Led),
@@ -141,7 +142,7 @@ impl LoadHistory {
 }
 
 /// A step under way.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct StepRun {
     start: Vec<f64>,
     end: Vec<f64>,
@@ -191,28 +192,13 @@ impl StepRun {
             start: drives.to_vec(),
             end,
             duration: step.time,
-            progress: 0.0,
             size,
-            lead: Lead::Drives,
             attempted: size.next(1.0),
-            failures: 0,
-            last_progress: 0.0,
-            usual_progress: 0.0,
-            usual_slip: 0.0,
-            usual_dissipation: 0.0,
-            helped: Leader::PointSlip,
-            jumps_refused: 0,
-            energy_refused: 0,
-            missed: None,
-            energy_looks: 0,
-            largest_slip: 0.0,
-            usual_stiffness: 0.0,
-            changes: 0,
-            nudges: 0,
             follows_slip: !model.contacts.is_empty(),
             stabilised: model.controls.relaxation_time > 0.0 || model.extrapolates(),
             extrapolates: model.extrapolates(),
             locates_peak: model.controls.locate_peak && !model.contacts.is_empty(),
+            ..Self::default()
         }
     }
 

@@ -20,7 +20,7 @@ const SHRINKAGE: f64 = 0.75;
 const REMAINDER: f64 = 1e-9;
 
 /// Sizes of the increments of a step, as fractions of it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct IncrementSize {
     size: f64,
     pub(super) maximum: f64,

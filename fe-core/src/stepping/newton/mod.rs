@@ -83,10 +83,11 @@ pub(super) enum Target {
 }
 
 /// Quantity that grows steadily where the drives would have to turn back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Leader {
     /// The slip of a contact point, mm: of the one that breaks, otherwise of the one that slides fastest at the start of the
     /// increment. It grows while a fibre is pulled out; the mean slip turns back where one point breaks.
+    #[default]
     PointSlip,
     /// Dissipation of the solids' laws, N·mm: grows while an element fails.
     Dissipation,
