@@ -204,59 +204,30 @@ impl StepRun {
 
     /// Returns whether a run of this step of a model can have come to it.
     pub(super) fn fits(&self, step: &Step, model: &Model) -> bool {
-        let Self {
-            start,
-            end,
-            duration,
-            progress,
-            size,
-            lead,
-            attempted,
-            failures,
-            last_progress,
-            usual_progress,
-            usual_slip,
-            usual_dissipation,
-            helped: _,
-            jumps_refused,
-            energy_refused,
-            missed,
-            energy_looks,
-            largest_slip,
-            usual_stiffness,
-            changes,
-            nudges,
-            follows_slip,
-            stabilised,
-            extrapolates,
-            locates_peak,
-        } = self;
-        let sizes = [progress, attempted, last_progress, largest_slip];
-        let usual = [usual_progress, usual_slip, usual_dissipation, usual_stiffness];
-        let are_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
-        let are_numbers = |numbers: [&f64; 4]| are_finite(&numbers.map(|number| *number));
-        if start.len() != model.drives.len() || !are_finite(start) || !are_numbers(sizes) || !are_numbers(usual) {
+        if self.start.len() != model.drives.len() {
             return false;
         }
-        let is_led = match lead {
-            Lead::Drives => true,
+        let begun = Self::new(step, &self.start, model);
+        let sizes = [self.progress, self.attempted, self.last_progress, self.largest_slip];
+        let usual = [self.usual_progress, self.usual_slip, self.usual_dissipation, self.usual_stiffness];
+        let (of_lead, is_led) = match self.lead {
+            Lead::Drives => ([0.0; 2], true),
             Lead::Other(Led { increment, first, advances, .. }) => {
-                *first > 0.0 && are_finite(&[*increment, *first]) && u64::from(*advances) < MOST_COUNTED
+                ([increment, first], first > 0.0 && u64::from(advances) < MOST_COUNTED)
             }
-            Lead::Drag(Dragged { resistance, greatest, .. }) => {
-                *resistance > 0.0 && are_finite(&[*resistance, *greatest])
-            }
+            Lead::Drag(Dragged { resistance, greatest, .. }) => ([resistance, greatest], resistance > 0.0),
         };
-        let begun = Self::new(step, start, model);
-        let counts = [failures, jumps_refused, energy_refused, energy_looks, changes, nudges];
+        let numbers = self.start.iter().chain(&sizes).chain(&usual).chain(&of_lead).chain(self.missed.iter().flatten());
+        let refused = [self.failures, self.jumps_refused, self.energy_refused];
+        let others = [self.energy_looks, self.changes, self.nudges];
         is_led
-            && *progress < 1.0
-            && missed.is_none_or(|missed| are_finite(&missed))
-            && counts.into_iter().all(|&count| u64::from(count) < MOST_COUNTED)
-            && size.may_follow(&begun.size)
-            && (end, duration, follows_slip) == (&begun.end, &begun.duration, &begun.follows_slip)
-            && (stabilised, locates_peak) == (&begun.stabilised, &begun.locates_peak)
-            && *extrapolates == begun.extrapolates
+            && self.progress < 1.0
+            && numbers.copied().all(f64::is_finite)
+            && refused.into_iter().chain(others).all(|count| u64::from(count) < MOST_COUNTED)
+            && self.size.may_follow(&begun.size)
+            && (&self.end, self.duration) == (&begun.end, begun.duration)
+            && (self.follows_slip, self.stabilised) == (begun.follows_slip, begun.stabilised)
+            && (self.extrapolates, self.locates_peak) == (begun.extrapolates, begun.locates_peak)
     }
 
     pub(super) fn is_done(&self) -> bool {
