@@ -24,7 +24,7 @@ pub(super) enum Refusal {
 pub(super) struct Cholesky {
     pub analysis: Analysis,
     lower: Vec<f64>,
-    factor: Vec<f64>,
+    pub factor: Vec<f64>,
     memory: MemBuffer,
 }
 
@@ -82,11 +82,6 @@ impl Cholesky {
 
     fn view(&self) -> SupernodalLltRef<'_, usize, f64> {
         SupernodalLltRef::new(&self.analysis.supernodes, &self.factor)
-    }
-
-    /// Returns how many numbers the factor has.
-    pub(super) fn entries(&self) -> usize {
-        self.factor.len()
     }
 
     /// x ← L⁻¹ x, x in the order of elimination.

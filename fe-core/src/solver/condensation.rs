@@ -18,7 +18,6 @@ pub struct Superelement {
     /// The place in the zone of each border equation.
     places: Vec<usize>,
     stiffness: Vec<f64>,
-    size: usize,
 }
 
 impl Superelement {
@@ -36,10 +35,10 @@ impl Superelement {
             Refusal::NotDefinite { place } => SolverError::NotDefinite { equation: zone.equation(place) },
             Refusal::Singular { place } => SolverError::Singular { equation: Some(zone.equation(place)) },
         })?;
-        let places: Vec<usize> = border.iter().map(|&equation| zone.place_of(equation)).collect();
+        let places: Vec<usize> = border.iter().map(|&equation| zone.place_of[equation]).collect();
         let rows = places.iter().flat_map(|&row| places.iter().map(move |&column| (row, column)));
-        let stiffness = rows.map(|entry| zone.schur()[entry]).collect();
-        Ok(Self { zone, border: border.to_vec(), places, stiffness, size: pattern.size() })
+        let stiffness = rows.map(|entry| zone.schur[entry]).collect();
+        Ok(Self { zone, border: border.to_vec(), places, stiffness })
     }
 
     /// S, N/mm, row by row: a block for [`crate::solver::Blocks`], symmetric to the last bit.
@@ -49,8 +48,9 @@ impl Superelement {
 
     /// Displacements of all equations of the body, mm, from those of its border; the latter are copied.
     pub fn expand(&mut self, border: &[f64], displacements: &mut [f64]) {
-        let mut ordered = vec![0.0; self.size];
-        let first = self.size - border.len();
+        let size = self.zone.place_of.len();
+        let mut ordered = vec![0.0; size];
+        let first = size - border.len();
         self.places.iter().zip(border).for_each(|(&place, value)| ordered[first + place] = *value);
         self.zone.backward(&mut ordered);
         self.zone.scatter(&ordered, displacements);

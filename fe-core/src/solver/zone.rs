@@ -20,15 +20,15 @@ const SHIFTS: [f64; 2] = [1.0, 100.0];
 /// ```
 pub(super) struct SchurComplement {
     cholesky: Cholesky,
-    /// The place in the zone of each equation of the system.
-    place_of: Vec<usize>,
+    /// The place in the zone of each equation of the system; `NONE` outside.
+    pub(super) place_of: Vec<usize>,
     /// Indices in the pattern of the values of the zone's diagonal.
     diagonal: Vec<usize>,
     shift: Vec<f64>,
     /// L_ZZ.
     triangle: Mat<f64>,
-    /// S, both triangles.
-    schur: Mat<f64>,
+    /// S in the order of the zone, both triangles.
+    pub(super) schur: Mat<f64>,
 }
 
 impl SchurComplement {
@@ -59,11 +59,6 @@ impl SchurComplement {
         self.shift.len()
     }
 
-    /// The place of an equation in the zone; `NONE` outside.
-    pub(super) fn place_of(&self, equation: usize) -> usize {
-        self.place_of[equation]
-    }
-
     /// Multiplications and additions of LLᵀ and of S.
     pub(super) fn flops(&self) -> f64 {
         self.cholesky.analysis.flops + dense_cholesky_flops(self.len())
@@ -71,7 +66,7 @@ impl SchurComplement {
 
     /// Returns how many numbers the factor has.
     pub(super) fn entries(&self) -> usize {
-        self.cholesky.entries()
+        self.cholesky.factor.len()
     }
 
     /// The equation that is eliminated at a place.
@@ -120,11 +115,6 @@ impl SchurComplement {
         for (shift, magnitude) in self.shift.iter_mut().zip(magnitudes) {
             *shift = factor * if magnitude >= least { magnitude } else { fallback };
         }
-    }
-
-    /// S in the order of the zone.
-    pub(super) fn schur(&self) -> &Mat<f64> {
-        &self.schur
     }
 
     /// x ← L⁻¹ x, then its zone part the right side that is left for S.

@@ -52,7 +52,7 @@ impl Leaf {
             values: vec![0.0; from.len()],
             from,
             is_factorised: false,
-            place_in_zone: last.iter().map(|&k| zone.place_of(k)).collect(),
+            place_in_zone: last.iter().map(|&k| zone.place_of[k]).collect(),
             zone,
             border,
             schur: Mat::zeros(count, count),
@@ -90,10 +90,9 @@ impl Substructure for Leaf {
         if !self.is_factorised {
             return Elimination::Refused;
         }
-        let schur = self.zone.schur();
         for (column, &from) in self.place_in_zone.iter().enumerate() {
             for row in column..self.border.len() {
-                self.schur[(row, column)] = schur[(self.place_in_zone[row], from)];
+                self.schur[(row, column)] = self.zone.schur[(self.place_in_zone[row], from)];
             }
         }
         Elimination::Done(self.zone.flops())
