@@ -7,9 +7,7 @@ use super::quadrature::ContactPoint;
 use crate::assembly::Setback;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, ModelError, PluginLaw};
 use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
-use umat_abi::host::{
-    CallFailure, FricAnswer, FricCall, LawDescription, Plugin, SurfaceFields, UinterCall, Validation, judge,
-};
+use umat_abi::host::{CallFailure, FricAnswer, FricCall, Plugin, SurfaceFields, UinterCall, Validation, judge};
 
 /// Fraction of the increment to repeat with: a plugin that returned NaN or infinity may do better with a smaller one.
 const FRACTION_AFTER_NAN: f64 = 0.25;
@@ -55,27 +53,12 @@ impl PointLaw {
     /// # Errors
     /// A law that refuses its parameters, cannot be called, or cannot be enforced as requested.
     pub fn new(pair: &ContactPair, penalty: f64, initial: &FieldValues) -> Result<Self, ModelError> {
-        let mut law = Self::of(pair, penalty)?;
-        law.set_fields(initial, initial);
-        Ok(law)
-    }
-
-    /// Passes temperature and field variables at the start and at the end of the increment to it.
-    pub fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
-        let fields: &mut SurfaceFields = match self {
-            Self::Uinter { call, .. } => &mut call.fields,
-            Self::Fric { call, .. } => &mut call.fields,
-        };
-        fields.set([start.temperature, end.temperature], [&start.variables, &end.variables]);
-    }
-
-    fn of(pair: &ContactPair, penalty: f64) -> Result<Self, ModelError> {
         let ratio = match pair.enforcement {
             Enforcement::PerturbedLagrangian { ratio } => 1.0 + ratio,
             Enforcement::Penalty | Enforcement::Uzawa { .. } => 1.0,
         };
         let failed = |law: &PluginLaw, error| ModelError::of_pair(&pair.name, law.error(error));
-        match &pair.law {
+        let mut made = match &pair.law {
             ContactLaw::Uinter(law) => {
                 let (filled, normal) = filled(pair, law, Some(ratio * penalty), penalty)?;
                 let needs = |reason: &str| Err(ModelError::of_pair(&pair.name, reason));
@@ -94,16 +77,27 @@ impl PointLaw {
                 };
                 let mut call = filled.uinter(2).map_err(|error| failed(law, error))?;
                 call.fence();
-                Ok(Self::Uinter { call: Box::new(call), augmented })
+                Self::Uinter { call: Box::new(call), augmented }
             }
             ContactLaw::Fric { law, normal } => {
                 let (filled, _) = filled(pair, law, None, penalty)?;
                 let normal = HostNormal { law: *normal, stiffness: ratio * penalty };
                 let mut call = filled.fric(1).map_err(|error| failed(law, error))?;
                 call.fence();
-                Ok(Self::Fric { call: Box::new(call), normal, sticking: penalty })
+                Self::Fric { call: Box::new(call), normal, sticking: penalty }
             }
-        }
+        };
+        made.set_fields(initial, initial);
+        Ok(made)
+    }
+
+    /// Passes temperature and field variables at the start and at the end of the increment to it.
+    pub fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
+        let fields: &mut SurfaceFields = match self {
+            Self::Uinter { call, .. } => &mut call.fields,
+            Self::Fric { call, .. } => &mut call.fields,
+        };
+        fields.set([start.temperature, end.temperature], [&start.variables, &end.variables]);
     }
 
     /// The traction at the end of an increment, with the point's law state: `end` and `statev` hold it afterwards.
@@ -181,17 +175,12 @@ fn filled(
         Some((if is_empty { penalty } else { law.props[k] }, is_empty))
     });
     filled.props = description.with_penalties(&law.props, normal_penalty, tangential_penalty);
-    match refusal(description, &filled.props) {
-        Some(reason) => Err(ModelError::of_pair(&pair.name, reason)),
-        None => Ok((filled, normal)),
-    }
-}
-
-/// The law's objection to parameters. A characteristic length it gets at each call.
-fn refusal(law: &LawDescription, props: &[f64]) -> Option<String> {
-    match law.validate(props, None) {
-        Validation::Valid | Validation::NeedsCharacteristicLength(_) => None,
-        Validation::Invalid(message) => Some(format!("{}: {message}", law.name)),
+    match description.validate(&filled.props, None) {
+        // a characteristic length it gets at each call
+        Validation::Valid | Validation::NeedsCharacteristicLength(_) => Ok((filled, normal)),
+        Validation::Invalid(message) => {
+            Err(ModelError::of_pair(&pair.name, format!("{}: {message}", description.name)))
+        }
     }
 }
 
