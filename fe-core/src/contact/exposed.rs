@@ -98,7 +98,7 @@ impl Pair {
             let first = self.points.len();
             self.add_exposed(mesh, pair, edges).expect("points are put on edges as when the pair was made");
             for index in first..self.points.len() {
-                let Some((foot, kinematics)) = self.over(&self.points[index], position) else { continue };
+                let Ok((foot, kinematics)) = self.over(&self.points[index], position) else { continue };
                 let state = &mut self.committed.points[index];
                 (state.foot, state.gap, state.own_gap) = (foot, kinematics.gap, kinematics.gap);
                 (state.origin, state.lean) = (kinematics.arc_length, kinematics.lean);
@@ -115,16 +115,22 @@ impl Pair {
         let Ok(points) = contact_points(mesh, pair, &[edge], &self.chain) else { return false };
         points.iter().all(|point| {
             let over = self.over(point, position);
-            over.is_some_and(|(_, over)| over.gap > 0.0 && dot(over.normal, outward) < 0.0)
+            over.is_ok_and(|(_, over)| over.gap > 0.0 && dot(over.normal, outward) < 0.0)
         })
     }
 
-    /// A point over the master; `None` where it has no foot.
-    fn over(&self, point: &ContactPoint, position: &impl Fn(usize) -> [f64; 2]) -> Option<(Foot, Kinematics)> {
+    /// Returns the foot of a point on the whole master, and gap and slip there.
+    ///
+    /// # Errors
+    /// Why there is none, in words.
+    pub(super) fn over(
+        &self,
+        point: &ContactPoint,
+        position: &impl Fn(usize) -> [f64; 2],
+    ) -> Result<(Foot, Kinematics), &'static str> {
         let projection = Projection { chain: &self.chain, position };
-        let foot = projection.anywhere(point.slave.position(position))?;
-        let kinematics = Kinematics::new(&self.chain, &point.slave, foot, position).ok()?;
-        Some((foot, kinematics))
+        let foot = projection.anywhere(point.slave.position(position)).ok_or("no foot on the master")?;
+        Ok((foot, Kinematics::new(&self.chain, &point.slave, foot, position)?))
     }
 }
 

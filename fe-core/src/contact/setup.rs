@@ -8,7 +8,6 @@ use super::kinematics::Kinematics;
 use super::law::{PointLaw, Situation};
 use super::pair::{Datum, Pair};
 use super::patch::Scratch;
-use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
 use crate::assembly::{Location, Setback};
 use crate::mesh::Mesh;
@@ -141,9 +140,7 @@ impl Pair {
             let place = Location::Contact { pair: name.to_owned(), point: index, position: at };
             ModelError(format!("{place}: {reason}"))
         };
-        let projection = Projection { chain: &self.chain, position };
-        let foot = projection.anywhere(at).ok_or_else(|| wrong("no foot on the master"))?;
-        let kinematics = Kinematics::new(&self.chain, &point.slave, foot, &position).map_err(wrong)?;
+        let (foot, kinematics) = self.over(&point, &position).map_err(wrong)?;
         let (gap, allowed) = (kinematics.gap, facets.allowed(&point, at, foot));
         let too_large = || {
             let open = if gap > 0.0 { "; more may only open a pair that carries neither tension nor bond" } else { "" };
