@@ -283,7 +283,8 @@ impl Contact {
             let terms = pair.own_points().map(|(point, state)| point.area * state.slip);
             sliding_direction(pair) * terms.sum::<f64>()
         });
-        slips.sum::<f64>() / self.area()
+        let areas = self.pairs.iter().flat_map(Pair::own_points).map(|(point, _)| point.area);
+        slips.sum::<f64>() / areas.sum::<f64>()
     }
 
     /// Returns whether there is such a point.
@@ -334,11 +335,6 @@ impl Contact {
                 Some((PointIndex { pair, point }, kinematics))
             })
         })
-    }
-
-    /// Contact area of all pairs as the model has it.
-    fn area(&self) -> f64 {
-        self.pairs.iter().flat_map(Pair::own_points).map(|(point, _)| point.area).sum()
     }
 
     /// The growth |Δg| of the slip in the increment that was evaluated last over max(g_crit, κ/2), κ the largest |g| at the
