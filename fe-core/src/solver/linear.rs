@@ -112,7 +112,7 @@ impl LinearSolver {
     /// Returns what the next factorisation depends on beside its matrix: the symmetry of the solids if there is a factor, and the
     /// pattern of the whole if there is one.
     pub fn memory(&self) -> (Option<Symmetry>, Option<Pattern>) {
-        (self.factor.map(|(_, symmetry)| symmetry), self.whole.as_ref().map(|whole| whole.pattern().clone()))
+        (self.factor.map(|(_, symmetry)| symmetry), self.whole.as_ref().map(|whole| whole.pattern.clone()))
     }
 
     /// Takes over the memory of another solver of the same pattern, and makes its factor of its matrix; `false` if it is that of

@@ -13,7 +13,8 @@ const LARGEST_SUPERSET: f64 = 1.25;
 
 /// One pattern that solids and contact fit, and its analyses.
 pub(super) struct Whole {
-    pattern: Pattern,
+    /// Remembers where contact was.
+    pub(super) pattern: Pattern,
     /// Place of each value of the solids.
     solids: Vec<usize>,
     contact: Vec<Places>,
@@ -58,11 +59,7 @@ impl Whole {
         Self::over(matrix.pattern().with_blocks(&matrix.contact), matrix.pattern())
     }
 
-    /// The pattern, which remembers where contact was.
-    pub(super) fn pattern(&self) -> &Pattern {
-        &self.pattern
-    }
-
+    /// The system over a pattern that has all entries of the solids.
     pub(super) fn over(pattern: Pattern, solids: &Pattern) -> Self {
         let mut places = Vec::with_capacity(solids.entries());
         for column in 0..solids.size() {
