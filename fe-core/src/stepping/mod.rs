@@ -299,10 +299,10 @@ impl<'m> Analysis<'m> {
         let first = self.model.steps.first().map(|step| self.beginning(step, 1).run.time_increment(0.0));
         let clock_of_first = Clock { time_increment: first.unwrap_or_default(), ..clock(&context, 0.0) };
         self.databases.increment_starts(clock_of_first);
-        let along = self.along.as_ref().map(|trail| Lead { at: [0, 0], before: None, guide: &trail.datum });
+        let lead = self.along.as_ref().map(|trail| Lead { at: [0, 0], before: None, guide: &trail.datum });
         let mut converged = self
             .equilibrium
-            .attempt(Attempt::new(&self.present.committed, &target, context).along(along))
+            .attempt(Attempt::new(&self.present.committed, &target, context, lead))
             .map_err(|trouble| RunError::Failed { step: 1, increment: 0, progress: 0.0, trouble })?;
         if let Some(trail) = &mut self.trail {
             trail.datum = std::mem::take(&mut converged.guide);
@@ -364,12 +364,9 @@ impl<'m> Analysis<'m> {
                     step_time += context.time_increment;
                     let directive = self.stands(converged, context, cutbacks, observer)?;
                     cutbacks = 0;
-                    match directive {
-                        Directive::GoOn => {}
-                        end => {
-                            self.check_stabilisation(number, increment, run.progress)?;
-                            return Ok(end);
-                        }
+                    if directive != Directive::GoOn {
+                        self.check_stabilisation(number, increment, run.progress)?;
+                        return Ok(directive);
                     }
                 }
                 Err(Judgement { trouble, has_failed }) => {
@@ -415,8 +412,8 @@ impl<'m> Analysis<'m> {
     /// One attempt at an increment from the present state.
     fn attempt(&mut self, target: &Target, context: IncrementContext) -> Result<Converged, Trouble> {
         self.databases.increment_starts(clock(&context, 0.0));
-        let along = self.along.as_ref().and_then(|trail| trail.lead(context.step, context.increment));
-        self.equilibrium.attempt(Attempt::new(&self.present.committed, target, context).along(along))
+        let lead = self.along.as_ref().and_then(|trail| trail.lead(context.step, context.increment));
+        self.equilibrium.attempt(Attempt::new(&self.present.committed, target, context, lead))
     }
 
     /// Attempts smaller increments, until one shows that a law's report of energies contradicts the work whatever their

@@ -30,7 +30,7 @@ pub(in crate::stepping) struct Round {
 /// Rounds of an increment that stands, and the elements that iterated at its start.
 #[derive(Clone, Debug, Default)]
 pub(in crate::stepping) struct Guide {
-    zone: Option<Zone>,
+    pub(super) zone: Option<Zone>,
     pub(in crate::stepping) rounds: Vec<Round>,
 }
 
@@ -80,11 +80,6 @@ impl Beside {
 }
 
 impl Equilibrium<'_> {
-    /// Begins to take the rounds of an attempt down, if they are kept.
-    pub(super) fn begin_guide(&self) -> Guide {
-        Guide { zone: self.keeps_rounds.then(|| self.zone.clone()), rounds: Vec::new() }
-    }
-
     /// Takes the end of a round down, if they are kept.
     pub(super) fn keep_round(&self, attempt: &mut Attempt<'_>) {
         if self.keeps_rounds {

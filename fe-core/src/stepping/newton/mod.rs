@@ -124,14 +124,14 @@ pub(super) struct Attempt<'a> {
 }
 
 impl<'a> Attempt<'a> {
-    pub(super) fn new(start: &'a Committed, target: &'a Target, context: IncrementContext) -> Self {
+    pub(super) fn new(
+        start: &'a Committed,
+        target: &'a Target,
+        context: IncrementContext,
+        lead: Option<Lead<'a>>,
+    ) -> Self {
         let (trial, iterations, kept) = (start.clone(), Vec::new(), Guide::default());
-        Self { start, target, context, trial, iterations, before: 0, lead: None, is_off: false, kept }
-    }
-
-    /// The attempt, led along an increment of another run.
-    pub(super) fn along(self, lead: Option<Lead<'a>>) -> Self {
-        Self { lead, ..self }
+        Self { start, target, context, trial, iterations, before: 0, lead, is_off: false, kept }
     }
 
     /// Returns the iterations of this round.
@@ -273,7 +273,7 @@ impl<'m> Equilibrium<'m> {
     /// field is elastic.
     pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, Trouble> {
         self.contact.foretell_nothing();
-        attempt.kept = self.begin_guide();
+        attempt.kept.zone = self.keeps_rounds.then(|| self.zone.clone());
         self.begin_beside(&mut attempt, 0)?;
         if !self.memory.at_committed_state || self.beside.is_some() {
             self.evaluate(&attempt)?;

@@ -16,7 +16,7 @@ use crate::stepping::{Analysis, Directive, Observer, Record, Snapshot};
 impl Equilibrium<'_> {
     /// Returns the residual at a trial state.
     fn residual_at(&mut self, trial: &Committed, context: IncrementContext) -> Vec<f64> {
-        self.evaluate(&Attempt::new(trial, &Target::Drives(Vec::new()), context)).unwrap();
+        self.evaluate(&Attempt::new(trial, &Target::Drives(Vec::new()), context, None)).unwrap();
         self.memory.residual.clone()
     }
 
