@@ -5,7 +5,7 @@ use super::chain::Foot;
 use super::history::{PointState, PointStatus};
 use super::kinematics::Kinematics;
 use super::normal::NormalState;
-use super::pair::{Datum, Pair};
+use super::pair::Pair;
 use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
 use crate::mesh::{ElementEdge, Mesh};
@@ -56,18 +56,18 @@ impl Pair {
         let torn = self.torn.as_ref().ok_or_else(whole)?;
         let mut points = contact_points(mesh, pair, &edges, &self.chain)?;
         let before = self.points.iter().map(|point| point.coordinate + point.edge_length).fold(0.0, f64::max);
-        points.iter_mut().for_each(|point| point.coordinate += before);
+        for point in &mut points {
+            point.coordinate += before;
+            point.behind = 0.5 * point.length;
+        }
         let first = self.points.len();
         self.patches.extend(patches(&points).into_iter().map(|patch| patch.start + first..patch.end + first));
-        for point in &points {
-            self.data.push(Datum { gap: 0.0, behind: 0.5 * point.length });
-            for history in [&mut self.committed, &mut self.trial] {
-                history.points.push(torn.state);
-                history.statev.extend_from_slice(&torn.statev);
-            }
-        }
         self.points.extend(points);
         let count = self.points.len();
+        for history in [&mut self.committed, &mut self.trial] {
+            history.points.resize(count, torn.state);
+            history.statev.extend(torn.statev.repeat(count - first));
+        }
         self.kinematics.resize(count, None);
         self.tangents.resize(count, [[0.0; 2]; 2]);
         self.weight_slopes.resize(count, 0.0);

@@ -21,14 +21,6 @@ const WEIGHT_ROUNDING: f64 = 1e-9;
 /// Fraction of the increment that is tried next after a point lost the master.
 const FRACTION_AFTER_LOSS: f64 = 0.5;
 
-/// Reference of a point: its gap at the start.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Datum {
-    pub gap: f64,
-    /// Part of its length that lies behind the point in the direction of the master, mm.
-    pub behind: f64,
-}
-
 /// Counts of one evaluation of a pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Evaluation {
@@ -72,7 +64,6 @@ pub(super) struct Pair {
     pub release: bool,
     /// Whether feet are looked for from the last ones.
     pub walks: bool,
-    pub data: Vec<Datum>,
     /// NSTATV.
     pub state_count: usize,
     /// Gaps of the patches that are predicted along a correction.
@@ -96,7 +87,7 @@ impl Pair {
         if !self.release || self.chain.closed {
             return (1.0, 0.0);
         }
-        let (length, behind) = (self.points[index].length, self.data[index].behind);
+        let ContactPoint { length, behind, .. } = self.points[index];
         let clip = |share: f64, slope: f64| match share {
             share if share >= 1.0 - WEIGHT_ROUNDING => (1.0, 0.0),
             share if share <= 0.0 => (0.0, 0.0),
@@ -175,7 +166,7 @@ impl Pair {
         let (start, end) = (&self.committed.points[index], &mut self.trial.points[index]);
         (end.foot, end.weight, end.slip) = (foot, weight, kinematics.arc_length - start.origin);
         (end.origin, end.apart) = (start.origin, start.apart);
-        (end.own_gap, end.lean) = (kinematics.gap - self.data[index].gap, kinematics.lean);
+        (end.own_gap, end.lean) = (kinematics.gap - self.points[index].start_gap, kinematics.lean);
         end.largest_slip = start.largest_slip.max(end.slip.abs());
         Ok(searched)
     }

@@ -70,7 +70,7 @@ impl Pair {
             for index in patch.clone() {
                 let Some(kinematics) = &self.kinematics[index] else { continue };
                 let share = weight(index);
-                sum += share * (kinematics.gap - self.data[index].gap);
+                sum += share * (kinematics.gap - self.points[index].start_gap);
                 area += share;
             }
             (sum, area)
@@ -87,8 +87,9 @@ impl Pair {
 
     /// The pressure of a point that lies deeper in the master than its patch with this gap by more than [`DEEPER`].
     pub(super) fn press_alone(&mut self, index: usize, shared: f64) {
-        let own = self.kinematics[index].as_ref().map_or(shared, |kinematics| kinematics.gap - self.data[index].gap);
-        let excess = (shared.min(0.0) - own - DEEPER * self.points[index].edge_length).max(0.0);
+        let point = &self.points[index];
+        let own = self.kinematics[index].as_ref().map_or(shared, |kinematics| kinematics.gap - point.start_gap);
+        let excess = (shared.min(0.0) - own - DEEPER * point.edge_length).max(0.0);
         let state = &mut self.trial.points[index];
         let pressure = SOFTER * self.penalty * excess;
         (state.own_pressure, state.own_energy) = (pressure, 0.5 * pressure * excess);
@@ -153,7 +154,7 @@ impl Pair {
             let share = if shared.points == 1 { 1.0 } else { point.area * state.weight / shared.area };
             let slope = point.area * self.weight_slopes[index] / shared.area;
             let [[c_pp, c_ps], _] = self.tangents[index];
-            let (gap, pressure) = (kinematics.gap - self.data[index].gap, state.pressure);
+            let (gap, pressure) = (kinematics.gap - point.start_gap, state.pressure);
             stiffness += share * c_pp;
             for i in 0..kinematics.freedom_count() {
                 let (place, sliding) = (places[start + i], kinematics.slip_gradient[i]);

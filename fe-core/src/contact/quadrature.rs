@@ -28,8 +28,11 @@ pub(super) struct ContactPoint {
     pub area: f64,
     /// Tributary length ℓ along the slave surface, mm.
     pub length: f64,
-    /// Part of ℓ that lies behind the point, in the direction of its edge, mm.
+    /// Part of ℓ that lies behind the point, mm: in the direction of its edge, and once it is put over the master in that of
+    /// the master.
     pub behind: f64,
+    /// Gap at the start that is a fault of the mesh, and is subtracted, mm.
+    pub start_gap: f64,
     /// Reference arc length along the slave edges in the order given, mm.
     pub coordinate: f64,
     /// Length of its slave edge, mm.
@@ -108,6 +111,7 @@ impl SlaveEdge {
                 area,
                 length,
                 behind: (along - share_start).clamp(0.0, length),
+                start_gap: 0.0,
                 coordinate: self.start + along,
                 edge_length,
                 direction: self.direction(at),
@@ -220,6 +224,7 @@ fn node_points(edges: &[SlaveEdge]) -> Vec<ContactPoint> {
                     area: 0.0,
                     length: 0.0,
                     behind: 0.0,
+                    start_gap: 0.0,
                     coordinate: edge.start + edge.length(-1.0, at),
                     edge_length,
                     direction: edge.direction(at),

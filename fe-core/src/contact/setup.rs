@@ -6,7 +6,7 @@ use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
 use super::law::{PointLaw, Situation};
-use super::pair::{Datum, Pair};
+use super::pair::Pair;
 use super::patch::Scratch;
 use super::quadrature::{ContactPoint, contact_points, patches};
 use crate::assembly::{Location, Setback};
@@ -63,7 +63,6 @@ impl Pair {
             shear_stiffness: vec![0.0; points.len()],
             release: pair.release,
             walks,
-            data: Vec::with_capacity(points.len()),
             state_count,
             foretold: Foretold::default(),
             own: points.len(),
@@ -152,11 +151,12 @@ impl Pair {
             return Err(too_large());
         }
         let along = dot(kinematics.tangent, point.direction) >= 0.0;
+        let start_gap = if is_fault { gap } else { 0.0 };
         let behind = if along { point.behind } else { point.length - point.behind };
-        self.data.push(Datum { gap: if is_fault { gap } else { 0.0 }, behind });
+        self.points[index] = ContactPoint { start_gap, behind, ..point };
         let (weight, _) = self.weight(index, kinematics.arc_length);
         let mut state = PointState { origin: kinematics.arc_length, ..PointState::new(foot, weight) };
-        state.gap = gap - self.data[index].gap;
+        state.gap = gap - start_gap;
         state.own_gap = state.gap;
         if weight == 0.0 {
             state.status = PointStatus::Released;
