@@ -16,8 +16,9 @@ const LEAST_FAR_FIELD: f64 = 0.3;
 /// The elements that iterate.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Zone {
-    active: Vec<bool>,
-    condenses: bool,
+    pub(super) active: Vec<bool>,
+    /// Whether the others are condensed.
+    pub(super) condenses: bool,
 }
 
 impl Zone {
@@ -43,16 +44,6 @@ impl Zone {
         let grows = self.active.iter().zip(&first.active).all(|(active, before)| *active || !before);
         let condenses = self.active.contains(&false);
         self.active.len() == first.active.len() && grows && condenses == self.condenses
-    }
-
-    /// Returns whether some elements are condensed.
-    pub(super) fn condenses(&self) -> bool {
-        self.condenses
-    }
-
-    /// Returns which elements iterate.
-    pub(super) fn active(&self) -> &[bool] {
-        &self.active
     }
 
     fn pays(&mut self) -> bool {

@@ -38,7 +38,7 @@ impl Guide {
     /// Returns whether its arrays have the lengths of an equilibrium of a model.
     pub(in crate::stepping) fn fits(&self, model: &Model) -> bool {
         let freedoms = 2 * model.mesh.nodes().len();
-        self.zone.as_ref().is_some_and(|zone| zone.active().len() == model.mesh.elements().len())
+        self.zone.as_ref().is_some_and(|zone| zone.active.len() == model.mesh.elements().len())
             && self.rounds.iter().all(|round| round.displacements.len() == freedoms)
             && self.rounds.iter().all(|round| round.drives.len() == model.drives.len())
     }

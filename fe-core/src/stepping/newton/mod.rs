@@ -235,7 +235,7 @@ impl<'m> Equilibrium<'m> {
         let evaluated = solids.evaluate(&virgin, &context, Request::StressAndTangent, &mut vec![0.0; freedoms]);
         evaluated.map_err(|trouble| ModelError(format!("before the first increment: {trouble}")))?;
         let system = zone.system(model, equations, &coupled, &solids).map_err(|error| ModelError(error.to_string()))?;
-        solids.set_active(zone.active());
+        solids.set_active(&zone.active);
         Ok(Self {
             model,
             solids,
@@ -316,20 +316,20 @@ impl<'m> Equilibrium<'m> {
     /// Expands the far field and calls its laws: whether it is in equilibrium with what they say. If not, the elements
     /// that are no longer elastic iterate from now on.
     fn far_field_holds(&mut self, attempt: &mut Attempt<'_>) -> Result<bool, Trouble> {
-        if !self.zone.condenses() {
+        if !self.zone.condenses {
             return Ok(true);
         }
         let context = attempt.context();
         let trial = &mut attempt.trial;
         self.system.expand(&mut trial.displacements);
         self.system.add_far_forces(&trial.displacements, -1.0, &mut self.memory.internal);
-        let far: Vec<bool> = self.zone.active().iter().map(|active| !active).collect();
+        let far: Vec<bool> = self.zone.active.iter().map(|active| !active).collect();
         self.solids.set_active(&far);
         let Self { solids, memory, times, .. } = self;
         let called = timed(&mut times.solids, || {
             solids.evaluate_unstabilised(&trial.displacements, &context, Request::Stress, &mut memory.internal)
         });
-        self.solids.set_active(self.zone.active());
+        self.solids.set_active(&self.zone.active);
         called?;
         let equations = self.system.equations();
         let residual = equations.reduce(&self.memory.unbalanced());
@@ -357,7 +357,7 @@ impl<'m> Equilibrium<'m> {
         self.system =
             self.zone.system(self.model, equations, &coupled_freedoms(self.model, &self.contact), &self.solids)?;
         self.system.set_threads(&self.threads);
-        self.solids.set_active(self.zone.active());
+        self.solids.set_active(&self.zone.active);
         self.memory.factorised = false;
         Ok(())
     }
