@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::ordering::is_better_dissected;
+use super::ordering::elimination_order;
 use super::whole::{Whole, get_or_try_insert};
 use super::{
     ACCEPTED_RESIDUAL, Blocks, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern, REFINED_RESIDUAL, ROUNDING,
@@ -95,8 +95,10 @@ impl LinearSolver {
             let is_done = match method {
                 Method::Parts => whole.factorise_parts(&self.nodes, &self.positions, &self.threads)?,
                 Method::BlockLu => {
-                    let judge = || is_better_dissected(&self.pattern, &self.nodes, &self.positions);
-                    let is_dissected = *get_or_try_insert(&mut self.is_dissected, judge)?;
+                    let is_dissected = *get_or_try_insert(&mut self.is_dissected, || {
+                        let (_, follows_cuts) = elimination_order(&self.pattern, &self.nodes, &self.positions, &[])?;
+                        Ok(follows_cuts)
+                    })?;
                     let positions: &[_] = if is_dissected { &self.positions } else { &[] };
                     whole.factorise_block_lu(&self.nodes, positions)?
                 }

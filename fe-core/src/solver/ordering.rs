@@ -16,28 +16,9 @@ const LEAST_DISSECTED: usize = 5_000;
 const LEAST_PART: usize = 100;
 
 /// An order of elimination of all equations, that of least fill known for those outside `last`, and then `last` as
-/// they are. `nodes` has the node of each equation, `positions` its place, mm, or nothing. The graph of the nodes is
-/// ordered and expanded: three times faster than that of the equations.
+/// they are; and whether it follows cuts, rather than least degree. `nodes` has the node of each equation, `positions` its
+/// place, mm, or nothing. The graph of the nodes is ordered and expanded: three times faster than that of the equations.
 pub(super) fn elimination_order(
-    pattern: &Pattern,
-    nodes: &[usize],
-    positions: &[[f64; 2]],
-    last: &[usize],
-) -> Result<Vec<usize>, SolverError> {
-    Ok(least_fill(pattern, nodes, positions, last)?.0)
-}
-
-/// Returns whether a pattern fills less along cuts than by least degree.
-pub(super) fn is_better_dissected(
-    pattern: &Pattern,
-    nodes: &[usize],
-    positions: &[[f64; 2]],
-) -> Result<bool, SolverError> {
-    Ok(least_fill(pattern, nodes, positions, &[])?.1)
-}
-
-/// The order of elimination, and whether it follows cuts.
-fn least_fill(
     pattern: &Pattern,
     nodes: &[usize],
     positions: &[[f64; 2]],

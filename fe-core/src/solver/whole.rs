@@ -127,7 +127,7 @@ impl Whole {
     /// LU with pivoting inside supernodes; `false` if that is not enough.
     pub(super) fn factorise_block_lu(&mut self, nodes: &[usize], positions: &[[f64; 2]]) -> Result<bool, SolverError> {
         let block_lu = get_or_try_insert(&mut self.block_lu, || {
-            let order = elimination_order(&self.pattern, nodes, positions, &[])?;
+            let (order, _) = elimination_order(&self.pattern, nodes, positions, &[])?;
             BlockLu::new(Analysis::new(&self.pattern, order)?)
         })?;
         Ok(block_lu.factorise(&self.values))

@@ -40,7 +40,7 @@ impl SchurComplement {
         equations: &[usize],
     ) -> Result<Self, SolverError> {
         let zone = body_by_body(pattern, equations);
-        let order = elimination_order(pattern, nodes, positions, &zone)?;
+        let (order, _) = elimination_order(pattern, nodes, positions, &zone)?;
         let mut place_of = vec![NONE; pattern.size()];
         zone.iter().enumerate().for_each(|(place, &equation)| place_of[equation] = place);
         let count = zone.len();
