@@ -140,7 +140,7 @@ impl UmatCall {
     /// modes and, if it declares so, to understand DDSDDE = NULL as "stress only".
     ///
     /// # Errors
-    /// [`LoadError::Symbol`] if the library has no such entry point.
+    /// The library has no such entry point.
     pub fn new(
         library: &Library,
         symbol: Option<&str>,

@@ -275,7 +275,7 @@ impl UinterCall {
     /// Prepares calls of `library`'s UINTER in 2 or 3 directions, the normal included.
     ///
     /// # Errors
-    /// [`LoadError::Symbol`] if the library has no such entry point.
+    /// The library has no such entry point.
     ///
     /// # Panics
     /// With another number of directions.
@@ -426,7 +426,7 @@ impl FricCall {
     /// Prepares calls of `library`'s FRIC in 1 or 2 tangential directions.
     ///
     /// # Errors
-    /// [`LoadError::Symbol`] if the library has no such entry point.
+    /// The library has no such entry point.
     ///
     /// # Panics
     /// With another number of directions.

@@ -22,42 +22,16 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 /// Symbol that `plugin build --debug` puts into a library.
 const DEBUG_SYMBOL: &str = "pullout_debug_v1";
 
-/// A shared library that can be loaded is no plugin, or no library.
+/// Reason, in words, why a file is no library that can be loaded, or has not what is called.
 #[derive(Clone, Debug, thiserror::Error)]
-pub enum LoadError {
-    /// The dynamic loader refused it.
-    #[error("{}: cannot be loaded: {message}", path.display())]
-    Open {
-        /// The file.
-        path: PathBuf,
-        /// The loader's words.
-        message: String,
-    },
-    /// The library defines none of the symbols tried; what other libraries that it loads define does not count.
-    #[error("{}: has none of the symbols {}", path.display(), tried.join(", "))]
-    Symbol {
-        /// The file.
-        path: PathBuf,
-        /// The symbols tried, in order.
-        tried: Vec<String>,
-    },
-    /// A case names a symbol that is not called like an entry point.
-    #[error(
-        "'{symbol}' is not the name of an entry point: that contains umat, uinter or fric in lower or upper case, or is the \
-         library's own name with an underscore"
-    )]
-    NoEntryPoint {
-        /// The symbol.
-        symbol: String,
-    },
-    /// Metadata is of another version or inconsistent.
-    #[error("{}: {message}", path.display())]
-    Metadata {
-        /// The file.
-        path: PathBuf,
-        /// The fault found.
-        message: String,
-    },
+#[error("{0}")]
+pub struct LoadError(String);
+
+impl LoadError {
+    /// The dynamic loader, or the host in its place, refuses a file.
+    pub fn refused(path: &Path, message: &str) -> Self {
+        Self(format!("{}: cannot be loaded: {message}", path.display()))
+    }
 }
 
 /// Device and inode, length, time of the last change in ns of a file: where they are the same, so is the content.
@@ -138,13 +112,11 @@ impl Library {
     /// as `umat_`, `uinter_`, `fric_`, `sdvini_`, `uexternaldb_` or under a symbol that is asked for has that
     /// signature, and writes no further than its counts allow.
     pub unsafe fn open(path: &Path) -> Result<Self, LoadError> {
-        let refused = |message: String| LoadError::Open { path: path.into(), message };
         let stamp = stamp(path).ok();
         if stamp.is_some_and(|stamp| is_loaded_otherwise(path, stamp)) {
             // the loader goes by the name and would give what it has
-            return Err(refused(
-                "the file was changed since this process loaded it, and what it held then is still in use".into(),
-            ));
+            let message = "the file was changed since this process loaded it, and what it held then is still in use";
+            return Err(LoadError::refused(path, message));
         }
         let utilities = utilities::load();
         let control = floating_point::control();
@@ -157,9 +129,9 @@ impl Library {
             // what is undefined may be one of the utility routines
             let unavailable = utilities.err().filter(|_| words.contains("undefined symbol"));
             let unavailable = unavailable.map_or_else(String::new, |reason| format!("; {reason}"));
-            refused(words + &unavailable)
+            LoadError::refused(path, &(words + &unavailable))
         })?;
-        let metadata_error = |message| LoadError::Metadata { path: path.into(), message };
+        let metadata_error = |message| LoadError(format!("{}: {message}", path.display()));
         let handle = Arc::new(handle);
         // SAFETY: the symbol, if there is one, is the function that the contract defines.
         let laws = match unsafe { own_symbol::<extern "C" fn() -> *const Plugin>(&handle, path, PLUGIN_SYMBOL) } {
@@ -263,7 +235,7 @@ impl Library {
     /// The UMAT entry point: `symbol` if given, else the usual spellings.
     ///
     /// # Errors
-    /// [`LoadError::Symbol`].
+    /// There is none, or the symbol is not called like an entry point.
     pub fn umat(&self, symbol: Option<&str>) -> Result<UmatFunction, LoadError> {
         // SAFETY: a function of this name in a UMAT library has the UMAT signature; no check is possible.
         unsafe { self.entry("umat", symbol) }
@@ -292,7 +264,7 @@ impl Library {
     /// The UINTER entry point.
     ///
     /// # Errors
-    /// [`LoadError::Symbol`].
+    /// As [`Self::umat`].
     pub fn uinter(&self, symbol: Option<&str>) -> Result<UinterFunction, LoadError> {
         // SAFETY: as for `umat`.
         unsafe { self.entry("uinter", symbol) }
@@ -301,7 +273,7 @@ impl Library {
     /// The FRIC entry point.
     ///
     /// # Errors
-    /// [`LoadError::Symbol`].
+    /// As [`Self::umat`].
     pub fn fric(&self, symbol: Option<&str>) -> Result<FricFunction, LoadError> {
         // SAFETY: as for `umat`.
         unsafe { self.entry("fric", symbol) }
@@ -318,7 +290,10 @@ impl Library {
                 let words = symbol.to_ascii_lowercase();
                 let is_entry_point = ["umat", "uinter", "fric"].iter().any(|entry| words.contains(entry));
                 if !is_entry_point && symbol != like_the_library {
-                    return Err(LoadError::NoEntryPoint { symbol: symbol.to_owned() });
+                    return Err(LoadError(format!(
+                        "'{symbol}' is not the name of an entry point: that contains umat, uinter or fric in lower or upper \
+                         case, or is the library's own name with an underscore"
+                    )));
                 }
                 vec![symbol.to_owned()]
             }
@@ -326,7 +301,8 @@ impl Library {
         };
         // SAFETY: forwarded to the caller; the function outlives its use because callers keep the library.
         let found = tried.iter().find_map(|symbol| unsafe { own_symbol(&self.handle, &self.path, symbol) });
-        found.ok_or_else(|| LoadError::Symbol { path: self.path.clone(), tried })
+        // what other libraries that it loads define does not count
+        found.ok_or_else(|| LoadError(format!("{}: has none of the symbols {}", self.path.display(), tried.join(", "))))
     }
 
     /// Returns which of UMAT, UINTER and FRIC it has, under any of their usual names. One that is called like the library may be

@@ -91,8 +91,7 @@ pub fn load(library: &Path) -> Result<Library, LoadError> {
     }
     // unit tests read cases with libraries of all kinds, as workers do
     if !cfg!(test) && !may_run_here(library) {
-        let message = "it runs in a process of its own only, or with --in-process".into();
-        return Err(LoadError::Open { path: library.into(), message });
+        return Err(LoadError::refused(library, "it runs in a process of its own only, or with --in-process"));
     }
     // SAFETY: the library was built with this program, or the user (or a test) answers for it, or this process is a worker,
     // which is there to be ended by it.
