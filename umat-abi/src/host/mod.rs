@@ -44,5 +44,5 @@ pub use plugin_call::PluginCall;
 pub use prints::{flush_prints, print_by_lines, write_messages_to};
 pub use probe::{Alignment, Probed};
 pub use routines::{Clock, ExternalDatabases};
-pub use utilities::{UTILITIES, UnavailableUtilities, announce_job, utilities_path};
+pub use utilities::{UTILITIES, announce_job, utilities_path};
 pub use verdict::{CallFailure, judge};

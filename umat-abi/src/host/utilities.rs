@@ -12,52 +12,32 @@ pub const UTILITIES: &str = "pullout_utilities";
 const JOB_SYMBOL: &str = "pullout_utilities_job_v1";
 type JobFunction = unsafe extern "C" fn(name: *const u8, name_length: usize, folder: *const u8, folder_length: usize);
 
-/// Reason why SINV, ROTSIG, XIT and the like are not available to plugins that call them.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum UnavailableUtilities {
-    /// Library is not there.
-    #[error("the library {UTILITIES} with the utility routines is in none of {}", listed(searched))]
-    Missing {
-        /// The folders where it was looked for.
-        searched: Vec<PathBuf>,
-    },
-    /// The loader refused it.
-    #[error("the library {UTILITIES} with the utility routines: {message}")]
-    Refused {
-        /// The loader's words.
-        message: String,
-    },
-}
-
-fn listed(folders: &[PathBuf]) -> String {
-    folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(", ")
-}
-
 /// The library of the utility routines: beside the plugins that were installed with the program, whose process it is loaded
 /// into, and in no other folder of plugins.
 ///
 /// # Errors
-/// [`UnavailableUtilities::Missing`].
-pub fn utilities_path() -> Result<PathBuf, UnavailableUtilities> {
+/// In words, where it was looked for.
+pub fn utilities_path() -> Result<PathBuf, String> {
     let searched = installed_paths();
-    match Found::by_name(UTILITIES, &searched) {
-        Some(found) => Ok(found.path),
-        None => Err(UnavailableUtilities::Missing { searched }),
-    }
+    Found::by_name(UTILITIES, &searched).map(|found| found.path).ok_or_else(|| {
+        let folders: Vec<String> = searched.iter().map(|folder| folder.display().to_string()).collect();
+        format!("the library {UTILITIES} with the utility routines is in none of {}", folders.join(", "))
+    })
 }
 
-/// Loads the utility routines before the first plugin, for all that follow; stays loaded.
-pub(super) fn load() -> Result<&'static libloading::Library, &'static UnavailableUtilities> {
-    static LIBRARY_OR_REASON: OnceLock<Result<libloading::Library, UnavailableUtilities>> = OnceLock::new();
+/// Loads the utility routines before the first plugin, for all that follow; stays loaded. Otherwise returns why SINV, ROTSIG, XIT
+/// and the like are not available to plugins that call them.
+pub(super) fn load() -> Result<&'static libloading::Library, &'static String> {
+    static LIBRARY_OR_REASON: OnceLock<Result<libloading::Library, String>> = OnceLock::new();
     LIBRARY_OR_REASON
         .get_or_init(|| {
             let path = utilities_path()?;
             // RTLD_GLOBAL: what plugins leave undefined is found here
             // SAFETY: the library is our own and has no initialisers.
             let opened = unsafe { os::Library::open(Some(&path), os::RTLD_NOW | os::RTLD_GLOBAL) };
-            opened
-                .map(Into::into)
-                .map_err(|error| UnavailableUtilities::Refused { message: loaders_words(&path, &error) })
+            opened.map(Into::into).map_err(|error| {
+                format!("the library {UTILITIES} with the utility routines: {}", loaders_words(&path, &error))
+            })
         })
         .as_ref()
 }

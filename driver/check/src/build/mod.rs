@@ -97,7 +97,7 @@ pub fn build(request: &Request) -> Result<Built, Refusal> {
     let sources = request.sources.iter().map(|file| Source::new(file, request.form)).collect::<Result<Vec<_>, _>>()?;
     let output = request.output.clone().unwrap_or_else(|| default_output(&request.sources));
     may_be_written(&output, &sources)?;
-    let utilities = utilities_path().map_err(|error| Refusal::Failed(error.to_string()))?;
+    let utilities = utilities_path().map_err(Refusal::Failed)?;
     let folder = tempfile::tempdir()?;
     let scans: Vec<_> = sources.iter().map(Scan::of).collect();
     includes::write(folder.path(), &scans)?;
