@@ -72,15 +72,13 @@ pub struct Routine {
 
 impl Routine {
     /// Routines that libraries of UMATs usually have.
-    pub const ALL: [Self; 5] = {
-        const fn called(symbol: &'static str) -> Routine {
-            Routine { symbol, is_called: true }
-        }
-        const fn ignored(symbol: &'static str) -> Routine {
-            Routine { symbol, is_called: false }
-        }
-        [called("uexternaldb"), called("sdvini"), called("sigini"), ignored("uvarm"), ignored("usdfld")]
-    };
+    pub const ALL: [Self; 5] = [
+        Self { symbol: "uexternaldb", is_called: true },
+        Self { symbol: "sdvini", is_called: true },
+        Self { symbol: "sigini", is_called: true },
+        Self { symbol: "uvarm", is_called: false },
+        Self { symbol: "usdfld", is_called: false },
+    ];
 }
 
 /// A plugin library. Clones share the loaded library, which stays loaded as long as one lives.
