@@ -131,22 +131,30 @@ impl Library {
         })?;
         let metadata_error = |message| LoadError(format!("{}: {message}", path.display()));
         let handle = Arc::new(handle);
-        // SAFETY: the symbol, if there is one, is the function that the contract defines.
-        let laws = match unsafe { own_symbol::<extern "C" fn() -> *const Plugin>(&handle, path, PLUGIN_SYMBOL) } {
-            // SAFETY: the pointer comes from the library's own function; each law keeps the library.
-            Some(description) => unsafe { LawDescription::read_all(description(), &handle) }.map_err(metadata_error)?,
-            None => Vec::new(),
+        let mut library = Self {
+            path: path.into(),
+            laws: Arc::default(),
+            routines: Arc::default(),
+            changes_floating_point: changed,
+            guard: None,
+            handle,
         };
+        // SAFETY: the symbol, if there is one, is the function that the contract defines.
+        if let Some(description) = unsafe { library.own_symbol::<extern "C" fn() -> *const Plugin>(PLUGIN_SYMBOL) } {
+            // SAFETY: the pointer comes from the library's own function; each law keeps the library.
+            let laws = unsafe { LawDescription::read_all(description(), &library.handle) };
+            library.laws = laws.map_err(metadata_error)?.into();
+        }
         if let Some(stamp) = stamp {
             let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
             loaded.retain(|(.., library)| library.strong_count() > 0);
-            loaded.push((path.into(), stamp, Arc::downgrade(&handle)));
+            loaded.push((path.into(), stamp, Arc::downgrade(&library.handle)));
         }
-        prints::note_loaded(&handle);
+        prints::note_loaded(&library.handle);
         // SAFETY: the symbol is only looked for.
-        let is_debug = unsafe { own_symbol::<*const c_void>(&handle, path, DEBUG_SYMBOL) }.is_some();
+        let is_debug = unsafe { library.own_symbol::<*const c_void>(DEBUG_SYMBOL) }.is_some();
         let is_isolated = recorder::installed().is_some();
-        let guard = if laws.is_empty() {
+        library.guard = if library.laws.is_empty() {
             Some(Guard::new(path, is_debug))
         } else {
             // isolated with its metadata: nobody vouches for more than what they say
@@ -154,12 +162,12 @@ impl Library {
         };
         if is_isolated {
             // What it does when it is unloaded it does at the worker's exit, behind the done-mark.
-            std::mem::forget(Arc::clone(&handle));
+            std::mem::forget(Arc::clone(&library.handle));
         }
         // SAFETY: only their presence is asked for.
-        let has = |routine: &Routine| unsafe { find::<*const ()>(&handle, path, routine.symbol) }.is_some();
-        let routines = Routine::ALL.into_iter().filter(has).collect();
-        Ok(Self { path: path.into(), laws: laws.into(), routines, changes_floating_point: changed, guard, handle })
+        let has = |routine: &Routine| unsafe { library.find::<*const ()>(routine.symbol) }.is_some();
+        library.routines = Routine::ALL.into_iter().filter(has).collect();
+        Ok(library)
     }
 
     /// Returns whether calls trap invalid operations, because the library is made to be debugged.
@@ -245,7 +253,7 @@ impl Library {
             return None;
         }
         // SAFETY: the symbol, if there is one, is the function that the contract defines; callers keep the library.
-        unsafe { own_symbol(&self.handle, &self.path, BATCH_SYMBOL) }
+        unsafe { self.own_symbol(BATCH_SYMBOL) }
     }
 
     /// Returns the same library, known to keep floating-point modes and to be thread-safe as one with metadata is: nothing
@@ -298,7 +306,7 @@ impl Library {
             None => spellings(name).into_iter().chain([like_the_library]).collect(),
         };
         // SAFETY: forwarded to the caller; the function outlives its use because callers keep the library.
-        let found = tried.iter().find_map(|symbol| unsafe { own_symbol(&self.handle, &self.path, symbol) });
+        let found = tried.iter().find_map(|symbol| unsafe { self.own_symbol(symbol) });
         // what other libraries that it loads define does not count
         found.ok_or_else(|| LoadError(format!("{}: has none of the symbols {}", self.path.display(), tried.join(", "))))
     }
@@ -319,23 +327,27 @@ impl Library {
         &self.routines
     }
 
-    /// A routine under one of its usual spellings.
+    /// Finds a routine that the library itself defines, under one of its usual spellings.
     ///
     /// # Safety
     /// `F` is the type of the function with that name; it is not used after the library.
     pub(super) unsafe fn find<F: Copy>(&self, name: &str) -> Option<F> {
         // SAFETY: forwarded to the caller.
-        unsafe { find(&self.handle, &self.path, name) }
+        spellings(name).iter().find_map(|symbol| unsafe { self.own_symbol(symbol) })
     }
-}
 
-/// Finds a routine that the library itself defines, under one of its usual spellings.
-///
-/// # Safety
-/// As of [`own_symbol`].
-unsafe fn find<F: Copy>(handle: &libloading::Library, path: &Path, name: &str) -> Option<F> {
-    // SAFETY: forwarded to the caller.
-    spellings(name).iter().find_map(|symbol| unsafe { own_symbol(handle, path, symbol) })
+    /// Finds a function that the library itself defines. The loader also searches the libraries that it depends on, where
+    /// `system` and anything else is: those do not count.
+    ///
+    /// # Safety
+    /// As of [`Self::find`].
+    unsafe fn own_symbol<F: Copy>(&self, symbol: &str) -> Option<F> {
+        // SAFETY: forwarded to the caller.
+        let function = unsafe { self.handle.get::<F>(symbol) }.ok()?;
+        // SAFETY: a function is as large as an address.
+        let address = unsafe { self.handle.get::<*const c_void>(symbol) }.ok()?;
+        is_own(&self.path, *address).then(|| *function)
+    }
 }
 
 /// Returns whether a library that was loaded from this path, or this file, had another content than the file has now.
@@ -343,19 +355,6 @@ fn is_loaded_otherwise(path: &Path, now: Stamp) -> bool {
     let loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
     let is_same_file = |other: &Path, then: &Stamp| other == path || then[..2] == now[..2];
     loaded.iter().any(|(other, then, library)| *then != now && is_same_file(other, then) && library.strong_count() > 0)
-}
-
-/// Finds a function that the library itself defines. The loader also searches the libraries that it depends on, where
-/// `system` and anything else is: those do not count.
-///
-/// # Safety
-/// `F` is the type of the function with that name; it is not used after the library.
-unsafe fn own_symbol<F: Copy>(handle: &libloading::Library, path: &Path, symbol: &str) -> Option<F> {
-    // SAFETY: forwarded to the caller.
-    let function = unsafe { handle.get::<F>(symbol) }.ok()?;
-    // SAFETY: a function is as large as an address.
-    let address = unsafe { handle.get::<*const c_void>(symbol) }.ok()?;
-    is_own(path, *address).then(|| *function)
 }
 
 /// Returns whether an address that the loader found lies in the library of this path.
