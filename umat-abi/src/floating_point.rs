@@ -1,24 +1,14 @@
 //! The SSE control register (rounding, flush-to-zero, traps), from both sides of the ABI: a foreign library must not
 //! change the host's, and the host's must not change what a law computes.
 
-/// Rounding to nearest, no flush-to-zero, every exception masked: what compilers assume.
-#[cfg(target_arch = "x86_64")]
-const DEFAULT: u32 = 0x1f80;
-
-/// The masks of invalid operations, divisions by zero and overflow.
-#[cfg(all(feature = "host", target_arch = "x86_64"))]
-const MASKS: u32 = 1 << 7 | 1 << 9 | 1 << 10;
+/// Rounding to nearest, no flush-to-zero, every exception masked: what compilers assume. On other processors the control is always 0.
+const DEFAULT: u32 = if cfg!(target_arch = "x86_64") { 0x1f80 } else { 0 };
 
 /// The control with traps for invalid operations, divisions by zero and overflow, and no exception pending.
-#[cfg(all(feature = "host", target_arch = "x86_64"))]
+#[cfg(feature = "host")]
 pub(crate) fn with_traps(control: u32) -> u32 {
+    const MASKS: u32 = 1 << 7 | 1 << 9 | 1 << 10;
     modes(control) & !MASKS
-}
-
-/// Returns the control as it is: on other processors there are no traps.
-#[cfg(all(feature = "host", not(target_arch = "x86_64")))]
-pub(crate) fn with_traps(control: u32) -> u32 {
-    control
 }
 
 /// Reads MXCSR.
@@ -55,8 +45,7 @@ pub(crate) fn modes(control: u32) -> u32 {
 }
 
 /// Runs `body` in the default floating-point environment: a host may have set traps (a masked division by zero is
-/// harmless in a law, a trapped one kills the process) or flush-to-zero.
-#[cfg(target_arch = "x86_64")]
+/// harmless in a law, a trapped one kills the process) or flush-to-zero. On other processors the environment is taken as it is.
 #[inline]
 pub fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
     let hosts = control();
@@ -67,10 +56,4 @@ pub fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
     let result = body();
     set_control(hosts);
     result
-}
-
-/// Runs `body`: on other processors the environment is taken as it is.
-#[cfg(not(target_arch = "x86_64"))]
-pub fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
-    body()
 }
