@@ -136,33 +136,25 @@ impl Writer {
     /// One argument.
     #[inline]
     pub(in crate::host) fn put(&mut self, values: &[f64]) {
-        self.put_all(values.len(), |target| {
-            // SAFETY: `put_all` gives the address of as many words in this slot, which nobody refers to.
-            unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), target, values.len()) }
-        });
-    }
-
-    /// One argument of integers.
-    #[inline]
-    pub(in crate::host) fn put_integers<const N: usize>(&mut self, values: [i32; N]) {
-        self.put(&values.map(f64::from));
-    }
-
-    #[inline]
-    fn put_all(&mut self, length: usize, copy: impl FnOnce(*mut f64)) {
-        let words = 1 + length;
+        let words = 1 + values.len();
         self.wanted += words;
         if words <= self.room {
-            // SAFETY: as many words are left in the slot.
+            // SAFETY: as many words are left in this slot, which nobody refers to.
             unsafe {
-                self.next.write(length as f64);
-                copy(self.next.add(1));
+                self.next.write(values.len() as f64);
+                std::ptr::copy_nonoverlapping(values.as_ptr(), self.next.add(1), values.len());
                 self.next = self.next.add(words);
             }
             self.room -= words;
         } else {
             self.room = 0;
         }
+    }
+
+    /// One argument of integers.
+    #[inline]
+    pub(in crate::host) fn put_integers<const N: usize>(&mut self, values: [i32; N]) {
+        self.put(&values.map(f64::from));
     }
 }
 
