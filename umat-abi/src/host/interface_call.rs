@@ -218,16 +218,6 @@ impl<I: Inputs, O: Outputs + Default> Contact<I, O> {
         Self { common, fields: SurfaceFields::default(), calls: 0 }
     }
 
-    /// TEMP and DTEMP.
-    pub fn temperature(&self) -> [f64; 2] {
-        self.fields.temperature()
-    }
-
-    /// PREDEF and DPRED: of each variable the values at slave and master.
-    pub fn predef(&self) -> [&[f64]; 2] {
-        self.fields.predef()
-    }
-
     /// Calls so far.
     pub fn calls(&self) -> u64 {
         self.calls

@@ -62,8 +62,8 @@ probed!(UinterCall, |call| call.arguments(), {
     stress: call.stress().len(), ddsddr: call.stress().len().pow(2), dviscous: call.stress().len().pow(2),
     dstructural: call.stress().len().pow(2), flux: 2, ddfddt: 4, ddsddt: 2 * call.stress().len(),
     ddfddr: 2 * call.stress().len(), statev: call.statev().len(), rdisp: call.stress().len(),
-    drdisp: call.stress().len(), temp: SURFACES, dtemp: SURFACES, predef: call.predef()[0].len(),
-    dpred: call.predef()[1].len(), time: 2,
+    drdisp: call.stress().len(), temp: SURFACES, dtemp: SURFACES, predef: call.fields.predef()[0].len(),
+    dpred: call.fields.predef()[1].len(), time: 2,
     ciname: NAME, slname: NAME, msname: NAME, props: call.props().len(), coords: 3, alocaldir: 9, drot: 4,
 });
 
@@ -72,6 +72,6 @@ probed!(FricCall, |call| call.arguments(), {
     dslip: call.stress().len(), ddtddt: 2 * call.stress().len(), statev: call.statev().len(),
     dgam: call.stress().len(), taulm: call.stress().len(), slip: call.stress().len(), time: 2, ciname: NAME,
     slname: NAME, msname: NAME, coords: 3, rcoord: 3, drot: 4, temp: SURFACES,
-    predef: call.predef()[0].len(),
+    predef: call.fields.predef()[0].len(),
     props: call.props().len(),
 });

@@ -84,11 +84,11 @@ record! {
     /// LOPENCLOSE and LSTATE.
     flags to.put_integers(call.flags);
     /// TEMP at the end, and DTEMP.
-    temp to.put(&call.temperature());
+    temp to.put(&call.fields.temperature());
     /// Field variables at the end, each at slave and master.
-    predef to.put(call.predef()[0]);
+    predef to.put(call.fields.predef()[0]);
     /// Increments.
-    dpred to.put(call.predef()[1]);
+    dpred to.put(call.fields.predef()[1]);
     /// PROPS.
     props to.put(call.props());
     }
@@ -108,11 +108,11 @@ record! {
     /// SED, SFD at the start.
     energies to.put(&call.energies);
     /// TEMP at the end, and DTEMP.
-    temp to.put(&call.temperature());
+    temp to.put(&call.fields.temperature());
     /// Field variables at the end, each at slave and master.
-    predef to.put(call.predef()[0]);
+    predef to.put(call.fields.predef()[0]);
     /// Increments.
-    dpred to.put(call.predef()[1]);
+    dpred to.put(call.fields.predef()[1]);
     /// PROPS.
     props to.put(call.props());
     }
