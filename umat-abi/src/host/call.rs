@@ -93,7 +93,7 @@ outputs! {
 #[derive(Debug)]
 pub struct UmatCall {
     common: PluginCall<UmatInputs, UmatOutputs>,
-    function: UmatFunction,
+    pub(super) function: UmatFunction,
     honours_stress_only: bool,
     stress_state: StressState,
     /// Energies: stored, plastic, creep ("SCD").
@@ -190,7 +190,7 @@ impl UmatCall {
     /// Fences as [`PluginCall::fence`] does, in the call with six components as well.
     pub fn fence(&mut self) {
         self.common.fence();
-        if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid_mut()) {
+        if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid.as_mut()) {
             solid.fence();
         }
     }
@@ -198,11 +198,6 @@ impl UmatCall {
     /// Number of stress components.
     pub fn ntens(&self) -> usize {
         self.common.stress.as_slice().len()
-    }
-
-    /// NDI.
-    pub(super) fn ndi(&self) -> i32 {
-        self.common.ndi
     }
 
     /// The stress state it was made for.
@@ -293,11 +288,6 @@ impl UmatCall {
     #[inline]
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
         NotFinite::among([("DDSDDE", self.ddsdde())]).map(|found| found.of_matrix(self.ntens()))
-    }
-
-    /// DDSDDE, to be set behind a call.
-    pub(super) fn ddsdde_mut(&mut self) -> &mut [f64] {
-        self.common.tangent.as_mut_slice()
     }
 
     /// Behaves as if the last call had asked for a fraction of the increment.
@@ -444,11 +434,6 @@ impl UmatCall {
             });
             self.common.slot = Some(slot);
         }
-    }
-
-    /// The plugin's function.
-    pub(super) fn function(&self) -> UmatFunction {
-        self.function
     }
 
     // as a call of its own it would write the 38 addresses down, to be read again in wider pieces: 12 ns

@@ -254,7 +254,7 @@ impl<I, O> DerefMut for Contact<I, O> {
 #[derive(Debug)]
 pub struct UinterCall {
     contact: Contact<UinterInputs, UinterOutputs>,
-    function: UinterFunction,
+    pub(super) function: UinterFunction,
     /// SED, SFD, SPD, SVD, SCD.
     pub energies: [f64; 5],
     /// LOPENCLOSE and LSTATE, kept per point; −1 at the start.
@@ -401,7 +401,7 @@ pub enum FricAnswer {
 #[derive(Debug)]
 pub struct FricCall {
     contact: Contact<FricInputs, FricOutputs>,
-    function: FricFunction,
+    pub(super) function: FricFunction,
     /// LM: on entry 0 slipping, 1 sticking, 2 open; on return see [`FricCall::answer`].
     pub lm: i32,
     /// DSLIP of the last call, mm.
@@ -579,7 +579,7 @@ impl FricCall {
 
 /// Makes both calls, which are used through what they share.
 macro_rules! contact {
-    ($($call:ident: $inputs:ty, $outputs:ty, $function:ty, $record:ident, $number:ident;)+) => {$(
+    ($($call:ident: $inputs:ty, $outputs:ty, $record:ident, $number:ident;)+) => {$(
         impl $call {
             /// Calls the plugin; the moduli are zeroed before.
             ///
@@ -599,11 +599,6 @@ macro_rules! contact {
                     });
                     self.contact.common.slot = Some(slot);
                 }
-            }
-
-            /// The plugin's function.
-            pub(super) fn function(&self) -> $function {
-                self.function
             }
         }
 
@@ -625,6 +620,6 @@ macro_rules! contact {
     )+};
 }
 contact! {
-    UinterCall: UinterInputs, UinterOutputs, UinterFunction, UinterRecord, UINTER;
-    FricCall: FricInputs, FricOutputs, FricFunction, FricRecord, FRIC;
+    UinterCall: UinterInputs, UinterOutputs, UinterRecord, UINTER;
+    FricCall: FricInputs, FricOutputs, FricRecord, FRIC;
 }

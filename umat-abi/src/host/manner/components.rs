@@ -149,7 +149,7 @@ impl UmatCall {
                     let product = solid.tangent(row, THROUGH) * solid.tangent(THROUGH, column);
                     entry -= product / solid.tangent(THROUGH, THROUGH);
                 }
-                self.ddsdde_mut()[j * ntens + i] = entry;
+                self.tangent.as_mut_slice()[j * ntens + i] = entry;
             }
         }
     }

@@ -70,7 +70,7 @@ impl UmatCall {
             (0..columns).map(|column| self.column(column, buffers)).collect::<Result<_, _>>()?;
         self.put_back(&buffers.end);
         self.restore_outcome();
-        self.ddsdde_mut().copy_from_slice(&reported[..ntens * ntens]);
+        self.tangent.as_mut_slice().copy_from_slice(&reported[..ntens * ntens]);
         match source {
             TangentSource::Compared => {
                 let deviation = self.deviation(&found);
@@ -84,7 +84,7 @@ impl UmatCall {
                 for (j, column) in found.iter().enumerate() {
                     let values = column.as_ref().and_then(|c| if at_rest { c.of_rest(j) } else { c.mean() });
                     let Some(values) = values else { return Ok(self.cut_back(CUT)) };
-                    self.ddsdde_mut()[j * ntens..(j + 1) * ntens].copy_from_slice(&values[..ntens]);
+                    self.tangent.as_mut_slice()[j * ntens..(j + 1) * ntens].copy_from_slice(&values[..ntens]);
                 }
                 self.remove_asymmetry(columns);
             }
@@ -140,7 +140,7 @@ impl UmatCall {
             return f64::INFINITY;
         }
         let ntens = self.ntens();
-        let direct = self.ndi() as usize;
+        let direct = self.ndi as usize;
         let means = found.iter().flatten().filter_map(Column::mean);
         let scale = means.flatten().fold(0.0_f64, |most, entry| most.max(entry.abs()));
         let far = |with_volume: bool| {
@@ -164,7 +164,7 @@ impl UmatCall {
     /// Makes differences that are symmetric but for rounding exactly so.
     fn remove_asymmetry(&mut self, columns: usize) {
         let ntens = self.ntens();
-        let entries = self.ddsdde_mut();
+        let entries = self.tangent.as_mut_slice();
         let largest = entries.iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
         let pairs = || (1..columns).flat_map(move |i| (0..i).map(move |j| (i * ntens + j, j * ntens + i)));
         if pairs().all(|(a, b)| (entries[a] - entries[b]).abs() <= ASYMMETRY * largest) {

@@ -72,7 +72,7 @@ impl TangentDeviation {
 #[derive(Debug, Default)]
 pub(super) struct Detour {
     /// The call with six components that is made instead.
-    solid: Option<Box<UmatCall>>,
+    pub(super) solid: Option<Box<UmatCall>>,
     tangent: TangentSource,
     largest: Option<TangentDeviation>,
     /// Number of columns of DDSDDE that are wanted, from the first.
@@ -93,13 +93,6 @@ struct Point {
     stress: [f64; 6],
     statev: Vec<f64>,
     energies: [f64; 3],
-}
-
-impl Detour {
-    /// The call with six components, if there is one.
-    pub(super) fn solid_mut(&mut self) -> Option<&mut UmatCall> {
-        self.solid.as_deref_mut()
-    }
 }
 
 impl UmatCall {

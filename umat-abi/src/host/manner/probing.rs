@@ -135,7 +135,7 @@ impl UmatCall {
     /// an array, if it does. Goes through six components if calls do.
     pub fn trespass_again(&mut self) -> Option<Trespass> {
         let Some(mut detour) = self.detour.take() else { return self.trespass() };
-        let found = match detour.solid_mut() {
+        let found = match &mut detour.solid {
             Some(solid) => {
                 self.set_start(solid);
                 solid.trespass()

@@ -25,7 +25,7 @@ macro_rules! probed {
                     to.$field = copy.address().cast();
                     fenced.push(copy);
                 )+
-                let function = $this.function();
+                let function = $this.function;
                 // SAFETY: every pointer is valid for the sizes that the counts tell.
                 let probed = child::run(&fenced, || unsafe { to.call(function) })?;
                 Ok(match probed {
