@@ -6,7 +6,6 @@ use super::library::{Library, LoadError};
 use super::manner::Detour;
 use super::memory::{NotFinite, Overrun, fortran_name};
 use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
-use super::recorder::{Arguments, UmatRecord};
 use crate::law::{Request, StressState};
 use crate::metadata::flags;
 use crate::umat::{UmatArguments, UmatFunction};
@@ -412,7 +411,7 @@ impl UmatCall {
     ) -> Result<CallOutcome, Overrun> {
         self.common.tangent.as_mut_slice().fill(filling);
         if self.common.slot.is_some() {
-            self.note(stress_only);
+            self.note(!stress_only);
         }
         let mut arguments = self.arguments(stress_only);
         alter(&mut arguments);
@@ -423,17 +422,6 @@ impl UmatCall {
         }
         self.take_back()?;
         Ok(self.outcome())
-    }
-
-    /// Notes the arguments for the supervisor, in case the plugin ends the process.
-    fn note(&mut self, stress_only: bool) {
-        if let Some(mut slot) = self.common.slot.take() {
-            slot.enter(|to| {
-                to.put_integers([Arguments::UMAT, i32::from(!stress_only)]);
-                UmatRecord::write(self, to);
-            });
-            self.common.slot = Some(slot);
-        }
     }
 
     // as a call of its own it would write the 38 addresses down, to be read again in wider pieces: 12 ns

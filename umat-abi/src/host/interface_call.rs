@@ -6,7 +6,6 @@ use super::guard::run;
 use super::library::{Library, LoadError};
 use super::memory::{NotFinite, Overrun, fortran_name};
 use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
-use super::recorder::{Arguments, FricRecord, UinterRecord};
 use crate::fric::{FricArguments, FricFunction};
 use crate::uinter::{UinterArguments, UinterFunction};
 use std::ops::{Deref, DerefMut};
@@ -324,7 +323,7 @@ impl UinterCall {
         alter: impl FnOnce(&mut UinterArguments),
     ) -> Result<CallOutcome, Overrun> {
         self.contact.common.tangent.as_mut_slice().fill(filling);
-        self.note();
+        self.note(true);
         let mut arguments = self.arguments();
         alter(&mut arguments);
         let function = self.function;
@@ -530,7 +529,7 @@ impl FricCall {
         self.contact.common.tangent.as_mut_slice().fill(filling);
         self.dslip = [filling; 2];
         self.pressure_tangent = [filling; 2];
-        self.note();
+        self.note(true);
         let mut arguments = self.arguments();
         alter(&mut arguments);
         let function = self.function;
@@ -579,7 +578,7 @@ impl FricCall {
 
 /// Makes both calls, which are used through what they share.
 macro_rules! contact {
-    ($($call:ident: $inputs:ty, $outputs:ty, $record:ident, $number:ident;)+) => {$(
+    ($($call:ident: $inputs:ty, $outputs:ty;)+) => {$(
         impl $call {
             /// Calls the plugin; the moduli are zeroed before.
             ///
@@ -588,17 +587,6 @@ macro_rules! contact {
             pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
                 // SAFETY: the arguments stay as they are.
                 unsafe { self.call_with(0.0, |_| ()) }
-            }
-
-            /// Notes the arguments for the supervisor, in case the plugin ends the process.
-            fn note(&mut self) {
-                if let Some(mut slot) = self.contact.common.slot.take() {
-                    slot.enter(|to| {
-                        to.put_integers([Arguments::$number, 1]);
-                        $record::write(self, to);
-                    });
-                    self.contact.common.slot = Some(slot);
-                }
             }
         }
 
@@ -620,6 +608,6 @@ macro_rules! contact {
     )+};
 }
 contact! {
-    UinterCall: UinterInputs, UinterOutputs, UinterRecord, UINTER;
-    FricCall: FricInputs, FricOutputs, FricRecord, FRIC;
+    UinterCall: UinterInputs, UinterOutputs;
+    FricCall: FricInputs, FricOutputs;
 }

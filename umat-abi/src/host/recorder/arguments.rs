@@ -12,7 +12,7 @@ use std::ops::Deref;
 macro_rules! record {
     (
         $(#[$struct_doc:meta])*
-        $name:ident of $call:ty: $object:ident, $writer:ident => { $($(#[$doc:meta])* $field:ident $put:expr;)+ }
+        $name:ident of $call:ty, $number:ident: $object:ident, $writer:ident => { $($(#[$doc:meta])* $field:ident $put:expr;)+ }
         $(#[$inputs_doc:meta])* $inputs:ident: $inputs_type:ty;
     ) => {
         $(#[$struct_doc])*
@@ -33,7 +33,7 @@ macro_rules! record {
         impl $name {
             /// Writes the arguments of a call.
             #[inline]
-            pub(in crate::host) fn write($object: &$call, $writer: &mut Writer) {
+            fn write($object: &$call, $writer: &mut Writer) {
                 $($put;)+
                 $writer.put(noted::<$inputs_type>($object));
             }
@@ -49,12 +49,25 @@ macro_rules! record {
                 Some(Self { $($field: reader.take()?,)+ $inputs: from_noted(&reader.take()?)? })
             }
         }
+
+        impl $call {
+            /// Notes the arguments for the supervisor, in case the plugin ends the process.
+            pub(in crate::host) fn note(&mut self, wants_tangent: bool) {
+                if let Some(mut slot) = self.slot.take() {
+                    slot.enter(|to| {
+                        to.put_integers([Arguments::$number, i32::from(wants_tangent)]);
+                        $name::write(self, to);
+                    });
+                    self.slot = Some(slot);
+                }
+            }
+        }
     };
 }
 
 record! {
     /// UMAT. The names are those of the arguments.
-    UmatRecord of UmatCall: call, to => {
+    UmatRecord of UmatCall, UMAT: call, to => {
     /// Value at the start.
     stress to.put(call.stress());
     /// Value at the start.
@@ -74,7 +87,7 @@ record! {
 
 record! {
     /// UINTER. The names are those of the arguments.
-    UinterRecord of UinterCall: call, to => {
+    UinterRecord of UinterCall, UINTER: call, to => {
     /// Value at the start.
     stress to.put(call.stress());
     /// Value at the start.
@@ -98,7 +111,7 @@ record! {
 
 record! {
     /// FRIC. The names are those of the arguments.
-    FricRecord of FricCall: call, to => {
+    FricRecord of FricCall, FRIC: call, to => {
     /// LM on entry.
     lm to.put_integers([call.lm]);
     /// Value at the start.
@@ -139,9 +152,9 @@ pub enum Arguments {
 
 impl Arguments {
     /// Numbers of the entry points and routines in a slot.
-    pub(in crate::host) const UMAT: i32 = 1;
-    pub(in crate::host) const UINTER: i32 = 2;
-    pub(in crate::host) const FRIC: i32 = 3;
+    pub(super) const UMAT: i32 = 1;
+    pub(super) const UINTER: i32 = 2;
+    pub(super) const FRIC: i32 = 3;
     pub(in crate::host) const EXTERNAL_DATABASE: i32 = 4;
     pub(in crate::host) const INITIAL_STATE: i32 = 5;
     pub(in crate::host) const INITIAL_STRESS: i32 = 6;
