@@ -4,7 +4,7 @@ use super::exchange::{Numbers, arguments, inputs, outputs};
 use super::guard::run;
 use super::library::{Library, LoadError};
 use super::manner::Detour;
-use super::memory::{NotFinite, Overrun, fortran_name};
+use super::memory::{NAME_LENGTH, NotFinite, Overrun, fortran_name};
 use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
 use crate::law::{Request, StressState};
 use crate::metadata::flags;
@@ -125,8 +125,6 @@ impl DerefMut for UmatCall {
 }
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// Characters of CMNAME.
-const NAME_LENGTH: usize = 80;
 /// JSTEP(2): static stress analysis.
 const STATIC_PROCEDURE: i32 = 1;
 /// An answer that differs from an initial stress by less than this part of the largest is the same: rounding.

@@ -1,7 +1,7 @@
 //! SDVINI and SIGINI: initial states and stresses of points, where the library sets them and the case does not.
 
 use super::library::Library;
-use super::memory::{Guarded, fortran_name};
+use super::memory::{Guarded, NAME_LENGTH, fortran_name};
 use super::recorder::{self, Arguments};
 use super::routines::Routine;
 use std::ffi::c_char;
@@ -31,8 +31,6 @@ static DIMENSIONS: i32 = 3;
 static ONE: i32 = 1;
 /// LREBAR: the point is of no rebar.
 static NO_REBAR: i32 = 0;
-/// Length of each of NAMES.
-const NAME_LENGTH: usize = 80;
 
 /// Material point as SDVINI and SIGINI get it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use super::call::CallOutcome;
 use super::exchange::{Inputs, Integer, Numbers, Outputs, arguments, inputs, outputs};
 use super::guard::run;
 use super::library::{Library, LoadError};
-use super::memory::{NotFinite, Overrun, fortran_name};
+use super::memory::{NAME_LENGTH, NotFinite, Overrun, fortran_name};
 use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
 use crate::fric::{FricArguments, FricFunction};
 use crate::uinter::{UinterArguments, UinterFunction};
@@ -14,8 +14,6 @@ use std::ops::{Deref, DerefMut};
 const MCRD: i32 = 3;
 const IDENTITY_2: [f64; 4] = [1.0, 0.0, 0.0, 1.0];
 const IDENTITY_3: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-/// Characters of a name.
-const NAME_LENGTH: usize = 80;
 /// SLNAME and MSNAME.
 const SURFACES: [&str; 2] = ["SLAVE", "MASTER"];
 

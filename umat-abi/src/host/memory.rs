@@ -224,9 +224,12 @@ pub fn same_bits(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
+/// Characters of CMNAME, CINAME and the like.
+pub(super) const NAME_LENGTH: usize = 80;
+
 /// A Fortran CHARACTER*80: upper case, blank-padded.
-pub(super) fn fortran_name(name: &str) -> [u8; 80] {
-    let mut padded = [b' '; 80];
+pub(super) fn fortran_name(name: &str) -> [u8; NAME_LENGTH] {
+    let mut padded = [b' '; NAME_LENGTH];
     for (target, source) in padded.iter_mut().zip(name.bytes()) {
         *target = source.to_ascii_uppercase();
     }

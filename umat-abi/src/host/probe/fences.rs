@@ -3,6 +3,7 @@
 use super::super::call::UmatCall;
 use super::super::fence::Fenced;
 use super::super::interface_call::{FricCall, UinterCall};
+use super::super::memory::NAME_LENGTH;
 use super::{Alignment, Probed, Trespass, child};
 use std::io;
 
@@ -47,15 +48,13 @@ macro_rules! probed {
     };
 }
 
-/// Characters of a name.
-const NAME: usize = 80;
 /// Slave and master: TEMP.
 const SURFACES: usize = 2;
 
 probed!(UmatCall, |call| call.arguments(false), {
     stress: call.ntens(), statev: call.statev().len(), ddsdde: call.ntens().pow(2), ddsddt: call.ntens(),
     drplde: call.ntens(), stran: call.ntens(), dstran: call.ntens(), time: 2, predef: call.predef.len(),
-    dpred: call.dpred.len(), props: call.props().len(), coords: 3, drot: 9, dfgrd0: 9, dfgrd1: 9, jstep: 4, cmname: NAME,
+    dpred: call.dpred.len(), props: call.props().len(), coords: 3, drot: 9, dfgrd0: 9, dfgrd1: 9, jstep: 4, cmname: NAME_LENGTH,
 });
 
 probed!(UinterCall, |call| call.arguments(), {
@@ -64,14 +63,14 @@ probed!(UinterCall, |call| call.arguments(), {
     ddfddr: 2 * call.stress().len(), statev: call.statev().len(), rdisp: call.stress().len(),
     drdisp: call.stress().len(), temp: SURFACES, dtemp: SURFACES, predef: call.fields.predef()[0].len(),
     dpred: call.fields.predef()[1].len(), time: 2,
-    ciname: NAME, slname: NAME, msname: NAME, props: call.props().len(), coords: 3, alocaldir: 9, drot: 4,
+    ciname: NAME_LENGTH, slname: NAME_LENGTH, msname: NAME_LENGTH, props: call.props().len(), coords: 3, alocaldir: 9, drot: 4,
 });
 
 probed!(FricCall, |call| call.arguments(), {
     tau: call.stress().len(), ddtddg: call.stress().len().pow(2), ddtddp: call.stress().len(),
     dslip: call.stress().len(), ddtddt: 2 * call.stress().len(), statev: call.statev().len(),
-    dgam: call.stress().len(), taulm: call.stress().len(), slip: call.stress().len(), time: 2, ciname: NAME,
-    slname: NAME, msname: NAME, coords: 3, rcoord: 3, drot: 4, temp: SURFACES,
+    dgam: call.stress().len(), taulm: call.stress().len(), slip: call.stress().len(), time: 2, ciname: NAME_LENGTH,
+    slname: NAME_LENGTH, msname: NAME_LENGTH, coords: 3, rcoord: 3, drot: 4, temp: SURFACES,
     predef: call.fields.predef()[0].len(),
     props: call.props().len(),
 });
