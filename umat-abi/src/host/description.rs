@@ -268,20 +268,15 @@ impl LawDescription {
             // SAFETY: version and size fit.
             let plugin_reference = unsafe { &*plugin };
             // SAFETY: as above.
-            laws.push(unsafe { Self::read(plugin_reference, library) }?);
+            let law = unsafe { Self::read(plugin_reference, library) }?;
+            law.check_consistency()?;
+            laws.push(law);
             plugin = plugin_reference.next;
         }
         Ok(laws)
     }
 
     unsafe fn read(plugin: &Plugin, library: &Arc<libloading::Library>) -> Result<Self, String> {
-        // SAFETY: forwarded to the caller.
-        let law = unsafe { Self::read_fields(plugin, library) }?;
-        law.check_consistency()?;
-        Ok(law)
-    }
-
-    unsafe fn read_fields(plugin: &Plugin, library: &Arc<libloading::Library>) -> Result<Self, String> {
         // SAFETY: texts and tables of a description of the right version are static, NUL-terminated or NULL, and
         // `count` elements long; NULL is checked.
         unsafe {
