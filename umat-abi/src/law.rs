@@ -518,8 +518,8 @@ pub fn out_of_bounds(parameter: &'static Parameter, value: f64) -> Configuration
 pub fn check_properties(info: &LawInfo, props: &[f64]) -> Result<(), ConfigurationError> {
     let table = info.parameters;
     let count_error = |expected| ConfigurationError::ParameterCount { given: props.len(), expected };
-    let (fixed, group_size, occurrences) = match info.repeating {
-        None if props.len() == table.len() => (table.len(), 0, 0),
+    let (fixed, group_size) = match info.repeating {
+        None if props.len() == table.len() => (table.len(), 0),
         None => return Err(count_error(table.len())),
         Some(group) => {
             let size = group.size as usize;
@@ -529,7 +529,7 @@ pub fn check_properties(info: &LawInfo, props: &[f64]) -> Result<(), Configurati
                 return Err(count_error(least));
             }
             let rest = props.len() - fixed;
-            let occurrences = if group.count_parameter >= 0 {
+            if group.count_parameter >= 0 {
                 let value = props[group.count_parameter as usize];
                 let parameter = &table[group.count_parameter as usize];
                 if !((0.0..=1e6).contains(&value) && value.fract() == 0.0) {
@@ -538,32 +538,22 @@ pub fn check_properties(info: &LawInfo, props: &[f64]) -> Result<(), Configurati
                 if size * value as usize != rest {
                     return Err(count_error(fixed + size * value as usize));
                 }
-                value as usize
-            } else if rest.is_multiple_of(size) {
-                rest / size
-            } else {
+            } else if !rest.is_multiple_of(size) {
                 return Err(count_error(fixed + size * (rest / size + 1)));
-            };
-            (fixed, size, occurrences)
+            }
+            (fixed, size)
         }
     };
-    for (parameter, &value) in table[..fixed].iter().zip(props) {
-        check_value(parameter, value)?;
-    }
-    for group in props[fixed..].chunks_exact(group_size.max(1)).take(occurrences) {
-        for (parameter, &value) in table[table.len() - group_size..].iter().zip(group) {
-            check_value(parameter, value)?;
+    let group = table[table.len() - group_size..].iter();
+    for (parameter, &value) in table[..fixed].iter().chain(group.cycle()).zip(props) {
+        if parameter.admits(value) {
+            continue;
         }
+        return Err(if parameter.choices().is_empty() {
+            out_of_bounds(parameter, value)
+        } else {
+            ConfigurationError::NotAChoice { parameter: parameter.name(), value }
+        });
     }
     Ok(())
-}
-
-fn check_value(parameter: &'static Parameter, value: f64) -> Result<(), ConfigurationError> {
-    if parameter.admits(value) {
-        Ok(())
-    } else if parameter.choices().is_empty() {
-        Err(out_of_bounds(parameter, value))
-    } else {
-        Err(ConfigurationError::NotAChoice { parameter: parameter.name(), value })
-    }
 }
