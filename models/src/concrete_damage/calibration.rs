@@ -4,7 +4,7 @@
 //! default set scaled. In compression A_c and β follow from two strengths, uniaxial f_c and 1.160 f_c at
 //! −1/−1 (Kupfer), both closed functions of D_c.
 
-use super::crack_band::peak;
+use super::crack_band::{maximum, peak};
 use super::stress_and_tangent::degraded_elasticity;
 use super::uniaxial::Uniaxial;
 use super::{ConcreteDamage, Parameters};
@@ -163,11 +163,5 @@ fn biaxial_strength(parameters: &Parameters) -> f64 {
         degraded.youngs_modulus / (1.0 - degraded.poisson_ratio) * (point.energy / energy_of_unit).sqrt()
     };
     // one hump in ln η, not far from the uniaxial one
-    let (mut lower, mut upper) = (-8.0, 8.0);
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    while upper - lower > 1e-8 {
-        let (a, b) = (upper - golden * (upper - lower), lower + golden * (upper - lower));
-        if stress(a) > stress(b) { upper = b } else { lower = a }
-    }
-    stress(0.5 * (lower + upper))
+    stress(maximum(stress, -8.0, 8.0, 1e-8))
 }

@@ -225,13 +225,17 @@ fn steepest_slope(curve: &Uniaxial, peak: &Point) -> f64 {
         .map(|i| first + i as f64 * width)
         .min_by(|a, b| slope(*a).total_cmp(&slope(*b)))
         .unwrap_or(first);
+    slope(maximum(|q| -slope(q), best - width, best + width, 1e-9))
+}
+
+/// The place of the one maximum of a function between two places, to within a `width`: golden sections.
+pub(super) fn maximum(f: impl Fn(f64) -> f64, mut lower: f64, mut upper: f64, width: f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut lower, mut upper) = (best - width, best + width);
-    while upper - lower > 1e-9 {
+    while upper - lower > width {
         let (a, b) = (upper - golden * (upper - lower), lower + golden * (upper - lower));
-        if slope(a) < slope(b) { upper = b } else { lower = a }
+        if f(a) > f(b) { upper = b } else { lower = a }
     }
-    slope(0.5 * (lower + upper))
+    0.5 * (lower + upper)
 }
 
 impl Stretch {
