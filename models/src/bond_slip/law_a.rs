@@ -87,19 +87,15 @@ impl LawA<'_> {
         if pulled.slides {
             state.plastic_slip = difference(slip.end, scaled(pulled.traction, 1.0 / pulled.stiffness));
         }
+        let traction_before = scaled(elastic_before, stiffness_before);
         let stored_before = 0.5 * stiffness_before * dot(elastic_before, elastic_before);
         let stored_energy = 0.5 * dot(pulled.traction, pulled.traction) / pulled.stiffness;
-        // work of the mean traction less what was stored: the balance of a host that uses the trapezoid
-        let mean = [0, 1].map(|i| 0.5 * (stiffness_before * elastic_before[i] + pulled.traction[i]));
-        let work = dot(mean, difference(slip.end, slip.start));
-        let dissipation = work - (stored_energy - stored_before);
-        let rounding = 16.0 * f64::EPSILON * (work.abs() + stored_before + stored_energy);
         Contribution {
             traction: pulled.traction,
             slip_tangent: pulled.by_slip,
             bond_fraction_tangent: pulled.by_fraction,
             stored_energy,
-            dissipation: if dissipation > rounding { dissipation } else { 0.0 },
+            dissipation: slip.dissipation([traction_before, pulled.traction], [stored_before, stored_energy]),
             ..Contribution::default()
         }
     }

@@ -29,7 +29,7 @@ impl LawB<'_> {
         state: &mut State,
     ) -> Contribution {
         let k = self.envelope.elastic_stiffness;
-        let before = self.energy_and_traction(slip.start, fraction.start, state);
+        let (stored_before, traction_before) = self.energy_and_traction(slip.start, fraction.start, state);
         let start = fraction.start * self.envelope.integrity(state.largest_slip).0;
         let g = slip.end;
         let weighted_gap = self.gap_weight * gap;
@@ -69,10 +69,6 @@ impl LawB<'_> {
         let by_integrity = [0, 1].map(|i| drop[i] + damage * diluted[i]);
         let friction_tangent = product(returned.by_trial, scaled_identity(k * damage));
         let stored_energy = self.stored_energy(integrity, elastic, damage, returned.vector);
-        let mean = [0, 1].map(|i| 0.5 * (before.1[i] + traction[i]));
-        let work = dot(mean, difference(g, slip.start));
-        let dissipation = work - (stored_energy - before.0);
-        let rounding = 16.0 * f64::EPSILON * (work.abs() + before.0 + stored_energy);
         Contribution {
             traction,
             slip_tangent: sum(
@@ -84,7 +80,7 @@ impl LawB<'_> {
             gap_tangent: scaled(by_integrity, integrity_by_gap),
             integrity: Integrity { start, end: integrity, by_slip: integrity_by_slip, by_gap: integrity_by_gap },
             stored_energy,
-            dissipation: if dissipation > rounding { dissipation } else { 0.0 },
+            dissipation: slip.dissipation([traction_before, traction], [stored_before, stored_energy]),
         }
     }
 

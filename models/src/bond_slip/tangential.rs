@@ -67,6 +67,19 @@ pub(super) struct Slip {
     pub end: Vector,
 }
 
+impl Slip {
+    /// Returns what an increment dissipates, from tractions and stored energies at its start and its end: the work of the mean
+    /// traction less what was stored, which is the balance of a host that uses the trapezoid; 0 if it is not above rounding.
+    #[inline]
+    pub fn dissipation(&self, [start, end]: [Vector; 2], [stored_before, stored]: [f64; 2]) -> f64 {
+        let mean = [0, 1].map(|i| 0.5 * (start[i] + end[i]));
+        let work = dot(mean, difference(self.end, self.start));
+        let dissipation = work - (stored - stored_before);
+        let rounding = 16.0 * f64::EPSILON * (work.abs() + stored_before + stored);
+        if dissipation > rounding { dissipation } else { 0.0 }
+    }
+}
+
 /// Fraction of the bond that the opening of the gap has left intact (1 … 0), before and after the increment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BondFraction {
