@@ -3,14 +3,15 @@
 //! Everything is coaxial with the trial strain, so the whole law is an isotropic function of its three
 //! principal values.
 
+use super::Parameters;
 use super::crack_band::{Damage, Softening};
 use super::criteria::Criteria;
 use super::inelastic::Flow;
 use super::stress_and_tangent::Degraded;
-use super::{Parameters, State};
+use umat_abi::table::StateField;
 
 /// Damage η and the largest energy release rate so far, of one branch.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Branch {
     /// η.
     pub eta: f64,
@@ -37,20 +38,30 @@ impl Branch {
 }
 
 /// History of both branches.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct History {
     pub tension: Branch,
     pub compression: Branch,
 }
 
-impl History {
-    /// Reads the history from the states.
+impl StateField<4> for History {
     #[inline(always)]
-    pub fn of(state: &State) -> Self {
-        Self {
-            tension: Branch { eta: state.eta_t, maximum: state.y_t_max },
-            compression: Branch { eta: state.eta_c, maximum: state.y_c_max },
-        }
+    fn of([eta_t, eta_c, y_t_max, y_c_max]: [f64; 4]) -> Self {
+        Self { tension: Branch { eta: eta_t, maximum: y_t_max }, compression: Branch { eta: eta_c, maximum: y_c_max } }
+    }
+
+    #[inline(always)]
+    fn values(&self) -> [f64; 4] {
+        let Self { tension, compression } = self;
+        [tension.eta, compression.eta, tension.maximum, compression.maximum]
+    }
+}
+
+impl History {
+    /// η_t and η_c.
+    #[inline(always)]
+    pub fn etas(&self) -> [f64; 2] {
+        [self.tension.eta, self.compression.eta]
     }
 
     /// Returns whether nothing is damaged.

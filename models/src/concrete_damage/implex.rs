@@ -28,14 +28,8 @@ const LARGEST_STRAIN_33: f64 = 4.0;
 umat_abi::states! {
     /// The state variables.
     pub struct State {
-        /// η_t.
-        pub eta_t: f64 = HISTORY[0];
-        /// η_c.
-        pub eta_c: f64 = HISTORY[1];
-        /// The largest Y_t.
-        pub y_t_max: f64 = HISTORY[2];
-        /// The largest Y_c.
-        pub y_c_max: f64 = HISTORY[3];
+        /// η and the largest Y of both branches.
+        history: History = HISTORY[0], HISTORY[1], HISTORY[2], HISTORY[3];
         /// 1 where the characteristic length was found good.
         pub crack_band: f64 = HISTORY[4];
         /// Rate of η_t and η_c, 1/s.
@@ -66,30 +60,15 @@ impl State {
     /// The states of the implicit law; it has no inelastic strain here.
     #[inline(always)]
     fn implicit(&self) -> ImplicitState {
-        let &Self { eta_t, eta_c, y_t_max, y_c_max, crack_band, strain_33, dissipated_energy, .. } = self;
-        let inelastic_strain = [0.0; 6];
-        ImplicitState { eta_t, eta_c, y_t_max, y_c_max, crack_band, inelastic_strain, strain_33, dissipated_energy }
+        let &Self { history, crack_band, strain_33, dissipated_energy, .. } = self;
+        ImplicitState { history, crack_band, inelastic_strain: [0.0; 6], strain_33, dissipated_energy }
     }
 
     /// Takes them over, with the energy stored.
     #[inline(always)]
     fn follow(&mut self, implicit: &ImplicitState, stored_energy: f64) {
-        let &ImplicitState { eta_t, eta_c, y_t_max, y_c_max, crack_band, strain_33, dissipated_energy, .. } = implicit;
-        let &mut Self { rate, applied, lag_time, overstress_work, .. } = self;
-        *self = Self {
-            eta_t,
-            eta_c,
-            y_t_max,
-            y_c_max,
-            crack_band,
-            rate,
-            applied,
-            lag_time,
-            stored_energy,
-            overstress_work,
-            strain_33,
-            dissipated_energy,
-        };
+        let &ImplicitState { history, crack_band, strain_33, dissipated_energy, .. } = implicit;
+        *self = Self { history, crack_band, stored_energy, strain_33, dissipated_energy, ..*self };
     }
 }
 
@@ -269,7 +248,7 @@ impl State {
         }
         let lag_time = increment.time_increment.max(state.lag_time - FADING * increment.time_increment);
         let share = increment.time_increment / lag_time;
-        let reached = [state.eta_t, state.eta_c];
+        let reached = state.history.etas();
         let applied: [f64; 2] = std::array::from_fn(|i| {
             let eta = extrapolated(reached[i], state.rate[i], increment.time_increment);
             if share < 1.0 { approached(state.applied[i], eta, share) } else { eta }
@@ -297,11 +276,11 @@ impl State {
         state.follow(&implicit, end.stored_energy);
         if let Some((crack, _)) = crack
             && *crack == [0.0; 6]
-            && state.eta_t > 0.0
+            && state.history.tension.eta > 0.0
         {
             *crack = end.axes.strain(&[1.0, 0.5, 0.0]);
         }
-        let grown = [state.eta_t, state.eta_c];
+        let grown = state.history.etas();
         state.rate = std::array::from_fn(|i| (grown[i] - reached[i]) / increment.time_increment);
         state.applied = applied;
         state.lag_time = lag_time;
@@ -332,7 +311,7 @@ impl End {
         applied: [f64; 2],
         request: Request,
     ) -> Result<Self, Failure> {
-        let history = History::of(state);
+        let history = state.history;
         let evolve = |strain: &[f64; 3]| Evolution::at_given_damage(parameters, softening, &history, applied, strain);
         let point = Point::solve(parameters, evolve, &history, increment, state)?;
         let history = point.evolution.history;
@@ -384,7 +363,7 @@ impl End {
         let criteria = Criteria::new(parameters, &Spectral::of_strain(&strain).values);
         let compressed =
             FreeCracks::new(&parameters.elasticity, friction, &axes, &strain).degradable_energy(parameters);
-        let mut history = History::of(state);
+        let mut history = state.history;
         history.tension.advance(&softening[0], criteria.tension, 0.0);
         history.compression.advance(&softening[1], criteria.confined(parameters, compressed), 0.0);
         let end = degraded_elasticity(parameters, history.compression.eta);

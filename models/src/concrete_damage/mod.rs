@@ -85,14 +85,8 @@ const HISTORY: [StateVariable; 5] = [
 umat_abi::states! {
     /// The state variables.
     pub struct State {
-        /// η_t.
-        pub eta_t: f64 = HISTORY[0];
-        /// η_c.
-        pub eta_c: f64 = HISTORY[1];
-        /// The largest Y_t.
-        pub y_t_max: f64 = HISTORY[2];
-        /// The largest Y_c.
-        pub y_c_max: f64 = HISTORY[3];
+        /// η and the largest Y of both branches.
+        history: History = HISTORY[0], HISTORY[1], HISTORY[2], HISTORY[3];
         /// 1 where the characteristic length was found good.
         pub crack_band: f64 = HISTORY[4];
         /// ε_p.
@@ -149,7 +143,7 @@ impl Law for ConcreteDamage {
         state: &mut State,
         request: Request,
     ) -> Option<Response> {
-        if length_is_unchecked(parameters, increment, state) || state.eta_t != 0.0 || state.eta_c != 0.0 {
+        if length_is_unchecked(parameters, increment, state) || !state.history.is_undamaged() {
             return None;
         }
         stress_and_tangent::elastic_response(parameters, increment, state, request)
@@ -166,7 +160,7 @@ impl Law for ConcreteDamage {
         if let Some(response) = begin(parameters, increment, state, request)? {
             return Ok(response);
         }
-        let history = History::of(state);
+        let history = state.history;
         let softening = parameters.softening(increment.characteristic_length);
         let evolve = |strain: &[f64; 3]| Evolution::new(parameters, &softening, &history, strain);
         let point = Point::solve(parameters, evolve, &history, increment, state)?;

@@ -291,12 +291,11 @@ impl State {
         strain_33: f64,
         dissipation: f64,
     ) -> Result<(), Failure> {
-        let History { tension, compression } = history;
-        if !(tension.eta + compression.eta + dissipation).is_finite() {
+        let [eta_t, eta_c] = history.etas();
+        if !(eta_t + eta_c + dissipation).is_finite() {
             parameters.check_characteristic_length(increment.characteristic_length)?;
         }
-        (self.eta_t, self.eta_c) = (tension.eta, compression.eta);
-        (self.y_t_max, self.y_c_max) = (tension.maximum, compression.maximum);
+        self.history = *history;
         self.crack_band = f64::from(u8::from(parameters.wants_crack_band()));
         self.strain_33 = strain_33;
         self.dissipated_energy += dissipation;
