@@ -2,9 +2,8 @@
 
 use super::super::fence::{Fenced, listen};
 use super::Probed;
-use std::fs::File;
 use std::io::{self, Read};
-use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
+use std::os::fd::AsRawFd;
 use std::ptr;
 use std::sync::atomic::{AtomicI32, Ordering};
 
@@ -24,7 +23,7 @@ static CHANNEL: AtomicI32 = AtomicI32::new(-1);
 
 /// Runs a call in a child process.
 pub(super) fn run(fenced: &[Fenced], call: impl FnOnce()) -> io::Result<Probed> {
-    let (reader, writer) = pipe()?;
+    let (mut reader, writer) = io::pipe()?;
     // SAFETY: the child makes the call and ends; it returns to no code of this process.
     match unsafe { libc::fork() } {
         -1 => Err(io::Error::last_os_error()),
@@ -39,23 +38,12 @@ pub(super) fn run(fenced: &[Fenced], call: impl FnOnce()) -> io::Result<Probed> 
         child => {
             drop(writer);
             let mut message = Vec::new();
-            File::from(reader).read_to_end(&mut message)?;
+            reader.read_to_end(&mut message)?;
             let mut status = 0;
             // SAFETY: waits for the child that was made above.
             unsafe { libc::waitpid(child, &raw mut status, 0) };
             Ok(judge(fenced, &message, status))
         }
-    }
-}
-
-fn pipe() -> io::Result<(OwnedFd, OwnedFd)> {
-    let mut ends = [-1; 2];
-    // SAFETY: two descriptors are written, and owned from then on.
-    unsafe {
-        if libc::pipe2(ends.as_mut_ptr(), libc::O_CLOEXEC) != 0 {
-            return Err(io::Error::last_os_error());
-        }
-        Ok((OwnedFd::from_raw_fd(ends[0]), OwnedFd::from_raw_fd(ends[1])))
     }
 }
 
