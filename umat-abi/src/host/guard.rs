@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
-/// One thread at a time, and the floating-point modes as they were.
-#[derive(Clone, Debug)]
+/// One thread at a time, and the floating-point modes as they were. By default of a library that is known to be thread-safe.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Guard {
     /// `None`: the library is known to be thread-safe.
     turn: Option<Arc<Mutex<()>>>,
@@ -64,12 +64,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Guard {
     pub(super) fn new(path: &Path, traps: bool) -> Self {
-        Self { turn: Some(turn_of(path)), traps, changed_modes: Arc::default(), written: Arc::default() }
-    }
-
-    /// Makes a guard for a library that is known to be thread-safe.
-    pub(super) fn without_turn() -> Self {
-        Self { turn: None, traps: false, changed_modes: Arc::default(), written: Arc::default() }
+        Self { turn: Some(turn_of(path)), traps, ..Self::default() }
     }
 
     /// A call wrote inputs.

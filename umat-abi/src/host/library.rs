@@ -158,7 +158,7 @@ impl Library {
             Some(Guard::new(path, is_debug))
         } else {
             // isolated with its metadata: nobody vouches for more than what they say
-            is_isolated.then(Guard::without_turn)
+            is_isolated.then(Guard::default)
         };
         if is_isolated {
             // What it does when it is unloaded it does at the worker's exit, behind the done-mark.
@@ -208,7 +208,7 @@ impl Library {
     /// [`Self::written_inputs`] are those of calls prepared from now on, with what this returns.
     #[must_use]
     pub fn watched(mut self) -> Self {
-        self.guard = Some(self.guard.as_ref().map_or_else(Guard::without_turn, Guard::afresh));
+        self.guard = Some(self.guard.as_ref().map_or_else(Guard::default, Guard::afresh));
         self
     }
 
