@@ -187,12 +187,7 @@ impl EffectiveStress {
             let slope = self.slope[i] - factor * self.slope[j];
             let m = self.multiplier((factor * self.offset[j] - self.offset[i]) / slope);
             if m > 1.0 && m < upper && count < MOST_BREAK_POINTS {
-                let mut place = count;
-                while place > 0 && points[place - 1] > m {
-                    points[place] = points[place - 1];
-                    place -= 1;
-                }
-                points[place] = m;
+                points[count] = m;
                 count += 1;
             }
         };
@@ -211,6 +206,7 @@ impl EffectiveStress {
                 }
             }
         }
+        points[..count].sort_unstable_by(f64::total_cmp);
         count
     }
 
