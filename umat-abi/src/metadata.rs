@@ -333,11 +333,6 @@ impl RepeatingGroup {
         let is_counted = self.count_parameter < 0 || others[self.count_parameter as usize] == occurrences as f64;
         is_counted & (occurrences >= self.minimum as usize)
     }
-
-    /// Returns the key in case files.
-    pub fn name(&self) -> &'static str {
-        self.name.as_str()
-    }
 }
 
 /// Returns how many of the `fixed` parameters before a group of `size` are given by PROPS of this `length`: the last `added` of
