@@ -114,6 +114,15 @@ impl fmt::Display for ConfigurationError {
 
 impl std::error::Error for ConfigurationError {}
 
+/// Refuses parameters that break a rule.
+///
+/// # Errors
+/// [`ConfigurationError::Inconsistent`] unless the rule holds.
+#[inline(always)]
+pub fn require(holds: bool, rule: &'static str, value: f64) -> Result<(), ConfigurationError> {
+    if holds { Ok(()) } else { Err(ConfigurationError::Inconsistent { rule, value }) }
+}
+
 /// A struct that is read from PROPS.
 pub trait Parameters<'p>: Sized {
     /// PROPS in order; of a repeating group the first occurrence, at the end.

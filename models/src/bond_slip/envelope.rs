@@ -1,6 +1,7 @@
 //! The bond envelope τ(s): largest bond traction after the largest slip s (doc.md; thesis 6.23, 6.24).
 
 use umat_abi::law::ConfigurationError;
+use umat_abi::table::require;
 
 /// Rounding allowed where two slopes given by the user should be equal.
 const SLOPE_ROUNDING: f64 = 1e-9;
@@ -208,9 +209,4 @@ fn interpolated(points: &[[f64; 2]], slip: f64) -> Strength {
     // measured from the nearer end, so that the points themselves are met exactly
     let traction = if slip - g_i <= g_j - slip { tau_i + slope * (slip - g_i) } else { tau_j - slope * (g_j - slip) };
     Strength { traction, slope }
-}
-
-/// The rule as an error unless it holds.
-pub(super) fn require(holds: bool, rule: &'static str, value: f64) -> Result<(), ConfigurationError> {
-    if holds { Ok(()) } else { Err(ConfigurationError::Inconsistent { rule, value }) }
 }

@@ -20,6 +20,7 @@ use umat_abi::law::{
     TangentialResponse,
 };
 use umat_abi::metadata::{StateVariable, flags};
+use umat_abi::table::require;
 
 /// The law.
 pub struct BondSlip;
@@ -80,7 +81,7 @@ impl InterfaceLaw for BondSlip {
     ) -> Result<InterfaceResponse, Failure> {
         if let NormalLaw::Hard(law) = &parameters.normal {
             let rule = "the hard normal law needs normal_stiffness > 0: a host fills a 0 before it calls";
-            envelope::require(law.stiffness > 0.0, rule, law.stiffness)?;
+            require(law.stiffness > 0.0, rule, law.stiffness)?;
         }
         // directions that the host does not have may hold anything
         let present = |i: usize| if i < increment.directions { increment.relative_displacement[i] } else { 0.0 };

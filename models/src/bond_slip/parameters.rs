@@ -1,7 +1,7 @@
 //! PROPS of the law: the table that hosts see, and its reading.
 
 use super::State;
-use super::envelope::{Envelope, require};
+use super::envelope::Envelope;
 use super::friction::Friction;
 use super::law_a::LawA;
 use super::law_b::LawB;
@@ -9,7 +9,7 @@ use super::normal::{Hard, NormalLaw, Soft};
 use super::tangential::TangentialLaw;
 use umat_abi::law::ConfigurationError;
 use umat_abi::metadata::{Parameter, RepeatingGroup};
-use umat_abi::table::Parameters;
+use umat_abi::table::{Parameters, require};
 
 /// Index of `n_points`.
 const POINT_COUNT: i32 = 16;

@@ -8,6 +8,7 @@ use super::Parameters;
 use super::uniaxial::{Point, Uniaxial};
 use crate::damage_law::{ETA_MAX, damage, integrity};
 use umat_abi::law::ConfigurationError;
+use umat_abi::table::require;
 
 impl Parameters {
     /// Returns whether a fracture energy is given.
@@ -19,15 +20,10 @@ impl Parameters {
     /// ∫ σ dε of the curve itself is infinite for B ≤ 1: no stretch gives it an energy.
     #[inline(always)]
     pub(super) fn check_exponents(&self) -> Result<(), ConfigurationError> {
-        if self.fracture_energy > 0.0 && self.tension.b <= 1.0 {
-            let rule = "G_f > 0 needs B_t > 1: otherwise the curve dissipates without limit";
-            return Err(ConfigurationError::Inconsistent { rule, value: self.tension.b });
-        }
-        if self.crushing_energy > 0.0 && self.compression.b <= 1.0 {
-            let rule = "G_c > 0 needs B_c > 1: otherwise the curve dissipates without limit";
-            return Err(ConfigurationError::Inconsistent { rule, value: self.compression.b });
-        }
-        Ok(())
+        let rule = "G_f > 0 needs B_t > 1: otherwise the curve dissipates without limit";
+        require(self.fracture_energy <= 0.0 || self.tension.b > 1.0, rule, self.tension.b)?;
+        let rule = "G_c > 0 needs B_c > 1: otherwise the curve dissipates without limit";
+        require(self.crushing_energy <= 0.0 || self.compression.b > 1.0, rule, self.compression.b)
     }
 
     /// Refuses a length that the crack bands cannot work with, and none where there are any.

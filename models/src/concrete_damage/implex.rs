@@ -11,7 +11,7 @@ use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33};
 use crate::tensor::{Spectral, condense_plane_stress, work};
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, OVERSTRESS_WORK, Parameter, StateVariable, flags};
-use umat_abi::table::{Field, Parameters as _, StateField, States};
+use umat_abi::table::{Field, Parameters as _, StateField, States, require};
 
 /// The law.
 pub struct ConcreteDamageImplex;
@@ -90,11 +90,8 @@ impl Law for ConcreteDamageImplex {
     #[inline(always)]
     fn check(parameters: &Parameters) -> Result<(), ConfigurationError> {
         ConcreteDamage::check(parameters)?;
-        if parameters.has_inelastic_strain() {
-            let rule = "IMPL-EX knows no inelastic strain: b_t and b_c must be 0";
-            return Err(ConfigurationError::Inconsistent { rule, value: parameters.b_t.max(parameters.b_c) });
-        }
-        Ok(())
+        let rule = "IMPL-EX knows no inelastic strain: b_t and b_c must be 0";
+        require(!parameters.has_inelastic_strain(), rule, parameters.b_t.max(parameters.b_c))
     }
 
     fn check_characteristic_length(parameters: &Parameters, length: Option<f64>) -> Result<(), ConfigurationError> {

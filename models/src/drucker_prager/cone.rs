@@ -1,7 +1,7 @@
 //! The cone in stress space: α and k of eq. 5.22, ᾱ of the potential.
 
 use umat_abi::law::ConfigurationError;
-use umat_abi::table::Field;
+use umat_abi::table::{Field, require};
 
 /// α, k, ᾱ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,12 +63,8 @@ impl Cone {
         dilation_degrees: f64,
         matched: Match,
     ) -> Result<Self, ConfigurationError> {
-        if dilation_degrees > friction_degrees {
-            return Err(ConfigurationError::Inconsistent {
-                rule: "dilation_angle_deg must not exceed friction_angle_deg",
-                value: dilation_degrees,
-            });
-        }
+        let rule = "dilation_angle_deg must not exceed friction_angle_deg";
+        require(dilation_degrees <= friction_degrees, rule, dilation_degrees)?;
         let friction = friction_degrees.to_radians();
         Ok(Self {
             friction: matched.slope(friction),

@@ -5,6 +5,7 @@ use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_
 use crate::tensor::{IsotropicSplit, add_dyad, isotropic_stiffness};
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
+use umat_abi::table::require;
 
 mod closed_criterion;
 mod marched_criterion;
@@ -135,14 +136,9 @@ struct Equilibrium {
 impl Parameters {
     /// Ψ(·, D) is positive definite for every D iff −α < ν and (n−1)ν < α: ρ runs from 1 to 1/α.
     fn check_definiteness(&self, dimension: f64) -> Result<(), ConfigurationError> {
-        if self.poisson_ratio <= -self.alpha {
-            return Err(ConfigurationError::Inconsistent { rule: "alpha must exceed -nu", value: self.alpha });
-        }
-        if (dimension - 1.0) * self.poisson_ratio < self.alpha {
-            return Ok(());
-        }
+        require(self.poisson_ratio > -self.alpha, "alpha must exceed -nu", self.alpha)?;
         let rule = if dimension == 2.0 { "alpha must exceed nu" } else { "alpha must exceed 2 nu but in plane stress" };
-        Err(ConfigurationError::Inconsistent { rule, value: self.alpha })
+        require((dimension - 1.0) * self.poisson_ratio < self.alpha, rule, self.alpha)
     }
 
     /// λ = 1/(1−D), whichever form: the criterion is a closed one.

@@ -3,6 +3,7 @@
 
 use crate::tensor::Elasticity;
 use umat_abi::law::ConfigurationError;
+use umat_abi::table::require;
 
 /// A view of the (yield stress, equivalent plastic strain) pairs in PROPS.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,21 +24,12 @@ impl Hardening<'_> {
     #[inline(always)]
     pub(super) fn check(&self, elasticity: &Elasticity) -> Result<(), ConfigurationError> {
         let points = self.points;
-        if points[0][1] != 0.0 {
-            return Err(ConfigurationError::Inconsistent {
-                rule: "the hardening table must start at equivalent plastic strain 0",
-                value: points[0][1],
-            });
-        }
+        let start = points[0][1];
+        require(start == 0.0, "the hardening table must start at equivalent plastic strain 0", start)?;
         let steepest = -equibiaxial_modulus(elasticity);
         for pair in points.windows(2) {
             let [[start_stress, start], [end_stress, end]] = [pair[0], pair[1]];
-            if end <= start {
-                return Err(ConfigurationError::Inconsistent {
-                    rule: "equivalent plastic strains of the hardening table must increase",
-                    value: end,
-                });
-            }
+            require(end > start, "equivalent plastic strains of the hardening table must increase", end)?;
             // this runs in every call: no division
             let (rise, run) = (end_stress - start_stress, end - start);
             if !(rise.abs() < f64::MAX * run && rise > steepest * run) {
