@@ -1,8 +1,7 @@
 //! Safe calls of UINTER and FRIC.
 
 use super::call::CallOutcome;
-use super::exchange::{Inputs, Integer, Numbers, Outputs, arguments, inputs, outputs};
-use super::guard::run;
+use super::exchange::{Integer, Numbers, arguments, inputs, outputs};
 use super::library::{Library, LoadError};
 use super::memory::{NAME_LENGTH, NotFinite, Overrun, fortran_name};
 use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
@@ -201,56 +200,13 @@ impl SurfaceFields {
     }
 }
 
-/// Part that UINTER and FRIC calls share and give access to by [`Deref`].
-#[derive(Debug)]
-pub struct Contact<I, O> {
-    common: PluginCall<I, O>,
-    /// Temperatures and field variables of both surfaces.
-    pub fields: SurfaceFields,
-    calls: u64,
-}
-
-impl<I: Inputs, O: Outputs + Default> Contact<I, O> {
-    fn new(common: PluginCall<I, O>) -> Self {
-        Self { common, fields: SurfaceFields::default(), calls: 0 }
-    }
-
-    /// Calls so far.
-    pub fn calls(&self) -> u64 {
-        self.calls
-    }
-
-    /// Makes a call; `pnewdt` finds its answer among the outputs, `place` step, increment and point.
-    fn run(&mut self, call: impl FnOnce(), pnewdt: fn(&O) -> f64, place: fn(&I) -> [i32; 4]) -> Result<(), Overrun> {
-        self.calls += 1;
-        run(self.common.guard.as_ref(), call);
-        if let Some(slot) = &mut self.common.slot {
-            slot.leave();
-        }
-        self.common.take_back(self.fields.predef(), pnewdt, place)
-    }
-}
-
-impl<I, O> Deref for Contact<I, O> {
-    type Target = PluginCall<I, O>;
-
-    #[inline]
-    fn deref(&self) -> &Self::Target {
-        &self.common
-    }
-}
-
-impl<I, O> DerefMut for Contact<I, O> {
-    #[inline]
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.common
-    }
-}
-
 /// One contact point's UINTER arguments and the function that takes them.
 #[derive(Debug)]
 pub struct UinterCall {
-    contact: Contact<UinterInputs, UinterOutputs>,
+    common: PluginCall<UinterInputs, UinterOutputs>,
+    /// Temperatures and field variables of both surfaces.
+    pub fields: SurfaceFields,
+    calls: u64,
     pub(super) function: UinterFunction,
     /// SED, SFD, SPD, SVD, SCD.
     pub energies: [f64; 5],
@@ -298,14 +254,9 @@ impl UinterCall {
         };
         Ok(Self {
             function: library.uinter(symbol)?,
-            contact: Contact::new(PluginCall::new(
-                library,
-                symbol,
-                name,
-                (directions, nstatv, props),
-                ["STRESS", "DDSDDR"],
-                inputs,
-            )),
+            common: PluginCall::new(library, symbol, name, (directions, nstatv, props), ["STRESS", "DDSDDR"], inputs),
+            fields: SurfaceFields::default(),
+            calls: 0,
             energies: [0.0; 5],
             flags: [-1; 2],
         })
@@ -320,7 +271,7 @@ impl UinterCall {
         filling: f64,
         alter: impl FnOnce(&mut UinterArguments),
     ) -> Result<CallOutcome, Overrun> {
-        self.contact.common.tangent.as_mut_slice().fill(filling);
+        self.common.tangent.as_mut_slice().fill(filling);
         self.note(true);
         let mut arguments = self.arguments();
         alter(&mut arguments);
@@ -328,11 +279,12 @@ impl UinterCall {
         // SAFETY: every pointer is valid for the sizes that the counts tell, or NULL where the caller wants that.
         let call = || unsafe { arguments.call(function) };
         let place = |inputs: &UinterInputs| [inputs.counters[0], inputs.counters[1], 0, inputs.node];
-        let result = self.contact.run(call, |outputs| outputs.pnewdt.values[0], place);
-        let UinterOutputs { sed, sfd, spd, svd, scd, lopenclose, lstate, .. } = self.contact.common.exchange.outputs();
+        self.calls += 1;
+        let result = self.common.run(call, self.fields.predef(), |outputs| outputs.pnewdt.values[0], place);
+        let UinterOutputs { sed, sfd, spd, svd, scd, lopenclose, lstate, .. } = self.common.exchange.outputs();
         self.energies = [sed, sfd, spd, svd, scd].map(|energy| energy.values[0]);
         self.flags = [lopenclose.values[0], lstate.values[0]];
-        result.map(|()| self.contact.outcome())
+        result.map(|()| self.outcome())
     }
 
     /// Returns a result of the last call that a host cannot go on with, DDSDDR aside, which not every host needs.
@@ -343,12 +295,12 @@ impl UinterCall {
 
     /// Returns an entry of DDSDDR of the last call that is not finite.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
-        let found = NotFinite::among([("DDSDDR", self.contact.common.tangent.as_slice())]);
+        let found = NotFinite::among([("DDSDDR", self.common.tangent.as_slice())]);
         found.map(|found| found.of_matrix(self.stress().len()))
     }
 
     pub(super) fn arguments(&mut self) -> UinterArguments {
-        let Contact { common, fields, .. } = &mut self.contact;
+        let Self { common, fields, .. } = self;
         let [sed, sfd, spd, svd, scd] = self.energies.map(Numbers::from);
         let [lopenclose, lstate] = self.flags.map(Integer::from);
         let pnewdt = Numbers::from(PNEWDT_ON_ENTRY);
@@ -397,7 +349,10 @@ pub enum FricAnswer {
 /// One contact point's FRIC arguments and the function that takes them.
 #[derive(Debug)]
 pub struct FricCall {
-    contact: Contact<FricInputs, FricOutputs>,
+    common: PluginCall<FricInputs, FricOutputs>,
+    /// Temperatures and field variables of both surfaces.
+    pub fields: SurfaceFields,
+    calls: u64,
     pub(super) function: FricFunction,
     /// LM: on entry 0 slipping, 1 sticking, 2 open; on return see [`FricCall::answer`].
     pub lm: i32,
@@ -450,14 +405,9 @@ impl FricCall {
         };
         Ok(Self {
             function: library.fric(symbol)?,
-            contact: Contact::new(PluginCall::new(
-                library,
-                symbol,
-                name,
-                (directions, nstatv, props),
-                ["TAU", "DDTDDG"],
-                inputs,
-            )),
+            common: PluginCall::new(library, symbol, name, (directions, nstatv, props), ["TAU", "DDTDDG"], inputs),
+            fields: SurfaceFields::default(),
+            calls: 0,
             lm: Self::STICKING,
             dslip: [0.0; 2],
             pressure_tangent: [0.0; 2],
@@ -491,7 +441,7 @@ impl FricCall {
     /// Returns an entry of DDTDDG or DDTDDP of the last call that is not finite.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
         let by_pressure = &self.pressure_tangent[..self.stress().len()];
-        let matrix = NotFinite::among(self.given([("DDTDDG", self.contact.common.tangent.as_slice())]));
+        let matrix = NotFinite::among(self.given([("DDTDDG", self.common.tangent.as_slice())]));
         let matrix = matrix.map(|found| found.of_matrix(self.stress().len()));
         matrix.or_else(|| NotFinite::among(self.given([("DDTDDP", by_pressure)])))
     }
@@ -524,7 +474,7 @@ impl FricCall {
         filling: f64,
         alter: impl FnOnce(&mut FricArguments),
     ) -> Result<CallOutcome, Overrun> {
-        self.contact.common.tangent.as_mut_slice().fill(filling);
+        self.common.tangent.as_mut_slice().fill(filling);
         self.dslip = [filling; 2];
         self.pressure_tangent = [filling; 2];
         self.note(true);
@@ -534,15 +484,16 @@ impl FricCall {
         // SAFETY: every pointer is valid for the sizes that the counts tell, or NULL where the caller wants that.
         let call = || unsafe { arguments.call(function) };
         let place = |inputs: &FricInputs| [inputs.counters[0], inputs.counters[1], 0, inputs.node];
-        let result = self.contact.run(call, |outputs| outputs.pnewdt.values[0], place);
-        let FricOutputs { ddtddp, dslip, sed, sfd, lm, .. } = self.contact.common.exchange.outputs();
+        self.calls += 1;
+        let result = self.common.run(call, self.fields.predef(), |outputs| outputs.pnewdt.values[0], place);
+        let FricOutputs { ddtddp, dslip, sed, sfd, lm, .. } = self.common.exchange.outputs();
         (self.pressure_tangent, self.dslip) = (ddtddp.values, dslip.values);
         (self.energies, self.lm) = ([sed.values[0], sfd.values[0]], lm.values[0]);
-        result.map(|()| self.contact.outcome())
+        result.map(|()| self.outcome())
     }
 
     pub(super) fn arguments(&mut self) -> FricArguments {
-        let Contact { common, fields, .. } = &mut self.contact;
+        let Self { common, fields, .. } = self;
         let [sed, sfd] = self.energies.map(Numbers::from);
         let [ddtddp, dslip] = [self.pressure_tangent, self.dslip].map(Numbers::from);
         let (pnewdt, lm) = (Numbers::from(PNEWDT_ON_ENTRY), Integer::from(self.lm));
@@ -586,21 +537,26 @@ macro_rules! contact {
                 // SAFETY: the arguments stay as they are.
                 unsafe { self.call_with(0.0, |_| ()) }
             }
+
+            /// Calls so far.
+            pub fn calls(&self) -> u64 {
+                self.calls
+            }
         }
 
         impl Deref for $call {
-            type Target = Contact<$inputs, $outputs>;
+            type Target = PluginCall<$inputs, $outputs>;
 
             #[inline]
             fn deref(&self) -> &Self::Target {
-                &self.contact
+                &self.common
             }
         }
 
         impl DerefMut for $call {
             #[inline]
             fn deref_mut(&mut self) -> &mut Self::Target {
-                &mut self.contact
+                &mut self.common
             }
         }
     )+};

@@ -35,7 +35,7 @@ pub use discovery::{
 };
 pub use guard::WrittenInput;
 pub use initial::{InitialPoint, InitialStates, InitialStresses};
-pub use interface_call::{Contact, FricAnswer, FricCall, FricInputs, SurfaceFields, UinterCall, UinterInputs};
+pub use interface_call::{FricAnswer, FricCall, FricInputs, SurfaceFields, UinterCall, UinterInputs};
 pub use library::{Library, LoadError, Routine, Stamp, binds_deeply, stamp};
 pub use manner::{Manner, TangentDeviation, TangentSource};
 pub use memory::{NotFinite, Overrun, Trespass, same_bits};

@@ -2,7 +2,7 @@
 
 use super::call::CallOutcome;
 use super::exchange::{Exchange, Inputs, Outputs};
-use super::guard::Guard;
+use super::guard::{self, Guard};
 use super::library::Library;
 use super::memory::{Guarded, Overrun, same_bits};
 use super::recorder::{self, Slot};
@@ -85,6 +85,21 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
             lent.hold(own);
         }
         lent.each_mut().map(|lent| lent.as_mut_ptr().cast_const())
+    }
+
+    /// Makes a call and takes over its answer, as [`Self::take_back`] does.
+    pub(super) fn run(
+        &mut self,
+        call: impl FnOnce(),
+        fields: [&[f64]; 2],
+        pnewdt: impl Fn(&O) -> f64,
+        place: impl Fn(&I) -> [i32; 4],
+    ) -> Result<(), Overrun> {
+        guard::run(self.guard.as_ref(), call);
+        if let Some(slot) = &mut self.slot {
+            slot.leave();
+        }
+        self.take_back(fields, pnewdt, place)
     }
 
     /// Takes over the answer, and looks at what the call must not write; `pnewdt` finds the answer among the outputs, `place`
