@@ -1,6 +1,6 @@
 //! A safe call of a UMAT: every argument valid, buffers reused, memory that it must not write checked.
 
-use super::exchange::{Numbers, arguments, inputs, outputs};
+use super::exchange::{Numbers, Outputs, arguments, inputs, outputs};
 use super::guard::run;
 use super::library::{Library, LoadError};
 use super::manner::Detour;
@@ -372,27 +372,23 @@ impl UmatCall {
         };
         // SAFETY: every pointer is valid for the sizes that the counts tell.
         run(self.common.guard.as_ref(), || unsafe { arguments.call(self.function) });
-        self.take_outputs();
+        self.common.pnewdt = self.common.exchange.outputs().pnewdt();
+        self.take_energies();
         self.outcome()
     }
 
-    /// Takes over what the call wrote besides its arrays.
     #[inline]
-    fn take_outputs(&mut self) {
-        let UmatOutputs { sse, spd, scd, pnewdt, .. } = self.common.exchange.outputs();
-        let pnewdt = pnewdt.values[0];
+    fn take_energies(&mut self) {
+        let UmatOutputs { sse, spd, scd, .. } = self.common.exchange.outputs();
         self.energies = [sse, spd, scd].map(|energy| energy.values[0]);
-        self.common.pnewdt = pnewdt;
     }
 
     /// Takes over what the call wrote, and looks at what it must not write.
     #[inline]
     fn take_back(&mut self) -> Result<(), Overrun> {
         let place = |inputs: &UmatInputs| [inputs.jstep[0], inputs.kinc, inputs.noel, inputs.npt];
-        let pnewdt = |outputs: &UmatOutputs| outputs.pnewdt.values[0];
-        let result = self.common.take_back([&self.predef, &self.dpred], pnewdt, place);
-        let UmatOutputs { sse, spd, scd, .. } = self.common.exchange.outputs();
-        self.energies = [sse, spd, scd].map(|energy| energy.values[0]);
+        let result = self.common.take_back([&self.predef, &self.dpred], place);
+        self.take_energies();
         result
     }
 

@@ -20,6 +20,8 @@ pub unsafe trait Inputs: Copy + Default {
 pub trait Outputs: Copy {
     /// Looks behind each.
     fn check(&self) -> Result<(), Overrun>;
+    /// PNEWDT.
+    fn pnewdt(&self) -> f64;
 }
 
 /// Declares [`Inputs`].
@@ -67,6 +69,11 @@ macro_rules! outputs {
                 }
                 $(self.$field.check($argument)?;)+
                 Ok(())
+            }
+
+            #[inline]
+            fn pnewdt(&self) -> f64 {
+                self.pnewdt.values[0]
             }
         }
     };

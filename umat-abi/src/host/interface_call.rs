@@ -280,7 +280,7 @@ impl UinterCall {
         let call = || unsafe { arguments.call(function) };
         let place = |inputs: &UinterInputs| [inputs.counters[0], inputs.counters[1], 0, inputs.node];
         self.calls += 1;
-        let result = self.common.run(call, self.fields.predef(), |outputs| outputs.pnewdt.values[0], place);
+        let result = self.common.run(call, self.fields.predef(), place);
         let UinterOutputs { sed, sfd, spd, svd, scd, lopenclose, lstate, .. } = self.common.exchange.outputs();
         self.energies = [sed, sfd, spd, svd, scd].map(|energy| energy.values[0]);
         self.flags = [lopenclose.values[0], lstate.values[0]];
@@ -485,7 +485,7 @@ impl FricCall {
         let call = || unsafe { arguments.call(function) };
         let place = |inputs: &FricInputs| [inputs.counters[0], inputs.counters[1], 0, inputs.node];
         self.calls += 1;
-        let result = self.common.run(call, self.fields.predef(), |outputs| outputs.pnewdt.values[0], place);
+        let result = self.common.run(call, self.fields.predef(), place);
         let FricOutputs { ddtddp, dslip, sed, sfd, lm, .. } = self.common.exchange.outputs();
         (self.pressure_tangent, self.dslip) = (ddtddp.values, dslip.values);
         (self.energies, self.lm) = ([sed.values[0], sfd.values[0]], lm.values[0]);

@@ -92,27 +92,20 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
         &mut self,
         call: impl FnOnce(),
         fields: [&[f64]; 2],
-        pnewdt: impl Fn(&O) -> f64,
         place: impl Fn(&I) -> [i32; 4],
     ) -> Result<(), Overrun> {
         guard::run(self.guard.as_ref(), call);
         if let Some(slot) = &mut self.slot {
             slot.leave();
         }
-        self.take_back(fields, pnewdt, place)
+        self.take_back(fields, place)
     }
 
-    /// Takes over the answer, and looks at what the call must not write; `pnewdt` finds the answer among the outputs, `place`
-    /// tells step, increment, element and point.
+    /// Takes over the answer, and looks at what the call must not write; `place` tells step, increment, element and point.
     #[inline(always)]
-    pub(super) fn take_back(
-        &mut self,
-        fields: [&[f64]; 2],
-        pnewdt: impl Fn(&O) -> f64,
-        place: impl Fn(&I) -> [i32; 4],
-    ) -> Result<(), Overrun> {
+    pub(super) fn take_back(&mut self, fields: [&[f64]; 2], place: impl Fn(&I) -> [i32; 4]) -> Result<(), Overrun> {
         let has_inputs = self.exchange.take_back()?;
-        self.pnewdt = pnewdt(self.exchange.outputs());
+        self.pnewdt = self.exchange.outputs().pnewdt();
         self.stress.check()?;
         self.statev.check()?;
         self.tangent.check()?;
