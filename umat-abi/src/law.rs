@@ -127,7 +127,7 @@ pub struct Response {
 }
 
 /// The fraction that is suggested where an increment cannot be computed at all.
-const CUT_BACK: f64 = 0.5;
+pub(crate) const CUT_BACK: f64 = 0.5;
 
 /// Refuses results that are not finite. A result that overflows here may not in a smaller increment.
 #[inline]

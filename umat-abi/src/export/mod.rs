@@ -26,16 +26,13 @@ pub use solid::umat;
 pub use validate::{validate_interface, validate_solid};
 
 use crate::floating_point::in_default_environment;
-use crate::law::{ConfigurationError, Failure, LawInfo};
+use crate::law::{CUT_BACK, ConfigurationError, Failure, LawInfo};
 use crate::table::{States, all_finite};
 use std::ffi::{CStr, c_char};
 use std::fmt;
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// PNEWDT on return when an increment cannot be computed at all.
-const CUT_BACK: f64 = 0.5;
 
 /// The first error of the process has been printed: a host that goes on calling must not drown in
 /// messages. The only global.
