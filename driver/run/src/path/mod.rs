@@ -14,7 +14,7 @@ pub use crate::columns::ContactPoint;
 use crate::columns::LEADING;
 use crate::program::{Kind, PointProgram, Program, Until};
 use fe_core::assembly::GREATEST_COUNT;
-use fe_core::stepping::{Snapshot, Tried};
+use fe_core::stepping::{Directive, Snapshot, Tried};
 pub use point::Committed as MaterialPoint;
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -229,14 +229,6 @@ struct Recorder<'a> {
     values: Vec<f64>,
 }
 
-/// Continuation after an increment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Next {
-    GoOn,
-    EndStep,
-    EndRun,
-}
-
 impl<'a> Recorder<'a> {
     fn new(program: &'a Program, observer: &'a mut dyn Observer) -> Self {
         // step, increment and iterations are no values
@@ -262,21 +254,21 @@ impl<'a> Recorder<'a> {
         so_far: Statistics,
         step_until: Option<&Until>,
         fill: impl FnOnce(&mut [f64]),
-    ) -> io::Result<Next> {
+    ) -> io::Result<Directive> {
         fill(&mut self.values);
         let position_values = [f64::from(position.step), f64::from(position.increment)];
         let reached =
             |until: Option<&Until>| until.is_some_and(|u| u.reached(&position_values, &self.values, iterations));
         let next = if self.observer.ends_here() || reached(self.until) {
-            Next::EndRun
+            Directive::EndRun
         } else if reached(step_until) {
-            Next::EndStep
+            Directive::EndStep
         } else {
-            Next::GoOn
+            Directive::GoOn
         };
         let IncrementPosition { step, increment, last } = position;
         let row = Row { step, increment, values: &self.values, iterations };
-        if next != Next::GoOn || last || (increment as usize).is_multiple_of(self.every) {
+        if next != Directive::GoOn || last || (increment as usize).is_multiple_of(self.every) {
             self.observer.row(row)?;
         }
         self.observer.increment_done(row, so_far);

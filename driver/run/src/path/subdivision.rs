@@ -1,8 +1,8 @@
 //! Sub-incrementation: an increment that fails is taken in smaller pieces; the pieces grow again.
 
-use super::{Failure, IncrementPosition, Next, Observer, Recorder, Statistics, Stop};
+use super::{Failure, IncrementPosition, Observer, Recorder, Statistics, Stop};
 use crate::program::{Controls, Program, Step, Until};
-use fe_core::stepping::{Tried, Verdict, Way};
+use fe_core::stepping::{Directive, Tried, Verdict, Way};
 use umat_abi::host::CallFailure;
 
 /// An attempt that did not succeed.
@@ -76,9 +76,9 @@ pub(super) fn take_steps<P: Divisible>(
             point.aim(step, number, index, statistics);
             let position = IncrementPosition { step: number, increment, last: index + 1 == taken };
             match take_increment(point, program, position, step.until.as_ref(), recorder, statistics)? {
-                Next::GoOn => {}
-                Next::EndStep => break,
-                Next::EndRun => return Ok(()),
+                Directive::GoOn => {}
+                Directive::EndStep => break,
+                Directive::EndRun => return Ok(()),
             }
         }
     }
@@ -93,7 +93,7 @@ fn take_increment(
     step_until: Option<&Until>,
     recorder: &mut Recorder<'_>,
     statistics: &mut Statistics,
-) -> Result<Next, Stop> {
+) -> Result<Directive, Stop> {
     let recorded = program.about.recorded.as_ref().and_then(|recorded| {
         recorded.of_step(position.step).get((position.increment as usize).checked_sub(1)?).map(Vec::as_slice)
     });
