@@ -12,16 +12,15 @@ mod test;
 
 pub use crate::columns::ContactPoint;
 use crate::columns::LEADING;
-use crate::program::{Kind, PointProgram, Program, Until};
+use crate::program::{Kind, Program, Until};
 use fe_core::assembly::GREATEST_COUNT;
 use fe_core::stepping::{Directive, Snapshot, Tried};
-pub use point::Committed as MaterialPoint;
+pub use point::{Committed as MaterialPoint, components_of_calls};
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use umat_abi::host::{ExternalDatabases, FricCall, UinterCall, UmatCall};
-use umat_abi::law::StressState;
 
 /// One finished increment (or the initial state), as a line of `history.csv`.
 #[derive(Clone, Copy, Debug)]
@@ -193,19 +192,6 @@ pub fn run_within(
         Kind::Interface(interface) => interface::run(program, interface, databases, observer, &mut statistics),
     };
     (statistics, result)
-}
-
-/// Finds the components that the UMAT of a program is called with, and why these are six in a plane whose case does not ask
-/// for them.
-///
-/// # Errors
-/// The UMAT cannot be called at all.
-pub fn components_of_calls(
-    program: &Program,
-    point: &PointProgram,
-    databases: &mut ExternalDatabases,
-) -> Result<(StressState, Option<String>), String> {
-    point::components_of_calls(program, point, databases)
 }
 
 /// Number of increments that a program makes at most.

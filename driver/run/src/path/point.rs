@@ -69,8 +69,12 @@ pub(super) fn run(
     result
 }
 
-/// Finds the components of the calls, as [`super::components_of_calls`] says.
-pub(super) fn components_of_calls(
+/// Finds the components that the UMAT of a program is called with, and why these are six in a plane whose case does not ask
+/// for them.
+///
+/// # Errors
+/// The UMAT cannot be called at all.
+pub fn components_of_calls(
     program: &Program,
     point: &PointProgram,
     databases: &mut ExternalDatabases,
