@@ -45,14 +45,8 @@ pub struct Source {
 #[derive(Debug)]
 pub struct Prepared {
     source: Source,
-    process: Process,
-}
-
-/// Process in which a case runs: this one, or a child.
-#[derive(Debug)]
-enum Process {
-    Here(Box<Case>),
-    Apart,
+    /// The case, if it runs in this process; else it runs in a child.
+    case: Option<Box<Case>>,
 }
 
 /// Settings of a run.
@@ -146,7 +140,7 @@ impl Source {
     /// Everything that is wrong with it.
     pub fn read(self) -> Result<Prepared, CaseErrors> {
         if self.need().is_some() {
-            return Ok(Prepared { source: self, process: Process::Apart });
+            return Ok(Prepared { source: self, case: None });
         }
         let case = match self.document.clone() {
             Some(document) => {
@@ -156,21 +150,19 @@ impl Source {
             }
             None => pullout_case::read(&self.file, &self.overrides, &self.plugin_paths),
         }?;
-        let process = if let Case::Bridging(_) = case { Process::Apart } else { Process::Here(Box::new(case)) };
-        Ok(Prepared { source: self, process })
+        let runs_here = !matches!(case, Case::Bridging(_));
+        Ok(Prepared { source: self, case: runs_here.then(|| Box::new(case)) })
     }
-}
 
-impl Source {
     /// Checks the case, in the process that its run takes place in, and returns the columns of its rows behind step and
     /// increment; `None`: the plugin ended the process, as it would the run.
     ///
     /// # Errors
     /// Everything that is wrong with it.
     pub fn columns(&self) -> Result<Option<Vec<String>>, CaseErrors> {
-        match self.clone().read()?.process {
-            Process::Here(case) => Ok(Some(case.columns_of_numbers())),
-            Process::Apart => apart::columns(self).map_err(|problems| CaseErrors { file: self.file.clone(), problems }),
+        match self.clone().read()?.case {
+            Some(case) => Ok(Some(case.columns_of_numbers())),
+            None => apart::columns(self).map_err(|problems| CaseErrors { file: self.file.clone(), problems }),
         }
     }
 }
@@ -178,10 +170,7 @@ impl Source {
 impl Prepared {
     /// The case, if it runs in this process.
     pub fn case(&self) -> Option<&Case> {
-        match &self.process {
-            Process::Here(case) => Some(case),
-            Process::Apart => None,
-        }
+        self.case.as_deref()
     }
 
     /// Runs the case. A run that fails is an outcome with what it reached.
@@ -191,9 +180,9 @@ impl Prepared {
     /// # Errors
     /// The run has no outcome.
     pub fn run(&self, settings: Settings) -> Result<Outcome, Error> {
-        match &self.process {
-            Process::Here(case) => Ok(here::run(case, settings)?),
-            Process::Apart => apart::run(&self.source, &settings),
+        match self.case() {
+            Some(case) => Ok(here::run(case, settings)?),
+            None => apart::run(&self.source, &settings),
         }
     }
 }
