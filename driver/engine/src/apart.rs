@@ -6,8 +6,9 @@ use pullout_report::history::History;
 use pullout_report::summary::{self, Summary};
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::{self, all_are_let_in};
-use rustix::process::{Pid, Signal, kill_process};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use pullout_run::signals::Interrupt;
+use std::fs::File;
+use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -40,19 +41,23 @@ pub(super) fn run(source: &Source, settings: &Settings) -> Result<Outcome, Error
     command.stdout(printed.try_clone()?).stderr(printed.try_clone()?);
     let mut child = isolation::spawn(command)?;
     let ended = wait(&mut child, &settings.stop)?;
-    read(source, &out).map_err(|_| {
+    read(source, &out).or_else(|_| {
         if settings.stop.load(Ordering::Relaxed) {
-            return Error::Stopped;
+            return Err(Error::Stopped);
         }
         // it says what is wrong
-        let mut words = String::new();
-        let read = printed.seek(SeekFrom::Start(0)).and_then(|_| printed.read_to_string(&mut words));
-        match (read, problems(ended.code(), &words)) {
-            (Ok(_), Some(problems)) => CaseErrors { file: source.file.clone(), problems }.into(),
-            (Ok(_), None) => Error::System(io::Error::other(words.trim_end().to_owned())),
-            (Err(error), _) => error.into(),
-        }
+        let words = words_in(&mut printed)?;
+        Err(match problems(ended.code(), &words) {
+            Some(problems) => CaseErrors { file: source.file.clone(), problems }.into(),
+            None => Error::System(io::Error::other(words.trim_end().to_owned())),
+        })
     })
+}
+
+/// Reads a file that a child wrote, from its start.
+fn words_in(printed: &mut File) -> io::Result<String> {
+    printed.rewind()?;
+    io::read_to_string(printed)
 }
 
 /// Checks a case in a child; what is wrong with it, or the columns of its rows.
@@ -65,11 +70,9 @@ pub(super) fn columns(source: &Source) -> Result<Option<Vec<String>>, Vec<CasePr
         let mut printed = tempfile::tempfile()?;
         command.stdout(Stdio::null()).stderr(printed.try_clone()?);
         let ended = isolation::spawn(command)?.wait()?;
-        let (mut columns, mut words) = (Vec::new(), String::new());
+        let mut columns = Vec::new();
         told.read_to_end(&mut columns)?;
-        printed.seek(SeekFrom::Start(0))?;
-        printed.read_to_string(&mut words)?;
-        Ok((ended.code(), columns, words))
+        Ok((ended.code(), columns, words_in(&mut printed)?))
     };
     let (code, columns, words) = ask().map_err(|error| vec![CaseProblem::unreadable(error.to_string())])?;
     match problems(code, &words) {
@@ -103,7 +106,7 @@ fn name_case(command: &mut Command, source: &Source) -> io::Result<()> {
             }
             let mut text = tempfile::tempfile()?;
             text.write_all(document.to_string().as_bytes())?;
-            text.seek(SeekFrom::Start(0))?;
+            text.rewind()?;
             command.arg(STREAM).stdin(text);
         }
         None => {
@@ -130,9 +133,8 @@ fn wait(child: &mut Child, stop: &AtomicBool) -> io::Result<ExitStatus> {
         told = Some((Instant::now(), times));
         if times > 2 {
             child.kill()?;
-        } else if let Some(pid) = i32::try_from(child.id()).ok().and_then(Pid::from_raw) {
-            // one that has ended needs none
-            let _ = kill_process(pid, Signal::TERM);
+        } else {
+            Interrupt::Termination.pass_on_to(child);
         }
     }
 }
