@@ -57,6 +57,14 @@ impl Call {
             }
         }
     }
+
+    /// Temperature and field variables.
+    fn fields(&mut self) -> &mut SurfaceFields {
+        match self {
+            Self::Uinter(call) => &mut call.fields,
+            Self::Fric(call) => &mut call.fields,
+        }
+    }
 }
 
 /// Goal of the current increment: \[slip, slip2, normal\] at its ends.
@@ -123,24 +131,24 @@ impl<'p> Runner<'p> {
         };
         let [slip, slip2, gap] = interface.initial_displacement;
         let [pressure, shear, shear2] = arguments.traction.unwrap_or_default();
+        let energies = arguments.energies.unwrap_or_default();
+        let (gap, energies, flags) = match interface.entry {
+            InterfaceEntry::Uinter => (gap, energies, arguments.flags.unwrap_or([-1; 2])),
+            InterfaceEntry::Fric => {
+                let [stored, dissipated, ..] = energies;
+                let energies = [stored, dissipated, f64::NAN, f64::NAN, f64::NAN];
+                (f64::NAN, energies, [arguments.lm.unwrap_or(FricCall::STICKING), 0])
+            }
+        };
         let committed = Committed {
             slip: [slip, slip2],
-            gap: if interface.entry == InterfaceEntry::Fric { f64::NAN } else { gap },
+            gap,
             shear: [shear, shear2],
             pressure,
             inelastic_slip: arguments.slip.unwrap_or_default(),
             statev: interface.initial_statev.clone(),
-            energies: if interface.entry == InterfaceEntry::Fric {
-                let [stored, dissipated, ..] = arguments.energies.unwrap_or_default();
-                [stored, dissipated, f64::NAN, f64::NAN, f64::NAN]
-            } else {
-                arguments.energies.unwrap_or_default()
-            },
-            flags: if interface.entry == InterfaceEntry::Fric {
-                [arguments.lm.unwrap_or(FricCall::STICKING), 0]
-            } else {
-                arguments.flags.unwrap_or([-1; 2])
-            },
+            energies,
+            flags,
             step_time: 0.0,
             total_time: interface.initial_time,
             fields: interface.initial_fields.clone(),
@@ -178,30 +186,17 @@ impl<'p> Runner<'p> {
         let [start, end] = &self.fields;
         let trial = &mut self.trial.fields;
         trial.set_between(start, end, from);
-        let fields: &mut SurfaceFields = match &mut self.call {
-            Call::Uinter(call) => &mut call.fields,
-            Call::Fric(call) => &mut call.fields,
-        };
         let before = trial.clone();
         trial.set_between(start, end, to);
-        fields.set([before.temperature, trial.temperature], [&before.variables, &trial.variables]);
-    }
-
-    fn surface_fields(&mut self) -> &mut SurfaceFields {
-        match &mut self.call {
-            Call::Uinter(call) => &mut call.fields,
-            Call::Fric(call) => &mut call.fields,
-        }
+        self.call.fields().set([before.temperature, trial.temperature], [&before.variables, &trial.variables]);
     }
 
     /// A soft contact carries pressure at gap 0: the history's first line shows the traction at the initial place.
     fn find_initial_traction(&mut self) -> Result<(), String> {
         if matches!(self.call, Call::Uinter(_)) && self.arguments.traction.is_none() {
             let place = [self.committed.slip[0], self.committed.slip[1], -self.committed.gap];
-            self.evaluate(place, MOMENT, false, &mut Statistics::default()).map_err(|trouble| match trouble {
-                Trouble::CutBack { reason, .. } => reason,
-                Trouble::Fatal(message) => message,
-            })?;
+            self.evaluate(place, MOMENT, false, &mut Statistics::default())
+                .map_err(|(Trouble::CutBack { reason, .. } | Trouble::Fatal(reason))| reason)?;
             self.committed.shear = self.trial.shear;
             self.committed.pressure = self.trial.pressure;
         }
@@ -398,21 +393,19 @@ impl Divisible for Runner<'_> {
         let is_first = std::mem::take(&mut self.is_first_attempt);
         if is_first {
             let ContactArguments { dtemp, dpred, .. } = self.arguments;
-            self.surface_fields().set_increments(*dtemp, dpred.as_deref());
+            self.call.fields().set_increments(*dtemp, dpred.as_deref());
         }
         let start = [self.committed.step_time, self.committed.total_time];
         self.clock = Clock { time: start, time_increment, ..self.clock };
         self.databases.increment_starts(self.clock);
+        let [slip, slip2, normal] = place;
         let iterations = match (goal.normal, &self.call) {
             (NormalControl::Pressure, Call::Uinter(_)) => {
-                self.find_pressure([place[0], place[1]], place[NORMAL], time_increment, is_first, statistics)?
+                self.find_pressure([slip, slip2], normal, time_increment, is_first, statistics)?
             }
-            (NormalControl::Gap, Call::Uinter(_)) => {
-                self.evaluate([place[0], place[1], -place[NORMAL]], time_increment, is_first, statistics)?;
-                1
-            }
-            (_, Call::Fric(_)) => {
-                self.evaluate(place, time_increment, is_first, statistics)?;
+            (control, _) => {
+                let normal = if control == NormalControl::Gap { -normal } else { normal };
+                self.evaluate([slip, slip2, normal], time_increment, is_first, statistics)?;
                 1
             }
         };
