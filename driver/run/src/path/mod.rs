@@ -153,7 +153,7 @@ pub struct FailedAt {
 
 impl Stop {
     /// A program that could not be run at all.
-    fn unusable(message: String) -> Self {
+    pub(crate) fn unusable(message: String) -> Self {
         Self::Failed(Failure { step: 1, increment: 1, message, replay: serde_json::Value::Null })
     }
 }

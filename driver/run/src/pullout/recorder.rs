@@ -10,6 +10,7 @@ use crate::columns::{self, place_in_specimen};
 use crate::number::significant;
 use crate::path::{self, Failure, Row, Statistics, Stop};
 use crate::program::Until;
+use fe_core::assembly::Trouble;
 use fe_core::model::{Model, Step, StepControl};
 use fe_core::output::Fields;
 use fe_core::stepping::{
@@ -18,7 +19,6 @@ use fe_core::stepping::{
 };
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -86,7 +86,7 @@ pub fn run<'p>(
     let analysis = from.map_or_else(|| Analysis::new(model), |saved| Analysis::resume(model, &saved.analysis));
     let mut analysis = match analysis {
         Ok(analysis) => analysis,
-        Err(error) => return Outcome::stopped(failure(1, 1, error.to_string(), Value::Null)),
+        Err(error) => return Outcome::stopped(Stop::unusable(error.to_string())),
     };
     analysis.set_threads(program.threads.clone());
     if let Some(flag) = observer.stop() {
@@ -126,34 +126,28 @@ pub fn run<'p>(
         recorder.observer.ends_here();
     }
     let snapshot = analysis.snapshot();
-    let mut findings = Findings { failure: ended.as_ref().err().and_then(failure_of), ..Findings::default() };
+    let mut findings = Findings::default();
     let ended = ended.map_err(|error| match error {
-        RunError::Failed { step, increment, ref trouble, .. } => {
-            failure(step, increment, error.to_string(), replay::of(program, trouble, &snapshot))
+        RunError::Failed { step, increment, progress, ref trouble } => {
+            let Trouble { place, reason, .. } = trouble.clone();
+            findings.failure = Some(findings::Failure { step, increment, progress, place, reason });
+            let replay = replay::of(program, trouble, &snapshot);
+            Stop::Failed(Failure { step, increment, message: error.to_string(), replay })
         }
         RunError::Write(error) => Stop::Write(error),
     });
     let result = recorder.finish(&snapshot).map_err(Stop::Write).and(ended);
-    analysis.remarks().into_iter().chain(imbalance(model, recorder.state.energy_error)).for_each(|remark| {
-        recorder.observer.warn(remark);
-    });
     findings.stabilisation_share = analysis.stabilisation_share();
     let relaxes = model.controls.relaxation_time > 0.0;
-    if let Some(warning) = stabilisation_warning(findings.stabilisation_share, relaxes) {
-        recorder.observer.warn(warning);
-    }
-    let missed = recorder.state.moments.as_ref().and_then(|moments| moments.missed(&program.pictures_at));
-    if let Some(warning) = missed {
-        recorder.observer.warn(warning);
-    }
     let spalled = snapshot.solids().spalled();
     let (at_peak, at_end) = (recorder.state.peak.shape(), (snapshot.displacements(), spalled.as_slice()));
-    if let Some(warning) = overlap::measure(program, at_peak, at_end, &mut findings) {
-        recorder.observer.warn(warning);
-    }
-    for warning in crack_band::warnings(model, snapshot.solids()) {
-        recorder.observer.warn(warning);
-    }
+    let mut warnings = analysis.remarks();
+    warnings.extend(imbalance(model, recorder.state.energy_error));
+    warnings.extend(stabilisation_warning(findings.stabilisation_share, relaxes));
+    warnings.extend(recorder.state.moments.as_ref().and_then(|moments| moments.missed(&program.pictures_at)));
+    warnings.extend(overlap::measure(program, at_peak, at_end, &mut findings));
+    warnings.extend(crack_band::warnings(model, snapshot.solids()));
+    warnings.into_iter().for_each(|warning| recorder.observer.warn(warning));
     let elapsed = start.elapsed();
     let done = analysis.statistics();
     let Recorder { fields, state, .. } = recorder;
@@ -216,23 +210,6 @@ fn imbalance(model: &Model, error: f64) -> Option<String> {
         significant(100.0 * error, 2),
         100.0 * ENERGY_BUDGET
     ))
-}
-
-fn failure(step: u32, increment: u32, message: String, replay: Value) -> Stop {
-    Stop::Failed(Failure { step, increment, message, replay })
-}
-
-fn failure_of(error: &RunError) -> Option<findings::Failure> {
-    match error {
-        RunError::Failed { step, increment, progress, trouble } => Some(findings::Failure {
-            step: *step,
-            increment: *increment,
-            progress: *progress,
-            place: trouble.place.clone(),
-            reason: trouble.reason.clone(),
-        }),
-        RunError::Write(_) => None,
-    }
 }
 
 /// Writer of the increments; decides when a step or the run ends early.
