@@ -35,7 +35,7 @@ impl Moments {
                 PictureAt::Increment(increment) => number == increment,
             };
             if record.step > 0 && state.is_none() && is_now {
-                let fields = KeptFields::of(Fields::of(snapshot).kept(&snapshot.model().mesh));
+                let fields = KeptFields::of(Fields::of(snapshot));
                 *state = Some((record.slip, record.load, fields));
                 is_one = true;
             }

@@ -93,13 +93,13 @@ impl PeakKeeper {
             && self.fields.clone().is_none_or(|fields| fields.on(mesh).check().is_ok())
     }
 
-    /// Takes an increment into account; the first of equal ones is the peak. With a mesh its fields are kept as well.
-    pub fn observe(&mut self, record: &Record, snapshot: &Snapshot<'_>, mesh: Option<&Mesh>) {
+    /// Takes an increment into account; the first of equal ones is the peak.
+    pub fn observe(&mut self, record: &Record, snapshot: &Snapshot<'_>, keeps_fields: bool) {
         if self.rises(record) {
             self.displacements.clear();
             self.displacements.extend_from_slice(snapshot.displacements());
             self.spalled = snapshot.solids().spalled();
-            self.fields = mesh.map(|mesh| KeptFields::of(Fields::of(snapshot).kept(mesh)));
+            self.fields = keeps_fields.then(|| KeptFields::of(Fields::of(snapshot)));
         }
     }
 

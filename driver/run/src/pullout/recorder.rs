@@ -403,8 +403,7 @@ impl Observer for Recorder<'_, '_> {
             self.observer.tried(record.step, &record.tried);
         }
         let directive = self.accept(record)?;
-        let mesh = self.program.about.plots.then_some(&self.program.model.mesh);
-        self.state.peak.observe(record, snapshot, mesh);
+        self.state.peak.observe(record, snapshot, self.program.about.plots);
         let number = self.state.so_far.increments;
         let is_moment = self
             .state
