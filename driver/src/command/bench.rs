@@ -1,6 +1,6 @@
 //! `pullout bench`: hands over to the program `pullout-bench`, where it is installed.
 
-use super::{BAD_INPUT, FAILED, complain};
+use super::Refusal;
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
@@ -16,22 +16,19 @@ pub(super) struct Arguments {
     arguments: Vec<OsString>,
 }
 
-/// Becomes the other program.
-pub(super) fn run(Arguments { arguments }: &Arguments) -> u8 {
-    let program = std::env::current_exe().map(|path| path.with_file_name(PROGRAM));
-    match program {
+/// Becomes the other program; returns why not.
+pub(super) fn run(Arguments { arguments }: &Arguments) -> Refusal {
+    match std::env::current_exe().map(|path| path.with_file_name(PROGRAM)) {
         Ok(program) if program.is_file() => {
             let error = Command::new(&program).args(arguments).exec();
-            complain(format!("{}: {error}", program.display()));
-            FAILED
+            Refusal::failed(format!("{}: {error}", program.display()))
         }
         _ => {
             let line: Vec<_> = arguments.iter().map(|argument| argument.to_string_lossy()).collect();
             let line = line.join(" ");
-            complain(format!(
+            Refusal::input(format!(
                 "{PROGRAM} is not installed beside this program: in the source folder, `cargo run --release -p {PROGRAM} -- {line}`"
-            ));
-            BAD_INPUT
+            ))
         }
     }
 }

@@ -1,7 +1,7 @@
 //! `pullout run` and `pullout check` of cases in processes of their own, and what such a process does.
 
 use super::run::{self, Arguments};
-use super::{DONE, FAILED, NO_PLUGIN, Reading, complain, option};
+use super::{DONE, FAILED, NO_PLUGIN, Reading, Refusal, complain, option};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::summary::{self, PluginFile, Status, Summary};
 use pullout_run::isolation::{self, Aftermath, End, Failure, Job, Need, Task, Told};
@@ -210,10 +210,7 @@ fn refuse_to_start(file: &Path, error: &io::Error) -> u8 {
     FAILED
 }
 
-/// Returns what a worker does.
-pub(super) fn work(task: &Task) -> u8 {
-    worker::work(task, || super::act_on(&task.command)).unwrap_or_else(|error| {
-        complain(error);
-        FAILED
-    })
+/// Does what a worker is there for.
+pub(super) fn work(task: &Task) -> Result<u8, Refusal> {
+    worker::work(task, || super::act_on(&task.command)).map_err(Refusal::failed)
 }

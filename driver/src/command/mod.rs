@@ -235,34 +235,33 @@ fn act(command: Command, line: &[OsString]) -> u8 {
     if let Err(error) = listening {
         complain(format!("signals cannot be listened to: {error}"));
     }
-    match command {
+    let done = match command {
         Command::Run(arguments) => {
             if let Some(parent) = arguments.parent {
                 // where it cannot be asked for, a run outlives its study
                 let _ = isolation::die_with(parent);
             }
-            run::run(&arguments)
+            Ok(run::run(&arguments))
         }
-        Command::Study(arguments) => study::run_all(&arguments),
+        Command::Study(arguments) => Ok(study::run_all(&arguments)),
         Command::Sweep { action } => sweep::act(&action),
         Command::Check { cases, reading, quiet, before_run, columns } => {
-            run::check(&cases, &reading, quiet || before_run, before_run, columns.as_deref())
+            Ok(run::check(&cases, &reading, quiet || before_run, before_run, columns.as_deref()))
         }
-        Command::Plugin { action } => plugin::act(&action, line).unwrap_or_else(Refusal::told),
-        Command::Schema => schema(),
-        Command::Plot(arguments) => plot::plot(&arguments).unwrap_or_else(Refusal::told),
-        Command::Import(arguments) => import::run(&arguments).unwrap_or_else(Refusal::told),
-        Command::Fit(fit) => fit::act(&fit, line).unwrap_or_else(Refusal::told),
-        Command::Bench(arguments) => bench::run(&arguments),
-        Command::Props { law } => props::print(&law).unwrap_or_else(Refusal::told),
+        Command::Plugin { action } => plugin::act(&action, line),
+        Command::Schema => {
+            say(&format!("{:#}\n", pullout_case::schema()));
+            Ok(DONE)
+        }
+        Command::Plot(arguments) => plot::plot(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
+        Command::Fit(fit) => fit::act(&fit, line),
+        Command::Bench(arguments) => Err(bench::run(&arguments)),
+        Command::Props { law } => props::print(&law),
         Command::Worker(task) => isolated::work(&task),
         Command::Pages { share } => pages::write(&share),
-    }
-}
-
-fn schema() -> u8 {
-    say(&format!("{:#}\n", pullout_case::schema()));
-    DONE
+    };
+    done.unwrap_or_else(Refusal::told)
 }
 
 /// An option with its value, which may begin with a hyphen.

@@ -1,6 +1,6 @@
 //! `pullout pages SHARE`, hidden: what an installation tells of the command line.
 
-use super::{Arguments, DONE, FAILED, complain};
+use super::{Arguments, DONE, Refusal};
 use clap::CommandFactory;
 use clap_complete::{Shell, generate_to};
 use std::fs;
@@ -14,14 +14,9 @@ const COMPLETIONS: [(Shell, &str); 3] = [
     (Shell::Fish, "fish/vendor_completions.d"),
 ];
 
-pub(super) fn write(share: &Path) -> u8 {
-    match write_all(share) {
-        Ok(()) => DONE,
-        Err(error) => {
-            complain(format!("{}: {error}", share.display()));
-            FAILED
-        }
-    }
+pub(super) fn write(share: &Path) -> Result<u8, Refusal> {
+    write_all(share).map_err(|error| Refusal::failed(format!("{}: {error}", share.display())))?;
+    Ok(DONE)
 }
 
 fn write_all(share: &Path) -> io::Result<()> {

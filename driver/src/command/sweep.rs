@@ -1,6 +1,6 @@
 //! `pullout sweep`: many runs of a case of which numbers are kept.
 
-use super::{BAD_INPUT, DONE, FAILED, Refusal, complain, say};
+use super::{DONE, FAILED, Refusal, say};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
 use pullout_sweep::{Collection, Standing, Store, Work, Worked, batch, slurm};
@@ -110,15 +110,13 @@ fn array(text: &str) -> Result<(usize, usize), String> {
 }
 
 /// Does it; the result is the exit code.
-pub(super) fn act(action: &Action) -> u8 {
+pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
     let done = match action {
         Action::Plan { file, out, design, plugin_paths } => {
             let _prints = Prints::discard();
             let store = Store::new(out);
-            match pullout_sweep::plan(file, design.as_deref(), plugin_paths, &store) {
-                Ok(_) => status(&store),
-                Err(errors) => return Refusal::from(errors).told(),
-            }
+            pullout_sweep::plan(file, design.as_deref(), plugin_paths, &store)?;
+            status(&store)
         }
         Action::Work(toil) => work(toil),
         Action::Status { folder } => status(&Store::new(folder)),
@@ -131,9 +129,9 @@ pub(super) fn act(action: &Action) -> u8 {
         }
         Action::Batch { batch, rows } => batch::carry_out(batch, rows).map(|()| DONE),
     };
-    done.unwrap_or_else(|error| {
-        complain(&error);
-        if error.kind() == io::ErrorKind::InvalidData { BAD_INPUT } else { FAILED }
+    done.map_err(|error| match error.kind() {
+        io::ErrorKind::InvalidData => Refusal::input(error),
+        _ => Refusal::failed(error),
     })
 }
 
