@@ -12,7 +12,7 @@ mod test;
 
 pub use crate::columns::ContactPoint;
 use crate::columns::LEADING;
-use crate::program::{Kind, Program, Until};
+use crate::program::{About, Kind, Program, Until};
 use fe_core::assembly::GREATEST_COUNT;
 use fe_core::stepping::{Directive, Snapshot, Tried};
 pub use point::{Committed as MaterialPoint, components_of_calls};
@@ -210,8 +210,7 @@ pub fn increments_of_steps(kind: &Kind) -> Vec<u64> {
 /// Writer of the rows; decides when a step or the run ends early.
 struct Recorder<'a> {
     observer: &'a mut dyn Observer,
-    every: usize,
-    until: Option<&'a Until>,
+    about: &'a About,
     values: Vec<f64>,
 }
 
@@ -219,12 +218,7 @@ impl<'a> Recorder<'a> {
     fn new(program: &'a Program, observer: &'a mut dyn Observer) -> Self {
         // step, increment and iterations are no values
         let length = program.columns().len() - LEADING.len() - 1;
-        Self {
-            observer,
-            every: program.about.every.max(1),
-            until: program.about.until.as_ref().filter(|_| program.about.recorded.is_none()),
-            values: vec![0.0; length],
-        }
+        Self { observer, about: &program.about, values: vec![0.0; length] }
     }
 
     fn initial(&mut self, fill: impl FnOnce(&mut [f64])) -> io::Result<()> {
@@ -242,19 +236,10 @@ impl<'a> Recorder<'a> {
         fill: impl FnOnce(&mut [f64]),
     ) -> io::Result<Directive> {
         fill(&mut self.values);
-        let position_values = [f64::from(position.step), f64::from(position.increment)];
-        let reached =
-            |until: Option<&Until>| until.is_some_and(|u| u.reached(&position_values, &self.values, iterations));
-        let next = if self.observer.ends_here() || reached(self.until) {
-            Directive::EndRun
-        } else if reached(step_until) {
-            Directive::EndStep
-        } else {
-            Directive::GoOn
-        };
         let IncrementPosition { step, increment, last } = position;
         let row = Row { step, increment, values: &self.values, iterations };
-        if next != Directive::GoOn || last || (increment as usize).is_multiple_of(self.every) {
+        let next = self.about.directive(row, step_until, self.observer.ends_here());
+        if next != Directive::GoOn || last || (increment as usize).is_multiple_of(self.about.every.max(1)) {
             self.observer.row(row)?;
         }
         self.observer.increment_done(row, so_far);

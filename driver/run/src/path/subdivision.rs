@@ -102,7 +102,6 @@ fn take_increment(
         Some(attempts) => repeat(point, attempts, recorder.observer, statistics),
         None => advance(point, program.controls, recorder.observer, statistics, &mut tried),
     };
-    let step_until = step_until.filter(|_| recorded.is_none());
     match taken {
         Ok(iterations) => {
             statistics.increments += 1;

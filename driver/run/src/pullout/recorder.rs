@@ -9,7 +9,6 @@ use super::{PictureAt, PulloutProgram, crack_band, overlap, replay};
 use crate::columns::{self, place_in_specimen};
 use crate::number::significant;
 use crate::path::{self, Failure, Row, Statistics, Stop};
-use crate::program::Until;
 use fe_core::assembly::Trouble;
 use fe_core::model::{Model, Step, StepControl};
 use fe_core::output::Fields;
@@ -287,11 +286,6 @@ impl Present {
     fn time(&self) -> f64 {
         self.value("time")
     }
-
-    fn has_reached(&self, until: Option<&Until>) -> bool {
-        let place = [f64::from(self.step), f64::from(self.increment)];
-        until.is_some_and(|until| until.reached(&place, &self.values, self.iterations))
-    }
 }
 
 impl<'p, 'o> Recorder<'p, 'o> {
@@ -334,15 +328,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
     fn directive(&self) -> Directive {
         let step = (self.state.present.step as usize).checked_sub(1);
         let step_until = step.and_then(|step| self.program.step_untils.get(step)).and_then(Option::as_ref);
-        let is_repeated = self.program.about.recorded.is_some();
-        let has_reached = |until| !is_repeated && self.state.present.has_reached(until);
-        if self.observer.ends_here() || has_reached(self.program.about.until.as_ref()) {
-            Directive::EndRun
-        } else if has_reached(step_until) {
-            Directive::EndStep
-        } else {
-            Directive::GoOn
-        }
+        self.program.about.directive(self.state.present.row(), step_until, self.observer.ends_here())
     }
 
     /// Returns whether the present step ends with the present row.

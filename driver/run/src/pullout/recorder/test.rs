@@ -1,6 +1,6 @@
 use super::*;
 use crate::columns::{SPECIMEN, place_in_specimen};
-use crate::program::About;
+use crate::program::{About, Until};
 use fe_core::element::ElementKind::Q4;
 use fe_core::kinematics::PlaneModel::PlaneStrain;
 use fe_core::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
