@@ -24,9 +24,9 @@ pub(super) struct Finite {
     /// R.
     rotation: Matrix3<f64>,
     /// The case's strain, as far as F tells it.
-    strain: [f64; 6],
+    pub(super) strain: [f64; 6],
     /// The case's stress.
-    stress: [f64; 6],
+    pub(super) stress: [f64; 6],
     last: Call,
 }
 
@@ -74,16 +74,6 @@ impl Finite {
         finite.strain = finite.strain_of_case(gradient);
         finite.stress = finite.stress_of_case(gradient, stress, thickness);
         finite
-    }
-
-    /// The case's strain.
-    pub(super) fn strain(&self) -> &[f64; 6] {
-        &self.strain
-    }
-
-    /// The case's stress.
-    pub(super) fn stress(&self) -> &[f64; 6] {
-        &self.stress
     }
 
     /// Returns whether R is not 1.

@@ -311,12 +311,12 @@ impl<'p> Runner<'p> {
 
     /// The case's strain.
     fn strain(&self) -> &[f64; 6] {
-        self.finite.as_ref().map_or(&self.committed.strain, Finite::strain)
+        self.finite.as_ref().map_or(&self.committed.strain, |finite| &finite.strain)
     }
 
     /// The case's stress.
     fn stress(&self) -> &[f64; 6] {
-        self.finite.as_ref().map_or(&self.committed.stress, Finite::stress)
+        self.finite.as_ref().map_or(&self.committed.stress, |finite| &finite.stress)
     }
 
     /// Controls and relations at a fraction of the increment.
