@@ -16,7 +16,8 @@ pub struct FieldWriter {
     series: Series,
     /// Time of the last state that was written, s.
     last: Option<f64>,
-    spent: Duration,
+    /// Time that the writing took.
+    pub(super) spent: Duration,
     /// Directory, and SHA-256 of each file that was written, if checkpoints shall know it.
     hashed: Option<(PathBuf, Vec<String>)>,
 }
@@ -99,10 +100,5 @@ impl FieldWriter {
     /// A file cannot be written.
     pub fn finish(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
         if self.last == Some(snapshot.time()) { Ok(()) } else { self.write(snapshot) }
-    }
-
-    /// Returns how long it took to write.
-    pub fn spent(&self) -> Duration {
-        self.spent
     }
 }

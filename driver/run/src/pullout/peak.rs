@@ -25,7 +25,8 @@ pub struct PeakLoad {
 /// Keeps the greatest load with the displacements and the released elements there, and the fields if pictures are wanted.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PeakKeeper {
-    peak: Option<PeakLoad>,
+    /// The greatest load; `None`: there was none.
+    pub(super) peak: Option<PeakLoad>,
     displacements: Vec<f64>,
     spalled: Vec<usize>,
     fields: Option<KeptFields>,
@@ -113,11 +114,6 @@ impl PeakKeeper {
             self.peak = Some(PeakLoad { load, slip, step, increment, time });
         }
         rises
-    }
-
-    /// The greatest load; `None`: there was none.
-    pub fn peak(&self) -> Option<PeakLoad> {
-        self.peak
     }
 
     /// The displacements there, and the elements that had been released.

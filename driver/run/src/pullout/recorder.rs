@@ -151,8 +151,8 @@ pub fn run<'p>(
     let done = analysis.statistics();
     let Recorder { fields, state, .. } = recorder;
     let RecorderState { peak, moments, ruptures, present, energies, energy_error, initial_displacement, .. } = state;
-    let writing = fields.map_or(Duration::ZERO, |fields| fields.spent());
-    findings.peak_load = peak.peak();
+    let writing = fields.map_or(Duration::ZERO, |fields| fields.spent);
+    findings.peak_load = peak.peak;
     findings.ruptures = ruptures;
     findings.energy_error_max = (!model.fields.change()).then_some(energy_error);
     findings.initial_displacement = initial_displacement;

@@ -10,7 +10,7 @@ fn the_peak_is_the_first_of_the_greatest_loads_in_magnitude() {
         let expected = [false, true, true, false, false, false, true, false][increment as usize];
         assert_eq!(keeper.rises(&record), expected, "{load}");
     }
-    let peak = keeper.peak().expect("a load");
+    let peak = keeper.peak.expect("a load");
     assert_eq!((peak.load, peak.increment, peak.time), (-7.5, 6, 1.5));
-    assert!(PeakKeeper::default().peak().is_none());
+    assert!(PeakKeeper::default().peak.is_none());
 }
