@@ -395,13 +395,15 @@ fn framed<'n>(values: impl Iterator<Item = &'n str>) -> Vec<String> {
     LEADING.into_iter().chain(values).chain([LAST]).map(str::to_owned).collect()
 }
 
+/// The columns of a table but those of one group: before the states of a plugin, and the energies behind them.
+fn around_states<R>(table: &[Column<R>], left_out: Option<Group>) -> [impl Iterator<Item = &Column<R>>; 2] {
+    [false, true].map(|is_behind| with(table, left_out).filter(move |column| (column.group == Density) == is_behind))
+}
+
 /// The columns of a table, one group left out, with those of a plugin's states before the energies.
 fn with_states<R>(table: &[Column<R>], left_out: Option<Group>, states: &[String]) -> Vec<String> {
-    let taken = || with(table, left_out);
-    let names = |is_behind: bool| {
-        taken().filter(move |column| (column.group == Density) == is_behind).map(|column| column.name)
-    };
-    framed(names(false).chain(states.iter().map(String::as_str)).chain(names(true)))
+    let [before, behind] = around_states(table, left_out).map(|columns| columns.map(|column| column.name));
+    framed(before.chain(states.iter().map(String::as_str)).chain(behind))
 }
 
 /// The history's columns of a material point, in the order of the CSV; `states` are those of its plugin.
@@ -416,8 +418,8 @@ pub fn of_contact(tangential_directions: usize, states: &[String]) -> Vec<String
 
 /// The history's columns of a specimen, of each of several fibres too.
 pub fn of_specimen(fibres: &[MeasuredFibre]) -> Vec<String> {
-    let of = |fibre: &MeasuredFibre| FIBRE.iter().map(|column| format!("{}.{}", column.name, fibre.name)).collect();
-    let each: Vec<String> = fibres.iter().flat_map(|fibre| -> Vec<String> { of(fibre) }).collect();
+    let of = |fibre: &MeasuredFibre| FIBRE.each_ref().map(|column| format!("{}.{}", column.name, fibre.name));
+    let each: Vec<String> = fibres.iter().flat_map(of).collect();
     framed(SPECIMEN.iter().map(|column| column.name).chain(each.iter().map(String::as_str)))
 }
 
@@ -440,10 +442,7 @@ pub fn fill<R>(
     states: impl Iterator<Item = f64>,
     to: &mut [f64],
 ) {
-    let value = |column: &Column<R>| (column.value)(row);
-    let taken = || with(table, left_out);
-    let before = taken().filter(|column| column.group != Density).map(value);
-    let behind = taken().filter(|column| column.group == Density).map(value);
+    let [before, behind] = around_states(table, left_out).map(|columns| columns.map(|column| (column.value)(row)));
     to.iter_mut().zip(before.chain(states).chain(behind)).for_each(|(to, value)| *to = value);
 }
 
