@@ -223,7 +223,7 @@ impl BridgingProgram {
 }
 
 /// Results.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Results {
     /// Over the openings.
     pub rows: Vec<BridgingRow>,
@@ -464,14 +464,8 @@ fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<Results,
             quantiles: [0.0; 3],
         })
         .collect();
-    let mut results = Results {
-        rows: Vec::new(),
-        beam: Vec::new(),
-        scatter: Vec::new(),
-        curves: Vec::new(),
-        findings: findings(program, composite, &fibres).map_err(told)?,
-        warnings: Vec::new(),
-    };
+    let findings = findings(program, composite, &fibres).map_err(told)?;
+    let mut results = Results { findings, ..Results::default() };
     if let Some(geometry) = &program.beam {
         let openings = program.openings_of_beam();
         let fibres = averages_also_at(composite, fibres, &openings);
@@ -566,9 +560,7 @@ fn findings(program: &BridgingProgram, composite: &Composite, fibres: &[Average]
         w_fibre_peak,
         work: WORK_TO.into_iter().filter(|to| *to < last).chain([last]).map(work).collect(),
         error: if sigma_fibre_peak > 0.0 { greatest_error / sigma_fibre_peak } else { 0.0 },
-        simulations: None,
-        beam: None,
-        scatter: None,
+        ..Findings::default()
     })
 }
 
