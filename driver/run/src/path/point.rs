@@ -118,8 +118,6 @@ pub(super) struct Goal {
     pub(super) relations: Vec<Constraint>,
     /// Step time at the start and at the end of the increment.
     pub(super) step_time: (f64, f64),
-    /// Total time at the start of the step.
-    time_of_step: f64,
     pub(super) deformation_gradient: Option<(Matrix3<f64>, Matrix3<f64>)>,
     /// Temperature and field variables at the start and at the end of the increment.
     pub(super) fields: [FieldValues; 2],
@@ -218,7 +216,6 @@ impl<'p> Runner<'p> {
             relations_at_start: Vec::new(),
             relations: Vec::new(),
             step_time: (0.0, 0.0),
-            time_of_step: initial.time,
             deformation_gradient: None,
             fields: [initial.fields.clone(), initial.fields.clone()],
         };
@@ -245,7 +242,7 @@ impl<'p> Runner<'p> {
             largest_stress: committed.stress.iter().fold(0.0, |largest, s| s.abs().max(largest)),
             committed,
             tangent: None,
-            plan: Plan::default(),
+            plan: Plan { time: initial.time, ..Plan::default() },
             goal,
             is_first_attempt: true,
             moduli_not_finite: None,
@@ -337,10 +334,10 @@ impl<'p> Runner<'p> {
 
     /// Sets what does not change during the iterations of an attempt.
     fn prepare_call(&mut self, from: f64, to: f64) {
-        let goal = &self.goal;
+        let (plan, goal) = (&self.plan, &self.goal);
         let call = &mut self.call;
         let at = |fraction| lerp(goal.step_time.0, goal.step_time.1, fraction);
-        call.time = [self.arguments.start() + at(from), goal.time_of_step + at(from)];
+        call.time = [self.arguments.start() + at(from), plan.time + at(from)];
         call.dtime = at(to) - at(from);
         let [start, end] = &goal.fields;
         call.temp = lerp(start.temperature, end.temperature, from);
@@ -352,7 +349,7 @@ impl<'p> Runner<'p> {
         self.trial.fields.set_between(start, end, to);
         call.dtemp = self.trial.fields.temperature - call.temp;
         self.trial.step_time = at(to);
-        self.trial.total_time = goal.time_of_step + at(to);
+        self.trial.total_time = plan.time + at(to);
     }
 
     /// The point that the plugin is called at.
@@ -554,7 +551,6 @@ impl Divisible for Runner<'_> {
         let controllable = self.controllable;
         let (strain, stress) = (*self.strain(), *self.stress());
         let (plan, goal) = (&self.plan, &mut self.goal);
-        goal.time_of_step = plan.time;
         goal.step_time = step.pace.times(index, self.committed.step_time);
         goal.deformation_gradient = None;
         step.fields.set_increment(&plan.fields, &self.committed.fields, &step.pace, index, &mut goal.fields);
@@ -855,6 +851,7 @@ struct Plan {
     /// Left sides of the relations.
     relations: Vec<f64>,
     constraints: Vec<Constraint>,
+    /// Total time, s.
     time: f64,
     gradient: Matrix3<f64>,
     fields: FieldValues,
