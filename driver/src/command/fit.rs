@@ -1,12 +1,12 @@
 //! `pullout fit`: numbers of a case, and laws, from experiments.
 
-use super::{DONE, FAILED, Isolation, Refusal, complain, isolated, run, say};
+use super::{DONE, FAILED, Isolation, Refusal, complain, folder_of, isolated, run, say};
 use clap::{Args, Subcommand, ValueEnum};
 use pullout_fit::{Fibre, FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, Weights};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_run::number::significant;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 mod beam;
 mod case;
@@ -122,6 +122,11 @@ pub(super) struct Bond {
     quiet: bool,
 }
 
+/// Opens the result directory of a fit, or says why not.
+fn open(folder: &Path, inputs: &[PathBuf], overwrite: bool) -> Result<ResultDirectory, Refusal> {
+    run::open_for(folder, Kind::Fit, Access { inputs, overwrite, is_locked: false })
+}
+
 fn positive(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
@@ -214,15 +219,14 @@ impl Bond {
     }
 
     fn folder(&self) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(self.curve.file_stem().unwrap_or_default()))
+        folder_of(&self.curve, self.out.as_deref(), true)
     }
 
     /// Opens the result directory, or says why not.
     fn open(&self) -> Result<ResultDirectory, Refusal> {
         let mut inputs = vec![self.curve.clone()];
         inputs.extend(self.specimen_case.iter().flat_map(|case| pullout_case::inputs(case, &[])));
-        let access = Access { inputs: &inputs, overwrite: self.overwrite, is_locked: false };
-        run::open_for(&self.folder(), Kind::Fit, access)
+        open(&self.folder(), &inputs, self.overwrite)
     }
 
     /// Says what came out; the result is the exit code.

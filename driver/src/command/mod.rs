@@ -272,6 +272,15 @@ fn option(name: &str, value: &Path) -> OsString {
     option
 }
 
+/// The result directory of a file: the one that was asked for, of several files their parent; else one below `out`.
+fn folder_of(file: &Path, asked_for: Option<&Path>, is_alone: bool) -> PathBuf {
+    let stem = file.file_stem().unwrap_or_default();
+    match asked_for {
+        Some(folder) if is_alone => folder.to_owned(),
+        parent => parent.unwrap_or(Path::new("out")).join(stem),
+    }
+}
+
 /// Prints to standard error.
 fn complain(text: impl std::fmt::Display) {
     use std::io::Write;

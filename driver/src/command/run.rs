@@ -171,20 +171,16 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
             return BAD_INPUT;
         }
     };
-    let mut stems = BTreeSet::new();
+    let mut folders = BTreeSet::new();
     let mut jobs = Vec::new();
     let mut code = DONE;
     for file in cases {
-        let stem = file.file_stem().unwrap_or_default().to_owned();
-        let folder = match arguments.out.as_deref().or(interruption.restart.as_deref()) {
-            Some(out) if cases.len() == 1 => out.to_path_buf(),
-            Some(out) => out.join(&stem),
-            None => Path::new("out").join(&stem),
-        };
+        let asked_for = arguments.out.as_deref().or(interruption.restart.as_deref());
+        let folder = super::folder_of(file, asked_for, cases.len() == 1);
         if let Some(aftermath) = &arguments.aftermath {
             return conclude_here(file, &folder, arguments, aftermath).unwrap_or_else(Refusal::told);
         }
-        if !stems.insert(stem) {
+        if !folders.insert(folder.clone()) {
             complain(format!("{}: another case has the same name, and so the same result directory", file.display()));
             code = code.max(BAD_INPUT);
         }

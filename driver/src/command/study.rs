@@ -44,17 +44,12 @@ pub(super) struct Arguments {
 /// Runs studies, after all of them were read without an error.
 pub(super) fn run_all(arguments: &Arguments) -> u8 {
     let Arguments { studies, out, reading, .. } = arguments;
-    let mut stems = BTreeSet::new();
+    let mut folders = BTreeSet::new();
     let mut read = Vec::new();
     let mut code = DONE;
     for file in studies {
-        let stem = file.file_stem().unwrap_or_default().to_owned();
-        let folder = match out {
-            Some(out) if studies.len() == 1 => out.clone(),
-            Some(out) => out.join(&stem),
-            None => Path::new("out").join(&stem),
-        };
-        if !stems.insert(stem) {
+        let folder = super::folder_of(file, out.as_deref(), studies.len() == 1);
+        if !folders.insert(folder.clone()) {
             complain(format!("{}: another study has the same name, and so the same result directory", file.display()));
             code = code.max(BAD_INPUT);
         }

@@ -1,9 +1,8 @@
 //! `pullout fit beam`.
 
-use super::super::{DONE, Reading, Refusal, complain, run, say};
+use super::super::{DONE, Reading, Refusal, complain, folder_of, say};
 use pullout_case::Case;
 use pullout_fit::{BeamColumns, BeamFit, describe_beam, read_beam_test, write_beam};
-use pullout_report::directory::{Access, Kind};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -45,12 +44,10 @@ impl Beam {
             let message = "$.kind: a beam is fitted with a case of kind \"bridging\"";
             return Err(Refusal::input(format!("{}: {message}", self.case.display())));
         };
-        let folder = self.out.clone();
-        let folder = folder.unwrap_or_else(|| PathBuf::from("out").join(self.test.file_stem().unwrap_or_default()));
+        let folder = folder_of(&self.test, self.out.as_deref(), true);
         let mut inputs = pullout_case::inputs(&self.case, &self.reading.overrides);
         inputs.push(self.test.clone());
-        let access = Access { inputs: &inputs, overwrite: self.overwrite, is_locked: false };
-        let mut directory = run::open_for(&folder, Kind::Fit, access)?;
+        let mut directory = super::open(&folder, &inputs, self.overwrite)?;
         let refused = |error| Refusal::input(format!("{}: {error}", self.test.display()));
         let fit = BeamFit::new(&program, &test).map_err(refused)?;
         let document = pullout_case::document(&self.case, &self.reading.overrides).unwrap_or_default();

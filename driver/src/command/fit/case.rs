@@ -1,9 +1,8 @@
 //! `pullout fit CASE`.
 
-use super::super::{DONE, Isolation, Refusal, complain, run, say};
+use super::super::{DONE, Isolation, Refusal, complain, say};
 use pullout_engine::Source;
 use pullout_fit::{CaseRequest, Free, fit_case};
-use pullout_report::directory::{Access, Kind};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::number::significant;
 use std::path::PathBuf;
@@ -75,8 +74,7 @@ impl Arguments {
         });
         let mut inputs = pullout_case::inputs(case, &self.overrides);
         inputs.push(data.clone());
-        let access = Access { inputs: &inputs, overwrite: self.overwrite, is_locked: false };
-        let mut directory = run::open_for(&folder, Kind::Fit, access)?;
+        let mut directory = super::open(&folder, &inputs, self.overwrite)?;
         let progress = |runs: usize, rms: f64| {
             if !self.quiet {
                 complain(format!("run {runs}, RMS difference {}", significant(rms, 4)));
