@@ -51,32 +51,24 @@ pub enum Input {
 }
 
 impl Input {
-    /// The most bytes. A case holds numbers that people and scripts wrote, not data: tables and meshes have files of their
-    /// own. A table of the greatest size has some million rows, a mesh some ten million nodes.
-    pub const fn limit(self) -> u64 {
-        MEGABYTE
-            * match self {
-                Self::Case => 32,
-                Self::Source | Self::Table => 64,
-                Self::Job | Self::Result => 256,
-                Self::Library => 1_000,
-                Self::Mesh => 2_000,
-                Self::Checkpoint => 16_000,
-            }
+    /// The most megabytes, and the kind in words. A case holds numbers that people and scripts wrote, not data: tables and
+    /// meshes have files of their own. A table of the greatest size has some million rows, a mesh some ten million nodes.
+    const fn most(self) -> (u64, &'static str) {
+        match self {
+            Self::Case => (32, "a case or study"),
+            Self::Table => (64, "a table"),
+            Self::Mesh => (2_000, "a mesh"),
+            Self::Job => (256, "a job"),
+            Self::Source => (64, "a source"),
+            Self::Library => (1_000, "a library"),
+            Self::Result => (256, "a result"),
+            Self::Checkpoint => (16_000, "a checkpoint"),
+        }
     }
 
-    /// "a case".
-    const fn words(self) -> &'static str {
-        match self {
-            Self::Case => "a case or study",
-            Self::Table => "a table",
-            Self::Mesh => "a mesh",
-            Self::Job => "a job",
-            Self::Source => "a source",
-            Self::Library => "a library",
-            Self::Result => "a result",
-            Self::Checkpoint => "a checkpoint",
-        }
+    /// The most bytes.
+    pub const fn limit(self) -> u64 {
+        MEGABYTE * self.most().0
     }
 
     /// Returns whether it may come through a pipe. What the program wrote, what is compiled and what is loaded lies in a file.
@@ -237,7 +229,8 @@ fn check_type(file_type: FileType, input: Input) -> io::Result<()> {
 /// Returns what is in a file or comes out of a pipe.
 fn bytes(path: &Path, metadata: &Metadata, input: Input) -> io::Result<Vec<u8>> {
     let too_large = || {
-        refusal(format!("it has more than {} MB, the most that {} may have", input.limit() / MEGABYTE, input.words()))
+        let (megabytes, words) = input.most();
+        refusal(format!("it has more than {megabytes} MB, the most that {words} may have"))
     };
     if metadata.len() > input.limit() {
         return Err(too_large());
