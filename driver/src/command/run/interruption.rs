@@ -6,6 +6,7 @@ use pullout_run::input::{digest, hexadecimal};
 use pullout_run::pullout::PulloutProgram;
 use pullout_run::pullout::checkpoint::{self, Checkpoints};
 use std::collections::BTreeSet;
+use std::fmt::Display;
 use std::fs;
 use std::path::PathBuf;
 
@@ -65,18 +66,15 @@ impl Interruption {
                     format!("{}: this is no checkpoint, or it is damaged", folder.join(checkpoint::FILE).display())
                 })?;
                 let history = folder.join("history.csv");
-                match fs::metadata(&history) {
-                    Ok(file) if file.len() >= bytes => match digest(&history, bytes).map(hexadecimal) {
-                        Ok(sha256) if sha256 == history_sha256 => Ok(checkpoints),
-                        Ok(_) => Err(format!(
-                            "{}: rows from before the checkpoint were changed: a run goes on with what it left",
-                            history.display()
-                        )),
-                        Err(error) => Err(format!("{}: {error}", history.display())),
-                    },
-                    Ok(_) => Err(format!("{}: rows from before the checkpoint are missing", history.display())),
-                    Err(error) => Err(format!("{}: {error}", history.display())),
+                let named = |message: &dyn Display| format!("{}: {message}", history.display());
+                if fs::metadata(&history).map_err(|error| named(&error))?.len() < bytes {
+                    return Err(named(&"rows from before the checkpoint are missing"));
                 }
+                if digest(&history, bytes).map(hexadecimal).map_err(|error| named(&error))? != history_sha256 {
+                    let message = "rows from before the checkpoint were changed: a run goes on with what it left";
+                    return Err(named(&message));
+                }
+                Ok(checkpoints)
             }
         }
     }
