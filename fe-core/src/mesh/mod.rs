@@ -51,7 +51,7 @@ use std::collections::BTreeMap;
 
 use crate::element::{EdgeKind, ElementKind, Integration, IntegrationPoint, MAX_NODES, characteristic_length};
 use crate::kinematics::PlaneModel;
-use topology::Topology;
+use topology::Neighbours;
 
 #[cfg(test)]
 mod test;
@@ -180,7 +180,7 @@ pub struct Mesh {
     elements: Vec<Element>,
     node_sets: BTreeMap<String, Vec<usize>>,
     edge_sets: BTreeMap<String, Vec<ElementEdge>>,
-    topology: Topology,
+    neighbours: Vec<Neighbours>,
 }
 
 /// Indices of elements, parts and nodes that a mesh did not give itself panic like those of a slice.
@@ -194,10 +194,10 @@ impl Mesh {
         validation::check_nodes(&definition)?;
         validation::check_parts(&definition)?;
         let elements = validation::checked_elements(&definition)?;
-        let topology = Topology::new(&elements)?;
+        let neighbours = topology::neighbours(&elements)?;
         validation::check_sets(&definition)?;
         let MeshDefinition { nodes, parts, node_sets, edge_sets, .. } = definition;
-        Ok(Self { nodes, parts, elements, node_sets, edge_sets, topology })
+        Ok(Self { nodes, parts, elements, node_sets, edge_sets, neighbours })
     }
 
     /// Reference positions (x, y), mm.

@@ -1,46 +1,35 @@
 //! Connections of elements: neighbours across edges, and boundaries.
 
-use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
 use super::{EdgeNodes, Element, ElementEdge, Mesh, MeshError};
 
-/// The elements on the other side of each edge of each element.
-#[derive(Clone, Debug)]
-pub(super) struct Topology {
-    neighbours: Vec<[Option<ElementEdge>; 4]>,
-}
+/// The edge on the other side of each edge of an element.
+pub(super) type Neighbours = [Option<ElementEdge>; 4];
 
-impl Topology {
-    /// Finds the neighbours by the corner nodes of edges.
-    pub(super) fn new(elements: &[Element]) -> Result<Self, MeshError> {
-        let mut neighbours: Vec<[Option<ElementEdge>; 4]> = vec![[None; 4]; elements.len()];
-        let mut first_with: HashMap<[usize; 2], ElementEdge> = HashMap::with_capacity(2 * elements.len());
-        for (index, element) in elements.iter().enumerate() {
-            for edge in 0..element.kind.corner_count() {
-                let this = ElementEdge { element: index, edge };
-                let [start, end, _] = element.edge_nodes(edge).nodes;
-                match first_with.entry([start.min(end), start.max(end)]) {
-                    Entry::Vacant(vacant) => {
-                        vacant.insert(this);
-                    }
-                    Entry::Occupied(occupied) => {
-                        let other = *occupied.get();
-                        if let Some(second) = neighbours[other.element][other.edge] {
-                            let [a, b, c] = [other.element, second.element, index].map(|element| element + 1);
-                            let edge = format!("the edge of nodes {}–{}", start + 1, end + 1);
-                            let fault = format!("elements {a}, {b} and {c} share {edge}; an edge has two sides");
-                            return Err(MeshError(fault));
-                        }
-                        check_match(elements, other, this)?;
-                        neighbours[other.element][other.edge] = Some(this);
-                        neighbours[this.element][this.edge] = Some(other);
-                    }
-                }
+/// Finds the neighbours of all elements by the corner nodes of edges.
+pub(super) fn neighbours(elements: &[Element]) -> Result<Vec<Neighbours>, MeshError> {
+    let mut neighbours: Vec<Neighbours> = vec![[None; 4]; elements.len()];
+    let mut first_with: HashMap<[usize; 2], ElementEdge> = HashMap::with_capacity(2 * elements.len());
+    for (index, element) in elements.iter().enumerate() {
+        for edge in 0..element.kind.corner_count() {
+            let this = ElementEdge { element: index, edge };
+            let [start, end, _] = element.edge_nodes(edge).nodes;
+            let other = *first_with.entry([start.min(end), start.max(end)]).or_insert(this);
+            if other == this {
+                continue;
             }
+            if let Some(second) = neighbours[other.element][other.edge] {
+                let [a, b, c] = [other.element, second.element, index].map(|element| element + 1);
+                let edge = format!("the edge of nodes {}–{}", start + 1, end + 1);
+                return Err(MeshError(format!("elements {a}, {b} and {c} share {edge}; an edge has two sides")));
+            }
+            check_match(elements, other, this)?;
+            neighbours[other.element][other.edge] = Some(this);
+            neighbours[this.element][this.edge] = Some(other);
         }
-        Ok(Self { neighbours })
     }
+    Ok(neighbours)
 }
 
 /// Two edges of the same corners: opposite directions, same middle.
@@ -92,7 +81,7 @@ impl Mesh {
 
     /// Returns the edge as the element on its other side has it; `None` on the boundary.
     pub fn neighbour(&self, edge: ElementEdge) -> Option<ElementEdge> {
-        self.topology.neighbours[edge.element][edge.edge]
+        self.neighbours[edge.element][edge.edge]
     }
 
     /// All edges of all elements, element by element; inner ones come twice, once from each side.
