@@ -83,7 +83,8 @@ impl Grading {
         };
         let number = |count: usize| match count {
             0 => refuse("a line must be divided at least once".to_owned()),
-            _ => rounded(count as f64, length).map(|_| ()),
+            count if count > MOST_DIVISIONS => Err(too_many(count as f64, length)),
+            _ => Ok(()),
         };
         match self {
             Self::Uniform { count } => number(count),
@@ -130,11 +131,6 @@ pub(crate) fn too_many(count: f64, length: f64) -> StructuredError {
     StructuredError(format!(
         "a length of {length} would be divided {count:.0} times, more than {MOST_DIVISIONS}; are the sizes too small?"
     ))
-}
-
-/// Rounds a computed number of divisions to a whole one.
-fn rounded(count: f64, length: f64) -> Result<usize, StructuredError> {
-    if count <= MOST_DIVISIONS as f64 { Ok((count.round() as usize).max(1)) } else { Err(too_many(count, length)) }
 }
 
 /// A geometric series from 1 to `ratio`.
