@@ -2,6 +2,7 @@
 
 use crate::element::{EdgeKind, ElementKind};
 use crate::mesh::ElementEdge;
+use std::ops::Range;
 
 /// A side of a block or of one of its cells, in the block's own coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,27 +142,20 @@ impl Grid {
 
     /// The edges of one side of the block in the order of the direction that they have: counter-clockwise around it.
     pub fn side_edges(&self, side: Side) -> Vec<ElementEdge> {
+        let (columns, rows) = (0..self.columns, 0..self.rows);
         match side {
-            Side::Bottom => self.row_edges(0..self.columns, 0, side),
-            Side::Top => self.row_edges(0..self.columns, self.rows - 1, side),
-            Side::Right => self.column_edges(self.columns - 1, 0..self.rows, side),
-            Side::Left => self.column_edges(0, 0..self.rows, side),
+            Side::Bottom => self.edges(columns, 0..1, side),
+            Side::Right => self.edges(self.columns - 1..self.columns, rows, side),
+            Side::Top => self.edges(columns, self.rows - 1..self.rows, side),
+            Side::Left => self.edges(0..1, rows, side),
         }
     }
 
-    /// The bottom or top edges of some cells of a row, in the order of the direction that they have.
-    pub(crate) fn row_edges(&self, columns: std::ops::Range<usize>, row: usize, side: Side) -> Vec<ElementEdge> {
-        let mut edges: Vec<ElementEdge> = columns.filter_map(|column| self.edge(column, row, side)).collect();
-        if side == Side::Top {
-            edges.reverse();
-        }
-        edges
-    }
-
-    /// The left or right edges of some cells of a column, in the order of the direction that they have.
-    pub(crate) fn column_edges(&self, column: usize, rows: std::ops::Range<usize>, side: Side) -> Vec<ElementEdge> {
-        let mut edges: Vec<ElementEdge> = rows.filter_map(|row| self.edge(column, row, side)).collect();
-        if side == Side::Left {
+    /// The edges of some cells of one row or column on one side, in the order of the direction that they have.
+    pub(crate) fn edges(&self, columns: Range<usize>, rows: Range<usize>, side: Side) -> Vec<ElementEdge> {
+        let cells = rows.flat_map(|row| columns.clone().map(move |column| (column, row)));
+        let mut edges: Vec<ElementEdge> = cells.filter_map(|(column, row)| self.edge(column, row, side)).collect();
+        if matches!(side, Side::Top | Side::Left) {
             edges.reverse();
         }
         edges

@@ -35,11 +35,11 @@ pub(super) fn name_surfaces(
     lines: &Lines,
 ) -> Vec<ContactSurfaces> {
     let (first, end, top) = (lines.middle_columns.start, lines.middle_columns.end, matrix.rows - 1);
-    let face = [matrix.row_edges(end..matrix.columns, top, Side::Top), matrix.row_edges(0..first, top, Side::Top)];
+    let face = [end..matrix.columns, 0..first].map(|columns| matrix.edges(columns, top..matrix.rows, Side::Top));
     mesh.edge_set("exit_face", face.concat());
     mesh.edge_set("bottom_face", matrix.side_edges(Side::Bottom));
     mesh.edge_set("fibre_tail", fibre.side_edges(Side::Bottom));
-    mesh.edge_set("hole_end", matrix.row_edges(first..end, lines.ligament_rows - 1, Side::Top));
+    mesh.edge_set("hole_end", matrix.edges(first..end, lines.ligament_rows - 1..lines.ligament_rows, Side::Top));
     let along = lines.rows_below_fibre..matrix.rows;
     let mut pair = |name: &str, hole: (&str, Vec<ElementEdge>), surface: (&str, Side)| {
         mesh.edge_set(hole.0, hole.1);
@@ -52,11 +52,11 @@ pub(super) fn name_surfaces(
             width: (!parameters.is_axisymmetric()).then(|| contact_width(parameters.fibre_diameter)),
         }
     };
-    let right_wall = matrix.column_edges(end, along.clone(), Side::Left);
+    let right_wall = matrix.edges(end..end + 1, along.clone(), Side::Left);
     if parameters.is_axisymmetric() {
         return vec![pair("interface", ("hole_surface", right_wall), ("fibre_surface", Side::Right))];
     }
-    let left_wall = matrix.column_edges(first - 1, along, Side::Right);
+    let left_wall = matrix.edges(first - 1..first, along, Side::Right);
     vec![
         pair("interface_left", ("hole_left", left_wall), ("fibre_left", Side::Left)),
         pair("interface_right", ("hole_right", right_wall), ("fibre_right", Side::Right)),
