@@ -7,9 +7,8 @@ use crate::problem::{Place, hint, nearest};
 use crate::reader::{Reader, Taken};
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
-use fe_core::mesh::gmsh::{self, PartProperties};
 use fe_core::mesh::specimen::{NodeCoupling, PulledFibre, SpecimenError, SurfaceRole};
-use fe_core::mesh::{Mesh, MeshDefinition, Part};
+use fe_core::mesh::{Mesh, MeshDefinition, Part, gmsh};
 use fe_core::model::Width;
 use pullout_run::input::{self, Input};
 use std::collections::{BTreeMap, BTreeSet};
@@ -126,13 +125,13 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
             }
         }
         document::MeshSource::File(source) => {
-            let properties = file_properties(reader, case)?;
+            let parts = file_parts(reader, case)?;
             let place = place.key("file");
             let file = reader.file(&source.file, &place)?;
             let bytes = input::read(&file, Input::Mesh);
             let bytes = bytes.map_err(|error| format!("{} cannot be read: {error}", file.display()));
             let bytes = reader.without_problem(bytes, &place)?;
-            let (definition, turned) = reader.without_problem(gmsh::read(&file, &bytes, &properties), &place)?;
+            let (definition, turned) = reader.without_problem(gmsh::read(&file, &bytes, &parts), &place)?;
             if let Some(first) = turned.first() {
                 let which = match turned.len() {
                     1 => format!("element {first} has"),
@@ -241,8 +240,8 @@ fn thickness_of_matrix(case: &PulloutCase) -> Option<document::Thickness> {
 }
 
 /// The parts of a file: plane strain of thickness 1 unless the case says otherwise.
-fn file_properties(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeMap<String, PartProperties>> {
-    let mut properties = BTreeMap::new();
+fn file_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Vec<Part>> {
+    let mut parts = Vec::new();
     for (name, given) in given_parts(reader, case)? {
         let place = Place::root().key("parts").key(&name).key("thickness");
         let thickness = given.thickness.map_or(Ok(1.0), |given| thickness(given, None));
@@ -252,9 +251,9 @@ fn file_properties(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeM
         });
         let model = given.model.unwrap_or(PlaneModel::PlaneStrain);
         check_thickness(reader, model, &given, &Place::root().key("parts").key(&name));
-        properties.insert(name, PartProperties { model, thickness, integration: given.integration });
+        parts.push(Part { name, model, thickness, integration: given.integration });
     }
-    Some(properties)
+    Some(parts)
 }
 
 /// Returns what the case calls a part of a specimen: by its name, or else the cover as the matrix and fibre.NAME as all fibres.

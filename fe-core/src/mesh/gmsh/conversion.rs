@@ -2,11 +2,9 @@
 
 use std::borrow::Cow;
 use std::collections::hash_map::Entry;
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
-use super::PartProperties;
 use super::element_type::ElementType;
-use super::error::part_names;
 use super::file::{File, FileElement};
 use crate::element::{ElementKind, area};
 use crate::mesh::validation::folded_corner;
@@ -19,14 +17,10 @@ const RELATIVE_PLANE_TOLERANCE: f64 = 1e-9;
 type Trouble = (Option<usize>, String);
 
 /// Makes a mesh of a file.
-pub(super) fn mesh_definition(
-    file: &File,
-    properties: &BTreeMap<String, PartProperties>,
-) -> Result<(MeshDefinition, Vec<u64>), Trouble> {
+pub(super) fn mesh_definition(file: &File, parts: &[Part]) -> Result<(MeshDefinition, Vec<u64>), Trouble> {
     let surfaces = surface_elements(file)?;
-    check_part_names(&surfaces, properties)?;
-    let mut conversion = Conversion::new(file);
-    conversion.add_parts(properties);
+    check_part_names(&surfaces, parts)?;
+    let mut conversion = Conversion::new(file, parts);
     for (element, kind, group) in surfaces {
         let part = conversion.definition.parts.partition_point(|part| *part.name < *group);
         conversion.add_surface(element, kind, part)?;
@@ -95,17 +89,23 @@ fn group_names<'f>(file: &'f File, element: &FileElement) -> BTreeSet<Cow<'f, st
     file.groups[element.groups].iter().map(name).collect()
 }
 
-fn check_part_names(surfaces: &[Surface<'_>], properties: &BTreeMap<String, PartProperties>) -> Result<(), Trouble> {
+/// All physical surfaces with elements must have a part, and all parts such a surface.
+fn check_part_names(surfaces: &[Surface<'_>], parts: &[Part]) -> Result<(), Trouble> {
     let available: BTreeSet<&str> = surfaces.iter().map(|(_, _, group)| &**group).collect();
-    let without_properties: Vec<String> =
-        available.iter().filter(|name| !properties.contains_key(**name)).map(|name| (*name).to_owned()).collect();
-    let without_elements: Vec<String> =
-        properties.keys().filter(|name| !available.contains(name.as_str())).cloned().collect();
-    if without_properties.is_empty() && without_elements.is_empty() {
+    let given: BTreeSet<&str> = parts.iter().map(|part| part.name.as_str()).collect();
+    let quoted = |names: &BTreeSet<&str>| names.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
+    let (without_elements, without_properties) = (&given - &available, &available - &given);
+    let mut message = String::new();
+    if !without_elements.is_empty() {
+        message += &format!("no physical surface with elements is called {}; ", quoted(&without_elements));
+    }
+    if !without_properties.is_empty() {
+        message += &format!("no properties are given for the physical surface {}; ", quoted(&without_properties));
+    }
+    if message.is_empty() {
         return Ok(());
     }
-    let available: Vec<String> = available.into_iter().map(str::to_owned).collect();
-    Err((None, part_names(&without_properties, &without_elements, &available)))
+    Err((None, message + "the file's physical surfaces are " + &quoted(&available)))
 }
 
 /// A mesh in the making.
@@ -123,28 +123,18 @@ struct Conversion<'a> {
 }
 
 impl<'a> Conversion<'a> {
-    fn new(file: &'a File) -> Self {
+    /// A mesh with the parts in the order of their names, and nothing else.
+    fn new(file: &'a File, parts: &[Part]) -> Self {
+        let mut parts = parts.to_vec();
+        parts.sort_by(|a, b| a.name.cmp(&b.name));
         Self {
             file,
-            definition: MeshDefinition::default(),
+            definition: MeshDefinition { parts, ..MeshDefinition::default() },
             node_index: vec![None; file.nodes.len()],
             file_index: Vec::new(),
             edge_with: HashMap::new(),
             turned: Vec::new(),
         }
-    }
-
-    /// Adds the parts, in the order of their names.
-    fn add_parts(&mut self, properties: &BTreeMap<String, PartProperties>) {
-        self.definition.parts = properties
-            .iter()
-            .map(|(name, &PartProperties { model, thickness, integration })| Part {
-                name: name.clone(),
-                model,
-                thickness,
-                integration,
-            })
-            .collect();
     }
 
     /// The mesh's index of a node of the file, new if it has none.

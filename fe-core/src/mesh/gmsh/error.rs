@@ -19,17 +19,3 @@ pub(super) fn truncated(expected: &str) -> String {
 pub(super) fn shown(word: &str) -> String {
     word.chars().take(40).collect::<String>().escape_debug().to_string()
 }
-
-/// Physical surfaces to which the caller gave no properties, names of the caller that are no physical surface, and all physical
-/// surfaces with elements.
-pub(super) fn part_names(without_properties: &[String], without_elements: &[String], available: &[String]) -> String {
-    let quoted = |names: &[String]| names.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
-    let mut message = String::new();
-    if !without_elements.is_empty() {
-        message += &format!("no physical surface with elements is called {}; ", quoted(without_elements));
-    }
-    if !without_properties.is_empty() {
-        message += &format!("no properties are given for the physical surface {}; ", quoted(without_properties));
-    }
-    message + "the file's physical surfaces are " + &quoted(available)
-}

@@ -1,5 +1,6 @@
 use super::*;
 use crate::element::ElementKind::{self, *};
+use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementEdge, Mesh};
 
 mod random;
@@ -107,12 +108,11 @@ $Periodic
 $EndPeriodic
 ";
 
-fn properties(names: &[&str]) -> BTreeMap<String, PartProperties> {
-    let steel = PartProperties { model: PlaneModel::PlaneStrain, thickness: 2.0, integration: None };
-    names.iter().map(|name| ((*name).to_owned(), steel)).collect()
+fn properties(names: &[&str]) -> Vec<Part> {
+    names.iter().map(|name| Part::new(*name, PlaneModel::PlaneStrain, 2.0)).collect()
 }
 
-fn parts() -> BTreeMap<String, PartProperties> {
+fn parts() -> Vec<Part> {
     properties(&["left", "right part"])
 }
 
