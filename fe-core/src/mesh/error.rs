@@ -1,8 +1,9 @@
-//! Faults of a mesh.
+//! Faults of meshes, of their files and of what they are made from.
 
 use crate::element::ElementKind;
 
-/// The first fault of a mesh, in words. They count nodes, elements, parts and edges from 1.
+/// The first fault of a mesh, of a file that holds one or of what one is made from, in words. They count nodes, elements, parts
+/// and edges from 1; in a Gmsh file nodes and elements have the tags of the file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{0}")]
 pub struct MeshError(pub(super) String);

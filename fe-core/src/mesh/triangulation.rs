@@ -4,7 +4,7 @@
 //! refined (Ruppert) until no angle is below [`LEAST_ANGLE`], with triangles that grow from the small edges of the outline
 //! towards its long ones. The outline's edges stay as they are, so that a contact surface keeps its nodes.
 
-use super::structured::StructuredError;
+use super::MeshError;
 use spade::{
     AngleLimit, ConstrainedDelaunayTriangulation, InsertionError, Point2, RefinementParameters, Triangulation as _,
 };
@@ -33,12 +33,12 @@ pub struct Triangulation {
 /// # Errors
 ///
 /// An outline that meets itself, points that are not finite, or sizes too different for the angles.
-pub(crate) fn triangulate(outline: &[[f64; 2]], largest_area: f64) -> Result<Triangulation, StructuredError> {
-    let meets_itself = |[x, y]: [f64; 2]| StructuredError(format!("the outline meets itself near ({x}, {y})"));
+pub(crate) fn triangulate(outline: &[[f64; 2]], largest_area: f64) -> Result<Triangulation, MeshError> {
+    let meets_itself = |[x, y]: [f64; 2]| MeshError(format!("the outline meets itself near ({x}, {y})"));
     let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
     let mut handles = Vec::with_capacity(outline.len());
     for (&[x, y], number) in outline.iter().zip(1..) {
-        let refused = |_: InsertionError| StructuredError(format!("point {number} of the outline is ({x}, {y})"));
+        let refused = |_: InsertionError| MeshError(format!("point {number} of the outline is ({x}, {y})"));
         handles.push(mesh.insert(Point2::new(x, y)).map_err(refused)?);
         if mesh.num_vertices() != handles.len() {
             return Err(meets_itself([x, y]));
@@ -59,7 +59,7 @@ pub(crate) fn triangulate(outline: &[[f64; 2]], largest_area: f64) -> Result<Tri
             .with_max_additional_vertices((ADDED_POINTS * outline.len()).min(MOST_ADDED_POINTS)),
     );
     if !refined.refinement_complete {
-        return Err(StructuredError(format!(
+        return Err(MeshError(format!(
             "sizes along the outline are too different: no triangulation with angles of {LEAST_ANGLE}° was found"
         )));
     }

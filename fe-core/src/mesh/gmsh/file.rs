@@ -3,8 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::element_type::ElementType;
-use super::error::{shown, unexpected};
-use super::source::{Encoding, Source, Trouble};
+use super::source::{Encoding, Source, Trouble, shown, unexpected};
 
 /// Most physical groups of an entity. All its elements are in all of them: without a limit a file of a megabyte
 /// makes sets of gigabytes.

@@ -2,18 +2,15 @@
 
 mod conversion;
 mod element_type;
-mod error;
 mod file;
 mod source;
 
 #[cfg(test)]
 mod test;
 
-pub use error::GmshError;
-
 use std::path::Path;
 
-use super::{MeshDefinition, Part};
+use super::{MeshDefinition, MeshError, Part};
 
 /// Reads the bytes of a mesh file, which messages call `path`; `parts` are its physical surfaces, in any order.
 /// Beside the mesh: the file's tags of the elements that went clockwise there and are turned round.
@@ -21,11 +18,11 @@ use super::{MeshDefinition, Part};
 /// # Errors
 ///
 /// The first fault of the file with its place; all names that the file or `parts` lacks at once.
-pub fn read(path: &Path, bytes: &[u8], parts: &[Part]) -> Result<(MeshDefinition, Vec<u64>), GmshError> {
+pub fn read(path: &Path, bytes: &[u8], parts: &[Part]) -> Result<(MeshDefinition, Vec<u64>), MeshError> {
     let mut source = source::Source::new(bytes);
     let file = file::File::read(&mut source).map_err(|trouble| source.error(path, trouble))?;
     conversion::mesh_definition(&file, parts).map_err(|(place, fault)| match place {
         Some(position) => source.error(path, (position, fault)),
-        None => GmshError(format!("{}: {fault}", path.display())),
+        None => MeshError(format!("{}: {fault}", path.display())),
     })
 }

@@ -1,6 +1,6 @@
 //! A reading position in the bytes of a file, in text or in binary.
 
-use super::error::{GmshError, shown, truncated, unexpected};
+use crate::mesh::MeshError;
 use std::path::Path;
 
 /// A fault at a byte of the file.
@@ -158,7 +158,7 @@ impl<'a> Source<'a> {
     }
 
     /// The trouble with its file and place: a line of text, from 1, or a byte of binary data, from 0.
-    pub(super) fn error(&self, path: &Path, (position, fault): Trouble) -> GmshError {
+    pub(super) fn error(&self, path: &Path, (position, fault): Trouble) -> MeshError {
         let place = match self.encoding {
             Encoding::Text => {
                 let before = &self.bytes[..position.min(self.bytes.len())];
@@ -166,6 +166,21 @@ impl<'a> Source<'a> {
             }
             Encoding::Binary => format!(", byte {position}"),
         };
-        GmshError(format!("{}{place}: {fault}", path.display()))
+        MeshError(format!("{}{place}: {fault}", path.display()))
     }
+}
+
+/// Other text than the format requires here.
+pub(super) fn unexpected(expected: &str, found: &str) -> String {
+    format!("expected {expected}, found '{found}'; is a count of this section wrong, or the file edited?")
+}
+
+/// Too early an end.
+fn truncated(expected: &str) -> String {
+    format!("the file ends where {expected} should be; it is truncated, save it again")
+}
+
+/// The beginning of a word in a message, which binary rubbish would make unreadable.
+pub(super) fn shown(word: &str) -> String {
+    word.chars().take(40).collect::<String>().escape_debug().to_string()
 }

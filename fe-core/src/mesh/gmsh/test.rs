@@ -116,7 +116,7 @@ fn parts() -> Vec<Part> {
     properties(&["left", "right part"])
 }
 
-fn read_text(text: &str) -> Result<MeshDefinition, GmshError> {
+fn read_text(text: &str) -> Result<MeshDefinition, MeshError> {
     read(Path::new("case.msh"), text.as_bytes(), &parts()).map(|(definition, _)| definition)
 }
 

@@ -1,6 +1,6 @@
 //! Requirements on parameters.
 
-use crate::mesh::structured::StructuredError;
+use crate::mesh::MeshError;
 
 /// A parameter that is not admissible.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -27,13 +27,13 @@ pub enum SpecimenError {
     },
     /// A line that cannot be divided, a block that cannot be built, an outline that cannot be filled.
     #[error(transparent)]
-    Structured(#[from] StructuredError),
+    Mesh(#[from] MeshError),
 }
 
 impl SpecimenError {
     /// Names the line whose division failed.
-    pub(super) fn along(line: &'static str) -> impl FnOnce(StructuredError) -> Self {
-        move |error| Self::Structured(StructuredError(format!("{line}: {error}")))
+    pub(super) fn along(line: &'static str) -> impl FnOnce(MeshError) -> Self {
+        move |error| Self::Mesh(MeshError(format!("{line}: {error}")))
     }
 }
 

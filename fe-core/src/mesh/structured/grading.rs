@@ -1,6 +1,6 @@
 //! Division of a line.
 
-use super::StructuredError;
+use crate::mesh::MeshError;
 
 /// Division of a line, from its start to its end. If the number of divisions follows from sizes, it is rounded and
 /// all sizes are scaled to fill the line.
@@ -55,7 +55,7 @@ impl Grading {
     ///
     /// A length, number, size or factor that is not positive and finite, sizes larger than the line, more than
     /// [`MOST_DIVISIONS`].
-    pub fn positions(self, length: f64) -> Result<Vec<f64>, StructuredError> {
+    pub fn positions(self, length: f64) -> Result<Vec<f64>, MeshError> {
         if !(length > 0.0 && length.is_finite()) {
             return refuse(format!("the length to divide is {length}, it must be positive"));
         }
@@ -69,7 +69,7 @@ impl Grading {
         cumulated(&sizes, length)
     }
 
-    fn check(self, length: f64) -> Result<(), StructuredError> {
+    fn check(self, length: f64) -> Result<(), MeshError> {
         let positive = |name, value: f64| {
             let is_fine = value > 0.0 && value.is_finite();
             if is_fine { Ok(()) } else { refuse(format!("{name} is {value}, it must be positive")) }
@@ -105,12 +105,7 @@ impl Grading {
 /// # Errors
 ///
 /// As [`Grading::positions`] of [`Grading::Capped`]; stops that do not ascend.
-pub(crate) fn capped_through(
-    stops: &[f64],
-    first: f64,
-    growth: f64,
-    largest: f64,
-) -> Result<Vec<f64>, StructuredError> {
+pub(crate) fn capped_through(stops: &[f64], first: f64, growth: f64, largest: f64) -> Result<Vec<f64>, MeshError> {
     let mut positions = vec![stops.first().copied().unwrap_or(0.0)];
     let mut size = first;
     for ends in stops.windows(2) {
@@ -122,13 +117,13 @@ pub(crate) fn capped_through(
     Ok(positions)
 }
 
-fn refuse<T>(reason: String) -> Result<T, StructuredError> {
-    Err(StructuredError(reason))
+fn refuse<T>(reason: String) -> Result<T, MeshError> {
+    Err(MeshError(reason))
 }
 
 /// More divisions than are allowed.
-pub(crate) fn too_many(count: f64, length: f64) -> StructuredError {
-    StructuredError(format!(
+pub(crate) fn too_many(count: f64, length: f64) -> MeshError {
+    MeshError(format!(
         "a length of {length} would be divided {count:.0} times, more than {MOST_DIVISIONS}; are the sizes too small?"
     ))
 }
@@ -163,7 +158,7 @@ fn growth_from_first(count: usize, first: f64) -> f64 {
     (0.5 * (low + high)).exp()
 }
 
-fn capped(length: f64, first: f64, growth: f64, largest: f64) -> Result<Vec<f64>, StructuredError> {
+fn capped(length: f64, first: f64, growth: f64, largest: f64) -> Result<Vec<f64>, MeshError> {
     let mut size = first.min(largest);
     let mut sizes = Vec::new();
     let mut filled = 0.0;
@@ -180,7 +175,7 @@ fn capped(length: f64, first: f64, growth: f64, largest: f64) -> Result<Vec<f64>
 }
 
 /// Positions from sizes of any scale.
-fn cumulated(sizes: &[f64], length: f64) -> Result<Vec<f64>, StructuredError> {
+fn cumulated(sizes: &[f64], length: f64) -> Result<Vec<f64>, MeshError> {
     let scale = length / sizes.iter().sum::<f64>();
     let smallest = scale * sizes.iter().copied().fold(f64::INFINITY, f64::min);
     if smallest.is_nan() || smallest < SMALLEST_FRACTION * length {

@@ -38,13 +38,8 @@ pub(crate) use grading::{capped_through, too_many};
 
 use std::collections::HashMap;
 
-use super::{ElementDefinition, ElementEdge, MeshDefinition, Part};
+use super::{ElementDefinition, ElementEdge, MeshDefinition, MeshError, Part};
 use crate::plane::distance;
-
-/// Reason why a line cannot be divided, a block not be built or an outline not be filled, in words.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct StructuredError(pub(crate) String);
 
 /// Most cells of a mesh: beyond what can be solved, within what memory holds.
 pub const MOST_CELLS: usize = 1_000_000;
@@ -64,17 +59,17 @@ impl MeshDefinition {
     /// # Errors
     ///
     /// Divisions that do not ascend, more cells than [`MOST_CELLS`], a map that is not finite.
-    pub fn block(&mut self, block: &MeshBlock<'_>) -> Result<Grid, StructuredError> {
+    pub fn block(&mut self, block: &MeshBlock<'_>) -> Result<Grid, MeshError> {
         self.glued_block(block, &[])
     }
 
     /// Adds a block that takes those nodes of `others` that coincide with its own.
-    pub fn glued_block(&mut self, block: &MeshBlock<'_>, others: &[usize]) -> Result<Grid, StructuredError> {
+    pub fn glued_block(&mut self, block: &MeshBlock<'_>, others: &[usize]) -> Result<Grid, MeshError> {
         check_divisions('ξ', block.xi)?;
         check_divisions('η', block.eta)?;
         let (columns, rows) = (block.columns(), block.rows());
         if columns.saturating_mul(rows).saturating_add(self.elements.len()) > MOST_CELLS {
-            return Err(StructuredError(format!(
+            return Err(MeshError(format!(
                 "{columns} × {rows} cells are too many, a mesh has at most {MOST_CELLS}; are the sizes too small?"
             )));
         }
@@ -109,7 +104,7 @@ impl MeshDefinition {
         grid: &mut Grid,
         glue: &Glue,
         place: [usize; 2],
-    ) -> Result<usize, StructuredError> {
+    ) -> Result<usize, MeshError> {
         let index = grid.place(place);
         if let Some(node) = grid.nodes[index] {
             return Ok(node);
@@ -117,7 +112,7 @@ impl MeshDefinition {
         let position = block.position(place);
         if !position.iter().all(|x| x.is_finite()) {
             let ([x, y], [xi, eta]) = (position, [block.xi[place[0] / 2], block.eta[place[1] / 2]]);
-            return Err(StructuredError(format!("the map of a block gives ({x}, {y}) at ξ = {xi}, η = {eta}")));
+            return Err(MeshError(format!("the map of a block gives ({x}, {y}) at ξ = {xi}, η = {eta}")));
         }
         let node = glue.find(&self.nodes, position).unwrap_or_else(|| {
             self.nodes.push(position);
@@ -141,12 +136,12 @@ impl MeshDefinition {
     }
 }
 
-fn check_divisions(line: char, positions: &[f64]) -> Result<(), StructuredError> {
+fn check_divisions(line: char, positions: &[f64]) -> Result<(), MeshError> {
     if positions.len() >= 2 && positions.windows(2).all(|pair| pair[0] < pair[1]) {
         return Ok(());
     }
     let fault = format!("the divisions of a block along {line} must be at least two ascending numbers");
-    Err(StructuredError(fault))
+    Err(MeshError(fault))
 }
 
 /// The shortest edge along a block's sides and grid lines, mapped.

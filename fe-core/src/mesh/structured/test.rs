@@ -191,7 +191,7 @@ fn blocks_that_cannot_be_are_refused() {
     let line = [0.0, 1.0];
     let mut mesh = MeshDefinition::default();
     let part = body(&mut mesh);
-    let message = |result: Result<Grid, StructuredError>| result.unwrap_err().to_string();
+    let message = |result: Result<Grid, MeshError>| result.unwrap_err().to_string();
     let divisions = "must be at least two ascending numbers";
     assert_eq!(
         message(mesh.block(&MeshBlock::new(part, Q4, &[0.0], &line))),

@@ -1,9 +1,10 @@
 //! The stations along a fibre and its hole.
 
 use super::{Fibres, Laid};
+use crate::mesh::MeshError;
 use crate::mesh::specimen::SpecimenError;
 use crate::mesh::specimen::requirement::Requirements;
-use crate::mesh::structured::{MOST_DIVISIONS, StructuredError, too_many};
+use crate::mesh::structured::{MOST_DIVISIONS, too_many};
 
 /// Stations closer than this × the size there are one.
 const MERGED: f64 = 0.3;
@@ -82,7 +83,7 @@ fn exit_edges(parameters: &Fibres, laid: &Laid<'_>) -> Result<[ExitEdge; 2], Spe
         // a fibre may be so near the direction of the exit face that its hole has no edge there
         path.exit_start(offset, fibre.exit_radius(), reach).ok_or_else(|| {
             let name = fibre.name.as_ref().map_or_else(String::new, |name| format!(" '{name}'"));
-            StructuredError(format!("no rounded edge touches both the exit face and the hole of the fibre{name}"))
+            MeshError(format!("no rounded edge touches both the exit face and the hole of the fibre{name}"))
         })
     };
     let (left, right) = (start(half)?, start(-half)?);
@@ -118,7 +119,7 @@ fn exit_edges(parameters: &Fibres, laid: &Laid<'_>) -> Result<[ExitEdge; 2], Spe
 
 /// Distances from 0 to `length` that divide a line into pieces of a size that changes along it: n is ∫ds/h, rounded, and each
 /// piece has the same share of it.
-pub(super) fn divided(length: f64, size: &dyn Fn(f64) -> f64) -> Result<Vec<f64>, StructuredError> {
+pub(super) fn divided(length: f64, size: &dyn Fn(f64) -> f64) -> Result<Vec<f64>, MeshError> {
     let at = |sample: usize| length * sample as f64 / SAMPLES as f64;
     let sizes: Vec<f64> = (0..=SAMPLES).map(|sample| size(at(sample))).collect();
     let mut shares = vec![0.0];
