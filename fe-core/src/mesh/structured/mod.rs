@@ -39,13 +39,9 @@ pub(crate) use grading::{capped_through, too_many};
 use std::collections::HashMap;
 
 use super::{ElementDefinition, ElementEdge, MeshDefinition, MeshError, Part};
-use crate::plane::distance;
 
 /// Most cells of a mesh: beyond what can be solved, within what memory holds.
 pub const MOST_CELLS: usize = 1_000_000;
-
-/// Nodes closer than this fraction of a block's shortest edge are one when the block is glued.
-const GLUE_TOLERANCE: f64 = 1e-6;
 
 impl MeshDefinition {
     /// Adds a part; returns its index.
@@ -63,7 +59,7 @@ impl MeshDefinition {
         self.glued_block(block, &[])
     }
 
-    /// Adds a block that takes those nodes of `others` that coincide with its own.
+    /// Adds a block that takes those nodes of `others` that coincide with its own, to the bit.
     pub fn glued_block(&mut self, block: &MeshBlock<'_>, others: &[usize]) -> Result<Grid, MeshError> {
         check_divisions('ξ', block.xi)?;
         check_divisions('η', block.eta)?;
@@ -80,7 +76,7 @@ impl MeshDefinition {
             nodes: vec![None; (2 * columns + 1) * (2 * rows + 1)],
             cells: vec![None; columns * rows],
         };
-        let glue = Glue::new(&self.nodes, others, shortest_edge(block));
+        let glue = others.iter().map(|&node| (self.nodes[node].map(f64::to_bits), node)).collect();
         for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
             if !(block.keep)(column, row) {
                 continue;
@@ -102,7 +98,7 @@ impl MeshDefinition {
         &mut self,
         block: &MeshBlock<'_>,
         grid: &mut Grid,
-        glue: &Glue,
+        glue: &HashMap<[u64; 2], usize>,
         place: [usize; 2],
     ) -> Result<usize, MeshError> {
         let index = grid.place(place);
@@ -114,7 +110,7 @@ impl MeshDefinition {
             let ([x, y], [xi, eta]) = (position, [block.xi[place[0] / 2], block.eta[place[1] / 2]]);
             return Err(MeshError(format!("the map of a block gives ({x}, {y}) at ξ = {xi}, η = {eta}")));
         }
-        let node = glue.find(&self.nodes, position).unwrap_or_else(|| {
+        let node = glue.get(&position.map(f64::to_bits)).copied().unwrap_or_else(|| {
             self.nodes.push(position);
             self.nodes.len() - 1
         });
@@ -142,61 +138,4 @@ fn check_divisions(line: char, positions: &[f64]) -> Result<(), MeshError> {
     }
     let fault = format!("the divisions of a block along {line} must be at least two ascending numbers");
     Err(MeshError(fault))
-}
-
-/// The shortest edge along a block's sides and grid lines, mapped.
-fn shortest_edge(block: &MeshBlock<'_>) -> f64 {
-    let mut shortest = f64::INFINITY;
-    for (i, j) in (0..=block.columns()).flat_map(|i| (0..=block.rows()).map(move |j| (2 * i, 2 * j))) {
-        let here = block.position([i, j]);
-        let mut compare = |place| {
-            let length = distance(block.position(place), here);
-            // Edges may collapse where cells are not kept.
-            if length > 0.0 {
-                shortest = shortest.min(length);
-            }
-        };
-        if i < 2 * block.columns() {
-            compare([i + 2, j]);
-        }
-        if j < 2 * block.rows() {
-            compare([i, j + 2]);
-        }
-    }
-    shortest
-}
-
-/// Nodes to which a block is glued, in squares a little larger than the tolerance.
-struct Glue {
-    tolerance: f64,
-    nodes: HashMap<[i64; 2], Vec<usize>>,
-}
-
-impl Glue {
-    fn new(positions: &[[f64; 2]], nodes: &[usize], shortest_edge: f64) -> Self {
-        let mut glue = Self { tolerance: GLUE_TOLERANCE * shortest_edge, nodes: HashMap::new() };
-        for &node in nodes {
-            let square = glue.square(positions[node]);
-            glue.nodes.entry(square).or_default().push(node);
-        }
-        glue
-    }
-
-    fn square(&self, position: [f64; 2]) -> [i64; 2] {
-        position.map(|x| (x / (2.0 * self.tolerance)).floor() as i64)
-    }
-
-    fn find(&self, positions: &[[f64; 2]], position: [f64; 2]) -> Option<usize> {
-        if self.nodes.is_empty() {
-            return None;
-        }
-        let [column, row] = self.square(position);
-        let near = |node: &&usize| distance(positions[**node], position) <= self.tolerance;
-        (-1..=1)
-            .flat_map(|i| (-1..=1).map(move |j| [column.saturating_add(i), row.saturating_add(j)]))
-            .filter_map(|square| self.nodes.get(&square))
-            .flatten()
-            .find(near)
-            .copied()
-    }
 }
