@@ -176,8 +176,7 @@ impl File {
             let start = source.position();
             let dimension = source.integer("the dimension of an element block's entity")?;
             let entity = source.integer("the tag of an element block's entity")?;
-            let element_type =
-                ElementType::new(source.integer("a type of element")?).map_err(|fault| (start, fault))?;
+            let element_type = read_type(source, start)?;
             if dimension != element_type.dimension() as i64 {
                 let expected = format!("a block of dimension {}, as its type of element", element_type.dimension());
                 return Err((start, unexpected(&expected, &dimension.to_string())));

@@ -95,11 +95,6 @@ impl Thickness {
         Some(extent.unwrap_or(2.0 * exit.diameter + 0.5 * self.of_cover(exit) * (1.0 + exit.angle.tan() / slope)))
     }
 
-    /// The depth from which on the block has its full thickness, mm.
-    pub(super) fn graded_depth(&self, exit: Exit) -> Option<f64> {
-        Some(0.5 * self.of_cover(exit) / self.graded?.slope)
-    }
-
     /// Returns the thickness of the block at a place, mm: the least that the exits give.
     fn at(&self, [x, y]: [f64; 2]) -> f64 {
         let near = self.exits.iter().filter(|exit| {
@@ -154,11 +149,12 @@ impl Thickness {
                     self.of_cover(exit)
                 ));
             }
-            if let (Some(graded), Some(extent), Some(depth)) = (self.graded, self.extent(exit), self.graded_depth(exit))
-            {
+            if let (Some(GradedThickness { slope, .. }), Some(extent)) = (self.graded, self.extent(exit)) {
+                // where the block has its full thickness
+                let depth = 0.5 * self.of_cover(exit) / slope;
                 notes.push(format!(
-                    "thickness of the matrix: from {} mm at the exit face to {} mm at a depth of {depth:.3} mm (slope {}), within {extent:.3} mm of the exit",
-                    exit.diameter, self.full, graded.slope
+                    "thickness of the matrix: from {} mm at the exit face to {} mm at a depth of {depth:.3} mm (slope {slope}), within {extent:.3} mm of the exit",
+                    exit.diameter, self.full
                 ));
             }
         }

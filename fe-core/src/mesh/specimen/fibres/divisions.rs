@@ -2,8 +2,8 @@
 
 use super::{Fibres, Laid};
 use crate::mesh::MeshError;
-use crate::mesh::specimen::SpecimenError;
 use crate::mesh::specimen::requirement::Requirements;
+use crate::mesh::specimen::{SpecimenError, uniform};
 use crate::mesh::structured::{MOST_DIVISIONS, too_many};
 
 /// Stations closer than this × the size there are one.
@@ -62,7 +62,9 @@ impl Divisions {
             along.push(ends[1]);
         }
         let exit_station = along.iter().position(|&s| s == 0.0).expect("the exit is a stop");
-        Ok(Self { along, across: parameters.positions_across()?, exit_station, exit_edges })
+        let shares = uniform(1.0, parameters.mesh.elements_across, "elements_across")?;
+        let across = shares.into_iter().map(|share| share - 0.5).collect();
+        Ok(Self { along, across, exit_station, exit_edges })
     }
 
     /// The stations of a wall from the tail to where it or the fibre ends.

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 use super::perpendicular_fibre::fibre_thickness;
 use super::thickness::{Exit, GradedThickness, Thickness};
-use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole, uniform};
+use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::structured::MeshBlock;
@@ -379,12 +379,6 @@ impl Fibres {
             angle: path.lean(0.0).abs(),
         });
         Thickness { full: self.matrix_thickness, exits: exits.collect(), graded: self.graded_thickness }
-    }
-
-    /// Positions across a fibre as shares of its width, from its right to its left side.
-    fn positions_across(&self) -> Result<Vec<f64>, SpecimenError> {
-        let across = uniform(1.0, self.mesh.elements_across, "elements_across")?;
-        Ok(across.into_iter().map(|share| share - 0.5).collect())
     }
 }
 
