@@ -363,8 +363,8 @@ impl Fibres {
     }
 
     /// Size in the block at a point, mm.
-    fn size_at<'l>(&self, laid: impl IntoIterator<Item = &'l Laid<'l>>, point: [f64; 2]) -> f64 {
-        let sizes = laid.into_iter().map(|laid| {
+    fn size_at(&self, laid: &[Laid<'_>], point: [f64; 2]) -> f64 {
+        let sizes = laid.iter().map(|laid| {
             let (s, distance) = laid.path.nearest(point, [-laid.fibre.embedded_length, 0.0]);
             let distance = (distance - 0.5 * laid.fibre.diameter).max(0.0);
             self.size_along(laid, s) + self.mesh.growth_rate * distance

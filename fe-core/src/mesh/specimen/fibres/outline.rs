@@ -135,10 +135,10 @@ impl Outline {
     }
 
     /// A straight line without its end.
-    fn line<'l>(
+    fn line(
         &mut self,
         parameters: &Fibres,
-        laid: impl IntoIterator<Item = &'l Laid<'l>> + Clone,
+        laid: &[Laid<'_>],
         from: [f64; 2],
         to: [f64; 2],
         surface: Surface,
@@ -148,7 +148,7 @@ impl Outline {
             let share = distance / length;
             [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
         };
-        let distances = divided(length, &|distance| parameters.size_at(laid.clone(), at(distance)));
+        let distances = divided(length, &|distance| parameters.size_at(laid, at(distance)));
         let distances = distances.map_err(SpecimenError::along("mesh sizes around the block"))?;
         for pair in distances.windows(2) {
             self.add(at(pair[0]), at(0.5 * (pair[0] + pair[1])), surface);
@@ -242,7 +242,7 @@ impl Outline {
         }
         if let (Some(from), Some(to)) = (mouth, channel.pieces.first().map(|piece| piece.start)) {
             let first = channel.pieces.len();
-            channel.line(parameters, [laid], block.nodes[from], to, Surface::Face)?;
+            channel.line(parameters, std::slice::from_ref(laid), block.nodes[from], to, Surface::Face)?;
             channel.pieces[first].nodes[0] = mouth;
         }
         Ok(channel)
