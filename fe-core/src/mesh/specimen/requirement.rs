@@ -1,5 +1,6 @@
 //! Requirements on parameters.
 
+use crate::element::{EdgeKind, ElementKind};
 use crate::mesh::MeshError;
 
 /// A parameter that is not admissible.
@@ -62,6 +63,13 @@ impl Requirements {
         for (name, value) in numbers {
             self.that(value > 0, name, value, "at least 1");
         }
+    }
+
+    /// Requires that a fibre of these elements has nodes on its axis.
+    pub(super) fn nodes_on_axis(&mut self, element: ElementKind, elements_across: usize) {
+        let holds = element.edge_kind() == EdgeKind::Quadratic || elements_across.is_multiple_of(2);
+        let requirement = format!("even with {element}: the fibre needs nodes on its axis");
+        self.that(holds, "elements_across", elements_across, requirement);
     }
 
     /// Requires any other condition.

@@ -1,7 +1,7 @@
 //! Requirements on the parameters of fibres.
 
 use super::{Fibre, Fibres, Laid, Segment};
-use crate::element::{EdgeKind, ElementKind};
+use crate::element::ElementKind;
 use crate::mesh::specimen::SpecimenError;
 use crate::mesh::specimen::requirement::Requirements;
 
@@ -45,9 +45,7 @@ impl Fibres {
         }
         required.of(None);
         required.count([("elements_across", mesh.elements_across)]);
-        let middle = self.fibre_element.edge_kind() == EdgeKind::Quadratic || mesh.elements_across.is_multiple_of(2);
-        let requirement = format!("even with {}: the fibre needs nodes on its axis", self.fibre_element);
-        required.that(middle, "elements_across", mesh.elements_across, requirement);
+        required.nodes_on_axis(self.fibre_element, mesh.elements_across);
         let triangles = matches!(self.matrix_element, ElementKind::T3 | ElementKind::T6);
         required.that(triangles, "matrix_element", self.matrix_element, "T6 or T3: the block is filled with triangles");
         required.check()

@@ -1,7 +1,6 @@
 //! Requirements on the parameters of a fibre in a block.
 
 use super::{Configuration, PerpendicularFibre};
-use crate::element::EdgeKind;
 use crate::mesh::specimen::SpecimenError;
 use crate::mesh::specimen::requirement::Requirements;
 
@@ -58,13 +57,9 @@ impl PerpendicularFibre {
             let requirement = format!("positive and less than the embedded_length {}", self.embedded_length);
             required.that(fits, "exit_size", size, requirement);
         }
-        let middle = self.fibre_element.edge_kind() == EdgeKind::Quadratic || mesh.elements_across.is_multiple_of(2);
-        required.that(
-            self.is_axisymmetric() || middle,
-            "elements_across",
-            mesh.elements_across,
-            format!("even with {}: the fibre needs nodes on its axis", self.fibre_element),
-        );
+        if !self.is_axisymmetric() {
+            required.nodes_on_axis(self.fibre_element, mesh.elements_across);
+        }
         required.check()
     }
 }
