@@ -58,14 +58,6 @@ impl<'a> MeshBlock<'a> {
         Self { diagonal, ..self }
     }
 
-    pub(super) fn columns(&self) -> usize {
-        self.xi.len() - 1
-    }
-
-    pub(super) fn rows(&self) -> usize {
-        self.eta.len() - 1
-    }
-
     /// The position of a place of the grid; see [`Grid::node`].
     pub(super) fn position(&self, [i, j]: [usize; 2]) -> [f64; 2] {
         let at = |line: &[f64], twice: usize| match twice % 2 {

@@ -63,7 +63,7 @@ impl MeshDefinition {
     pub fn glued_block(&mut self, block: &MeshBlock<'_>, others: &[usize]) -> Result<Grid, MeshError> {
         check_divisions('ξ', block.xi)?;
         check_divisions('η', block.eta)?;
-        let (columns, rows) = (block.columns(), block.rows());
+        let (columns, rows) = (block.xi.len() - 1, block.eta.len() - 1);
         if columns.saturating_mul(rows).saturating_add(self.elements.len()) > MOST_CELLS {
             return Err(MeshError(format!(
                 "{columns} × {rows} cells are too many, a mesh has at most {MOST_CELLS}; are the sizes too small?"
