@@ -291,7 +291,7 @@ impl Contour {
             return None;
         }
         let is_shown = |[x, y]: [f64; 2]| window.is_none_or(|window| window.x.contains(&x) && window.y.contains(&y));
-        let parts = recovery.nodes().parts();
+        let parts = recovery.parts();
         let values = (0..self.values.len()).filter(|&k| matrix.contains(&parts[k]) && is_shown(mesh.nodes[k]));
         let (least, greatest) = extremes(values.map(|k| self.values[k]).filter(|value| value.is_finite()));
         (least < greatest).then_some((least, greatest))

@@ -128,9 +128,9 @@ impl States {
         let model = &program.model;
         let mesh = &model.mesh;
         let recovery = Recovery::new(mesh);
-        let places = recovery.nodes();
+        let nodes = recovery.nodes();
         let mut data = Vec::new();
-        places.nodes().iter().flat_map(|&node| mesh.nodes()[node]).for_each(|value| push(&mut data, value as f32));
+        nodes.iter().flat_map(|&node| mesh.nodes()[node]).for_each(|value| push(&mut data, value as f32));
         let [triangles, edges] = self.shapes(mesh, &recovery, &model.parts_behind());
         triangles.items.iter().chain(&edges.items).for_each(|item| {
             item.nodes.iter().for_each(|node| data.extend_from_slice(&node.to_le_bytes()));
@@ -146,13 +146,13 @@ impl States {
         let displacement = range(self.kept.iter().flat_map(|state| &state.displacements).copied());
         let moved = |state: &State| -> Vec<u16> {
             let at = |&node: &usize| [state.displacements[2 * node], state.displacements[2 * node + 1]];
-            places.nodes().iter().flat_map(at).map(|value| step(value, displacement)).collect()
+            nodes.iter().flat_map(at).map(|value| step(value, displacement)).collect()
         };
         push_series(&mut data, self.kept.iter().map(moved));
         let recovered: Vec<Vec<[f64; VALUES]>> =
             self.kept.iter().map(|state| state.at_nodes(mesh, &recovery)).collect::<Result<_, _>>()?;
         let matrix = matrix(model);
-        let in_scale = |place: usize| matrix.is_empty() || matrix.contains(&places.parts()[place]);
+        let in_scale = |place: usize| matrix.is_empty() || matrix.contains(&recovery.parts()[place]);
         let quantities = [("principal stress, greatest", "MPa"), ("principal stress, least", "MPa"), ("damage", "")];
         let mut fields = Vec::new();
         for (k, (name, unit)) in quantities.into_iter().enumerate() {
@@ -172,7 +172,7 @@ impl States {
             json!({ "slip": state.slip, "load": state.load, "contacts": state.contact.len(), "left": left })
         });
         let head = json!({
-            "nodes": places.nodes().len(),
+            "nodes": nodes.len(),
             "triangles": triangles.items.len(),
             "edges": edges.items.len(),
             "behind": [triangles.behind(), edges.behind()],
@@ -201,7 +201,7 @@ impl States {
         for (index, element) in mesh.elements().iter().enumerate() {
             let kind = element.kind();
             let is_behind = behind.contains(&element.part());
-            let nodes: Vec<u32> = recovery.nodes().of_element(index).iter().map(|&place| place as u32).collect();
+            let nodes: Vec<u32> = recovery.of_element(index).iter().map(|&place| place as u32).collect();
             let mut outline = Vec::new();
             for edge in 0..kind.corner_count() {
                 let ([start, _, middle], count) = kind.edge_nodes(edge);

@@ -45,7 +45,7 @@ mod vtu;
 pub use axial::axial_stress;
 pub use fields::{Activity, ContactPoint, Fields, FieldsError};
 pub use principal::Principal;
-pub use recovery::{PartNodes, Recovery};
+pub use recovery::Recovery;
 pub use series::{Series, SeriesFiles};
 pub use snapshot::contact_points;
 

@@ -4,63 +4,16 @@ use super::fields::{FieldsError, expect_length};
 use crate::element::{ElementKind, IntegrationPoint};
 use crate::mesh::Mesh;
 
-/// The nodes of a mesh, once for each part that has them: where parts meet, fields have two values.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PartNodes {
-    nodes: Vec<usize>,
-    parts: Vec<usize>,
-    connectivity: Vec<usize>,
-    starts: Vec<usize>,
-}
-
-impl PartNodes {
-    /// Numbers them part by part, ascending by node. Nodes without an element have no place.
-    pub fn new(mesh: &Mesh) -> Self {
-        let mut nodes = Vec::new();
-        let mut parts = Vec::new();
-        let mut places = vec![Vec::new(); mesh.parts().len()];
-        for part in 0..mesh.parts().len() {
-            let mut used = vec![false; mesh.nodes().len()];
-            for element in mesh.elements().iter().filter(|element| element.part() == part) {
-                element.nodes().iter().for_each(|&node| used[node] = true);
-            }
-            let mut place_of = vec![usize::MAX; mesh.nodes().len()];
-            for node in (0..used.len()).filter(|&node| used[node]) {
-                place_of[node] = nodes.len();
-                nodes.push(node);
-                parts.push(part);
-            }
-            places[part] = place_of;
-        }
-        let mut starts = vec![0];
-        let mut connectivity = Vec::new();
-        for element in mesh.elements() {
-            connectivity.extend(element.nodes().iter().map(|&node| places[element.part()][node]));
-            starts.push(connectivity.len());
-        }
-        Self { nodes, parts, connectivity, starts }
-    }
-
-    /// The mesh's node at each place.
-    pub fn nodes(&self) -> &[usize] {
-        &self.nodes
-    }
-
-    /// The part at each place.
-    pub fn parts(&self) -> &[usize] {
-        &self.parts
-    }
-
-    /// The places of an element's nodes.
-    pub fn of_element(&self, element: usize) -> &[usize] {
-        &self.connectivity[self.starts[element]..self.starts[element + 1]]
-    }
-}
-
 /// Extrapolation to nodes and averaging, for one mesh.
+///
+/// Values have a place at each node once for each part that has it: where parts meet, fields have two values. Places go part
+/// by part, ascending by node; nodes without an element have none.
 #[derive(Clone, Debug)]
 pub struct Recovery {
-    nodes: PartNodes,
+    nodes: Vec<usize>,
+    parts: Vec<usize>,
+    /// The places of each element's nodes.
+    places: Vec<Vec<usize>>,
     matrices: Vec<Extrapolation>,
     /// Index of each element's matrix.
     matrix_of: Vec<usize>,
@@ -80,10 +33,16 @@ struct Extrapolation {
 impl Recovery {
     /// Prepares a mesh.
     pub fn new(mesh: &Mesh) -> Self {
-        let nodes = PartNodes::new(mesh);
+        let mut keys: Vec<(usize, usize)> = Vec::new();
+        for element in mesh.elements() {
+            keys.extend(element.nodes().iter().map(|&node| (element.part(), node)));
+        }
+        keys.sort_unstable();
+        keys.dedup();
         let mut matrices: Vec<Extrapolation> = Vec::new();
         let mut matrix_of = Vec::with_capacity(mesh.elements().len());
-        let mut counts = vec![0.0; nodes.nodes.len()];
+        let mut places = Vec::with_capacity(mesh.elements().len());
+        let mut counts = vec![0.0; keys.len()];
         let mut point_count = 0;
         for (index, element) in mesh.elements().iter().enumerate() {
             let points = mesh.integration_points(index);
@@ -92,18 +51,32 @@ impl Recovery {
                 matrices.push(Extrapolation::new(element.kind(), points));
                 matrices.len() - 1
             }));
-            nodes.of_element(index).iter().for_each(|&place| counts[place] += 1.0);
+            let place = |&node: &usize| keys.partition_point(|key| *key < (element.part(), node));
+            let own: Vec<usize> = element.nodes().iter().map(place).collect();
+            own.iter().for_each(|&place| counts[place] += 1.0);
+            places.push(own);
             point_count += points.len();
         }
-        Self { nodes, matrices, matrix_of, counts, point_count }
+        let (parts, nodes) = keys.into_iter().unzip();
+        Self { nodes, parts, places, matrices, matrix_of, counts, point_count }
     }
 
-    /// The places that values are recovered at.
-    pub fn nodes(&self) -> &PartNodes {
+    /// The mesh's node at each place.
+    pub fn nodes(&self) -> &[usize] {
         &self.nodes
     }
 
-    /// Values at the places of [`Self::nodes`] from values at all points, element by element.
+    /// The part at each place.
+    pub fn parts(&self) -> &[usize] {
+        &self.parts
+    }
+
+    /// The places of an element's nodes.
+    pub fn of_element(&self, element: usize) -> &[usize] {
+        &self.places[element]
+    }
+
+    /// Values at the places from values at all points, element by element.
     pub fn recover<const N: usize>(&self, values: &[[f64; N]]) -> Result<Vec<[f64; N]>, FieldsError> {
         expect_length("values at integration points", values.len(), self.point_count)?;
         let mut nodal = vec![[0.0; N]; self.counts.len()];
@@ -112,7 +85,7 @@ impl Recovery {
             let Extrapolation { points, rows, .. } = &self.matrices[matrix];
             let own = &values[start..start + points];
             start += points;
-            for (&place, row) in self.nodes.of_element(element).iter().zip(rows.chunks_exact(*points)) {
+            for (&place, row) in self.places[element].iter().zip(rows.chunks_exact(*points)) {
                 for (factor, value) in row.iter().zip(own) {
                     for k in 0..N {
                         nodal[place][k] += factor * value[k] / self.counts[place];
@@ -140,7 +113,7 @@ impl Recovery {
             let (least, most) = ranges[*part];
             if value[0].is_nan() { f64::NAN } else { value[0].max(least).min(most) }
         };
-        Ok(nodal.iter().zip(&self.nodes.parts).map(limited).collect())
+        Ok(nodal.iter().zip(&self.parts).map(limited).collect())
     }
 }
 

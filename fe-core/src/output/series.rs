@@ -31,7 +31,7 @@ const STRAIN: [&str; 4] = ["e11", "e22", "e33", "g12"];
 #[derive(Debug)]
 pub struct Series {
     directory: PathBuf,
-    recovery: Recovery,
+    pub(super) recovery: Recovery,
     files: SeriesFiles,
 }
 
@@ -100,11 +100,6 @@ impl Series {
         &self.files
     }
 
-    /// Returns how fields come to nodes.
-    pub fn recovery(&self) -> &Recovery {
-        &self.recovery
-    }
-
     /// Adds an increment.
     ///
     /// # Errors
@@ -162,16 +157,15 @@ fn names(number: usize) -> [String; 2] {
 /// The bodies.
 fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, FieldsError> {
     let mesh = fields.mesh;
-    let places = recovery.nodes();
     let vectors = |values: &[f64]| -> Vec<[f64; 3]> {
-        places.nodes().iter().map(|&node| [values[2 * node], values[2 * node + 1], 0.0]).collect()
+        recovery.nodes().iter().map(|&node| [values[2 * node], values[2 * node + 1], 0.0]).collect()
     };
     let stresses = recovery.recover(&fields.stresses)?;
     let principal: Vec<Principal> = stresses.iter().map(|&stress| Principal::new(stress)).collect();
     let tensors: Vec<[f64; 6]> = stresses.iter().map(|&[a, b, c, d]| [a, b, c, d, 0.0, 0.0]).collect();
     let directions: Vec<[f64; 3]> = principal.iter().map(Principal::direction).collect();
     let mut point_data = vec![
-        Array::numbers("node", places.nodes().iter().copied()),
+        Array::numbers("node", recovery.nodes().iter().copied()),
         Array::tuples("displacement", &VECTOR, &vectors(&fields.displacements)),
         Array::tuples("reaction", &VECTOR, &vectors(&fields.reactions)),
         Array::tuples("stress", &STRESS, &tensors),
@@ -194,14 +188,14 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
     let elements = || shown.iter().map(|&index| &mesh.elements()[index]);
     let mut cells = Cells { connectivity: Vec::new(), offsets: Vec::new(), types: Vec::new() };
     for (&index, element) in std::iter::zip(&shown, elements()) {
-        cells.connectivity.extend(places.of_element(index).iter().map(|&place| place as i64));
+        cells.connectivity.extend(recovery.of_element(index).iter().map(|&place| place as i64));
         cells.offsets.push(cells.connectivity.len() as i64);
         cells.types.push(cell_type(element.kind()));
     }
     Ok(Grid {
         time: fields.time,
         numbers: numbers("part", mesh.parts().iter().map(|part| part.name.as_str())),
-        points: std::iter::zip(places.nodes(), places.parts())
+        points: std::iter::zip(recovery.nodes(), recovery.parts())
             .map(|(&node, part)| {
                 let [x, y] = mesh.nodes()[node];
                 let is_behind = fields.behind.contains(part);

@@ -105,7 +105,7 @@ fn a_linear_field_is_recovered_on_distorted_meshes_and_stays_apart_between_parts
         let values = at_points(&mesh, |element, position, _| [field(mesh.elements()[element].part(), position)]);
         let recovery = Recovery::new(&mesh);
         let nodal = recovery.recover(&values).unwrap();
-        let places = recovery.nodes();
+        let places = &recovery;
         for (place, value) in nodal.iter().enumerate() {
             let exact = field(places.parts()[place], mesh.nodes()[places.nodes()[place]]);
             assert_abs_diff_eq!(value[0], exact, epsilon = 2e-12);
@@ -144,7 +144,7 @@ fn nodes_are_means_over_the_elements_of_their_part() {
     let recovery = Recovery::new(&mesh);
     let values = at_points(&mesh, |element, _, _| [element as f64]);
     let nodal = recovery.recover(&values).unwrap();
-    let places = recovery.nodes();
+    let places = &recovery;
     for place in 0..nodal.len() {
         let (node, part) = (places.nodes()[place], places.parts()[place]);
         let elements = mesh.elements().iter().enumerate();
@@ -163,7 +163,7 @@ fn a_nan_spoils_only_the_nodes_of_its_element() {
     let mut values = vec![0.25; 32];
     values[5] = f64::NAN;
     let nodal = recovery.recover_limited(&mesh, &values).unwrap();
-    let spoiled = recovery.nodes().of_element(1);
+    let spoiled = recovery.of_element(1);
     for (place, value) in nodal.iter().enumerate() {
         assert!(
             if spoiled.contains(&place) { value.is_nan() } else { (value - 0.25).abs() < 1e-15 },
@@ -314,7 +314,7 @@ fn parts_behind_others_lie_behind_the_plane() {
     series.write(&fields).unwrap();
     let vtu = Vtu::read(&folder.path().join("fields/000000.vtu"));
     let points = vtu.reals("Points");
-    for (place, &part) in series.recovery().nodes().parts().iter().enumerate() {
+    for (place, &part) in series.recovery.parts().iter().enumerate() {
         let expected = if part == 1 { -0.5 * mesh.parts()[1].thickness } else { 0.0 };
         assert_eq!(points[3 * place + 2], expected);
     }
@@ -334,7 +334,7 @@ fn a_written_increment_reads_back() {
         let vtu = Vtu::read(&folder.path().join("fields/000000.vtu"));
         let document = vtu.document();
         let piece = document.descendants().find(|node| node.has_tag_name("Piece")).unwrap();
-        let places = series.recovery().nodes();
+        let places = &series.recovery;
         let count = places.nodes().len();
         assert_eq!(piece.attribute("NumberOfPoints").unwrap(), count.to_string());
         assert_eq!(piece.attribute("NumberOfCells").unwrap(), mesh.elements().len().to_string());
@@ -359,7 +359,7 @@ fn a_written_increment_reads_back() {
         let displacement = vtu.reals("displacement");
         let (stress, damage) = (vtu.reals("stress"), vtu.reals("D_t"));
         let maximum = vtu.reals("principal_stress_max");
-        let exact = series.recovery().recover(&fields.stresses).unwrap();
+        let exact = series.recovery.recover(&fields.stresses).unwrap();
         for place in 0..count {
             let node = places.nodes()[place];
             assert_eq!(displacement[3 * place..][..2], snapshot.displacements[2 * node..][..2]);

@@ -93,18 +93,17 @@ pub enum PictureError {
 impl PictureMesh {
     /// Makes a picture mesh of computed fields, without what was released: a node for each place that the recovery has values at.
     pub fn new(fields: &Fields<'_>, recovery: &Recovery) -> Self {
-        let places = recovery.nodes();
         let elements = fields.mesh.elements().iter().enumerate();
         let element = |(index, element): (usize, &fe_core::mesh::Element)| PictureElement {
             kind: element.kind(),
             part: element.part(),
-            nodes: places.of_element(index).to_vec(),
+            nodes: recovery.of_element(index).to_vec(),
         };
         let is_left = |(index, _): &(usize, _)| fields.activities[*index] != Activity::Spalled;
         let displacement = |&node: &usize| [fields.displacements[2 * node], fields.displacements[2 * node + 1]];
         Self {
-            nodes: places.nodes().iter().map(|&node| fields.mesh.nodes()[node]).collect(),
-            displacements: places.nodes().iter().map(displacement).collect(),
+            nodes: recovery.nodes().iter().map(|&node| fields.mesh.nodes()[node]).collect(),
+            displacements: recovery.nodes().iter().map(displacement).collect(),
             elements: elements.filter(is_left).map(element).collect(),
             parts: fields.mesh.parts().iter().map(|part| part.name.clone()).collect(),
             behind: fields.behind.clone(),
