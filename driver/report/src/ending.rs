@@ -78,7 +78,7 @@ impl RunEnd {
 }
 
 /// A specimen's program and what its run gave.
-pub type Specimen<'p> = (&'p pullout::PulloutProgram, pullout::Outcome<'p>);
+pub type Specimen<'p> = (&'p pullout::PulloutProgram, pullout::Outcome);
 
 /// Writes summary, plots and report beside a history: the summary first, so that nothing that is drawn can take it away.
 /// The second result is what could not be written.

@@ -46,7 +46,7 @@ const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 ///
 /// # Errors
 /// A file that cannot be written, or fields that do not fit the mesh.
-pub fn draw(directory: &mut ResultDirectory, program: &PulloutProgram, outcome: &Outcome<'_>) -> io::Result<Drawings> {
+pub fn draw(directory: &mut ResultDirectory, program: &PulloutProgram, outcome: &Outcome) -> io::Result<Drawings> {
     let mut album = Album::new(directory, program);
     let moment = |state, suffix: String, words: String| Moment { state, suffix, words, load: state.load };
     let asked = outcome.moments.iter().enumerate().map(|(index, (at, state))| {
@@ -71,7 +71,7 @@ pub fn draw(directory: &mut ResultDirectory, program: &PulloutProgram, outcome: 
 
 /// A state with its name.
 struct Moment<'a> {
-    state: &'a State<'a>,
+    state: &'a State,
     /// Ending of a file's stem.
     suffix: String,
     words: String,
@@ -125,7 +125,7 @@ impl<'a> Album<'a> {
     /// All pictures of the whole specimen and of the exit at one moment.
     fn contours(&mut self, moment: &Moment<'_>) -> io::Result<()> {
         let fields = &moment.state.fields;
-        let mesh = PictureMesh::new(fields, &self.recovery);
+        let mesh = PictureMesh::new(self.mesh, fields, &self.recovery);
         let stresses = self.recovery.recover(&fields.stresses).map_err(unfit)?;
         let principal: Vec<Principal> = stresses.iter().copied().map(Principal::new).collect();
         let magnitudes = principal.iter().flat_map(|p| [p.maximum.abs(), p.minimum.abs()]);
@@ -143,7 +143,7 @@ impl<'a> Album<'a> {
             stress("principal_stress_min", "Minimum principal stress", "σ_{min}", |stress| stress.minimum),
         ];
         for name in damages(&fields.distinct_state_names()) {
-            let values = self.recovery.recover_limited(self.mesh, &fields.state(name)).map_err(unfit)?;
+            let values = self.recovery.recover_limited(self.mesh, &fields.state(self.mesh, name)).map_err(unfit)?;
             let quantity = Quantity::of(name, &Default::default());
             let file = if is_total(name) { "damage".to_owned() } else { format!("damage_{name}") };
             let what = if is_total(name) { "Damage".to_owned() } else { format!("Damage {name}") };
@@ -199,7 +199,8 @@ impl<'a> Album<'a> {
         let mut lines = Vec::new();
         for (k, moment) in moments.iter().enumerate() {
             let sections = elements.min(MOST_SECTIONS);
-            let points = axial_stress(&moment.state.fields, fibre.part, &fibre.axis, sections).map_err(unfit)?;
+            let points =
+                axial_stress(self.mesh, &moment.state.fields, fibre.part, &fibre.axis, sections).map_err(unfit)?;
             let columns = ("arc".to_owned(), moment.suffix.clone());
             lines.push(Line {
                 label: moment.title("").trim_start_matches(", ").into(),

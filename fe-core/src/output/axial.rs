@@ -2,6 +2,7 @@
 
 use super::fields::{Fields, FieldsError};
 use crate::element::MappedPoint;
+use crate::mesh::Mesh;
 use crate::plane::{distance, dot, minus};
 
 /// Mean axial stress of a part's cross-sections along its axis: pairs of arc length, mm, and stress, MPa.
@@ -12,25 +13,26 @@ use crate::plane::{distance, dot, minus};
 /// piece's points. A stress that is linear along a straight axis is reproduced; times the cross-section it is the axial
 /// force. Pieces without points are left out, and there are none along an axis of one place.
 pub fn axial_stress(
-    fields: &Fields<'_>,
+    mesh: &Mesh,
+    fields: &Fields,
     part: usize,
     axis: &[[f64; 2]],
     sections: usize,
 ) -> Result<Vec<(f64, f64)>, FieldsError> {
-    fields.check()?;
+    fields.check(mesh)?;
     let length: f64 = axis.windows(2).map(|ends| distance(ends[1], ends[0])).sum();
     // volume, its first moment along the axis, and the stress's integral
     let mut sums = vec![[0.0; 3]; sections];
     let mut stresses = fields.stresses.iter();
-    for (index, element) in fields.mesh.elements().iter().enumerate() {
-        let (positions, count) = fields.mesh.element_positions(index);
-        for (point, &[s11, s22, _, s12]) in fields.mesh.integration_points(index).iter().zip(stresses.by_ref()) {
+    for (index, element) in mesh.elements().iter().enumerate() {
+        let (positions, count) = mesh.element_positions(index);
+        for (point, &[s11, s22, _, s12]) in mesh.integration_points(index).iter().zip(stresses.by_ref()) {
             let Ok(mapped) = MappedPoint::new(element.kind(), &positions[..count], point.coordinates) else { continue };
             let Some((arc, direction)) = projected(axis, mapped.position).filter(|_| element.part() == part) else {
                 continue;
             };
             let [x, y] = turned(fields, element.nodes(), &mapped, direction);
-            let depth = fields.mesh.parts()[part].model.depth(mapped.position[0], element.thickness());
+            let depth = mesh.parts()[part].model.depth(mapped.position[0], element.thickness());
             let weight = point.weight * mapped.determinant * depth;
             let section = (arc / length * sections as f64) as usize;
             if let Some(sum) = sums.get_mut(section.min(sections.saturating_sub(1))) {
@@ -65,7 +67,7 @@ fn projected(axis: &[[f64; 2]], position: [f64; 2]) -> Option<(f64, [f64; 2])> {
 }
 
 /// F t, to unit length.
-fn turned(fields: &Fields<'_>, nodes: &[usize], mapped: &MappedPoint, [x, y]: [f64; 2]) -> [f64; 2] {
+fn turned(fields: &Fields, nodes: &[usize], mapped: &MappedPoint, [x, y]: [f64; 2]) -> [f64; 2] {
     let mut direction = [x, y];
     for (&node, gradient) in nodes.iter().zip(mapped.shape.derivatives()) {
         let along = gradient[0] * x + gradient[1] * y;

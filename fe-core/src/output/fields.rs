@@ -2,19 +2,16 @@
 
 use crate::mesh::Mesh;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 
 /// The state of a model at one time.
 ///
 /// Values at integration points come element by element, point by point within the element, in the mesh's order.
-#[derive(Clone, Debug)]
-pub struct Fields<'a> {
-    /// The mesh.
-    pub mesh: &'a Mesh,
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Fields {
     /// Total time, s.
     pub time: f64,
     /// Displacements, two per node, mm.
-    pub displacements: Cow<'a, [f64]>,
+    pub displacements: Vec<f64>,
     /// Forces of supports on the nodes, two per node, N; 0 at free nodes.
     pub reactions: Vec<f64>,
     /// Cauchy stresses at the points: 11, 22, 33, 12, MPa; 33 is 0 in plane stress.
@@ -25,14 +22,14 @@ pub struct Fields<'a> {
     pub states: Vec<f64>,
     /// Names, of each part.
     pub state_names: Vec<Vec<String>>,
-    /// Activity of each element.
-    pub activities: Vec<Activity>,
-    /// Parts in front of which others slide ([`crate::model::Model::parts_behind`]).
-    pub behind: Vec<usize>,
     /// Names of the contact pairs.
     pub pairs: Vec<String>,
     /// The contact points of all pairs.
     pub contact: Vec<ContactPoint>,
+    /// Activity of each element.
+    pub activities: Vec<Activity>,
+    /// Parts in front of which others slide ([`crate::model::Model::parts_behind`]).
+    pub behind: Vec<usize>,
 }
 
 /// Activity of an element at one time.
@@ -78,21 +75,13 @@ pub struct ContactPoint {
 #[error("{0}")]
 pub struct FieldsError(String);
 
-impl Fields<'_> {
-    /// Returns the fields with displacements of their own, to be kept while the run goes on. `mesh` must be the fields'
-    /// own, by a reference that lives as long.
-    pub fn kept<'m>(self, mesh: &'m Mesh) -> Fields<'m> {
-        let displacements = Cow::Owned(self.displacements.into_owned());
-        Fields { mesh, displacements, ..self }
-    }
-
+impl Fields {
     /// Checks all lengths.
     ///
     /// # Errors
     ///
     /// The first vector that does not fit the mesh, or a contact point without a pair.
-    pub fn check(&self) -> Result<(), FieldsError> {
-        let mesh = self.mesh;
+    pub fn check(&self, mesh: &Mesh) -> Result<(), FieldsError> {
         expect_length("displacements", self.displacements.len(), 2 * mesh.nodes().len())?;
         expect_length("reactions", self.reactions.len(), 2 * mesh.nodes().len())?;
         expect_length("lists of state names", self.state_names.len(), mesh.parts().len())?;
@@ -124,15 +113,16 @@ impl Fields<'_> {
         names
     }
 
-    /// A state variable at all points; NaN in the parts that do not have it. The fields must have passed [`Self::check`].
-    pub fn state(&self, name: &str) -> Vec<f64> {
+    /// A state variable at all points; NaN in the parts that do not have it. The fields must have passed [`Self::check`] with
+    /// this mesh.
+    pub fn state(&self, mesh: &Mesh, name: &str) -> Vec<f64> {
         let places: Vec<Option<usize>> =
             self.state_names.iter().map(|names| names.iter().position(|other| other == name)).collect();
         let mut values = Vec::with_capacity(self.stresses.len());
         let mut start = 0;
-        for (index, element) in self.mesh.elements().iter().enumerate() {
+        for (index, element) in mesh.elements().iter().enumerate() {
             let count = self.state_names[element.part()].len();
-            for _ in self.mesh.integration_points(index) {
+            for _ in mesh.integration_points(index) {
                 values.push(places[element.part()].map_or(f64::NAN, |place| self.states[start + place]));
                 start += count;
             }

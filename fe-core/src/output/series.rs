@@ -100,15 +100,15 @@ impl Series {
         &self.files
     }
 
-    /// Adds an increment.
+    /// Adds an increment, on the mesh that the series was made for.
     ///
     /// # Errors
     ///
-    /// The fields do not fit the mesh that the series was made for, or a file cannot be written.
-    pub fn write(&mut self, fields: &Fields<'_>) -> io::Result<()> {
-        fields.check().map_err(io::Error::other)?;
+    /// The fields do not fit the mesh, or a file cannot be written.
+    pub fn write(&mut self, mesh: &Mesh, fields: &Fields) -> io::Result<()> {
+        fields.check(mesh).map_err(io::Error::other)?;
         let [file, contact_file] = names(self.files.written);
-        self.replace(&file, solids(fields, &self.recovery).map_err(io::Error::other)?.bytes())?;
+        self.replace(&file, solids(mesh, fields, &self.recovery).map_err(io::Error::other)?.bytes())?;
         self.files.entries.push((fields.time, 0, file));
         if !fields.pairs.is_empty() {
             self.replace(&contact_file, contact(fields).bytes())?;
@@ -155,8 +155,7 @@ fn names(number: usize) -> [String; 2] {
 }
 
 /// The bodies.
-fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, FieldsError> {
-    let mesh = fields.mesh;
+fn solids(mesh: &Mesh, fields: &Fields, recovery: &Recovery) -> Result<Grid, FieldsError> {
     let vectors = |values: &[f64]| -> Vec<[f64; 3]> {
         recovery.nodes().iter().map(|&node| [values[2 * node], values[2 * node + 1], 0.0]).collect()
     };
@@ -180,7 +179,7 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
         // a law's own "stress" must not replace the stress
         let taken = point_data.iter().any(|array| array.name == name);
         let shown = if taken { format!("state_{name}") } else { name.to_owned() };
-        point_data.push(Array::scalars(shown, recovery.recover_limited(mesh, &fields.state(name))?));
+        point_data.push(Array::scalars(shown, recovery.recover_limited(mesh, &fields.state(mesh, name))?));
     }
     // without what was torn off
     let shown: Vec<usize> =
@@ -213,7 +212,7 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
 }
 
 /// The contact points, as vertices.
-fn contact<'a>(fields: &'a Fields<'_>) -> Grid<'a> {
+fn contact(fields: &Fields) -> Grid {
     let points = &fields.contact;
     let count = points.len() as i64;
     let scalars = |name, value: fn(&ContactPoint) -> f64| Array::scalars(name, points.iter().map(value));

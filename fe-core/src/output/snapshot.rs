@@ -5,15 +5,14 @@ use crate::assembly::Solids;
 use crate::contact::PointStatus;
 use crate::kinematics::PlaneModel;
 use crate::stepping::Snapshot;
-use std::borrow::Cow;
 
-impl<'a> Fields<'a> {
-    /// The state at the end of an increment. Displacements are borrowed; what is kept in another order is copied.
+impl Fields {
+    /// The state at the end of an increment.
     ///
     /// States come under the names of the laws' metadata, followed by their derived outputs; those of a law without
     /// metadata are `sdv1`… The strain 33 of plane stress is not known here. Contact points that have left their master
     /// have no place and are left out.
-    pub fn of(snapshot: &Snapshot<'a>) -> Self {
+    pub fn of(snapshot: &Snapshot<'_>) -> Self {
         let (model, solids) = (snapshot.model(), snapshot.solids());
         let mesh = &model.mesh;
         let count = (0..mesh.elements().len()).map(|element| solids.point_count(element)).sum();
@@ -32,18 +31,17 @@ impl<'a> Fields<'a> {
             }
         }
         Self {
-            mesh,
             time: snapshot.time(),
-            displacements: Cow::Borrowed(snapshot.displacements()),
+            displacements: snapshot.displacements().to_vec(),
             reactions: snapshot.reactions(),
             stresses,
             strains,
             states,
             state_names: model.laws.iter().map(|law| law.state_names()).collect(),
-            activities: (0..mesh.elements().len()).map(|element| activity(solids, element)).collect(),
-            behind: model.parts_behind(),
             pairs: model.contacts.iter().map(|pair| pair.name.clone()).collect(),
             contact: contact_points(snapshot),
+            activities: (0..mesh.elements().len()).map(|element| activity(solids, element)).collect(),
+            behind: model.parts_behind(),
         }
     }
 }

@@ -10,10 +10,10 @@ use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
 /// A named array of tuples.
-pub(super) struct Array<'a> {
+pub(super) struct Array {
     pub name: String,
     /// A name for each component; one empty name for a scalar.
-    components: &'a [&'a str],
+    components: &'static [&'static str],
     /// VTK's name of its numbers.
     kind: &'static str,
     /// The numbers, tuple by tuple.
@@ -29,15 +29,15 @@ pub(super) struct Cells {
 }
 
 /// A grid with data.
-pub(super) struct Grid<'a> {
+pub(super) struct Grid {
     pub time: f64,
     /// Numbers that the arrays refer to, by name: field data, for not every reader takes text.
     pub numbers: Vec<(String, i32)>,
     /// (x, y, z) point by point.
     pub points: Vec<[f64; 3]>,
     pub cells: Cells,
-    pub point_data: Vec<Array<'a>>,
-    pub cell_data: Vec<Array<'a>>,
+    pub point_data: Vec<Array>,
+    pub cell_data: Vec<Array>,
 }
 
 /// VTK's number of a vertex.
@@ -53,7 +53,7 @@ pub(super) const fn cell_type(kind: ElementKind) -> u8 {
     }
 }
 
-impl<'a> Array<'a> {
+impl Array {
     /// One real number per tuple.
     pub(super) fn scalars(name: impl Into<String>, data: impl IntoIterator<Item = f64>) -> Self {
         let bytes = data.into_iter().flat_map(f64::to_le_bytes).collect();
@@ -72,7 +72,11 @@ impl<'a> Array<'a> {
     }
 
     /// Tuples of real numbers.
-    pub(super) fn tuples<const N: usize>(name: &str, components: &'a [&'a str; N], data: &[[f64; N]]) -> Self {
+    pub(super) fn tuples<const N: usize>(
+        name: &str,
+        components: &'static [&'static str; N],
+        data: &[[f64; N]],
+    ) -> Self {
         Self { components, ..Self::scalars(name, data.as_flattened().iter().copied()) }
     }
 
@@ -86,7 +90,7 @@ impl<'a> Array<'a> {
     }
 }
 
-impl Grid<'_> {
+impl Grid {
     /// Returns the bytes of the file.
     pub(super) fn bytes(&self) -> io::Result<Vec<u8>> {
         let mut file = File {

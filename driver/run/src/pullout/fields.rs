@@ -83,7 +83,7 @@ impl FieldWriter {
     pub fn write(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
         let start = Instant::now();
         worker::look_after_plugins();
-        self.series.write(&Fields::of(snapshot))?;
+        self.series.write(&snapshot.model().mesh, &Fields::of(snapshot))?;
         if let Some((folder, sha256)) = &mut self.hashed {
             let new = self.series.files().names().skip(sha256.len());
             let new: io::Result<Vec<String>> = new.map(|name| hash(&folder.join(name))).collect();

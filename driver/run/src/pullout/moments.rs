@@ -1,6 +1,5 @@
 //! The states that a case asks pictures of, beside those of the greatest load and of the end.
 
-use super::peak::KeptFields;
 use super::{PictureAt, State};
 use fe_core::mesh::Mesh;
 use fe_core::output::Fields;
@@ -9,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Slip, load and fields of the moments that are wanted, in their order, as far as they came.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Moments(Vec<Option<(f64, f64, KeptFields)>>);
+pub struct Moments(Vec<Option<(f64, f64, Fields)>>);
 
 impl Moments {
     /// Keeps these.
@@ -19,9 +18,9 @@ impl Moments {
 
     /// Returns whether a run on this mesh that wants so many can have come to it.
     pub fn fits(&self, mesh: &Mesh, wanted: usize) -> bool {
-        let fits = |(slip, load, fields): &(f64, f64, KeptFields)| {
+        let fits = |(slip, load, fields): &(f64, f64, Fields)| {
             // a load that nobody measures is NaN
-            slip.is_finite() && !load.is_infinite() && fields.clone().on(mesh).check().is_ok()
+            slip.is_finite() && !load.is_infinite() && fields.check(mesh).is_ok()
         };
         self.0.len() == wanted && self.0.iter().flatten().all(fits)
     }
@@ -35,7 +34,7 @@ impl Moments {
                 PictureAt::Increment(increment) => number == increment,
             };
             if record.step > 0 && state.is_none() && is_now {
-                let fields = KeptFields::of(Fields::of(snapshot));
+                let fields = Fields::of(snapshot);
                 *state = Some((record.slip, record.load, fields));
                 is_one = true;
             }
@@ -56,8 +55,8 @@ impl Moments {
     }
 
     /// Returns the requested moments that were reached, in the order of the case.
-    pub fn into_states<'m>(self, wanted: &[PictureAt], mesh: &'m Mesh) -> Vec<(PictureAt, State<'m>)> {
-        let state = |(slip, load, fields): (f64, f64, KeptFields)| State { slip, load, fields: fields.on(mesh) };
+    pub fn into_states(self, wanted: &[PictureAt]) -> Vec<(PictureAt, State)> {
+        let state = |(slip, load, fields): (f64, f64, Fields)| State { slip, load, fields };
         wanted.iter().copied().zip(self.0).filter_map(|(wanted, kept)| Some((wanted, kept.map(state)?))).collect()
     }
 }

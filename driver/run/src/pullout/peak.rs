@@ -2,10 +2,9 @@
 
 use super::State;
 use fe_core::mesh::Mesh;
-use fe_core::output::{Activity, ContactPoint, Fields};
+use fe_core::output::Fields;
 use fe_core::stepping::{Record, Snapshot};
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 
 /// The increment with the greatest load so far.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,58 +28,7 @@ pub struct PeakKeeper {
     pub(super) peak: Option<PeakLoad>,
     displacements: Vec<f64>,
     spalled: Vec<usize>,
-    fields: Option<KeptFields>,
-}
-
-/// Fields without their mesh.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct KeptFields {
-    time: f64,
-    displacements: Vec<f64>,
-    reactions: Vec<f64>,
-    stresses: Vec<[f64; 4]>,
-    strains: Vec<[f64; 4]>,
-    states: Vec<f64>,
-    state_names: Vec<Vec<String>>,
-    pairs: Vec<String>,
-    contact: Vec<ContactPoint>,
-    activities: Vec<Activity>,
-    behind: Vec<usize>,
-}
-
-impl KeptFields {
-    pub(super) fn of(fields: Fields<'_>) -> Self {
-        Self {
-            displacements: fields.displacements.into_owned(),
-            time: fields.time,
-            reactions: fields.reactions,
-            stresses: fields.stresses,
-            strains: fields.strains,
-            states: fields.states,
-            state_names: fields.state_names,
-            pairs: fields.pairs,
-            contact: fields.contact,
-            activities: fields.activities,
-            behind: fields.behind,
-        }
-    }
-
-    pub(super) fn on(self, mesh: &Mesh) -> Fields<'_> {
-        Fields {
-            mesh,
-            displacements: Cow::Owned(self.displacements),
-            time: self.time,
-            reactions: self.reactions,
-            stresses: self.stresses,
-            strains: self.strains,
-            states: self.states,
-            state_names: self.state_names,
-            pairs: self.pairs,
-            contact: self.contact,
-            activities: self.activities,
-            behind: self.behind,
-        }
-    }
+    fields: Option<Fields>,
 }
 
 impl PeakKeeper {
@@ -91,7 +39,7 @@ impl PeakKeeper {
             && self.displacements.len() == count
             && self.displacements.iter().all(|displacement| displacement.is_finite())
             && self.spalled.iter().all(|&element| element < mesh.elements().len())
-            && self.fields.clone().is_none_or(|fields| fields.on(mesh).check().is_ok())
+            && self.fields.as_ref().is_none_or(|fields| fields.check(mesh).is_ok())
     }
 
     /// Takes an increment into account; the first of equal ones is the peak.
@@ -100,7 +48,7 @@ impl PeakKeeper {
             self.displacements.clear();
             self.displacements.extend_from_slice(snapshot.displacements());
             self.spalled = snapshot.solids().spalled();
-            self.fields = keeps_fields.then(|| KeptFields::of(Fields::of(snapshot)));
+            self.fields = keeps_fields.then(|| Fields::of(snapshot));
         }
     }
 
@@ -122,9 +70,9 @@ impl PeakKeeper {
     }
 
     /// The state there.
-    pub fn into_state(self, mesh: &Mesh) -> Option<State<'_>> {
+    pub fn into_state(self) -> Option<State> {
         let PeakLoad { load, slip, .. } = self.peak?;
-        Some(State { slip, load, fields: self.fields?.on(mesh) })
+        Some(State { slip, load, fields: self.fields? })
     }
 }
 

@@ -30,7 +30,7 @@ const END_TOLERANCE: f64 = 1e-9;
 
 /// Outcome of a run: its cost, its end, its findings, and the states that pictures show.
 #[derive(Debug)]
-pub struct Outcome<'p> {
+pub struct Outcome {
     /// Cost of the run.
     pub statistics: Statistics,
     /// End of the run. Rows that were observed stay valid.
@@ -38,16 +38,16 @@ pub struct Outcome<'p> {
     /// Findings besides the history.
     pub findings: Findings,
     /// The state at the greatest load, if the run went on from there and pictures are wanted.
-    pub peak: Option<State<'p>>,
+    pub peak: Option<State>,
     /// The state at the end, if pictures are wanted and anything was computed.
-    pub end: Option<State<'p>>,
+    pub end: Option<State>,
     /// The states that the case asks pictures of, as far as the run came to them.
-    pub moments: Vec<(PictureAt, State<'p>)>,
+    pub moments: Vec<(PictureAt, State)>,
     /// The states that it went through, if they were kept.
     pub trail: Option<Trail>,
 }
 
-impl Outcome<'_> {
+impl Outcome {
     fn stopped(stop: Stop) -> Self {
         Self {
             statistics: Statistics::default(),
@@ -63,22 +63,22 @@ impl Outcome<'_> {
 
 /// A state that pictures show.
 #[derive(Debug)]
-pub struct State<'p> {
+pub struct State {
     /// Slip, mm.
     pub slip: f64,
     /// Load, N.
     pub load: f64,
     /// The fields.
-    pub fields: Fields<'p>,
+    pub fields: Fields,
 }
 
 /// Runs a program to its end, to an `until`, or to a failure; fields and checkpoints go to `folder`.
-pub fn run<'p>(
-    program: &'p PulloutProgram,
+pub fn run(
+    program: &PulloutProgram,
     folder: &Path,
     checkpoints: &Checkpoints,
     observer: &mut dyn path::Observer,
-) -> Outcome<'p> {
+) -> Outcome {
     let model = &program.model;
     let from = checkpoints.from.as_deref();
     let start = Instant::now();
@@ -162,8 +162,8 @@ pub fn run<'p>(
     let pairs = model.contacts.iter().map(|pair| pair.name.clone());
     findings.penalties = pairs.zip(snapshot.contact().penalties()).collect();
     let [slip, load] = ["slip", "load"].map(|name| present.value(name));
-    let end = || State { slip, load, fields: Fields::of(&snapshot).kept(&model.mesh) };
-    let goes_on = |state: &State<'_>| state.fields.time < snapshot.time();
+    let end = || State { slip, load, fields: Fields::of(&snapshot) };
+    let goes_on = |state: &State| state.fields.time < snapshot.time();
     Outcome {
         statistics: Statistics {
             increments: done.increments,
@@ -173,9 +173,9 @@ pub fn run<'p>(
         },
         result,
         findings,
-        peak: peak.into_state(&model.mesh).filter(goes_on),
+        peak: peak.into_state().filter(goes_on),
         end: program.about.plots.then(end),
-        moments: moments.map(|kept| kept.into_states(&program.pictures_at, &model.mesh)).unwrap_or_default(),
+        moments: moments.map(|kept| kept.into_states(&program.pictures_at)).unwrap_or_default(),
         trail,
     }
 }

@@ -25,6 +25,7 @@ use super::quantity::Quantity;
 use crate::extremes;
 use canvas::{Canvas, Side, band_color, hexadecimal};
 use fe_core::element::ElementKind;
+use fe_core::mesh::{Element, Mesh};
 use fe_core::output::{Activity, Fields, Recovery};
 use levels::Levels;
 use std::fmt::Write as _;
@@ -92,9 +93,9 @@ pub enum PictureError {
 
 impl PictureMesh {
     /// Makes a picture mesh of computed fields, without what was released: a node for each place that the recovery has values at.
-    pub fn new(fields: &Fields<'_>, recovery: &Recovery) -> Self {
-        let elements = fields.mesh.elements().iter().enumerate();
-        let element = |(index, element): (usize, &fe_core::mesh::Element)| PictureElement {
+    pub fn new(mesh: &Mesh, fields: &Fields, recovery: &Recovery) -> Self {
+        let elements = mesh.elements().iter().enumerate();
+        let element = |(index, element): (usize, &Element)| PictureElement {
             kind: element.kind(),
             part: element.part(),
             nodes: recovery.of_element(index).to_vec(),
@@ -102,10 +103,10 @@ impl PictureMesh {
         let is_left = |(index, _): &(usize, _)| fields.activities[*index] != Activity::Spalled;
         let displacement = |&node: &usize| [fields.displacements[2 * node], fields.displacements[2 * node + 1]];
         Self {
-            nodes: recovery.nodes().iter().map(|&node| fields.mesh.nodes()[node]).collect(),
+            nodes: recovery.nodes().iter().map(|&node| mesh.nodes()[node]).collect(),
             displacements: recovery.nodes().iter().map(displacement).collect(),
             elements: elements.filter(is_left).map(element).collect(),
-            parts: fields.mesh.parts().iter().map(|part| part.name.clone()).collect(),
+            parts: mesh.parts().iter().map(|part| part.name.clone()).collect(),
             behind: fields.behind.clone(),
         }
     }

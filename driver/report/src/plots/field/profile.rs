@@ -12,7 +12,7 @@ pub(crate) const INTERFACE_SHEAR: &str = "interface_shear";
 /// Shear traction and pressure of each contact pair along its slave surface.
 ///
 /// The lines stop where a point has left the other surface (weight 0).
-pub(crate) fn interface_profiles(fields: &Fields<'_>) -> Vec<Figure> {
+pub(crate) fn interface_profiles(fields: &Fields) -> Vec<Figure> {
     type Value = fn(&ContactPoint) -> f64;
     let shear: Value = |point| point.shear_traction;
     let pressure: Value = |point| point.pressure;
@@ -28,7 +28,7 @@ pub(crate) fn interface_profiles(fields: &Fields<'_>) -> Vec<Figure> {
 }
 
 /// One pair's points, by arc length.
-fn line(fields: &Fields<'_>, pair: usize, name: &str, value: impl Fn(&ContactPoint) -> f64) -> Line {
+fn line(fields: &Fields, pair: usize, name: &str, value: impl Fn(&ContactPoint) -> f64) -> Line {
     let own = fields.contact.iter().filter(|point| point.pair == pair);
     let mut points: Vec<(f64, f64)> =
         own.map(|point| (point.arc, if point.weight > 0.0 { value(point) } else { f64::NAN })).collect();

@@ -286,9 +286,8 @@ fn pictures_and_profiles_come_from_computed_fields() {
         weight,
     };
     let fields = Fields {
-        mesh: &mesh,
         time: 1.0,
-        displacements: vec![0.01; 12].into(),
+        displacements: vec![0.01; 12],
         reactions: vec![0.0; 12],
         stresses: vec![[1.0, 2.0, 0.0, 0.0]; 8],
         strains: vec![[0.0; 4]; 8],
@@ -299,7 +298,7 @@ fn pictures_and_profiles_come_from_computed_fields() {
         pairs: vec!["upper".to_string(), "lower".to_string()],
         contact: vec![point(1, 0.5, 1.0), point(0, 0.7, 1.0), point(0, 0.2, 0.4), point(0, 0.9, 0.0)],
     };
-    let picture = PictureMesh::new(&fields, &Recovery::new(&mesh));
+    let picture = PictureMesh::new(&mesh, &fields, &Recovery::new(&mesh));
     assert_eq!((picture.nodes.len(), picture.parts.len()), (8, 2));
     let drawn: Vec<[f64; 2]> = picture.elements[1].nodes.iter().map(|&node| picture.nodes[node]).collect();
     assert_eq!(drawn, [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]]);
