@@ -3,7 +3,7 @@
 use super::fields::{Activity, ContactPoint, Fields, FieldsError};
 use super::principal::{Principal, von_mises};
 use super::recovery::Recovery;
-use super::vtu::{Array, Cells, Grid, VERTEX, cell_type};
+use super::vtu::{Array, Grid, VERTEX, cell_type};
 use crate::mesh::{Element, Mesh};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -185,11 +185,10 @@ fn solids(mesh: &Mesh, fields: &Fields, recovery: &Recovery) -> Result<Grid, Fie
     let shown: Vec<usize> =
         (0..mesh.elements().len()).filter(|&element| fields.activities[element] != Activity::Spalled).collect();
     let elements = || shown.iter().map(|&index| &mesh.elements()[index]);
-    let mut cells = Cells { connectivity: Vec::new(), offsets: Vec::new(), types: Vec::new() };
-    for (&index, element) in std::iter::zip(&shown, elements()) {
-        cells.connectivity.extend(recovery.of_element(index).iter().map(|&place| place as i64));
-        cells.offsets.push(cells.connectivity.len() as i64);
-        cells.types.push(cell_type(element.kind()));
+    let (mut connectivity, mut offsets) = (Vec::new(), Vec::new());
+    for &index in &shown {
+        connectivity.extend(recovery.of_element(index).iter().map(|&place| place as i64));
+        offsets.push(connectivity.len() as i64);
     }
     Ok(Grid {
         time: fields.time,
@@ -201,7 +200,9 @@ fn solids(mesh: &Mesh, fields: &Fields, recovery: &Recovery) -> Result<Grid, Fie
                 [x, y, if is_behind { -0.5 * mesh.parts()[*part].thickness } else { 0.0 }]
             })
             .collect(),
-        cells,
+        connectivity,
+        offsets,
+        types: elements().map(|element| cell_type(element.kind())).collect(),
         point_data,
         cell_data: vec![
             Array::numbers("part", elements().map(Element::part)),
@@ -220,11 +221,9 @@ fn contact(fields: &Fields) -> Grid {
         time: fields.time,
         numbers: numbers("pair", fields.pairs.iter().map(String::as_str)),
         points: points.iter().map(|&ContactPoint { position: [x, y], .. }| [x, y, 0.0]).collect(),
-        cells: Cells {
-            connectivity: (0..count).collect(),
-            offsets: (1..=count).collect(),
-            types: vec![VERTEX; points.len()],
-        },
+        connectivity: (0..count).collect(),
+        offsets: (1..=count).collect(),
+        types: vec![VERTEX; points.len()],
         point_data: vec![
             Array::numbers("pair", points.iter().map(|point| point.pair)),
             scalars("arc", |point| point.arc),

@@ -20,14 +20,6 @@ pub(super) struct Array {
     bytes: Vec<u8>,
 }
 
-/// Cells of a grid.
-pub(super) struct Cells {
-    pub connectivity: Vec<i64>,
-    /// End of each cell in `connectivity`.
-    pub offsets: Vec<i64>,
-    pub types: Vec<u8>,
-}
-
 /// A grid with data.
 pub(super) struct Grid {
     pub time: f64,
@@ -35,7 +27,12 @@ pub(super) struct Grid {
     pub numbers: Vec<(String, i32)>,
     /// (x, y, z) point by point.
     pub points: Vec<[f64; 3]>,
-    pub cells: Cells,
+    /// Points of the cells, cell by cell.
+    pub connectivity: Vec<i64>,
+    /// End of each cell in `connectivity`.
+    pub offsets: Vec<i64>,
+    /// VTK's type of each cell.
+    pub types: Vec<u8>,
     pub point_data: Vec<Array>,
     pub cell_data: Vec<Array>,
 }
@@ -104,7 +101,7 @@ impl Grid {
         for (name, number) in &self.numbers {
             file.data_array("Int32", &escaped(name), "NumberOfTuples=\"1\"", &number.to_le_bytes())?;
         }
-        let (points, cells) = (self.points.len(), self.cells.types.len());
+        let (points, cells) = (self.points.len(), self.types.len());
         // writing to a String cannot fail
         let _ = writeln!(
             file.xml,
@@ -117,11 +114,11 @@ impl Grid {
         let positions: Vec<u8> = self.points.iter().flatten().copied().flat_map(f64::to_le_bytes).collect();
         file.data_array("Float64", "Points", "NumberOfComponents=\"3\"", &positions)?;
         file.xml.push_str("</Points>\n<Cells>\n");
-        for (name, numbers) in [("connectivity", &self.cells.connectivity), ("offsets", &self.cells.offsets)] {
+        for (name, numbers) in [("connectivity", &self.connectivity), ("offsets", &self.offsets)] {
             let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
             file.data_array("Int64", name, "", &bytes)?;
         }
-        file.data_array("UInt8", "types", "", &self.cells.types)?;
+        file.data_array("UInt8", "types", "", &self.types)?;
         file.xml.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_");
         let mut bytes = file.xml.into_bytes();
         bytes.append(&mut file.appended);
