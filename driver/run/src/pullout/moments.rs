@@ -6,9 +6,9 @@ use fe_core::output::Fields;
 use fe_core::stepping::{Record, Snapshot};
 use serde::{Deserialize, Serialize};
 
-/// Slip, load and fields of the moments that are wanted, in their order, as far as they came.
+/// The states at the moments that are wanted, in their order, as far as they came.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Moments(Vec<Option<(f64, f64, Fields)>>);
+pub struct Moments(Vec<Option<State>>);
 
 impl Moments {
     /// Keeps these.
@@ -18,9 +18,9 @@ impl Moments {
 
     /// Returns whether a run on this mesh that wants so many can have come to it.
     pub fn fits(&self, mesh: &Mesh, wanted: usize) -> bool {
-        let fits = |(slip, load, fields): &(f64, f64, Fields)| {
+        let fits = |state: &State| {
             // a load that nobody measures is NaN
-            slip.is_finite() && !load.is_infinite() && fields.check(mesh).is_ok()
+            state.slip.is_finite() && !state.load.is_infinite() && state.fields.check(mesh).is_ok()
         };
         self.0.len() == wanted && self.0.iter().flatten().all(fits)
     }
@@ -34,8 +34,7 @@ impl Moments {
                 PictureAt::Increment(increment) => number == increment,
             };
             if record.step > 0 && state.is_none() && is_now {
-                let fields = Fields::of(snapshot);
-                *state = Some((record.slip, record.load, fields));
+                *state = Some(State { slip: record.slip, load: record.load, fields: Fields::of(snapshot) });
                 is_one = true;
             }
         }
@@ -56,8 +55,7 @@ impl Moments {
 
     /// Returns the requested moments that were reached, in the order of the case.
     pub fn into_states(self, wanted: &[PictureAt]) -> Vec<(PictureAt, State)> {
-        let state = |(slip, load, fields): (f64, f64, Fields)| State { slip, load, fields };
-        wanted.iter().copied().zip(self.0).filter_map(|(wanted, kept)| Some((wanted, kept.map(state)?))).collect()
+        wanted.iter().copied().zip(self.0).filter_map(|(wanted, kept)| Some((wanted, kept?))).collect()
     }
 }
 

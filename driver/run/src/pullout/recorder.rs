@@ -62,7 +62,7 @@ impl Outcome {
 }
 
 /// A state that pictures show.
-#[derive(Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     /// Slip, mm.
     pub slip: f64,
