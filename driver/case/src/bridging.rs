@@ -218,7 +218,7 @@ fn program_of(
 fn openings(given: Openings) -> Vec<f64> {
     let end = given.to.map_or(OPENINGS.0, |end| end.0);
     let intervals = given.points.map_or(OPENINGS.1, |count| count.0) - 1;
-    let place = |k: u64| {
+    let place = |k: usize| {
         let part = k as f64 / intervals as f64;
         end * match given.spacing.unwrap_or_default() {
             Spacing::Power2 => part * part,

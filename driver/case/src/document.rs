@@ -49,19 +49,19 @@ impl<T: JsonSchema> JsonSchema for Piece<T> {
 
 /// A whole number between two bounds; `5.0` is one as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Whole<const LEAST: u64, const GREATEST: u64>(pub u64);
+pub struct Whole<const LEAST: usize, const GREATEST: usize>(pub usize);
 
-impl<'de, const LEAST: u64, const GREATEST: u64> Deserialize<'de> for Whole<LEAST, GREATEST> {
+impl<'de, const LEAST: usize, const GREATEST: usize> Deserialize<'de> for Whole<LEAST, GREATEST> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let value = f64::deserialize(deserializer)?;
         if value.fract() == 0.0 && value >= LEAST as f64 && value <= GREATEST as f64 {
-            return Ok(Self(value as u64));
+            return Ok(Self(value as usize));
         }
         Err(D::Error::custom(format!("{value} is not a whole number from {LEAST} to {GREATEST}")))
     }
 }
 
-impl<const LEAST: u64, const GREATEST: u64> JsonSchema for Whole<LEAST, GREATEST> {
+impl<const LEAST: usize, const GREATEST: usize> JsonSchema for Whole<LEAST, GREATEST> {
     fn inline_schema() -> bool {
         true
     }
@@ -183,7 +183,7 @@ pub struct StepEnd {
 }
 
 /// Most increments of one step, and of a run.
-pub const MOST_INCREMENTS: u64 = 100_000_000;
+pub const MOST_INCREMENTS: usize = 100_000_000;
 /// Number of increments of a step.
 pub type Increments = Whole<1, MOST_INCREMENTS>;
 /// Number of repetitions.

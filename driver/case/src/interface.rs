@@ -30,11 +30,11 @@ struct OpenStep {
 }
 
 impl Counted for OpenStep {
-    fn increments(&self) -> u64 {
+    fn increments(&self) -> usize {
         self.step.increments()
     }
 
-    fn rows(&self) -> u64 {
+    fn rows(&self) -> usize {
         self.step.rows()
     }
 }

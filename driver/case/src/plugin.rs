@@ -306,7 +306,7 @@ fn check_symbol(reader: &mut Reader<'_>, library: &Library, material: &Material,
 }
 
 fn nstatv(reader: &mut Reader<'_>, law: Option<&LawDescription>, material: &Material, place: &Place) -> Option<usize> {
-    let given = material.nstatv.map(|n| usize::try_from(n.0).unwrap_or(usize::MAX));
+    let given = material.nstatv.map(|n| n.0);
     match (law.map(|law| (law.states.len(), &law.name)), given) {
         (None, None) => {
             let message = "is missing: the library describes no law (it has no metadata), so the number of its state \

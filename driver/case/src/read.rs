@@ -365,13 +365,13 @@ fn finish<S>(
     }
     let limits = reader.optional(given.controls.as_ref(), &root.key("controls")).cloned().unwrap_or_default();
     let default = program::Controls::default();
-    let limit = |given: Option<u64>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
+    let limit = |given: Option<usize>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
     let (plugin, kind) = (resolved.plugin?, resolved.kind?);
     let most: Vec<Option<u64>> = pullout_run::path::increments_of_steps(&kind).into_iter().map(Some).collect();
     Some(Case::Path(Box::new(Program {
         about: About {
             recorded: increments::recorded(reader, course.increments.as_ref(), &most, about.until.is_some()),
-            every: output.every.map_or(1, |every| usize::try_from(every.0).unwrap_or(usize::MAX)),
+            every: output.every.map_or(1, |every| every.0),
             plots: output.plots.unwrap_or(true),
             warnings: std::mem::take(&mut reader.warnings),
             defaults: std::mem::take(&mut reader.defaults),

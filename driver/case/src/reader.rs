@@ -162,13 +162,13 @@ impl Taken {
     }
 
     /// Returns a given count, or else the default.
-    pub fn number<const LEAST: u64, const GREATEST: u64>(
+    pub fn number<const LEAST: usize, const GREATEST: usize>(
         &mut self,
         name: &str,
         given: Option<Whole<LEAST, GREATEST>>,
         default: usize,
     ) -> usize {
-        self.or(name, given.map(|n| n.0 as usize), default)
+        self.or(name, given.map(|n| n.0), default)
     }
 
     /// Returns two given values, or else the default ones.

@@ -60,7 +60,6 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     if output.pictures_at.is_some() && output.plots == Some(false) {
         reader.warn_no_effect(&root.key("output").key("pictures_at"), "the case has \"plots\": false");
     }
-    let number = |n: crate::document::Increments| usize::try_from(n.0).unwrap_or(usize::MAX);
     let controls = controls(reader, case);
     let skipping = skipping(reader, case);
     let Boundary { drives, supports, loads, mut measured } = boundary;
@@ -136,7 +135,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     }
     Some(PulloutProgram {
         about: About {
-            every: output.every.map_or(1, number),
+            every: output.every.map_or(1, |every| every.0),
             plots: output.plots.unwrap_or(true),
             recorded,
             warnings: std::mem::take(&mut reader.warnings),
@@ -146,13 +145,13 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         fields_every: match output.vtu {
             None | Some(document::Vtu::Switch(true)) => Some(FIELDS_EVERY),
             Some(document::Vtu::Switch(false)) => None,
-            Some(document::Vtu::Every(n)) => Some(number(n)),
+            Some(document::Vtu::Every(n)) => Some(n.0),
         },
         pictures_at: match &output.pictures_at {
             None => Vec::new(),
             Some(document::PicturesAt::Slips(slips)) => slips.iter().map(|slip| PictureAt::Slip(slip.0)).collect(),
             Some(document::PicturesAt::Increments(numbers)) => {
-                numbers.increments.iter().map(|number| PictureAt::Increment(number.0)).collect()
+                numbers.increments.iter().map(|number| PictureAt::Increment(number.0 as u64)).collect()
             }
         },
         rupture_strain: output.rupture_strain.map_or(RUPTURE_STRAIN, |strain| strain.0),

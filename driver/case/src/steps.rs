@@ -6,9 +6,9 @@ use crate::reader::Reader;
 use pullout_run::program::{Pace, Step};
 
 /// Most steps of a run after its cycles are expanded.
-const MOST_STEPS: u64 = 1_000_000;
+const MOST_STEPS: usize = 1_000_000;
 /// Most rows of tables in memory after cycles are expanded.
-const MOST_ROWS: u64 = 10_000_000;
+const MOST_ROWS: usize = 10_000_000;
 
 /// A step of a document as it was found.
 pub enum Found<'s, S, R> {
@@ -23,21 +23,21 @@ pub enum Found<'s, S, R> {
 /// A step of a program.
 pub trait Counted: Clone {
     /// Returns the number of increments.
-    fn increments(&self) -> u64;
+    fn increments(&self) -> usize;
 
     /// Rows of its table that a copy of it copies.
-    fn rows(&self) -> u64 {
+    fn rows(&self) -> usize {
         0
     }
 }
 
 impl<G: Clone> Counted for Step<G> {
-    fn increments(&self) -> u64 {
-        self.pace.increments() as u64
+    fn increments(&self) -> usize {
+        self.pace.increments()
     }
 
-    fn rows(&self) -> u64 {
-        if let Pace::Rows(rows) = &self.pace { rows.len() as u64 } else { 0 }
+    fn rows(&self) -> usize {
+        if let Pace::Rows(rows) = &self.pace { rows.len() } else { 0 }
     }
 }
 
@@ -73,8 +73,9 @@ pub fn expand<S, R: Counted>(
 }
 
 /// Returns whether so many repetitions stay within the limits.
-fn fits<R: Counted>(reader: &mut Reader<'_>, steps: &[R], repeat: u64, place: &Place) -> bool {
-    let sum = |count: fn(&R) -> u64| steps.iter().map(count).fold(0_u64, u64::saturating_add).saturating_mul(repeat);
+fn fits<R: Counted>(reader: &mut Reader<'_>, steps: &[R], repeat: usize, place: &Place) -> bool {
+    let sum =
+        |count: fn(&R) -> usize| steps.iter().map(count).fold(0_usize, usize::saturating_add).saturating_mul(repeat);
     let limits = [
         ("steps", sum(|_| 1), MOST_STEPS),
         ("increments", sum(R::increments), MOST_INCREMENTS),
@@ -91,6 +92,5 @@ fn fits<R: Counted>(reader: &mut Reader<'_>, steps: &[R], repeat: u64, place: &P
 
 /// Equal increments of a ramp.
 pub fn pace(increments: Increments, time: Option<Positive>) -> Pace {
-    let increments = usize::try_from(increments.0).unwrap_or(usize::MAX);
-    Pace::Equal { increments, time: time.map_or(1.0, |time| time.0) }
+    Pace::Equal { increments: increments.0, time: time.map_or(1.0, |time| time.0) }
 }

@@ -24,7 +24,7 @@ const LIMIT_CMOD: f64 = 0.05;
 const ULTIMATE_OPENING: f64 = 2.5;
 /// Openings at which σ is evaluated unless the case says otherwise: the last, mm, and how many, closer at the
 /// beginning. Strengths of beams take them too, on to the last CMOD: a crack opens by less than the CMOD.
-pub const OPENINGS: (f64, u64) = (3.5, 200);
+pub const OPENINGS: (f64, usize) = (3.5, 200);
 /// Load of a curve's end, as a part of its peak, below which nothing is left.
 const NEGLIGIBLE_LOAD: f64 = 0.01;
 /// Openings at which such a part is looked for.

@@ -218,15 +218,14 @@ fn one_pair(
     let law = law(reader, pair, place);
     let width = width(reader, pair, default, place);
     let quadrature = reader.optional(pair.quadrature.as_ref(), &place.key("quadrature"));
-    let points = |points: document::Points| points.0 as usize;
     let mut taken = Taken::default();
     let quadrature = match quadrature {
         None => {
             taken.note("quadrature.gauss", POINTS);
             Quadrature::Gauss { points: POINTS }
         }
-        Some(document::Quadrature::Gauss(n)) => Quadrature::Gauss { points: points(*n) },
-        Some(document::Quadrature::Segments(n)) => Quadrature::Segments { points: points(*n) },
+        Some(document::Quadrature::Gauss(points)) => Quadrature::Gauss { points: points.0 },
+        Some(document::Quadrature::Segments(points)) => Quadrature::Segments { points: points.0 },
         Some(document::Quadrature::Nodes) => Quadrature::Nodes,
     };
     let penalty_factor = reader.optional(pair.penalty_factor.as_ref(), &place.key("penalty_factor"));

@@ -198,5 +198,5 @@ pub(super) fn without_effect(parameters: &[(&'static str, bool, &str)]) -> Resul
 }
 
 fn numbers(given: [Elements; 2]) -> [usize; 2] {
-    given.map(|n| n.0 as usize)
+    given.map(|n| n.0)
 }

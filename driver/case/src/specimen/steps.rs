@@ -29,8 +29,8 @@ pub struct ResolvedStep {
 }
 
 impl Counted for ResolvedStep {
-    fn increments(&self) -> u64 {
-        if let StepControl::Fixed { increments } = self.step.control { increments as u64 } else { 1 }
+    fn increments(&self) -> usize {
+        if let StepControl::Fixed { increments } = self.step.control { increments } else { 1 }
     }
 }
 
@@ -156,9 +156,7 @@ fn control(
     taken: &mut Taken,
 ) -> StepControl {
     let given = match increments {
-        Some(document::StepIncrements::Equal(n)) => {
-            return StepControl::Fixed { increments: usize::try_from(n.0).unwrap_or(usize::MAX) };
-        }
+        Some(document::StepIncrements::Equal(n)) => return StepControl::Fixed { increments: n.0 },
         Some(document::StepIncrements::Automatic(sizes)) => sizes,
         None => document::AutomaticIncrements::default(),
     };
