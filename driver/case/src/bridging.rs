@@ -82,8 +82,25 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase) -> Opt
         warn_of_effect(reader, fibre.as_ref(), matrix.as_ref(), scatter, beam.is_some());
         warn_of_units(reader, fibre.as_ref(), matrix.as_ref(), beam.as_ref());
     }
-    let program = program_of(case, fibre, volume_fraction, matrix, orientation);
-    let program = program.map(|program| BridgingProgram { sides, openings: openings(given), beam, scatter, ..program });
+    let known = fibre.zip(volume_fraction).zip(matrix.zip(orientation));
+    let program = known.map(|(((fibre, source), volume_fraction), (matrix, orientation))| {
+        let composite = fibre.modulus * volume_fraction / (matrix.modulus * (1.0 - volume_fraction));
+        BridgingProgram {
+            about: About::default(),
+            fibre,
+            source,
+            sides,
+            volume_fraction,
+            modular_ratio: case.modular_ratio.unwrap_or(composite),
+            matrix,
+            orientation,
+            activation: case.activation.unwrap_or(0.0),
+            openings: openings(given),
+            beam,
+            scatter,
+            threads: NonZeroUsize::MIN,
+        }
+    });
     let columns = program.as_ref().map(BridgingProgram::columns);
     let about = history::about(reader, path, &case.head, None, columns.as_deref());
     check_tables(reader, &about, columns.as_deref().unwrap_or_default());
@@ -173,33 +190,6 @@ fn warn_of_units(
             reader.warn_unusual(what, value, unit, usual);
         }
     }
-}
-
-/// Returns what the fibres and the matrix make; the rest is left open.
-fn program_of(
-    case: &BridgingCase,
-    fibre: Option<(Fibre, Source)>,
-    volume_fraction: Option<f64>,
-    matrix: Option<pullout_bridging::Matrix>,
-    orientation: Option<Orientation>,
-) -> Option<BridgingProgram> {
-    let ((fibre, source), volume_fraction, matrix) = (fibre?, volume_fraction?, matrix?);
-    let composite = fibre.modulus * volume_fraction / (matrix.modulus * (1.0 - volume_fraction));
-    Some(BridgingProgram {
-        about: About::default(),
-        fibre,
-        source,
-        sides: Default::default(),
-        volume_fraction,
-        modular_ratio: case.modular_ratio.unwrap_or(composite),
-        matrix,
-        orientation: orientation?,
-        activation: case.activation.unwrap_or(0.0),
-        openings: Vec::new(),
-        beam: None,
-        scatter: None,
-        threads: NonZeroUsize::MIN,
-    })
 }
 
 fn openings(given: Openings) -> Vec<f64> {
