@@ -65,7 +65,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let Boundary { drives, supports, loads, mut measured } = boundary;
     let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
     let ground = ground?;
-    let lines = contact::interface_lines(&contacts, &ground.defaults.pairs);
+    let lines = contact::interface_lines(&contacts, &ground.specimen.contact_pairs);
     let part_at =
         |node: usize| mesh.elements().iter().find(|element| element.nodes().contains(&node)).map(Element::part);
     measured.part = measured.tail_node.and_then(part_at);
@@ -75,7 +75,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         fibre.lines = own.map(|(line, _)| line).collect();
     }
     measured.interface_lines = lines.into_values().collect();
-    measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter);
+    measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter());
     let yields = |part: Option<usize>| part.is_some_and(|part| parts.laws[part].equivalent_plastic_strain().is_some());
     let mut pulled = measured.fibres.iter().map(|fibre| fibre.part).chain([measured.part]);
     let place = root.key("output");
@@ -155,8 +155,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
             }
         },
         rupture_strain: output.rupture_strain.map_or(RUPTURE_STRAIN, |strain| strain.0),
+        fibre_diameter: ground.diameter(),
         mesh: ground.words,
-        fibre_diameter: ground.diameter,
         model,
         step_untils: steps.into_iter().map(|step| step.until).collect(),
         threads: Threads::default(),

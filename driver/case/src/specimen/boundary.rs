@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::couplings::node;
+use super::mesh::Ground;
 use crate::document::pullout as document;
 use crate::document::{Piece, PulloutCase};
 use crate::problem::{Place, hint};
@@ -117,7 +118,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
 impl Boundary {
     fn add_grip(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
         let place = Place::root().key(GRIP);
-        let default = scene.ground.and_then(|ground| ground.defaults.grip);
+        let default = scene.ground.and_then(|ground| Some((ground.grip?, ground.specimen.pull_direction)));
         if case.grip.is_none() && default.is_none() {
             if scene.ground.is_none() {
                 // the specimen that could not be read may have one
@@ -126,13 +127,12 @@ impl Boundary {
             }
             return;
         }
-        let defaults = scene.ground.map(|ground| &ground.defaults);
         let chosen = |piece: &Piece<document::Grip>| piece.0.as_ref().is_ok_and(|grip| grip.nodes.is_some());
-        let fibres = defaults.map_or(&[][..], |defaults| &defaults.fibres);
+        let fibres = scene.ground.map_or(&[][..], Ground::several_fibres);
         let fibres = if case.grip.as_ref().is_some_and(chosen) { &[][..] } else { fibres };
         // known even where the rest is not: steps may name it
-        let drives: Vec<usize> = match defaults.is_some_and(|defaults| defaults.grips_each) && !fibres.is_empty() {
-            true => fibres.iter().map(|(fibre, _)| self.drives.of_fibre(fibre, &place)).collect(),
+        let drives: Vec<usize> = match scene.ground.is_some_and(|ground| ground.grips_each) && !fibres.is_empty() {
+            true => fibres.iter().map(|fibre| self.drives.of_fibre(fibre, &place)).collect(),
             false => vec![self.drives.followed(SLIP, &place)],
         };
         let given = match &case.grip {
@@ -182,12 +182,13 @@ impl Boundary {
         if fibres.is_empty() {
             pull(GRIP, nodes, drives[0]);
         }
-        for (index, (fibre, grip)) in fibres.iter().enumerate() {
-            let Some(nodes) = scene.node_set(reader, grip, &place) else { continue };
-            let slip = drives[index.min(drives.len() - 1)];
-            let support = pull(grip, nodes, slip);
+        for (index, fibre) in fibres.iter().enumerate() {
             let &PulledFibre { part, direction: axis, exit_node, tail_node, .. } = fibre;
             let name = fibre.name.clone().unwrap_or_default();
+            let grip = format!("{GRIP}.{name}");
+            let Some(nodes) = scene.node_set(reader, &grip, &place) else { continue };
+            let slip = drives[index.min(drives.len() - 1)];
+            let support = pull(&grip, nodes, slip);
             self.measured.fibres.push(MeasuredFibre {
                 name,
                 slip,
@@ -203,7 +204,7 @@ impl Boundary {
 
     fn add_supports(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
         let place = Place::root().key("supports");
-        let ways = scene.ground.map_or(&[][..], |ground| &ground.defaults.supports);
+        let ways = scene.ground.map_or(&[][..], |ground| &ground.supports);
         let named = match reader.optional(case.supports.as_ref(), &place) {
             Some(document::Supports::Given(supports)) => return self.add_given(reader, supports, scene, &place),
             Some(document::Supports::Named(name)) => Some(name),
@@ -331,14 +332,14 @@ impl Boundary {
         if let Some(direction) = given.direction.and_then(|given| unit(reader, given, &place.key("direction"))) {
             self.measured.direction = direction;
         }
-        let defaults = scene.ground.map(|ground| &ground.defaults);
+        let fibre = scene.ground.and_then(Ground::lone_fibre);
         let mut find = |given: Option<&document::NodeReference>, default: Option<usize>, key: &str| match given {
             Some(reference) => node(reader, reference, scene, &place.key(key)),
             None => default,
         };
-        self.measured.axis = defaults.and_then(|defaults| defaults.fibre_direction);
-        self.measured.exit_node = find(given.exit.as_ref(), defaults.and_then(|d| d.exit), "exit");
-        self.measured.tail_node = find(given.tail.as_ref(), defaults.and_then(|d| d.tail), "tail");
+        self.measured.axis = fibre.map(|fibre| fibre.direction);
+        self.measured.exit_node = find(given.exit.as_ref(), fibre.map(|fibre| fibre.exit_node), "exit");
+        self.measured.tail_node = find(given.tail.as_ref(), fibre.map(|fibre| fibre.tail_node), "tail");
     }
 
     /// The direction in which the reaction of a support is the load, where the case names none: the support's if it has only

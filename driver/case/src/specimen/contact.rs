@@ -1,13 +1,13 @@
 //! Contact pairs.
 
 use super::Scene;
-use super::mesh::{DefaultPair, MATRIX};
+use super::mesh::MATRIX;
 use crate::document::pullout as document;
 use crate::document::{Entry, PropValue, Props, PulloutCase};
 use crate::plugin::{self, Length, Level, Use};
 use crate::problem::{Place, hint};
 use crate::reader::{Reader, Taken};
-use fe_core::mesh::specimen::SurfaceRole;
+use fe_core::mesh::specimen::{ContactSurfaces, SurfaceRole};
 use fe_core::mesh::{ElementEdge, Mesh};
 use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width};
 use indexmap::IndexMap;
@@ -32,7 +32,7 @@ const PERTURBATION: f64 = 1e4;
 /// All pairs; `None` if any is unusable.
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<Vec<ContactPair>> {
     let place = Place::root().key("contact");
-    let defaults = scene.ground.map_or(&[][..], |ground| &ground.defaults.pairs);
+    let defaults = scene.ground.map_or(&[][..], |ground| &ground.specimen.contact_pairs);
     let Some(given) = &case.contact else {
         if let Some(pair) = defaults.first() {
             let message = format!("is missing: the specimen has the contact pair '{}', which needs a law", pair.name);
@@ -58,7 +58,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
                 resolved.push(pair.and_then(|pair| one_pair(reader, pair, own, k, scene, &place)));
             }
             let is_missing =
-                |default: &&DefaultPair| !default.is_on_request() && !names.contains(&default.name.as_str());
+                |default: &&ContactSurfaces| !is_on_request(default) && !names.contains(&default.name.as_str());
             for missing in defaults.iter().filter(is_missing) {
                 reader.problem(&place, format!("the specimen's contact pair '{}' is missing", missing.name));
             }
@@ -80,11 +80,16 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
     pairs
 }
 
+/// Returns whether a specimen's pair is in contact only where the case says so.
+fn is_on_request(pair: &ContactSurfaces) -> bool {
+    pair.role == SurfaceRole::End
+}
+
 /// Tells the widths of the lines of contact of round fibres in the plane.
-fn note_widths(reader: &mut Reader<'_>, pairs: &[ContactPair], defaults: &[DefaultPair], scene: Scene<'_>) {
+fn note_widths(reader: &mut Reader<'_>, pairs: &[ContactPair], defaults: &[ContactSurfaces], scene: Scene<'_>) {
     let mut parts = scene.mesh.into_iter().flat_map(|mesh| mesh.parts());
     let Some(matrix) = parts.find(|part| part.name == MATRIX) else { return };
-    let is_line = |default: &&DefaultPair| matches!(default.width, Width::Given(_)) && !default.is_on_request();
+    let is_line = |default: &&ContactSurfaces| default.width.is_some() && !is_on_request(default);
     for default in defaults.iter().filter(is_line) {
         let Some(pair) = pairs.iter().find(|pair| pair.name == default.name) else { continue };
         let width = match pair.width {
@@ -100,12 +105,15 @@ fn note_widths(reader: &mut Reader<'_>, pairs: &[ContactPair], defaults: &[Defau
 
 /// The pairs that bond fibres, line by line: those of a specimen that share a master, which names the line, and any other pair
 /// by itself.
-pub fn interface_lines<'n>(contacts: &'n [ContactPair], defaults: &'n [DefaultPair]) -> IndexMap<&'n str, Vec<usize>> {
+pub fn interface_lines<'n>(
+    contacts: &'n [ContactPair],
+    defaults: &'n [ContactSurfaces],
+) -> IndexMap<&'n str, Vec<usize>> {
     let mut lines: IndexMap<&str, Vec<usize>> = IndexMap::new();
     for (index, pair) in contacts.iter().enumerate() {
         match defaults.iter().find(|default| default.name == pair.name) {
-            Some(DefaultPair { role: SurfaceRole::Exit | SurfaceRole::End, .. }) => {}
-            Some(DefaultPair { master, .. }) => lines.entry(master).or_default().push(index),
+            Some(ContactSurfaces { role: SurfaceRole::Exit | SurfaceRole::End, .. }) => {}
+            Some(ContactSurfaces { master, .. }) => lines.entry(master).or_default().push(index),
             None => lines.entry(&pair.name).or_default().push(index),
         }
     }
@@ -124,7 +132,7 @@ pub fn bearing_factor(contacts: &[ContactPair], diameter: Option<f64>) -> f64 {
 fn all_pairs(
     reader: &mut Reader<'_>,
     pair: &document::Pair,
-    defaults: &[DefaultPair],
+    defaults: &[ContactSurfaces],
     scene: Scene<'_>,
     place: &Place,
 ) -> Option<Vec<ContactPair>> {
@@ -136,7 +144,7 @@ fn all_pairs(
     let first = one_pair(reader, pair, Some(first), 0, scene, place)?;
     let mut pairs = vec![first];
     let mut laws = Vec::new();
-    for default in others.iter().filter(|default| !default.is_on_request() || pair.end.is_some()) {
+    for default in others.iter().filter(|default| !is_on_request(default) || pair.end.is_some()) {
         let law = match laws.iter().find(|(role, _)| *role == default.role) {
             Some((_, law)) => Clone::clone(law),
             None => {
@@ -209,7 +217,7 @@ fn has_default(law: &ContactLaw, (name, value): &(&str, PropValue)) -> bool {
 fn one_pair(
     reader: &mut Reader<'_>,
     pair: &document::Pair,
-    default: Option<&DefaultPair>,
+    default: Option<&ContactSurfaces>,
     index: usize,
     scene: Scene<'_>,
     place: &Place,
@@ -273,7 +281,7 @@ fn one_pair(
 fn surfaces(
     reader: &mut Reader<'_>,
     pair: &document::Pair,
-    default: Option<&DefaultPair>,
+    default: Option<&ContactSurfaces>,
     scene: Scene<'_>,
     place: &Place,
 ) -> Option<(Vec<ElementEdge>, Vec<ElementEdge>)> {
@@ -396,11 +404,11 @@ fn normal_law(normal: document::Normal) -> NormalLaw {
     }
 }
 
-fn width(reader: &mut Reader<'_>, pair: &document::Pair, default: Option<&DefaultPair>, place: &Place) -> Width {
+fn width(reader: &mut Reader<'_>, pair: &document::Pair, default: Option<&ContactSurfaces>, place: &Place) -> Width {
     match reader.optional(pair.width.as_ref(), &place.key("width")) {
         Some(document::Width::Given(width)) => Width::Given(width.0),
         Some(document::Width::Part(_)) => Width::OfPart,
-        None => default.map_or(Width::OfPart, |pair| pair.width),
+        None => default.and_then(|pair| pair.width).map_or(Width::OfPart, Width::Given),
     }
 }
 

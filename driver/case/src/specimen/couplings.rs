@@ -18,7 +18,7 @@ const LEAST_SHARE: f64 = 1e-3;
 /// All couplings, the specimen's first; unusable ones are left out.
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Vec<Coupling> {
     let root = Place::root().key("couplings");
-    let own = scene.ground.into_iter().flat_map(|ground| &ground.defaults.couplings);
+    let own = scene.ground.into_iter().flat_map(|ground| &ground.specimen.couplings);
     let mut couplings: Vec<Coupling> =
         own.flat_map(|coupling| [0, 1].map(|component| along(coupling, component))).collect();
     for (k, piece) in reader.optional(case.couplings.as_ref(), &root).into_iter().flatten().enumerate() {

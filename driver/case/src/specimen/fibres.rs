@@ -1,17 +1,16 @@
 //! Specimens with fibres, and what each says where the case says nothing.
 
 use super::boundary::BOTH;
-use super::generated::{Generated, X, without_effect};
-use super::mesh::{DefaultPair, DefaultSupports, Defaults, thickness};
+use super::generated::{X, without_effect};
+use super::mesh::{DefaultSupports, Ground, Held, thickness};
 use crate::document::Positive;
 use crate::document::pullout::{self as document, FibreShape, SeparationLength, SeparationRule, Thickness};
 use crate::reader::Taken;
 use fe_core::element::ElementKind;
 use fe_core::mesh::specimen::{
-    self, Configuration, ContactSurfaces, FINE_DIAMETERS, Fibre, FibreMesh, Fibres, FibresMesh, GradedThickness,
-    ParameterProblem, PerpendicularFibre, Segment, SpecimenError,
+    self, Configuration, FINE_DIAMETERS, Fibre, FibreMesh, Fibres, FibresMesh, GradedThickness, ParameterProblem,
+    PerpendicularFibre, Segment, SpecimenError,
 };
-use fe_core::model::Width;
 
 /// Default slope of a graded thickness: the stiffness of the fibre in its block is within 14 % of that in space at 0 and 45°, along and across
 /// it, in blocks of 3 and 13 mm (`tests/reference/inclined_fibre`).
@@ -27,7 +26,7 @@ pub(super) fn perpendicular_fibre(
     given: &document::PerpendicularFibre,
     matrix: Option<Thickness>,
     taken: &mut Taken,
-) -> Result<Generated, SpecimenError> {
+) -> Result<Ground, SpecimenError> {
     let axisymmetric = taken.or("axisymmetric", given.axisymmetric, false);
     let has_radius = given.outer_radius.is_some();
     without_effect(&[
@@ -90,7 +89,7 @@ pub(super) fn perpendicular_fibre(
     let made = specimen::perpendicular_fibre(&parameters)?;
     let ways: &[&'static str] =
         if axisymmetric { &["outer", "bottom"] } else { &["sides", "face_near", "face_away", "bottom"] };
-    let also: &[(&'static str, &'static [[f64; 2]])] = if axisymmetric { &[("axis", X)] } else { &[] };
+    let also: &[Held] = if axisymmetric { &[("axis", X)] } else { &[] };
     Ok(pulled_fibre("perpendicular_fibre", made, ways, also))
 }
 
@@ -99,7 +98,7 @@ pub(super) fn inclined_fibre(
     matrix: Option<Thickness>,
     slip: f64,
     taken: &mut Taken,
-) -> Result<Generated, SpecimenError> {
+) -> Result<Ground, SpecimenError> {
     let angle = taken.real("angle_deg", given.angle_deg, ANGLE).to_radians();
     let is_straight = given.shape == Some(FibreShape::Straight);
     without_effect(&[
@@ -160,7 +159,7 @@ pub(super) fn fibres(
     matrix: Option<Thickness>,
     slip: f64,
     taken: &mut Taken,
-) -> Result<Generated, SpecimenError> {
+) -> Result<Ground, SpecimenError> {
     let mut made = Vec::new();
     for given in &given.fibres {
         let wrong = |piece: usize, value: &str, requirement: &str| SpecimenError::Parameters {
@@ -200,9 +199,9 @@ pub(super) fn fibres(
             ..default
         });
     }
-    let mut generated = around("fibres", made, given, matrix, taken)?;
-    generated.defaults.grips_each = given.grips == Some(document::Grips::Each);
-    Ok(generated)
+    let mut ground = around("fibres", made, given, matrix, taken)?;
+    ground.grips_each = given.grips == Some(document::Grips::Each);
+    Ok(ground)
 }
 
 /// A piece of a path, if it is one thing.
@@ -225,12 +224,12 @@ fn fine_length(given: Option<Positive>, slip: f64, diameter: f64, embedded_lengt
 
 /// A specimen of fibres in the block that a case describes; its own list of fibres is not looked at.
 fn around(
-    name: &'static str,
+    name: &str,
     fibres: Vec<Fibre>,
     block: &document::Fibres,
     matrix: Option<Thickness>,
     taken: &mut Taken,
-) -> Result<Generated, SpecimenError> {
+) -> Result<Ground, SpecimenError> {
     let (default, sizes) = (Fibres::default(), FibresMesh::default());
     let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
     let matrix_thickness = matrix_thickness(matrix, block.matrix_thickness, thickest, default.matrix_thickness, taken);
@@ -286,42 +285,10 @@ fn graded(given: document::GradedThickness) -> GradedThickness {
 }
 
 /// A specimen that is held by one of some node sets, and by what holds it in any case.
-fn pulled_fibre(
-    name: &'static str,
-    made: specimen::Specimen,
-    ways: &[&'static str],
-    also: &[(&'static str, &'static [[f64; 2]])],
-) -> Generated {
-    let ends = made.fibres.iter().map(|fibre| fibre.end.clone());
-    let pairs =
-        made.contact_pairs.into_iter().chain(ends).map(|ContactSurfaces { name, slave, master, role, width }| {
-            DefaultPair { name, slave, master, width: width.map_or(Width::OfPart, Width::Given), role }
-        });
-    let pairs = pairs.collect();
-    let alone = match &made.fibres[..] {
-        [fibre] => Some(fibre),
-        _ => None,
-    };
-    let named = made.fibres.iter().filter_map(|fibre| Some((fibre.clone(), format!("grip.{}", fibre.name.as_ref()?))));
-    let fibres = named.filter(|_| alone.is_none());
-    let exists = |set: &&&str| made.definition.node_sets.contains_key(**set);
+fn pulled_fibre(name: &str, mut specimen: specimen::Specimen, ways: &[&'static str], also: &[Held]) -> Ground {
+    specimen.contact_pairs.extend(specimen.fibres.iter().map(|fibre| fibre.end.clone()));
+    let exists = |set: &&&str| specimen.definition.node_sets.contains_key(**set);
     let held = |set: &'static str| [&[(set, BOTH)], also].concat();
     let supports = ways.iter().filter(exists).map(|&set| DefaultSupports { name: set, supports: held(set) }).collect();
-    Generated {
-        name,
-        defaults: Defaults {
-            fibres: fibres.collect(),
-            grips_each: false,
-            pairs,
-            supports,
-            grip: Some(("grip", made.pull_direction)),
-            fibre_direction: alone.map(|fibre| fibre.direction),
-            exit: alone.map(|fibre| fibre.exit_node),
-            tail: alone.map(|fibre| fibre.tail_node),
-            couplings: made.couplings,
-        },
-        definition: made.definition,
-        fibres: made.fibres,
-        notes: made.notes,
-    }
+    Ground { words: format!("specimen {name}"), specimen, supports, grip: Some("grip"), grips_each: false }
 }

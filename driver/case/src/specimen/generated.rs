@@ -2,29 +2,17 @@
 
 use super::boundary::BOTH;
 use super::fibres;
-use super::mesh::{DefaultPair, DefaultSupports, Defaults};
+use super::mesh::{DefaultSupports, Ground, Held};
 use crate::document::pullout::{
     CurvedChannel, DragOutStrip, Elements, Hertz, Specimen, ThickCylinder, Thickness, TwoBlocks,
 };
 use crate::reader::Taken;
 use fe_core::element::ElementKind;
 use fe_core::mesh::MeshDefinition;
-use fe_core::mesh::specimen::{self, CylinderSection, ParameterProblem, PulledFibre, SpecimenError, SurfaceRole};
-use fe_core::model::Width;
+use fe_core::mesh::specimen::{self, ContactSurfaces, CylinderSection, ParameterProblem, SpecimenError, SurfaceRole};
 
 pub(super) const X: &[[f64; 2]] = &[[1.0, 0.0]];
 const Y: &[[f64; 2]] = &[[0.0, 1.0]];
-
-/// Generated mesh with its default supports, pairs and notes.
-pub struct Generated {
-    pub name: &'static str,
-    pub definition: MeshDefinition,
-    pub defaults: Defaults,
-    /// Fibres of the specimen.
-    pub fibres: Vec<PulledFibre>,
-    /// Notes on the model for the user.
-    pub notes: Vec<String>,
-}
 
 /// Makes the mesh of a specimen. The thickness that the case gives the part `matrix` is that of a fibre's block; `slip`: how
 /// far the grip goes, mm; `taken`: notes what is left to defaults.
@@ -36,7 +24,7 @@ pub fn generate(
     matrix: Option<Thickness>,
     slip: f64,
     taken: &mut Taken,
-) -> Result<Generated, SpecimenError> {
+) -> Result<Ground, SpecimenError> {
     match given {
         Specimen::PerpendicularFibre(given) => fibres::perpendicular_fibre(given, matrix, taken),
         Specimen::InclinedFibre(given) => fibres::inclined_fibre(given, matrix, slip, taken),
@@ -71,7 +59,7 @@ pub fn generate(
     }
 }
 
-fn thick_cylinder(given: &ThickCylinder, taken: &mut Taken) -> Result<Generated, SpecimenError> {
+fn thick_cylinder(given: &ThickCylinder, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     let axisymmetric = taken.or("axisymmetric", given.axisymmetric, false);
     let cells = taken.number("other_cells", given.other_cells, 10);
     without_effect(&[("height", given.height.is_some() && !axisymmetric, "a quarter of the cross-section")])?;
@@ -88,12 +76,12 @@ fn thick_cylinder(given: &ThickCylinder, taken: &mut Taken) -> Result<Generated,
         section,
         element: taken.or("element", given.element, ElementKind::Q8),
     })?;
-    let supports: &[(&'static str, &'static [[f64; 2]])] =
+    let supports: &[Held] =
         if axisymmetric { &[("bottom", Y), ("top", Y)] } else { &[("symmetry_x", X), ("symmetry_y", Y)] };
     Ok(one_body("thick_cylinder", definition, supports))
 }
 
-fn two_blocks(given: &TwoBlocks, taken: &mut Taken) -> Result<Generated, SpecimenError> {
+fn two_blocks(given: &TwoBlocks, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     let definition = specimen::two_blocks(&specimen::TwoBlocks {
         width: taken.length("width", given.width, 1.0),
         heights: taken.two("heights", given.heights.map(|heights| heights.map(|height| height.0)), [1.0; 2]),
@@ -105,7 +93,7 @@ fn two_blocks(given: &TwoBlocks, taken: &mut Taken) -> Result<Generated, Specime
     Ok(in_contact("two_blocks", definition, &supports, "lower_contact", "upper_contact", None))
 }
 
-fn hertz(given: &Hertz, taken: &mut Taken) -> Result<Generated, SpecimenError> {
+fn hertz(given: &Hertz, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     let definition = specimen::cylinder_on_plane(&specimen::CylinderOnPlane {
         radius: taken.length("radius", given.radius, 10.0),
         half_width: taken.length("half_width", given.half_width, 5.0),
@@ -120,7 +108,7 @@ fn hertz(given: &Hertz, taken: &mut Taken) -> Result<Generated, SpecimenError> {
     Ok(in_contact("hertz", definition, &supports, "base_contact", "cylinder_contact", None))
 }
 
-fn drag_out_strip(given: &DragOutStrip, taken: &mut Taken) -> Result<Generated, SpecimenError> {
+fn drag_out_strip(given: &DragOutStrip, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     let default = specimen::DragOutStrip::default();
     let definition = specimen::drag_out_strip(&specimen::DragOutStrip {
         strip_length: taken.length("strip_length", given.strip_length, default.strip_length),
@@ -140,7 +128,7 @@ fn drag_out_strip(given: &DragOutStrip, taken: &mut Taken) -> Result<Generated, 
     Ok(in_contact("drag_out_strip", definition, &supports, "block_contact", "strip_contact", grip))
 }
 
-fn curved_channel(given: &CurvedChannel, taken: &mut Taken) -> Result<Generated, SpecimenError> {
+fn curved_channel(given: &CurvedChannel, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     let definition = specimen::curved_channel(&specimen::CurvedChannel {
         radius: taken.length("radius", given.radius, 10.0),
         angle: taken.length("angle_deg", given.angle_deg, 90.0).to_radians(),
@@ -156,35 +144,33 @@ fn curved_channel(given: &CurvedChannel, taken: &mut Taken) -> Result<Generated,
     Ok(in_contact("curved_channel", definition, &[("channel", BOTH)], "channel_contact", "fibre_contact", grip))
 }
 
-fn one_body(
-    name: &'static str,
-    definition: MeshDefinition,
-    supports: &[(&'static str, &'static [[f64; 2]])],
-) -> Generated {
+fn one_body(name: &str, definition: MeshDefinition, supports: &[Held]) -> Ground {
     let supports = vec![DefaultSupports { name: "standard", supports: supports.to_vec() }];
-    let defaults = Defaults { supports, ..Defaults::default() };
-    Generated { name, definition, defaults, fibres: Vec::new(), notes: Vec::new() }
+    let specimen = specimen::Specimen { definition, ..Default::default() };
+    Ground { words: format!("specimen {name}"), specimen, supports, ..Ground::default() }
 }
 
 fn in_contact(
-    name: &'static str,
+    name: &str,
     definition: MeshDefinition,
-    supports: &[(&'static str, &'static [[f64; 2]])],
+    supports: &[Held],
     slave: &str,
     master: &str,
     grip: Option<(&'static str, [f64; 2])>,
-) -> Generated {
-    let mut made = one_body(name, definition, supports);
-    let (slave, master) = (slave.to_owned(), master.to_owned());
-    made.defaults.pairs = vec![DefaultPair {
-        name: "contact".to_owned(),
-        slave,
-        master,
-        width: Width::OfPart,
+) -> Ground {
+    let mut ground = one_body(name, definition, supports);
+    ground.specimen.contact_pairs = vec![ContactSurfaces {
+        name: "contact".into(),
+        slave: slave.into(),
+        master: master.into(),
         role: SurfaceRole::Bonded,
+        width: None,
     }];
-    made.defaults.grip = grip;
-    made
+    if let Some((nodes, direction)) = grip {
+        ground.grip = Some(nodes);
+        ground.specimen.pull_direction = direction;
+    }
+    ground
 }
 
 /// Refuses parameters without effect: of each the name, whether it is one, and what it must be left out of.

@@ -1,15 +1,14 @@
 //! The mesh: a specimen's or a file's, with the parts' models and thicknesses.
 
-use super::generated::{Generated, generate};
+use super::generated::generate;
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::problem::{Place, hint, nearest};
 use crate::reader::{Reader, Taken};
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
-use fe_core::mesh::specimen::{NodeCoupling, PulledFibre, SpecimenError, SurfaceRole};
+use fe_core::mesh::specimen::{PulledFibre, Specimen, SpecimenError};
 use fe_core::mesh::{Mesh, MeshDefinition, Part, gmsh};
-use fe_core::model::Width;
 use pullout_run::input::{self, Input};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
@@ -25,53 +24,37 @@ pub const MATRIX: &str = "matrix";
 pub const COVER: &str = "cover";
 
 /// A mesh as its maker gave it, and what the specimen says where the case says nothing.
+#[derive(Clone, Debug, Default)]
 pub struct Ground {
-    pub definition: MeshDefinition,
     /// Description of the mesh for the report.
     pub words: String,
-    /// Diameter of the round fibre, mm.
-    pub diameter: Option<f64>,
-    pub defaults: Defaults,
-}
-
-/// Defaults of a specimen.
-#[derive(Clone, Debug, Default)]
-pub struct Defaults {
-    /// Contact pairs.
-    pub pairs: Vec<DefaultPair>,
+    /// The mesh with its fibres and contact pairs, those of the fibres' ends among them; of a file the mesh alone.
+    pub specimen: Specimen,
     /// Ways to be held: their names, and the node sets that they hold in both directions, or in one. The first is the
     /// default.
     pub supports: Vec<DefaultSupports>,
-    /// Several fibres, each with the node set of its grip.
-    pub fibres: Vec<(PulledFibre, String)>,
-    /// Whether each of them has a drive of its own.
+    /// Node set that is pulled.
+    pub grip: Option<&'static str>,
+    /// Whether each of several fibres has a drive of its own.
     pub grips_each: bool,
-    /// Node set that is pulled, and the pull direction.
-    pub grip: Option<(&'static str, [f64; 2])>,
-    /// Direction of the embedded fibre towards its exit.
-    pub fibre_direction: Option<[f64; 2]>,
-    /// Node at which the fibre leaves the matrix, and node of its inner end.
-    pub exit: Option<usize>,
-    pub tail: Option<usize>,
-    /// Nodes that follow others.
-    pub couplings: Vec<NodeCoupling>,
 }
 
-/// A contact pair of a specimen.
-#[derive(Clone, Debug)]
-pub struct DefaultPair {
-    pub name: String,
-    pub slave: String,
-    pub master: String,
-    pub width: Width,
-    /// Kind of contact.
-    pub role: SurfaceRole,
-}
+impl Ground {
+    /// The fibre that is alone.
+    pub fn lone_fibre(&self) -> Option<&PulledFibre> {
+        if let [fibre] = &self.specimen.fibres[..] { Some(fibre) } else { None }
+    }
 
-impl DefaultPair {
-    /// Returns whether it is in contact only where the case says so.
-    pub fn is_on_request(&self) -> bool {
-        self.role == SurfaceRole::End
+    /// The fibres, if there are several.
+    pub fn several_fibres(&self) -> &[PulledFibre] {
+        if self.lone_fibre().is_none() { &self.specimen.fibres } else { &[] }
+    }
+
+    /// The diameter of all fibres, mm, if it is one.
+    pub fn diameter(&self) -> Option<f64> {
+        let fibres = &self.specimen.fibres;
+        let diameter = fibres.first()?.diameter;
+        fibres.iter().all(|fibre| fibre.diameter == diameter).then_some(diameter)
     }
 }
 
@@ -79,9 +62,11 @@ impl DefaultPair {
 #[derive(Clone, Debug)]
 pub struct DefaultSupports {
     pub name: &'static str,
-    /// Node set and directions.
-    pub supports: Vec<(&'static str, &'static [[f64; 2]])>,
+    pub supports: Vec<Held>,
 }
+
+/// A node set, and the directions in which it is held.
+pub type Held = (&'static str, &'static [[f64; 2]]);
 
 /// Makes or reads the mesh.
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
@@ -92,18 +77,19 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
             let specimen = reader.piece(&source.specimen, &place)?;
             let mut taken = Taken::default();
             match generate(specimen, thickness_of_matrix(case), super::steps::greatest_slip(case), &mut taken) {
-                Ok(Generated { name, mut definition, defaults, fibres, notes }) => {
-                    let diameter = common_diameter(&fibres);
-                    adapt_parts(reader, case, &mut definition, diameter);
-                    for fibre in &fibres {
+                Ok(mut ground) => {
+                    let diameter = ground.diameter();
+                    let Specimen { definition, fibres, notes, .. } = &mut ground.specimen;
+                    adapt_parts(reader, case, definition, diameter);
+                    for fibre in fibres.iter() {
                         let part = &definition.parts[fibre.part];
                         if part.model != PlaneModel::Axisymmetric {
                             reader.warn(section_note(fibre.diameter, part.thickness));
                         }
                     }
-                    notes.into_iter().for_each(|note| reader.warn(note));
+                    notes.drain(..).for_each(|note| reader.warn(note));
                     reader.note_defaults(&place, &taken.0);
-                    Some(Ground { definition, words: format!("specimen {name}"), diameter, defaults })
+                    Some(ground)
                 }
                 Err(SpecimenError::Parameters { problems }) => {
                     for problem in problems {
@@ -139,16 +125,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                 };
                 reader.warn(format!("{}: {which} clockwise nodes: turned round", file.display()));
             }
-            let words = format!("file {}", source.file);
-            Some(Ground { definition, words, diameter: None, defaults: Defaults::default() })
+            let specimen = Specimen { definition, ..Specimen::default() };
+            Some(Ground { words: format!("file {}", source.file), specimen, ..Ground::default() })
         }
     }
-}
-
-/// The diameter of all fibres, if it is one.
-fn common_diameter(fibres: &[PulledFibre]) -> Option<f64> {
-    let diameter = fibres.first()?.diameter;
-    fibres.iter().all(|fibre| fibre.diameter == diameter).then_some(diameter)
 }
 
 /// Returns the note for reports on the section of a round fibre in the plane.
@@ -164,7 +144,7 @@ const USUAL_THICKNESS: [f64; 2] = [1e-3, 1e5];
 
 /// Checks the mesh; its faults are reported at `mesh`. The nodes of a part are a set of its name, unless there is another.
 pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
-    let mut definition = ground.definition.clone();
+    let mut definition = ground.specimen.definition.clone();
     for part in definition.parts.iter().filter(|part| part.model != PlaneModel::Axisymmetric) {
         if !(USUAL_THICKNESS[0]..=USUAL_THICKNESS[1]).contains(&part.thickness) {
             let what = format!("the thickness of the part '{}'", part.name);

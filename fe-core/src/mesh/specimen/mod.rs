@@ -65,7 +65,7 @@ pub struct NodeCoupling {
 }
 
 /// A pull-out specimen.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Specimen {
     /// The mesh.
     pub definition: MeshDefinition,
