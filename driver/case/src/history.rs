@@ -20,12 +20,12 @@ pub fn about(
     let title = reader.optional(given.head.title.as_ref(), &root.key("title")).cloned();
     let description = reader.optional(given.head.description.as_ref(), &root.key("description")).cloned();
     let place = root.key("until");
-    let bound = reader.optional(until, &place);
+    let until = reader.optional(until, &place);
     About {
         case_file: path.into(),
         title: title.unwrap_or_else(|| path.file_stem().unwrap_or_default().to_string_lossy().into()),
         description: description.unwrap_or_default(),
-        until: bound.and_then(|bound| self::until(reader, bound, columns, &place)),
+        until: self::until(reader, until, columns, &place),
         compare: compare_all(reader, given.compare.as_ref(), columns, &root.key("compare")),
         ..About::default()
     }
@@ -44,10 +44,11 @@ fn column(reader: &mut Reader<'_>, name: &str, columns: Option<&[String]>, place
 /// `NAME` or `abs(NAME)`, and a bound.
 pub fn until(
     reader: &mut Reader<'_>,
-    until: &document::Until,
+    until: Option<&document::Until>,
     columns: Option<&[String]>,
     place: &Place,
 ) -> Option<program::Until> {
+    let until = until?;
     let quantity = until.quantity.trim();
     let inner = quantity.strip_prefix("abs").map(str::trim_start).and_then(|rest| rest.strip_prefix('('));
     let (name, absolute) = match inner.and_then(|rest| rest.strip_suffix(')')) {

@@ -173,8 +173,7 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &InterfaceRamp, setting: &Setting<'_
         Some(EndValue::Value(value)) => Some(value),
         Some(EndValue::Hold(_)) | None => None,
     };
-    let until =
-        ramp.end.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let until = history::until(reader, ramp.end.until.as_ref(), setting.columns, &place.key("until"));
     let ends = vec![[value(target.slip), value(target.slip2), value(target.gap.or(target.p))]];
     let pace = steps::pace(ramp.increments, ramp.time);
     let fields = fields::of_step(reader, &ramp.end, setting.field_variables, place);
@@ -190,8 +189,7 @@ fn table_step(
     setting: &Setting<'_>,
     place: &Place,
 ) -> Option<OpenStep> {
-    let until =
-        step.end.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let until = history::until(reader, step.end.until.as_ref(), setting.columns, &place.key("until"));
     let count = setting.field_variables;
     let mut fields = fields::of_step(reader, &step.end, count, place);
     let field_names = fields::columns(count);

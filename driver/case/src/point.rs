@@ -159,8 +159,7 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, p
         (PointDrive::Components { controls, rows: Vec::new() }, constraints)
     };
     let fields = fields::of_step(reader, &ramp.end, setting.field_variables, place);
-    let until =
-        ramp.end.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let until = history::until(reader, ramp.end.until.as_ref(), setting.columns, &place.key("until"));
     PointStep { pace: steps::pace(ramp.increments, ramp.time), goal: PointGoal { drive, constraints }, until, fields }
 }
 
@@ -228,8 +227,7 @@ fn check_names(
 fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>, place: &Place) -> Option<PointStep> {
     let count = setting.field_variables;
     let mut fields = fields::of_step(reader, &step.end, count, place);
-    let until =
-        step.end.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let until = history::until(reader, step.end.until.as_ref(), setting.columns, &place.key("until"));
     let field_names = fields::columns(count);
     let names: Vec<&str> =
         STRAIN_NAMES.into_iter().chain(STRESS_NAMES).chain(field_names.iter().map(String::as_str)).collect();

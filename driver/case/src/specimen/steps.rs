@@ -116,9 +116,8 @@ fn one_step(
         }
     }
 
-    let until = ramp.end.until.as_ref();
     let place_of_until = place.key("until");
-    let until = until.and_then(|until| history::until(reader, until, Some(columns), &place_of_until));
+    let until = history::until(reader, ramp.end.until.as_ref(), Some(columns), &place_of_until);
     refuse_unmeasured(reader, until.as_ref(), columns, measured, &place_of_until);
     let mut taken = Taken::default();
     let time = taken.length("time", ramp.time, 1.0);
