@@ -37,12 +37,28 @@ pub fn check_count(reader: &mut Reader<'_>, values: Option<&[f64]>, count: usize
     }
 }
 
-/// Names of a table's columns.
-pub fn columns(count: usize) -> Vec<String> {
-    std::iter::once(TEMPERATURE.to_owned()).chain((1..=count).map(|number| format!("{PREDEF}{number}"))).collect()
+/// Reads the table of a step, with the name of its file for messages: its columns are `components`, then the temperature and
+/// `count` field variables.
+pub fn read_table(
+    reader: &mut Reader<'_>,
+    name: &str,
+    components: &[&str],
+    count: usize,
+    place: &Place,
+) -> Option<(String, Table)> {
+    let path = reader.file(name, place)?;
+    let variables: Vec<String> = (1..=count).map(|number| format!("{PREDEF}{number}")).collect();
+    let of_fields = [TEMPERATURE].into_iter().chain(variables.iter().map(String::as_str));
+    let names: Vec<&str> = components.iter().copied().chain(of_fields).collect();
+    let table = reader.without_problems(Table::read(&path, &names), place)?;
+    let file = path.display().to_string();
+    if table.starts_at_zero {
+        reader.warn(format!("{file}: the first row is at time 0: its increment takes no time"));
+    }
+    Some((file, table))
 }
 
-/// Takes the values of [`columns`], the first of which is number `first` of the table's names. `file`: for messages.
+/// Takes the values of the fields, the first of which is number `first` of the table's columns. `file`: for messages.
 pub fn take_columns(
     reader: &mut Reader<'_>,
     fields: &mut StepFields,

@@ -3,8 +3,7 @@
 use crate::document::{ContactArguments, EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
 use crate::document::{InterfaceTable, Piece};
 use crate::plugin::{self, Length, Level, Use};
-use crate::point::Resolved;
-use crate::point::{read_table, statev};
+use crate::point::{Resolved, statev};
 use crate::problem::Place;
 use crate::reader::Reader;
 use crate::steps::{self, Counted, Found};
@@ -192,12 +191,9 @@ fn table_step(
     let until = history::until(reader, step.end.until.as_ref(), setting.columns, &place.key("until"));
     let count = setting.field_variables;
     let mut fields = fields::of_step(reader, &step.end, count, place);
-    let field_names = fields::columns(count);
-    let names: Vec<&str> = NAMES.into_iter().chain(field_names.iter().map(String::as_str)).collect();
     let place_of_table = place.key("table");
-    let path = reader.file(&step.table, &place_of_table)?;
-    let table = read_table(reader, &path, &names, &place_of_table)?;
-    fields::take_columns(reader, &mut fields, &table, NAMES.len(), &path.display().to_string(), place);
+    let (file, table) = fields::read_table(reader, &step.table, &NAMES, count, &place_of_table)?;
+    fields::take_columns(reader, &mut fields, &table, NAMES.len(), &file, place);
     let [slip, slip2, gap, p] = [0, 1, 2, 3].map(|k| table.columns[k]);
     let normal = normal_control(reader, gap.is_some(), p.is_some(), setting.entry, |_| place_of_table.clone());
     let ends = table.rows.iter().map(|row| [slip, slip2, gap.or(p)].map(|column| column.map(|column| row[column])));

@@ -7,7 +7,6 @@ use crate::plugin::{self, Length, Level, Use};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use crate::steps::{self, Found};
-use crate::table::Table;
 use crate::{fields, history};
 use pullout_run::columns;
 use pullout_run::deformation::{self, Polar, exponential, matrix, rotated, turns};
@@ -228,19 +227,16 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
     let count = setting.field_variables;
     let mut fields = fields::of_step(reader, &step.end, count, place);
     let until = history::until(reader, step.end.until.as_ref(), setting.columns, &place.key("until"));
-    let field_names = fields::columns(count);
-    let names: Vec<&str> =
-        STRAIN_NAMES.into_iter().chain(STRESS_NAMES).chain(field_names.iter().map(String::as_str)).collect();
+    let components = [STRAIN_NAMES, STRESS_NAMES].concat();
     let place_of_table = place.key("table");
-    let path = reader.file(&step.table, &place_of_table)?;
-    let table = read_table(reader, &path, &names, &place_of_table)?;
+    let (file, table) = fields::read_table(reader, &step.table, &components, count, &place_of_table)?;
     let there = |range: std::ops::Range<usize>| -> [bool; 6] {
         let mut flags = [false; 6];
         flags.iter_mut().zip(&table.columns[range]).for_each(|(flag, column)| *flag = column.is_some());
         flags
     };
     let (strain, stress) = (there(0..6), there(6..12));
-    let prefix = format!("{}: ", path.display());
+    let prefix = format!("{file}: ");
     check_names(reader, &strain, &stress, setting.mode, |_| place_of_table.clone(), &prefix);
     let mut controls = [Control::FREE; 6];
     let mut named = [false; 6];
@@ -255,21 +251,10 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
     let relations = step.constraints.as_deref().unwrap_or_default();
     let constraints =
         constraints::assign(reader, relations, &mut controls, &named, setting.mode, &place.key("constraints"));
-    let first = STRAIN_NAMES.len() + STRESS_NAMES.len();
-    fields::take_columns(reader, &mut fields, &table, first, &path.display().to_string(), place);
+    fields::take_columns(reader, &mut fields, &table, components.len(), &file, place);
     let rows = table.rows.iter().map(|row| columns.map(|column| column.map_or(0.0, |column| row[column]))).collect();
     let goal = PointGoal { drive: PointDrive::Components { controls, rows }, constraints };
     Some(PointStep { pace: Pace::Rows(table.time_increments), goal, until, fields })
-}
-
-/// A table, or problems at a place.
-pub fn read_table(reader: &mut Reader<'_>, path: &std::path::Path, names: &[&str], place: &Place) -> Option<Table> {
-    let table = reader.without_problems(Table::read(path, names), place)?;
-    if table.starts_at_zero {
-        let message = format!("{}: the first row is at time 0: its increment takes no time", path.display());
-        reader.warn(message);
-    }
-    Some(table)
 }
 
 /// The steps at finite strain tell what turns; the increments of the first call must be as many as the mode and the case have.
