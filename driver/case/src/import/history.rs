@@ -3,7 +3,7 @@
 use super::element::Brick;
 use super::keywords::LinePosition;
 use super::model::{Amplitude, Change, Model, Quantity, Step};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 const STRAINS: [&str; 3] = ["e11", "e22", "e33"];
@@ -91,11 +91,9 @@ impl Evolution {
                         (*quantity, (course.at(time, step.time, start, &amplitudes), &course.change))
                     })
                     .collect();
-                let mut ramp = Map::new();
                 // a quotient that is a whole number but for rounding
                 let increments = ((time - before) / step.increment - SAME).ceil().max(1.0);
-                ramp.insert("increments".into(), json!(increments as u64));
-                ramp.insert("time".into(), json!(time - before));
+                let mut ramp = json!({ "increments": increments as u64, "time": time - before });
                 evolution.target(&values, brick, model, &mut ramp)?;
                 for (quantity, (value, _)) in &values {
                     match *quantity {
@@ -108,12 +106,12 @@ impl Evolution {
                     }
                 }
                 if values.contains_key(&Quantity::Temperature) {
-                    ramp.insert("temperature".into(), json!(temperature));
+                    ramp["temperature"] = json!(temperature);
                 }
                 if !fields.is_empty() {
-                    ramp.insert("predef".into(), json!(fields));
+                    ramp["predef"] = json!(fields);
                 }
-                evolution.steps.push(Value::Object(ramp));
+                evolution.steps.push(ramp);
                 before = time;
             }
             for course in courses.values_mut() {
@@ -129,15 +127,8 @@ impl Evolution {
     }
 
     /// Strains and stresses at the end of a ramp.
-    fn target(
-        &mut self,
-        values: &Values<'_>,
-        brick: &Brick,
-        model: &Model,
-        ramp: &mut Map<String, Value>,
-    ) -> Result<(), String> {
+    fn target(&mut self, values: &Values<'_>, brick: &Brick, model: &Model, ramp: &mut Value) -> Result<(), String> {
         let dimensions = brick.shape.dimensions;
-        let mut target = Map::new();
         let mut gradient = [[None; 3]; 3];
         for axis in 0..dimensions {
             gradient[axis] = displacement_gradient(values, brick, model, axis)?;
@@ -171,38 +162,26 @@ impl Evolution {
             if brick.is_axisymmetric() {
                 rows[2][2] += hoop.ok_or_else(refusal)?;
             }
-            ramp.insert("F".into(), json!(rows));
+            ramp["F"] = json!(rows);
             return Ok(());
         }
-        for axis in 0..dimensions {
-            match gradient[axis][axis] {
-                Some(strain) => {
-                    target.insert(STRAINS[axis].into(), json!(strain));
-                }
-                None if stresses[axis] != 0.0 => {
-                    target.insert(STRESSES[axis].into(), json!(stresses[axis]));
-                }
-                None => {}
-            }
-        }
-        if brick.is_axisymmetric() {
-            match hoop {
-                Some(strain) => {
-                    target.insert(STRAINS[2].into(), json!(strain));
-                }
-                None if stresses[0] != 0.0 => {
-                    target.insert(STRESSES[2].into(), json!(stresses[0]));
-                }
+        let in_plane = (0..dimensions).map(|axis| (axis, gradient[axis][axis], stresses[axis]));
+        let around = brick.is_axisymmetric().then_some((2, hoop, stresses[0]));
+        let mut target = json!({});
+        for (axis, strain, stress) in in_plane.chain(around) {
+            match strain {
+                Some(strain) => target[STRAINS[axis]] = json!(strain),
+                None if stress != 0.0 => target[STRESSES[axis]] = json!(stress),
                 None => {}
             }
         }
         for (name, i, j) in shears {
             // a free one of the two turns the element instead; + 0.0: of two negative zeros none is made
             if let (Some(a), Some(b)) = (gradient[*i][*j], gradient[*j][*i]) {
-                target.insert((*name).into(), json!(a + b + 0.0));
+                target[*name] = json!(a + b + 0.0);
             }
         }
-        ramp.insert("target".into(), Value::Object(target));
+        ramp["target"] = target;
         Ok(())
     }
 }
@@ -284,6 +263,20 @@ fn first_place(values: &Values<'_>) -> Option<String> {
     values.values().next().map(|(_, change)| change.place.to_string())
 }
 
+/// The displacements along an axis that nodes of the element have prescribed: node, value, place.
+fn displacements<'v>(
+    values: &'v Values<'_>,
+    model: &'v Model,
+    axis: usize,
+) -> impl Iterator<Item = (usize, f64, &'v LinePosition)> {
+    values.iter().filter_map(move |(quantity, (value, change))| match *quantity {
+        Quantity::Displacement(node, along) if along == axis => {
+            Some((model.node_in_element(node)?, *value, &change.place))
+        }
+        _ => None,
+    })
+}
+
 /// Returns what the displacements along an axis say of their gradient.
 fn displacement_gradient(
     values: &Values<'_>,
@@ -291,20 +284,10 @@ fn displacement_gradient(
     model: &Model,
     axis: usize,
 ) -> Result<[Option<f64>; 3], String> {
-    let mut prescribed = Vec::new();
-    let mut place = None;
-    for (quantity, (value, change)) in values {
-        if let Quantity::Displacement(node, along) = *quantity
-            && along == axis
-            && let Some(node) = model.node_in_element(node)
-        {
-            prescribed.push((node, *value));
-            place = Some(&change.place);
-        }
-    }
-    let gradient = brick.gradient(&prescribed);
-    gradient.map_err(|()| match place {
-        Some(place) => format!("{place}: the displacements along {} are those of no uniform strain", axis + 1),
+    let prescribed: Vec<(usize, f64)> =
+        displacements(values, model, axis).map(|(node, value, _)| (node, value)).collect();
+    brick.gradient(&prescribed).map_err(|()| match displacements(values, model, axis).last() {
+        Some((.., place)) => format!("{place}: the displacements along {} are those of no uniform strain", axis + 1),
         None => "the displacements are those of no uniform strain".into(),
     })
 }
@@ -314,19 +297,12 @@ fn displacement_gradient(
 fn partly_driven<'v>(
     values: &'v Values<'_>,
     brick: &Brick,
-    model: &Model,
+    model: &'v Model,
     axis: usize,
     gradient: &[Option<f64>; 3],
 ) -> Option<&'v LinePosition> {
-    let mut prescribed = BTreeMap::new();
-    for (quantity, (_, change)) in values {
-        if let Quantity::Displacement(node, along) = *quantity
-            && along == axis
-            && let Some(node) = model.node_in_element(node)
-        {
-            prescribed.insert(node, &change.place);
-        }
-    }
+    let prescribed: BTreeMap<usize, &LinePosition> =
+        displacements(values, model, axis).map(|(node, _, place)| (node, place)).collect();
     let makes_strain = |normal: &usize| gradient[*normal].is_some_and(|strain| *normal == axis || strain != 0.0);
     let faces = (0..brick.shape.dimensions).filter(makes_strain).flat_map(|normal| [(normal, 0.0), (normal, 1.0)]);
     faces.into_iter().find_map(|(normal, share)| {
@@ -344,15 +320,10 @@ fn hoop_strain(values: &Values<'_>, brick: &Brick, model: &Model, radial: Option
     }
     let mut strains = Vec::new();
     let mut sides = BTreeSet::new();
-    for (quantity, (value, _)) in values {
-        if let Quantity::Displacement(node, 0) = *quantity
-            && let Some(node) = model.node_in_element(node)
-        {
-            let share = brick.nodes[node][0];
-            let strain = value / (brick.origin[0] + share * brick.edges[0]);
-            strains.push(strain);
-            sides.insert(share > 0.5);
-        }
+    for (node, value, _) in displacements(values, model, 0) {
+        let share = brick.nodes[node][0];
+        strains.push(value / (brick.origin[0] + share * brick.edges[0]));
+        sides.insert(share > 0.5);
     }
     let is_uniform = |radial: f64| strains.iter().all(|strain| (strain - radial).abs() <= SAME * radial.abs());
     match radial {

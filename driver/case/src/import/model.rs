@@ -151,7 +151,7 @@ pub(super) struct Step {
     pub(super) increment: f64,
     pub(super) has_procedure: bool,
     /// Keywords whose earlier values are gone.
-    pub(super) anew: BTreeSet<&'static str>,
+    pub(super) anew: BTreeSet<String>,
     pub(super) changes: Vec<Change>,
 }
 
@@ -494,12 +494,6 @@ impl Model {
     }
 
     fn load(&mut self, keyword: &Keyword) -> Result<(), String> {
-        let name = match keyword.name.as_str() {
-            "CLOAD" => "CLOAD",
-            "TEMPERATURE" => "TEMPERATURE",
-            "FIELD" => "FIELD",
-            _ => "DSLOAD",
-        };
         if self.steps.is_empty() {
             return Err(format!("{}: *{} outside a step", keyword.place, keyword.name));
         }
@@ -538,7 +532,8 @@ impl Model {
             };
             self.change(keyword, line, value, quantities)?;
         }
-        self.anew(keyword, name);
+        // both are pressures
+        self.anew(keyword, if keyword.name == "DLOAD" { "DSLOAD" } else { &keyword.name });
         Ok(())
     }
 
@@ -559,9 +554,9 @@ impl Model {
         Ok(())
     }
 
-    fn anew(&mut self, keyword: &Keyword, name: &'static str) {
+    fn anew(&mut self, keyword: &Keyword, name: &str) {
         if let Some(step) = self.steps.last_mut().filter(|_| keyword.capitals("OP").as_deref() == Some("NEW")) {
-            step.anew.insert(name);
+            step.anew.insert(name.to_owned());
         }
     }
 
