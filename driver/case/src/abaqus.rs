@@ -1,13 +1,13 @@
 //! A law as ABAQUS input: keywords, constants and state variables in the order of PROPS and STATEV.
 
-use crate::props::props_from_json;
+use crate::props::{in_order, props_from_json, split};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use umat_abi::host::LawDescription;
+use umat_abi::host::{LawDescription, Parameter};
 use umat_abi::metadata::{flags, kinds};
 
 /// Values on a data line of `*USER MATERIAL`, `*FRICTION, USER` and `*SURFACE INTERACTION, USER`.
-const VALUES_A_LINE: usize = 8;
+pub(crate) const VALUES_A_LINE: usize = 8;
 
 /// The keywords that give a law with its default parameters to ABAQUS, one block for each entry point: lines, the last one
 /// ended as well.
@@ -68,8 +68,7 @@ pub fn input(law: &LawDescription) -> Result<String, String> {
 fn defaults(law: &LawDescription) -> Result<Vec<f64>, String> {
     let named = match &law.group {
         Some(group) if group.minimum > 0 => {
-            let repeated = &law.parameters[law.parameters.len() - group.size..];
-            let occurrence: Vec<f64> = repeated.iter().map(|parameter| parameter.default_value).collect();
+            let occurrence: Vec<f64> = split(law).1.iter().map(|parameter| parameter.default_value).collect();
             json!({ &group.name: vec![occurrence; group.minimum] })
         }
         _ => Value::Null,
@@ -82,19 +81,14 @@ fn defaults(law: &LawDescription) -> Result<Vec<f64>, String> {
 
 /// Data lines, each below the names of its values.
 fn constants(text: &mut String, law: &LawDescription, props: &[f64]) {
-    for (line, values) in props.chunks(VALUES_A_LINE).enumerate() {
-        let names: Vec<_> =
-            (line * VALUES_A_LINE..).take(values.len()).map(|index| parameter_name(law, index)).collect();
+    let with_unit = |Parameter { name, unit, .. }: &Parameter| match unit.as_str() {
+        "-" => name.clone(),
+        unit => format!("{name} [{unit}]"),
+    };
+    let mut names = in_order(law).map(with_unit);
+    for values in props.chunks(VALUES_A_LINE) {
+        let names: Vec<_> = names.by_ref().take(values.len()).collect();
         let values: Vec<_> = values.iter().map(|value| format!("{value:?}")).collect();
         let _ = writeln!(text, "** {}\n{}", names.join(", "), values.join(", "));
     }
-}
-
-/// The name of an entry of PROPS with its unit; the last parameters repeat.
-fn parameter_name(law: &LawDescription, index: usize) -> String {
-    let size = law.group.as_ref().map_or(0, |group| group.size);
-    let fixed = law.parameters.len() - size;
-    let index = if index < fixed { index } else { fixed + (index - fixed) % size };
-    let parameter = &law.parameters[index];
-    if parameter.unit == "-" { parameter.name.clone() } else { format!("{} [{}]", parameter.name, parameter.unit) }
 }

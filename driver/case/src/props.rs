@@ -60,9 +60,13 @@ pub(super) fn in_order(law: &LawDescription) -> impl Iterator<Item = &Parameter>
 }
 
 /// The parameters before the repeating group, and those of one occurrence.
-fn split(law: &LawDescription) -> (&[Parameter], &[Parameter]) {
+pub(super) fn split(law: &LawDescription) -> (&[Parameter], &[Parameter]) {
     let size = law.group.as_ref().map_or(0, |group| group.size).min(law.parameters.len());
     law.parameters.split_at(law.parameters.len() - size)
+}
+
+fn names(parameters: &[Parameter]) -> Vec<&str> {
+    parameters.iter().map(|parameter| parameter.name.as_str()).collect()
 }
 
 fn by_name(
@@ -73,15 +77,14 @@ fn by_name(
 ) -> Vec<f64> {
     let (fixed, repeated) = split(law);
     let group = law.group.as_ref();
-    let valid: Vec<&str> =
-        fixed.iter().map(|p| p.name.as_str()).chain(group.map(|group| group.name.as_str())).collect();
+    let valid = [names(fixed), group.iter().map(|group| group.name.as_str()).collect()].concat();
     for name in named.keys().filter(|name| !valid.contains(&name.as_str())) {
         let message = match group.filter(|_| repeated.iter().any(|p| p.name == *name)) {
             Some(group) => format!(
                 "'{name}' belongs to the repeating group '{}': give it there, as \"{}\": [[{}], …]",
                 group.name,
                 group.name,
-                repeated.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ")
+                names(repeated).join(", ")
             ),
             None => format!("{} has no parameter '{name}'{}", law.name, hint(name, &valid)),
         };
@@ -159,7 +162,7 @@ fn occurrences(
 ) -> Vec<Vec<f64>> {
     let (_, repeated) = split(law);
     let Some(group) = &law.group else { return Vec::new() };
-    let names = repeated.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
+    let names = names(repeated).join(", ");
     let list = match value {
         Some(PropValue::Occurrences(list)) => list.as_slice(),
         Some(_) => {
@@ -187,7 +190,7 @@ fn one_occurrence(
     place: &Place,
     problems: &mut Vec<Problem>,
 ) -> Vec<f64> {
-    let names: Vec<&str> = repeated.iter().map(|p| p.name.as_str()).collect();
+    let names = names(repeated);
     let values = match occurrence {
         Occurrence::Values(values) => values.clone(),
         Occurrence::Single(value) => vec![*value],
@@ -218,7 +221,7 @@ fn check_list(law: &LawDescription, values: &[f64], place: &Place, problems: &mu
     let rest = values.len().saturating_sub(fixed.len());
     let fits = if repeated.is_empty() { rest == 0 } else { rest % repeated.len() == 0 };
     if values.len() < least || !fits {
-        let names = law.parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
+        let names = names(&law.parameters).join(", ");
         let more = if repeated.is_empty() { String::new() } else { format!(", the last {} repeated", repeated.len()) };
         let message = format!("{} values given, {} takes {least}: {names}{more}", values.len(), law.name);
         problems.push(Problem::new(place.clone(), message));
@@ -231,8 +234,7 @@ fn check_list(law: &LawDescription, values: &[f64], place: &Place, problems: &mu
         let message = format!("{} = {given}, but {} follow", fixed[count].name, rest / repeated.len());
         problems.push(Problem::new(place.index(count), message));
     }
-    let parameters = fixed.iter().chain(repeated.iter().cycle().take(if repeated.is_empty() { 0 } else { rest }));
-    for (k, (parameter, value)) in parameters.zip(values).enumerate() {
+    for (k, (parameter, value)) in in_order(law).zip(values).enumerate() {
         check_bounds(parameter, *value, &place.index(k), problems);
     }
 }

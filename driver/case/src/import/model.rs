@@ -2,10 +2,9 @@
 
 use super::element::{Brick, Shape};
 use super::keywords::{Data, Keyword, LinePosition};
+use crate::abaqus::VALUES_A_LINE;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Values on a data line of constants.
-const VALUES_A_LINE: usize = 8;
 /// Step time and first increment of a *STATIC without data.
 const ONE: f64 = 1.0;
 
