@@ -61,6 +61,12 @@ impl<'de, const LEAST: usize, const GREATEST: usize> Deserialize<'de> for Whole<
     }
 }
 
+impl<const LEAST: usize, const GREATEST: usize> From<Whole<LEAST, GREATEST>> for usize {
+    fn from(number: Whole<LEAST, GREATEST>) -> Self {
+        number.0
+    }
+}
+
 impl<const LEAST: usize, const GREATEST: usize> JsonSchema for Whole<LEAST, GREATEST> {
     fn inline_schema() -> bool {
         true
@@ -84,6 +90,12 @@ macro_rules! number {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 let value = f64::deserialize(deserializer)?;
                 if $is_admitted(value) { Ok(Self(value)) } else { Err(D::Error::custom(format!($wrong, value))) }
+            }
+        }
+
+        impl From<$name> for f64 {
+            fn from(number: $name) -> Self {
+                number.0
             }
         }
 

@@ -1,6 +1,6 @@
 //! Resources with which the parts of a case are resolved, and the problems found on the way.
 
-use crate::document::{Piece, Positive, Whole};
+use crate::document::Piece;
 use crate::problem::{Place, Problem};
 use crate::structure::Structure;
 use std::collections::{BTreeMap, BTreeSet};
@@ -141,42 +141,27 @@ impl Taken {
     }
 
     /// Returns what is given, or else the default.
-    pub fn or<T: Copy + Display>(&mut self, name: &str, given: Option<T>, default: T) -> T {
+    pub fn or<T: Copy + Display>(&mut self, name: &str, given: Option<impl Into<T>>, default: T) -> T {
         if given.is_none() {
             self.note(name, default);
         }
-        given.unwrap_or(default)
+        given.map_or(default, Into::into)
     }
 
     /// Returns a given real number, or else the default.
-    pub fn real(&mut self, name: &str, given: Option<f64>, default: f64) -> f64 {
+    pub fn real(&mut self, name: &str, given: Option<impl Into<f64>>, default: f64) -> f64 {
         if given.is_none() {
             self.note(name, pullout_run::number::rounded(default));
         }
-        given.unwrap_or(default)
-    }
-
-    /// Returns a given number > 0, or else the default.
-    pub fn length(&mut self, name: &str, given: Option<Positive>, default: f64) -> f64 {
-        self.real(name, given.map(|length| length.0), default)
-    }
-
-    /// Returns a given count, or else the default.
-    pub fn number<const LEAST: usize, const GREATEST: usize>(
-        &mut self,
-        name: &str,
-        given: Option<Whole<LEAST, GREATEST>>,
-        default: usize,
-    ) -> usize {
-        self.or(name, given.map(|n| n.0), default)
+        given.map_or(default, Into::into)
     }
 
     /// Returns two given values, or else the default ones.
-    pub fn two<T: Copy + Display>(&mut self, name: &str, given: Option<[T; 2]>, default: [T; 2]) -> [T; 2] {
+    pub fn two<T: Copy + Display>(&mut self, name: &str, given: Option<[impl Into<T>; 2]>, default: [T; 2]) -> [T; 2] {
         if given.is_none() {
             self.note(name, format!("[{}, {}]", default[0], default[1]));
         }
-        given.unwrap_or(default)
+        given.map_or(default, |values| values.map(Into::into))
     }
 }
 

@@ -233,18 +233,14 @@ fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
     let default = Controls::default();
     let mut taken = Taken::default();
     let controls = Controls {
-        force_tolerance: taken.real(
-            "force_tolerance",
-            given.force_tolerance.map(|tolerance| tolerance.0),
-            default.force_tolerance,
-        ),
+        force_tolerance: taken.real("force_tolerance", given.force_tolerance, default.force_tolerance),
         displacement_tolerance: taken.real(
             "displacement_tolerance",
-            given.displacement_tolerance.map(|tolerance| tolerance.0),
+            given.displacement_tolerance,
             default.displacement_tolerance,
         ),
-        max_iterations: taken.number("max_iterations", given.max_iterations, default.max_iterations),
-        max_cutbacks: taken.number("max_cutbacks", given.max_cutbacks, default.max_cutbacks),
+        max_iterations: taken.or("max_iterations", given.max_iterations, default.max_iterations),
+        max_cutbacks: taken.or("max_cutbacks", given.max_cutbacks, default.max_cutbacks),
         line_search: taken.or("line_search", given.line_search, default.line_search),
         locate_peak: taken.or("locate_peak", given.locate_peak, default.locate_peak),
         relaxation_time: taken.real("relaxation_time", given.relaxation_time, default.relaxation_time),
@@ -262,8 +258,8 @@ fn spalling(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Spalling> {
     let spalling = Spalling {
         opening: given.opening.0,
         stress: given.stress.0,
-        wait: taken.length("wait", given.wait, USUAL_SLIP),
-        fade: taken.length("fade", given.fade, USUAL_SLIP),
+        wait: taken.real("wait", given.wait, USUAL_SLIP),
+        fade: taken.real("fade", given.fade, USUAL_SLIP),
     };
     reader.note_defaults(&place, &taken.0);
     Some(spalling)

@@ -249,7 +249,7 @@ fn one_pair(
             reader.problem(&place.key(key), "is for the hard normal law: leave it out beside a soft one");
         }
     }
-    let penalty_factor = of_hard.length("penalty_factor", penalty_factor.copied(), PENALTY_FACTOR);
+    let penalty_factor = of_hard.real("penalty_factor", penalty_factor.copied(), PENALTY_FACTOR);
     let enforcement = enforcement(reader, pair, place, of_hard);
     let release = taken.or("release", release.copied(), true);
     if pair.width.is_none() {
@@ -416,8 +416,8 @@ fn enforcement(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place, ta
     let given = reader.optional(pair.enforcement.as_ref(), &place.key("enforcement")).copied();
     match given.unwrap_or(document::Enforcement::Uzawa(document::Uzawa::default())) {
         document::Enforcement::Uzawa(given) => Enforcement::Uzawa {
-            tolerance: taken.length("enforcement.uzawa.tolerance", given.tolerance, UZAWA_TOLERANCE),
-            max_updates: taken.number("enforcement.uzawa.max_updates", given.max_updates, UZAWA_UPDATES),
+            tolerance: taken.real("enforcement.uzawa.tolerance", given.tolerance, UZAWA_TOLERANCE),
+            max_updates: taken.or("enforcement.uzawa.max_updates", given.max_updates, UZAWA_UPDATES),
         },
         document::Enforcement::Penalty => Enforcement::Penalty,
         document::Enforcement::PerturbedLagrangian(given) => Enforcement::PerturbedLagrangian {

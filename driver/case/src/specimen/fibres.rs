@@ -45,10 +45,10 @@ pub(super) fn perpendicular_fibre(
         ),
     ])?;
     let default = PerpendicularFibre::default();
-    let fibre_diameter = taken.length("fibre_diameter", given.fibre_diameter, default.fibre_diameter);
+    let fibre_diameter = taken.real("fibre_diameter", given.fibre_diameter, default.fibre_diameter);
     let sizes = FibreMesh::default();
     let exit_size = sizes.exit_size.filter(|_| given.equal_sizes != Some(true));
-    let exit_size = exit_size.map(|size| taken.length("exit_size", given.exit_size, size));
+    let exit_size = exit_size.map(|size| taken.real("exit_size", given.exit_size, size));
     let parameters = PerpendicularFibre {
         configuration: if axisymmetric {
             Configuration::Axisymmetric { outer_radius: given.outer_radius.map(|radius| radius.0) }
@@ -56,8 +56,8 @@ pub(super) fn perpendicular_fibre(
             Configuration::Plane
         },
         // an outer radius that is not given follows from width and thickness
-        width: if has_radius { default.width } else { taken.length("width", given.width, default.width) },
-        depth: taken.length("depth", given.depth, default.depth),
+        width: if has_radius { default.width } else { taken.real("width", given.width, default.width) },
+        depth: taken.real("depth", given.depth, default.depth),
         matrix_thickness: if has_radius {
             default.matrix_thickness
         } else {
@@ -67,23 +67,23 @@ pub(super) fn perpendicular_fibre(
         cover: taken.or("cover", given.cover, default.cover),
         graded_thickness: given.graded_thickness.map(graded),
         fibre_diameter,
-        embedded_length: taken.length("embedded_length", given.embedded_length, default.embedded_length),
-        free_length: taken.length("free_length", given.free_length, default.free_length),
+        embedded_length: taken.real("embedded_length", given.embedded_length, default.embedded_length),
+        free_length: taken.real("free_length", given.free_length, default.free_length),
         tail_gap: taken.real("tail_gap", given.tail_gap, default.tail_gap),
         fibre_element: taken.or("fibre_element", given.fibre_element, ElementKind::Q8),
         matrix_element: taken.or("matrix_element", given.matrix_element, ElementKind::Q8),
         mesh: FibreMesh {
-            embedded_elements: taken.number("embedded_elements", given.embedded_elements, sizes.embedded_elements),
+            embedded_elements: taken.or("embedded_elements", given.embedded_elements, sizes.embedded_elements),
             exit_size,
-            elements_across: taken.number("elements_across", given.elements_across, sizes.elements_across),
-            slave_edges_per_master: taken.number(
+            elements_across: taken.or("elements_across", given.elements_across, sizes.elements_across),
+            slave_edges_per_master: taken.or(
                 "slave_edges_per_master",
                 given.slave_edges_per_master,
                 sizes.slave_edges_per_master,
             ),
-            interface_size: taken.length("interface_size", given.interface_size, sizes.interface_size),
-            growth: taken.length("growth", given.growth, sizes.growth),
-            largest_size: taken.length("largest_size", given.largest_size, sizes.largest_size),
+            interface_size: taken.real("interface_size", given.interface_size, sizes.interface_size),
+            growth: taken.real("growth", given.growth, sizes.growth),
+            largest_size: taken.real("largest_size", given.largest_size, sizes.largest_size),
         },
     };
     let made = specimen::perpendicular_fibre(&parameters)?;
@@ -106,22 +106,22 @@ pub(super) fn inclined_fibre(
         matrix_thickness_twice(matrix, given.matrix_thickness),
     ])?;
     let default = Fibre::new(angle, Vec::new());
-    let diameter = taken.length("fibre_diameter", given.fibre_diameter, default.diameter);
-    let embedded_length = taken.length("embedded_length", given.embedded_length, default.embedded_length);
+    let diameter = taken.real("fibre_diameter", given.fibre_diameter, default.diameter);
+    let embedded_length = taken.real("embedded_length", given.embedded_length, default.embedded_length);
     let mut path = vec![Segment::Straight { length: embedded_length }];
     if given.shape.is_none() {
         taken.note("shape", "bent");
     }
     let free_length = match given.shape.unwrap_or(FibreShape::Bent) {
         FibreShape::Bent => {
-            path.push(Segment::Arc { radius: taken.length("bend_radius", given.bend_radius, 1.5 * diameter), to: 0.0 });
+            path.push(Segment::Arc { radius: taken.real("bend_radius", given.bend_radius, 1.5 * diameter), to: 0.0 });
             taken.real("free_length", given.free_length, FREE_LENGTH_AFTER_BEND)
         }
         FibreShape::Straight => taken.real("free_length", given.free_length, 0.0),
     };
     path.push(Segment::Straight { length: free_length });
     let separation_length = match given.separation_length {
-        None => taken.real("separation_length", None, 0.0),
+        None => taken.real("separation_length", None::<f64>, 0.0),
         Some(SeparationLength::Given(length)) => length,
         Some(SeparationLength::Rule(SeparationRule::Thesis)) => thesis_separation_length(diameter, angle),
     };
@@ -184,8 +184,8 @@ pub(super) fn fibres(
         let tilt = given.path.first().and_then(|piece| piece.tilt_deg).unwrap_or(0.0);
         let default = Fibre::new(tilt.to_radians(), path);
         let of = |key: &str| format!("{}.{key}", given.name);
-        let diameter = taken.length(&of("diameter"), given.diameter, default.diameter);
-        let embedded_length = taken.length(&of("embedded"), given.embedded, default.embedded_length);
+        let diameter = taken.real(&of("diameter"), given.diameter, default.diameter);
+        let embedded_length = taken.real(&of("embedded"), given.embedded, default.embedded_length);
         made.push(Fibre {
             name: Some(given.name.clone()),
             diameter,
@@ -234,8 +234,8 @@ fn around(
     let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
     let matrix_thickness = matrix_thickness(matrix, block.matrix_thickness, thickest, default.matrix_thickness, taken);
     let parameters = Fibres {
-        width: taken.length("width", block.width, default.width),
-        depth: taken.length("depth", block.depth, default.depth),
+        width: taken.real("width", block.width, default.width),
+        depth: taken.real("depth", block.depth, default.depth),
         matrix_thickness,
         cover: taken.or("cover", block.cover, matrix_thickness > thickest),
         graded_thickness: block.graded_thickness.map(graded),
@@ -243,12 +243,12 @@ fn around(
         fibre_element: taken.or("fibre_element", block.fibre_element, ElementKind::Q8),
         matrix_element: taken.or("matrix_element", block.matrix_element, default.matrix_element),
         mesh: FibresMesh {
-            size: taken.length("mesh_size", block.mesh_size, sizes.size),
-            elements_across: taken.number("elements_across", block.elements_across, sizes.elements_across),
+            size: taken.real("mesh_size", block.mesh_size, sizes.size),
+            elements_across: taken.or("elements_across", block.elements_across, sizes.elements_across),
             exit_size: block.exit_size.map(|size| size.0),
-            largest_fibre_size: taken.length("largest_fibre_size", block.largest_fibre_size, sizes.largest_fibre_size),
-            growth_rate: taken.length("growth_rate", block.growth_rate, sizes.growth_rate),
-            largest_size: taken.length("largest_size", block.largest_size, sizes.largest_size),
+            largest_fibre_size: taken.real("largest_fibre_size", block.largest_fibre_size, sizes.largest_fibre_size),
+            growth_rate: taken.real("growth_rate", block.growth_rate, sizes.growth_rate),
+            largest_size: taken.real("largest_size", block.largest_size, sizes.largest_size),
         },
     };
     let made = specimen::fibres(&parameters)?;
@@ -271,7 +271,7 @@ fn matrix_thickness(
     taken: &mut Taken,
 ) -> f64 {
     let of_part = of_part.and_then(|of_part| thickness(of_part, Some(diameter)).ok());
-    of_part.unwrap_or_else(|| taken.length("matrix_thickness", given, default))
+    of_part.unwrap_or_else(|| taken.real("matrix_thickness", given, default))
 }
 
 /// The thickness of the block beside that of its part, which counts.

@@ -3,9 +3,7 @@
 use super::boundary::BOTH;
 use super::fibres;
 use super::mesh::{DefaultSupports, Ground, Held};
-use crate::document::pullout::{
-    CurvedChannel, DragOutStrip, Elements, Hertz, Specimen, ThickCylinder, Thickness, TwoBlocks,
-};
+use crate::document::pullout::{CurvedChannel, DragOutStrip, Hertz, Specimen, ThickCylinder, Thickness, TwoBlocks};
 use crate::reader::Taken;
 use fe_core::element::ElementKind;
 use fe_core::mesh::MeshDefinition;
@@ -30,24 +28,24 @@ pub fn generate(
         Specimen::InclinedFibre(given) => fibres::inclined_fibre(given, matrix, slip, taken),
         Specimen::Fibres(given) => fibres::fibres(given, matrix, slip, taken),
         Specimen::PlateWithHole(given) => specimen::plate_with_hole(&specimen::PlateWithHole {
-            width: taken.length("width", given.width, 10.0),
-            height: taken.length("height", given.height, 10.0),
-            radius: taken.length("radius", given.radius, 1.0),
-            cells: taken.number("cells", given.cells, 200),
-            grading: taken.length("grading", given.grading, 10.0),
+            width: taken.real("width", given.width, 10.0),
+            height: taken.real("height", given.height, 10.0),
+            radius: taken.real("radius", given.radius, 1.0),
+            cells: taken.or("cells", given.cells, 200),
+            grading: taken.real("grading", given.grading, 10.0),
             element: taken.or("element", given.element, ElementKind::Q8),
         })
         .map(|definition| one_body("plate_with_hole", definition, &[("symmetry_x", X), ("symmetry_y", Y)])),
         Specimen::ThickCylinder(given) => thick_cylinder(given, taken),
         Specimen::CookMembrane(given) => {
-            let cells = taken.number("cells", given.cells, 8);
+            let cells = taken.or("cells", given.cells, 8);
             specimen::cook_membrane(cells, taken.or("element", given.element, ElementKind::Q8))
                 .map(|definition| one_body("cook_membrane", definition, &[("left", BOTH)]))
         }
         Specimen::Beam(given) => {
-            let length = taken.length("length", given.length, 10.0);
-            let height = taken.length("height", given.height, 1.0);
-            let cells = taken.two("cells", given.cells.map(numbers), [20, 2]);
+            let length = taken.real("length", given.length, 10.0);
+            let height = taken.real("height", given.height, 1.0);
+            let cells = taken.two("cells", given.cells, [20, 2]);
             let element = taken.or("element", given.element, ElementKind::Q8);
             specimen::timoshenko_beam(&specimen::TimoshenkoBeam { length, height, cells, element })
                 .map(|definition| one_body("beam", definition, &[("left", BOTH)]))
@@ -61,18 +59,18 @@ pub fn generate(
 
 fn thick_cylinder(given: &ThickCylinder, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     let axisymmetric = taken.or("axisymmetric", given.axisymmetric, false);
-    let cells = taken.number("other_cells", given.other_cells, 10);
+    let cells = taken.or("other_cells", given.other_cells, 10);
     without_effect(&[("height", given.height.is_some() && !axisymmetric, "a quarter of the cross-section")])?;
     let section = if axisymmetric {
-        CylinderSection::Axisymmetric { height: taken.length("height", given.height, 1.0), cells }
+        CylinderSection::Axisymmetric { height: taken.real("height", given.height, 1.0), cells }
     } else {
         CylinderSection::Quarter { cells }
     };
     let definition = specimen::thick_cylinder(&specimen::ThickCylinder {
-        inner_radius: taken.length("inner_radius", given.inner_radius, 1.0),
-        outer_radius: taken.length("outer_radius", given.outer_radius, 2.0),
-        radial_cells: taken.number("radial_cells", given.radial_cells, 10),
-        grading: taken.length("grading", given.grading, 2.0),
+        inner_radius: taken.real("inner_radius", given.inner_radius, 1.0),
+        outer_radius: taken.real("outer_radius", given.outer_radius, 2.0),
+        radial_cells: taken.or("radial_cells", given.radial_cells, 10),
+        grading: taken.real("grading", given.grading, 2.0),
         section,
         element: taken.or("element", given.element, ElementKind::Q8),
     })?;
@@ -83,10 +81,10 @@ fn thick_cylinder(given: &ThickCylinder, taken: &mut Taken) -> Result<Ground, Sp
 
 fn two_blocks(given: &TwoBlocks, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     let definition = specimen::two_blocks(&specimen::TwoBlocks {
-        width: taken.length("width", given.width, 1.0),
-        heights: taken.two("heights", given.heights.map(|heights| heights.map(|height| height.0)), [1.0; 2]),
-        edges: taken.two("edges", given.edges.map(numbers), [4, 3]),
-        rows: taken.two("rows", given.rows.map(numbers), [2, 2]),
+        width: taken.real("width", given.width, 1.0),
+        heights: taken.two("heights", given.heights, [1.0; 2]),
+        edges: taken.two("edges", given.edges, [4, 3]),
+        rows: taken.two("rows", given.rows, [2, 2]),
         elements: [taken.or("element", given.element, ElementKind::Q8); 2],
     })?;
     let supports = [("bottom", Y), ("lower_left", X), ("upper_left", X)];
@@ -95,13 +93,13 @@ fn two_blocks(given: &TwoBlocks, taken: &mut Taken) -> Result<Ground, SpecimenEr
 
 fn hertz(given: &Hertz, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     let definition = specimen::cylinder_on_plane(&specimen::CylinderOnPlane {
-        radius: taken.length("radius", given.radius, 10.0),
-        half_width: taken.length("half_width", given.half_width, 5.0),
-        height: taken.length("height", given.height, 5.0),
-        depth: taken.length("depth", given.depth, 5.0),
-        contact_zone: taken.length("contact_zone", given.contact_zone, 0.5),
-        contact_edges: taken.number("contact_edges", given.contact_edges, 20),
-        growth: taken.length("growth", given.growth, 1.3),
+        radius: taken.real("radius", given.radius, 10.0),
+        half_width: taken.real("half_width", given.half_width, 5.0),
+        height: taken.real("height", given.height, 5.0),
+        depth: taken.real("depth", given.depth, 5.0),
+        contact_zone: taken.real("contact_zone", given.contact_zone, 0.5),
+        contact_edges: taken.or("contact_edges", given.contact_edges, 20),
+        growth: taken.real("growth", given.growth, 1.3),
         element: taken.or("element", given.element, ElementKind::Q8),
     })?;
     let supports = [("bottom", Y), ("symmetry", X)];
@@ -111,16 +109,16 @@ fn hertz(given: &Hertz, taken: &mut Taken) -> Result<Ground, SpecimenError> {
 fn drag_out_strip(given: &DragOutStrip, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     let default = specimen::DragOutStrip::default();
     let definition = specimen::drag_out_strip(&specimen::DragOutStrip {
-        strip_length: taken.length("strip_length", given.strip_length, default.strip_length),
-        strip_height: taken.length("strip_height", given.strip_height, default.strip_height),
-        block_start: taken.length("block_start", given.block_start, default.block_start),
-        block_length: taken.length("block_length", given.block_length, default.block_length),
-        block_height: taken.length("block_height", given.block_height, default.block_height),
-        strip_edges: taken.number("strip_edges", given.strip_edges, default.strip_edges),
-        strip_rows: taken.number("strip_rows", given.strip_rows, default.strip_rows),
-        block_edges: taken.number("block_edges", given.block_edges, default.block_edges),
-        block_size: taken.length("block_size", given.block_size, default.block_size),
-        growth: taken.length("growth", given.growth, default.growth),
+        strip_length: taken.real("strip_length", given.strip_length, default.strip_length),
+        strip_height: taken.real("strip_height", given.strip_height, default.strip_height),
+        block_start: taken.real("block_start", given.block_start, default.block_start),
+        block_length: taken.real("block_length", given.block_length, default.block_length),
+        block_height: taken.real("block_height", given.block_height, default.block_height),
+        strip_edges: taken.or("strip_edges", given.strip_edges, default.strip_edges),
+        strip_rows: taken.or("strip_rows", given.strip_rows, default.strip_rows),
+        block_edges: taken.or("block_edges", given.block_edges, default.block_edges),
+        block_size: taken.real("block_size", given.block_size, default.block_size),
+        growth: taken.real("growth", given.growth, default.growth),
         element: taken.or("element", given.element, default.element),
     })?;
     let supports = [("symmetry", Y), ("block_left", X)];
@@ -130,14 +128,14 @@ fn drag_out_strip(given: &DragOutStrip, taken: &mut Taken) -> Result<Ground, Spe
 
 fn curved_channel(given: &CurvedChannel, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     let definition = specimen::curved_channel(&specimen::CurvedChannel {
-        radius: taken.length("radius", given.radius, 10.0),
-        angle: taken.length("angle_deg", given.angle_deg, 90.0).to_radians(),
-        fibre_height: taken.length("fibre_height", given.fibre_height, 0.2),
-        free_length: taken.length("free_length", given.free_length, 1.0),
-        depth: taken.length("depth", given.depth, 0.5),
-        edges: taken.number("edges", given.edges, 40),
-        free_edges: taken.number("free_edges", given.free_edges, 3),
-        rows: taken.number("rows", given.rows, 1),
+        radius: taken.real("radius", given.radius, 10.0),
+        angle: taken.real("angle_deg", given.angle_deg, 90.0).to_radians(),
+        fibre_height: taken.real("fibre_height", given.fibre_height, 0.2),
+        free_length: taken.real("free_length", given.free_length, 1.0),
+        depth: taken.real("depth", given.depth, 0.5),
+        edges: taken.or("edges", given.edges, 40),
+        free_edges: taken.or("free_edges", given.free_edges, 3),
+        rows: taken.or("rows", given.rows, 1),
         element: taken.or("element", given.element, ElementKind::Q8),
     })?;
     let grip = Some(("grip", [0.0, -1.0]));
@@ -181,8 +179,4 @@ pub(super) fn without_effect(parameters: &[(&'static str, bool, &str)]) -> Resul
     };
     let problems: Vec<ParameterProblem> = parameters.iter().filter(|(_, is, _)| *is).map(problem).collect();
     if problems.is_empty() { Ok(()) } else { Err(SpecimenError::Parameters { problems }) }
-}
-
-fn numbers(given: [Elements; 2]) -> [usize; 2] {
-    given.map(|n| n.0)
 }

@@ -120,7 +120,7 @@ fn one_step(
     let until = history::until(reader, ramp.end.until.as_ref(), Some(columns), &place_of_until);
     refuse_unmeasured(reader, until.as_ref(), columns, measured, &place_of_until);
     let mut taken = Taken::default();
-    let time = taken.length("time", ramp.time, 1.0);
+    let time = taken.real("time", ramp.time, 1.0);
     let control = control(reader, ramp.increments, &place.key("increments"), &mut taken);
     // told once, not for each of many steps
     reader.note_defaults(&Place::root().key("steps"), &taken.0);
