@@ -374,7 +374,11 @@ fn properties(
                 return Some(values);
             }
             for (k, (value, _)) in filled.iter().zip(&values).enumerate().filter(|(_, (new, old))| new != old) {
-                note_filling(reader, law, k, *value);
+                let name = &law.parameters[k].name;
+                reader.warn(format!(
+                    "material.props.{name} is 0, which leaves it to the host: {value} MPa/mm is used (where the law has a use \
+                     for it)"
+                ));
             }
             Some(filled)
         }
@@ -383,13 +387,6 @@ fn properties(
             None
         }
     }
-}
-
-fn note_filling(reader: &mut Reader<'_>, law: &LawDescription, k: usize, value: f64) {
-    let name = &law.parameters[k].name;
-    reader.warn(format!(
-        "material.props.{name} is 0, which leaves it to the host: {value} MPa/mm is used (where the law has a use for it)"
-    ));
 }
 
 /// The law's own opinion of its parameters, and of them at each characteristic length.

@@ -9,6 +9,7 @@ use crate::problem::{Place, hint};
 use crate::reader::{Reader, Taken};
 use fe_core::mesh::specimen::PulledFibre;
 use fe_core::model::{Load, LoadKind, Measured, MeasuredFibre, Support};
+use indexmap::IndexMap;
 use pullout_run::number::significant;
 use std::collections::BTreeMap;
 
@@ -30,13 +31,12 @@ pub struct Boundary {
 /// The drives in order of their first mention.
 #[derive(Default)]
 pub struct Drives {
-    drives: Vec<Drive>,
+    drives: IndexMap<String, Drive>,
     /// Whether supports or loads that cannot be read may have others.
     may_lack: bool,
 }
 
 struct Drive {
-    name: String,
     /// Place of its first mention.
     place: Place,
     /// Whether a step moves it.
@@ -48,14 +48,14 @@ struct Drive {
 impl Drives {
     /// Index of a drive that something follows.
     fn followed(&mut self, name: &str, place: &Place) -> usize {
-        self.index(name).unwrap_or_else(|| {
-            self.drives.push(Drive { name: name.into(), place: place.clone(), moved: false, of_fibre: false });
-            self.drives.len() - 1
-        })
+        let entry = self.drives.entry(name.to_owned());
+        let index = entry.index();
+        entry.or_insert_with(|| Drive { place: place.clone(), moved: false, of_fibre: false });
+        index
     }
 
     fn index(&self, name: &str) -> Option<usize> {
-        self.drives.iter().position(|drive| drive.name == name)
+        self.drives.get_index_of(name)
     }
 
     /// Index of a drive that a step moves; `None` if nothing follows it.
@@ -68,7 +68,7 @@ impl Drives {
     /// Says that nothing follows the drive of this name, unless what cannot be read may do so.
     pub fn tell_unknown(&self, reader: &mut Reader<'_>, name: &str, place: &Place) {
         if !self.may_lack {
-            let message = format!("no support or load has the drive '{name}'{}", hint(name, self.names()));
+            let message = format!("no support or load has the drive '{name}'{}", hint(name, self.drives.keys()));
             reader.problem(place, message);
         }
     }
@@ -80,7 +80,7 @@ impl Drives {
 
     /// Names and places of the drives that no step moves.
     pub fn idle(&self) -> impl Iterator<Item = (&str, &Place)> {
-        self.drives.iter().filter(|drive| !drive.moved).map(|drive| (drive.name.as_str(), &drive.place))
+        self.drives.iter().filter(|(_, drive)| !drive.moved).map(|(name, drive)| (name.as_str(), &drive.place))
     }
 
     /// Index of the drive of one of several fibres.
@@ -96,7 +96,7 @@ impl Drives {
     }
 
     pub fn names(&self) -> Vec<String> {
-        self.drives.iter().map(|drive| drive.name.clone()).collect()
+        self.drives.keys().cloned().collect()
     }
 
     pub fn len(&self) -> usize {

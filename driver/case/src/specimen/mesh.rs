@@ -223,14 +223,11 @@ fn thickness_of_matrix(case: &PulloutCase) -> Option<document::Thickness> {
 fn file_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Vec<Part>> {
     let mut parts = Vec::new();
     for (name, given) in given_parts(reader, case)? {
-        let place = Place::root().key("parts").key(&name).key("thickness");
+        let place = Place::root().key("parts").key(&name);
         let thickness = given.thickness.map_or(Ok(1.0), |given| thickness(given, None));
-        let thickness = thickness.unwrap_or_else(|message| {
-            reader.problem(&place, message);
-            1.0
-        });
+        let thickness = reader.without_problem(thickness, &place.key("thickness")).unwrap_or(1.0);
         let model = given.model.unwrap_or(PlaneModel::PlaneStrain);
-        check_thickness(reader, model, &given, &Place::root().key("parts").key(&name));
+        check_thickness(reader, model, &given, &place);
         parts.push(Part { name, model, thickness, integration: given.integration });
     }
     Some(parts)
