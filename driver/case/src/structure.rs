@@ -89,23 +89,17 @@ pub fn kind_of(document: &Value) -> Result<&str, Problem> {
         return Err(Problem::new(place, format!("expected an object, found {}", shown(document))));
     };
     let valid: Vec<&str> = kinds().collect();
-    match members.get("kind") {
-        None => Err(Problem::new(place.key("kind"), format!("is missing; valid names: {}", valid.join(", ")))),
-        Some(Value::String(name)) if valid.contains(&name.as_str()) => Ok(name),
-        Some(Value::String(name)) if name == STUDY => {
-            Err(Problem::new(place.key("kind"), "this is a study of several runs: `pullout study` runs it"))
-        }
-        Some(Value::String(name)) if name == SWEEP => {
-            Err(Problem::new(place.key("kind"), "this is a sweep of many runs: `pullout sweep plan` begins it"))
-        }
-        Some(Value::String(name)) => {
-            Err(Problem::new(place.key("kind"), format!("no kind of case is called '{name}'{}", hint(name, valid))))
-        }
-        Some(other) => Err(Problem::new(
-            place.key("kind"),
-            format!("expected one of {}, found {}", valid.join(", "), shown(other)),
-        )),
-    }
+    let message = match members.get("kind") {
+        None => format!("is missing; valid names: {}", valid.join(", ")),
+        Some(Value::String(name)) => match name.as_str() {
+            name if valid.contains(&name) => return Ok(name),
+            STUDY => "this is a study of several runs: `pullout study` runs it".to_owned(),
+            SWEEP => "this is a sweep of many runs: `pullout sweep plan` begins it".to_owned(),
+            name => format!("no kind of case is called '{name}'{}", hint(name, valid)),
+        },
+        Some(other) => format!("expected one of {}, found {}", valid.join(", "), shown(other)),
+    };
+    Err(Problem::new(place.key("kind"), message))
 }
 
 /// Checks a document of a kind; removes unknown keys and sets to null what is missing and arrays that stand for
@@ -122,16 +116,15 @@ pub fn check(kind: &str, document: &mut Value) -> Structure {
     };
     let mut findings = Findings {
         schema,
-        problems: Vec::new(),
+        structure: Structure::default(),
         unknown: BTreeMap::new(),
-        meant: BTreeSet::new(),
         missing: Vec::new(),
         no_arrays: Vec::new(),
     };
     for error in validator.iter_errors(document) {
         findings.describe(&error);
     }
-    let Findings { problems, unknown, meant, missing, no_arrays, .. } = findings;
+    let Findings { structure: mut found, unknown, missing, no_arrays, .. } = findings;
     for pointer in no_arrays {
         if let Some(value) = document.pointer_mut(&pointer) {
             *value = Value::Null;
@@ -147,9 +140,9 @@ pub fn check(kind: &str, document: &mut Value) -> Structure {
             members.insert(key, Value::Null);
         }
     }
-    let mut structure = Structure { problems: Vec::new(), meant };
-    structure.problems = problems.into_iter().filter(|problem| !structure.explains(problem)).collect();
-    structure
+    found.problems =
+        std::mem::take(&mut found.problems).into_iter().filter(|problem| !found.explains(problem)).collect();
+    found
 }
 
 /// Problems with the structure of a document.
@@ -169,11 +162,9 @@ impl Structure {
 
 struct Findings<'s> {
     schema: &'s Value,
-    problems: Vec<Problem>,
+    structure: Structure,
     /// Unknown keys by the JSON pointer of the object that they stand in.
     unknown: BTreeMap<String, BTreeSet<String>>,
-    /// Keys that are not there, and that these are nearest to.
-    meant: BTreeSet<Place>,
     /// JSON pointer of an object, and a key that it lacks.
     missing: Vec<(String, String)>,
     /// JSON pointers of arrays where there should be none.
@@ -192,7 +183,7 @@ impl Findings<'_> {
             }
             Kind::Required { property } => {
                 let key = property.as_str().unwrap_or_default();
-                self.problems.push(Problem::new(place.key(key), "is missing"));
+                self.structure.problems.push(Problem::new(place.key(key), "is missing"));
                 self.missing.push((pointer, key.to_owned()));
                 return;
             }
@@ -215,7 +206,7 @@ impl Findings<'_> {
                 None => error.to_string(),
             },
         };
-        self.problems.push(Problem::new(place, message));
+        self.structure.problems.push(Problem::new(place, message));
     }
 
     fn describe_unknown(&mut self, error: &ValidationError<'_>, unexpected: &[String], valid: &[String]) {
@@ -223,12 +214,12 @@ impl Findings<'_> {
         let place = place_of(here);
         for key in unexpected {
             // to look for a similar name takes longer than all else
-            let is_shown = self.problems.len() < MOST_SHOWN;
+            let is_shown = self.structure.problems.len() < MOST_SHOWN;
             let nearest = if is_shown { nearest(key, valid) } else { None };
             let hint = if is_shown { suggestion(nearest, valid) } else { String::new() };
             let meant = nearest.filter(|nearest| error.instance().get(nearest).is_none());
-            self.meant.extend(meant.map(|nearest| place.key(nearest)));
-            self.problems.push(Problem::new(place.key(key), format!("unknown key{hint}")));
+            self.structure.meant.extend(meant.map(|nearest| place.key(nearest)));
+            self.structure.problems.push(Problem::new(place.key(key), format!("unknown key{hint}")));
         }
         self.unknown.entry(here.as_str().to_owned()).or_default().extend(unexpected.iter().cloned());
     }
@@ -244,7 +235,7 @@ impl Findings<'_> {
                 Some(found) => format!("there is no '{found}'{}", hint(found, &words)),
                 None => format!("expected one of {}, found {}", words.join(", "), shown(tag.found)),
             };
-            self.problems.push(Problem::new(place, message));
+            self.structure.problems.push(Problem::new(place, message));
             return;
         }
         // Of equally good branches: the first, or the last (the most general) if all lack a key.
@@ -284,7 +275,7 @@ impl Findings<'_> {
         }
         let hint = word_hint(error.instance(), &expectations);
         let message = format!("expected {}, found {}{hint}", either(&expectations), shown(error.instance()));
-        self.problems.push(Problem::new(place_of(here), message));
+        self.structure.problems.push(Problem::new(place_of(here), message));
     }
 
     /// The keys that the object schema to which a keyword belongs knows.
