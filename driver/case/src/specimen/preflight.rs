@@ -4,7 +4,7 @@ use crate::problem::Place;
 use crate::reader::Reader;
 use fe_core::mesh::preflight::{self, Body, Finding, RigidMode};
 use fe_core::mesh::{Element, Mesh};
-use fe_core::model::Model;
+use fe_core::model::{Model, Support};
 use std::collections::BTreeSet;
 
 /// Nodes that hang, and bodies that nothing holds.
@@ -30,18 +30,13 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
             reader.warn(format!("support '{}' {message}", support.name));
         }
     }
-    let held: Vec<(usize, [f64; 2])> =
-        model.supports.iter().flat_map(|support| support.nodes.iter().map(|&node| (node, support.direction))).collect();
+    let held = held(model.supports.iter());
     for group in groups(&model.mesh, &joints) {
         let free = preflight::rigid_body_freedom(&model.mesh, &group, &held);
         if !free.is_empty() {
-            let part = &model.mesh.parts()[model.mesh.elements()[group.elements[0]].part()].name;
             let modes: Vec<String> = free.iter().map(ToString::to_string).collect();
-            let message = format!(
-                "the body with element {} (part '{part}') {}: no support holds it, nor anything that it touches",
-                group.elements[0] + 1,
-                modes.join(" and ")
-            );
+            let (body, modes) = (in_words(model, &group), modes.join(" and "));
+            let message = format!("{body} {modes}: no support holds it, nor anything that it touches");
             reader.problem(&Place::root().key("supports"), message);
         } else if model.loads.is_empty() {
             warn_of_free_ride(reader, model, &group);
@@ -49,21 +44,28 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
     }
 }
 
+/// A body by its first element.
+fn in_words(model: &Model, body: &Body) -> String {
+    let first = body.elements[0];
+    let part = &model.mesh.parts()[model.mesh.elements()[first].part()].name;
+    format!("the body with element {} (part '{part}')", first + 1)
+}
+
+/// The nodes that supports hold, and the direction of each.
+fn held<'m>(supports: impl Iterator<Item = &'m Support>) -> Vec<(usize, [f64; 2])> {
+    supports.flat_map(|support| support.nodes.iter().map(|&node| (node, support.direction))).collect()
+}
+
 /// Warns of bodies that only one drive holds along some direction: they go along with it, and nothing resists.
 fn warn_of_free_ride(reader: &mut Reader<'_>, model: &Model, group: &Body) {
     let drives: BTreeSet<usize> = model.supports.iter().filter_map(|support| support.drive).collect();
     for drive in drives {
-        let others = model.supports.iter().filter(|support| support.drive != Some(drive));
-        let held: Vec<(usize, [f64; 2])> =
-            others.flat_map(|support| support.nodes.iter().map(|&node| (node, support.direction))).collect();
+        let held = held(model.supports.iter().filter(|support| support.drive != Some(drive)));
         let free = preflight::rigid_body_freedom(&model.mesh, group, &held);
         if let Some(mode @ RigidMode::Translation { .. }) = free.first() {
-            let part = &model.mesh.parts()[model.mesh.elements()[group.elements[0]].part()].name;
+            let (body, drive) = (in_words(model, group), &model.drives[drive]);
             reader.warnings.push(format!(
-                "supports: the body with element {} (part '{part}') and what it touches {mode} with the drive '{}': nothing holds it \
-                 back",
-                group.elements[0] + 1,
-                model.drives[drive]
+                "supports: {body} and what it touches {mode} with the drive '{drive}': nothing holds it back"
             ));
         }
     }
