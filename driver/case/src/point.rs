@@ -14,6 +14,7 @@ use pullout_run::program::{
     Control, Kind, Measure, Mode, Pace, PointDrive, PointGoal, PointProgram, PointState, PointStep, STRAIN_NAMES,
     STRESS_NAMES, TURNED, untold_nominal, untold_thickness,
 };
+use std::array::from_fn;
 use umat_abi::host::Plugin;
 
 /// The parts of a program that the kinds of points resolve; reading a case adds the rest.
@@ -230,24 +231,17 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
     let components = [STRAIN_NAMES, STRESS_NAMES].concat();
     let place_of_table = place.key("table");
     let (file, table) = fields::read_table(reader, &step.table, &components, count, &place_of_table)?;
-    let there = |range: std::ops::Range<usize>| -> [bool; 6] {
-        let mut flags = [false; 6];
-        flags.iter_mut().zip(&table.columns[range]).for_each(|(flag, column)| *flag = column.is_some());
-        flags
-    };
-    let (strain, stress) = (there(0..6), there(6..12));
+    let there = |first: usize| -> [bool; 6] { from_fn(|i| table.columns[first + i].is_some()) };
+    let (strain, stress) = (there(0), there(6));
     let prefix = format!("{file}: ");
     check_names(reader, &strain, &stress, setting.mode, |_| place_of_table.clone(), &prefix);
-    let mut controls = [Control::FREE; 6];
-    let mut named = [false; 6];
-    let mut columns = [None; 6];
-    for i in 0..6 {
-        named[i] = strain[i] || stress[i];
-        columns[i] = table.columns[i].or(table.columns[6 + i]);
-        if named[i] {
-            controls[i] = if strain[i] { Control::Strain(0.0) } else { Control::Stress(0.0) };
-        }
-    }
+    let named = from_fn(|i| strain[i] || stress[i]);
+    let columns: [Option<usize>; 6] = from_fn(|i| table.columns[i].or(table.columns[6 + i]));
+    let mut controls = from_fn(|i| match (strain[i], stress[i]) {
+        (true, _) => Control::Strain(0.0),
+        (false, true) => Control::Stress(0.0),
+        (false, false) => Control::FREE,
+    });
     let relations = step.constraints.as_deref().unwrap_or_default();
     let constraints =
         constraints::assign(reader, relations, &mut controls, &named, setting.mode, &place.key("constraints"));

@@ -93,9 +93,7 @@ impl Problem {
     pub fn unreadable(message: impl Into<String>) -> Self {
         Self { place: None, message: message.into(), kind: ProblemKind::Input }
     }
-}
 
-impl Problem {
     /// The problem of a contact's material as one of a bond law that a case of kind "bridging" gives.
     pub(crate) fn of_bond_law(self) -> Self {
         let law = |text: &str| text.replace("$.material", "$.fibre.law");
