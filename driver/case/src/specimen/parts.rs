@@ -14,6 +14,7 @@ use fe_core::mesh::Mesh;
 use fe_core::model::PluginLaw;
 use pullout_run::number::rounded;
 use pullout_run::program::{Mode, STRESS_NAMES};
+use std::collections::BTreeMap;
 
 /// Laws and options of the mesh's parts, in their order.
 pub struct Parts {
@@ -28,7 +29,7 @@ pub struct Parts {
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<Parts> {
     let root = Place::root().key("parts");
     let given = reader.piece(&case.parts, &root)?;
-    let mut resolved = Vec::new();
+    let mut resolved = BTreeMap::new();
     for (name, piece) in given {
         let place = root.key(name);
         let Some(part) = reader.piece(piece, &place) else { continue };
@@ -54,19 +55,16 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
             reader.note_defaults(&place, &taken.0);
         }
         let nlgeom = reader.optional(part.nlgeom.as_ref(), &place.key("nlgeom")).copied();
-        resolved.push((index, law, average.copied().unwrap_or(true), nlgeom));
+        resolved.insert(name.as_str(), (law, average.copied().unwrap_or(true), nlgeom));
     }
-    let parts = scene.mesh?.parts();
-    let count = parts.len();
-    let name = |part: usize| called(&parts[part].name, |name| given.contains_key(name));
-    let of_part =
-        |part: usize| resolved.iter().find(|(index, ..)| index.is_some_and(|index| name(index) == name(part)));
-    let laws: Option<Vec<PluginLaw>> = (0..count).map(|part| of_part(part)?.1.clone()).collect();
-    Some(Parts {
-        laws: laws?,
-        average_dilatation: (0..count).map(|part| of_part(part).is_none_or(|(_, _, average, _)| *average)).collect(),
-        nlgeom: (0..count).map(|part| of_part(part).and_then(|(.., nlgeom)| *nlgeom)).collect(),
-    })
+    let mut parts = Parts { laws: Vec::new(), average_dilatation: Vec::new(), nlgeom: Vec::new() };
+    for part in scene.mesh?.parts() {
+        let (law, average_dilatation, nlgeom) = resolved.get(called(&part.name, |name| given.contains_key(name)))?;
+        parts.laws.push(law.clone()?);
+        parts.average_dilatation.push(*average_dilatation);
+        parts.nlgeom.push(*nlgeom);
+    }
+    Some(parts)
 }
 
 /// What the case leaves to the mesh.
