@@ -370,13 +370,14 @@ fn load_kind(
         reader.problem(place, "needs exactly one of \"force\", \"traction\" and \"pressure\"");
         return None;
     }
-    let (wrong, right, at_nodes) =
-        if load.force.is_some() { (&load.edges, "nodes", true) } else { (&load.nodes, "edges", false) };
-    if wrong.is_some() {
-        let (key, what) = if at_nodes { ("edges", "a force acts on nodes") } else { ("nodes", "it acts on edges") };
-        reader.problem(&place.key(key), format!("{what}: name the set as \"{right}\""));
+    let [nodes, edges] = [("nodes", &load.nodes), ("edges", &load.edges)];
+    let ((right, set), (wrong, other), what) = match load.force {
+        Some(_) => (nodes, edges, "a force acts on nodes"),
+        None => (edges, nodes, "it acts on edges"),
+    };
+    if other.is_some() {
+        reader.problem(&place.key(wrong), format!("{what}: name the set as \"{right}\""));
     }
-    let set = if at_nodes { &load.nodes } else { &load.edges };
     let place_of_set = if set.is_some() { place.key(right) } else { place.clone() };
     let set = set.as_deref().unwrap_or(name);
     if let Some(force) = load.force {
