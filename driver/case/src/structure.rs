@@ -40,11 +40,6 @@ const FAMILIES: [KindSchema; 2] = [
     (SWEEP, |generator| generator.subschema_for::<SweepFile>().to_value()),
 ];
 
-/// Names of the kinds of cases.
-pub fn kinds() -> impl Iterator<Item = &'static str> {
-    KINDS.iter().map(|(name, _)| *name)
-}
-
 /// The JSON Schema (draft 2020-12) of case files, study files and sweep files.
 pub fn schema() -> Value {
     let mut generator = SchemaGenerator::new(SchemaSettings::draft2020_12());
@@ -88,7 +83,7 @@ pub fn kind_of(document: &Value) -> Result<&str, Problem> {
     let Value::Object(members) = document else {
         return Err(Problem::new(place, format!("expected an object, found {}", shown(document))));
     };
-    let valid: Vec<&str> = kinds().collect();
+    let valid: Vec<&str> = KINDS.iter().map(|(name, _)| *name).collect();
     let message = match members.get("kind") {
         None => format!("is missing; valid names: {}", valid.join(", ")),
         Some(Value::String(name)) => match name.as_str() {
@@ -228,18 +223,12 @@ impl Findings<'_> {
     /// unknown keys. If none fits in type, what each expects. Where no branch knows any key, the names in all.
     fn describe_union(&mut self, error: &ValidationError<'_>, context: &[Vec<ValidationError<'static>>]) {
         let here = error.instance_path();
-        if let Some(tag) = wrong_tag(context, here) {
-            let place = place_of(tag.place);
-            let words: Vec<&str> = tag.words.iter().filter_map(|word| word.as_str()).collect();
-            let message = match tag.found.as_str() {
-                Some(found) => format!("there is no '{found}'{}", hint(found, &words)),
-                None => format!("expected one of {}, found {}", words.join(", "), shown(tag.found)),
-            };
-            self.structure.problems.push(Problem::new(place, message));
+        if let Some(problem) = wrong_tag(context, here) {
+            self.structure.problems.push(problem);
             return;
         }
         // Of equally good branches: the first, or the last (the most general) if all lack a key.
-        let chosen = |branch: &[ValidationError<'_>]| !branch.iter().any(|error| is_tag(error, here));
+        let chosen = |branch: &[ValidationError<'_>]| tag(branch, here).is_none();
         let any_chosen = context.iter().any(|branch| chosen(branch));
         let candidates = context.iter().enumerate().filter(|(_, branch)| !any_chosen || chosen(branch));
         let best = candidates.min_by_key(|(k, branch)| {
@@ -312,36 +301,30 @@ fn wholly_unknown<'e, 'v>(
     })
 }
 
-/// A word in a member that no branch has.
-struct WrongTag<'e> {
-    place: &'e Location,
-    found: &'e Value,
-    words: Vec<&'e Value>,
+/// The first error of a branch that says that a member's word belongs to another branch, and the word of this one.
+fn tag<'e, 'v>(branch: &'e [ValidationError<'v>], here: &Location) -> Option<(&'e ValidationError<'v>, &'e str)> {
+    branch.iter().find_map(|error| match error.kind() {
+        Kind::Constant { expected_value: Value::String(word) } if error.instance_path() != here => {
+            Some((error, word.as_str()))
+        }
+        _ => None,
+    })
 }
 
-/// Returns whether an error says that a member's word belongs to another branch.
-fn is_tag(error: &ValidationError<'_>, here: &Location) -> bool {
-    matches!(error.kind(), Kind::Constant { expected_value } if expected_value.is_string())
-        && error.instance_path() != here
-}
-
-/// Finds the tag that is wrong, if every branch expects another word in the same member.
-fn wrong_tag<'e>(context: &'e [Vec<ValidationError<'static>>], here: &Location) -> Option<WrongTag<'e>> {
-    let constant = |branch: &'e Vec<ValidationError<'static>>| {
-        branch.iter().find_map(|error| match error.kind() {
-            Kind::Constant { expected_value } if is_tag(error, here) => Some((error, expected_value)),
-            _ => None,
-        })
+/// The problem of a word that no branch has, if every branch expects another one in the same member.
+fn wrong_tag(context: &[Vec<ValidationError<'static>>], here: &Location) -> Option<Problem> {
+    let (first, _) = tag(context.first()?, here)?;
+    let tags = context.iter().map(|branch| tag(branch, here));
+    let words = tags.map(|tag| tag.filter(|(error, _)| error.instance_path() == first.instance_path()));
+    let words: Vec<&str> = words.map(|tag| tag.map(|(_, word)| word)).collect::<Option<_>>()?;
+    if words.len() < 2 || words.windows(2).any(|pair| pair[0] == pair[1]) {
+        return None;
+    }
+    let message = match first.instance().as_str() {
+        Some(found) => format!("there is no '{found}'{}", hint(found, &words)),
+        None => format!("expected one of {}, found {}", words.join(", "), shown(first.instance())),
     };
-    let (first, _) = constant(context.first()?)?;
-    let words: Option<Vec<&Value>> = context
-        .iter()
-        .map(|branch| {
-            constant(branch).filter(|(error, _)| error.instance_path() == first.instance_path()).map(|(_, word)| word)
-        })
-        .collect();
-    let words = words.filter(|words| words.len() > 1 && words.windows(2).all(|pair| pair[0] != pair[1]))?;
-    Some(WrongTag { place: first.instance_path(), found: first.instance(), words })
+    Some(Problem::new(place_of(first.instance_path()), message))
 }
 
 /// A type, constant or list of words that does not fit at all.
@@ -352,18 +335,16 @@ const MISFIT_OF_MISSING_KEY: usize = 1_000;
 const MISFIT_OF_UNKNOWN_KEY: usize = 100;
 
 fn branch_misfit(branch: &[ValidationError<'_>], here: &Location) -> usize {
-    let at_here = || branch.iter().filter(|error| error.instance_path() == here);
-    let missing: Vec<&str> = at_here()
-        .filter_map(|error| if let Kind::Required { property } = error.kind() { property.as_str() } else { None })
-        .collect();
+    let (mut missing, mut unknown) = (Vec::new(), Vec::new());
+    for error in branch.iter().filter(|error| error.instance_path() == here) {
+        match error.kind() {
+            Kind::Required { property } => missing.extend(property.as_str()),
+            Kind::AdditionalProperties { unexpected } => unknown.extend(unexpected),
+            _ => {}
+        }
+    }
     // An unknown key that resembles a missing one is that one, misspelled.
-    let misspelled = at_here()
-        .filter_map(
-            |error| if let Kind::AdditionalProperties { unexpected } = error.kind() { Some(unexpected) } else { None },
-        )
-        .flatten()
-        .filter(|key| nearest(key, &missing).is_some())
-        .count();
+    let misspelled = unknown.iter().filter(|key| nearest(key, &missing).is_some()).count();
     let sum: usize = branch.iter().map(|error| misfit(error, here)).sum();
     sum - MISFIT_OF_MISSING_KEY * misspelled.min(missing.len())
 }
