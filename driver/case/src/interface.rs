@@ -1,12 +1,13 @@
 //! Kind "interface": slips, gap or pressure.
 
 use crate::document::{ContactArguments, EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
-use crate::document::{InterfaceTable, Piece};
+use crate::document::{Cycles, InterfaceTable, Piece};
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{Resolved, statev};
 use crate::problem::Place;
 use crate::reader::Reader;
 use crate::steps::{self, Counted, Found};
+use crate::table::CsvFile;
 use crate::{fields, history};
 use pullout_run::columns;
 use pullout_run::program::{InterfaceEntry, InterfaceGoal, InterfaceProgram, InterfaceStep, Kind, NormalControl, Pace};
@@ -125,19 +126,17 @@ fn close(open: Vec<OpenStep>, entry: Entry) -> Vec<InterfaceStep> {
 /// 2 if any step names `slip2`: `until` of an earlier step may then name its columns.
 fn directions_of(reader: &Reader<'_>, documents: &[Piece<StepDocument>]) -> usize {
     let steps = documents.iter().filter_map(|piece| piece.0.as_ref().ok());
-    steps.map(|step| directions_of_step(reader, step)).max().unwrap_or(1)
-}
-
-fn directions_of_step(reader: &Reader<'_>, step: &StepDocument) -> usize {
-    match step {
-        StepDocument::Cycle(cycle) => directions_of(reader, &cycle.steps),
-        StepDocument::Cycles(wrapper) => directions_of(reader, &wrapper.cycles.steps),
+    let directions = steps.map(|step| match step {
+        StepDocument::Cycle(cycle) | StepDocument::Cycles(Cycles { cycles: cycle }) => {
+            directions_of(reader, &cycle.steps)
+        }
         StepDocument::Ramp(ramp) => 1 + usize::from(ramp.target.slip2.is_some()),
         StepDocument::Table(table) => {
-            let csv = reader.named(&table.table).ok().and_then(|path| crate::table::CsvFile::read(&path).ok());
-            1 + usize::from(csv.is_some_and(|csv| csv.header.iter().any(|name| name == "slip2")))
+            let csv = reader.named(&table.table).ok().and_then(|path| CsvFile::read(&path).ok());
+            1 + usize::from(csv.is_some_and(|csv| csv.column("slip2").is_ok()))
         }
-    }
+    });
+    directions.max().unwrap_or(1)
 }
 
 const GAP_OF_FRIC: &str = "FRIC has no normal law: prescribe the pressure 'p' instead of the gap";
