@@ -208,16 +208,8 @@ fn openings(given: Openings) -> Vec<f64> {
 /// Tells what the numbers themselves say is wrong with them.
 fn tell(reader: &mut Reader<'_>, checked: Result<(), Invalid>) {
     if let Err(Invalid { place, rule }) = checked {
-        reader.problem(&place_of(&place), rule);
+        reader.problem(&Place::path(&place), rule);
     }
-}
-
-/// `fibre.law[2]` as a place.
-fn place_of(keys: &str) -> Place {
-    keys.split('.').fold(Place::root(), |place, key| match key.split_once('[') {
-        Some((name, index)) => place.key(name).index(index.trim_end_matches(']').parse().unwrap_or_default()),
-        None => place.key(key),
-    })
 }
 
 /// Both columns of a comparison are of one file.

@@ -14,6 +14,11 @@ impl Place {
         Self("$".into())
     }
 
+    /// A place by its path from the root, such as `fibre.law[2]`.
+    pub(crate) fn path(path: &str) -> Self {
+        Self(format!("$.{path}"))
+    }
+
     /// A command-line override rather than a place in the document.
     pub fn option(text: &str) -> Self {
         Self(format!("--set {text}"))
