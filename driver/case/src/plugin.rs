@@ -307,27 +307,27 @@ fn check_symbol(reader: &mut Reader<'_>, library: &Library, material: &Material,
 
 fn nstatv(reader: &mut Reader<'_>, law: Option<&LawDescription>, material: &Material, place: &Place) -> Option<usize> {
     let given = material.nstatv.map(|n| n.0);
-    match (law.map(|law| (law.states.len(), &law.name)), given) {
-        (None, None) => {
+    let place = place.key("nstatv");
+    let Some(LawDescription { name, states, .. }) = law else {
+        if given.is_none() {
             let message = "is missing: the library describes no law (it has no metadata), so the number of its state \
                            variables must be given";
-            reader.problem(&place.key("nstatv"), message);
-            None
+            reader.problem(&place, message);
         }
-        (Some((needed, name)), Some(given)) if given < needed => {
-            reader.problem(&place.key("nstatv"), format!("{name} needs {needed} state variables, {given} given"));
-            Some(needed)
+        return given;
+    };
+    let needed = states.len();
+    match given {
+        Some(given) if given < needed => {
+            reader.problem(&place, format!("{name} needs {needed} state variables, {given} given"));
         }
-        (Some((needed, name)), Some(given)) => {
-            if given > needed {
-                let reason = format!("{name} has {needed} state variables; the others stay as they are");
-                reader.warn_no_effect(&place.key("nstatv"), reason);
-            }
-            Some(given)
+        Some(given) if given > needed => {
+            let reason = format!("{name} has {needed} state variables; the others stay as they are");
+            reader.warn_no_effect(&place, reason);
         }
-        (Some((needed, _)), None) => Some(needed),
-        (None, given) => given,
+        _ => {}
     }
+    Some(given.unwrap_or(needed).max(needed))
 }
 
 fn properties(
