@@ -15,6 +15,7 @@ use pullout_run::input::is_stream;
 use pullout_run::path::{self, Observer, Row, Statistics, Stop};
 use pullout_run::program::About;
 use serde_json::{Value, json};
+use std::array::from_fn;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -467,9 +468,9 @@ fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
     let place = Place::root().key("fibre").key("file");
     let path = reader.file(&table.file, &place)?;
     let rows = read_columns(reader, &path, &place, ["theta_deg", "embedded", "slip", "load"])?;
-    let highest = rows.iter().map(|row| row[3]).fold(0.0, f64::max);
-    if let Some(row) = rows.iter().find(|row| row[3] < -LARGEST_COMPRESSION * highest) {
-        let [angle_deg, embedded, slip, load] = [0, 1, 2, 3].map(|k| row[k]);
+    let highest = rows.iter().map(|[.., load]| *load).fold(0.0, f64::max);
+    let is_compressed = |[.., load]: &&[f64; 4]| *load < -LARGEST_COMPRESSION * highest;
+    if let Some([angle_deg, embedded, slip, load]) = rows.iter().find(is_compressed) {
         let message = format!(
             "{}: at {angle_deg}°, {embedded} mm and a slip of {slip} mm the load {load} N pushes the fibre in: pull-out has \
              positive loads",
@@ -479,8 +480,7 @@ fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
         return None;
     }
     let mut curves: Vec<Curve> = Vec::new();
-    for row in rows {
-        let [angle_deg, embedded, slip, load] = [0, 1, 2, 3].map(|k| row[k]);
+    for [angle_deg, embedded, slip, load] in rows {
         match curves.iter_mut().find(|curve| curve.angle_deg == angle_deg && curve.embedded == embedded) {
             Some(curve) => {
                 curve.slip.push(slip);
@@ -511,10 +511,11 @@ fn read_columns<const N: usize>(
     path: &Path,
     place: &Place,
     names: [&str; N],
-) -> Option<Vec<Vec<f64>>> {
+) -> Option<Vec<[f64; N]>> {
     let rows = CsvFile::read(path).and_then(|csv| {
         let found: Result<Vec<usize>, Vec<String>> = names.into_iter().map(|name| csv.column(name)).collect();
         csv.numbers(&found?, false)
     });
-    reader.without_problems(rows, place)
+    let rows = reader.without_problems(rows, place)?;
+    Some(rows.into_iter().map(|row| from_fn(|k| row[k])).collect())
 }

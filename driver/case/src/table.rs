@@ -168,8 +168,7 @@ impl Table {
                 problems.add(|| format!("{file}: the column '{name}' is there twice"));
             } else if name != "time" && !names.contains(&name.as_str()) {
                 let valid = ["time"].iter().chain(names);
-                problems
-                    .add(|| format!("{file}: no component is called '{name}'{}", crate::problem::hint(name, valid)));
+                problems.add(|| format!("{file}: no component is called '{name}'{}", hint(name, valid)));
             }
         }
         if !csv.header.iter().any(|name| names.contains(&name.as_str())) && problems.count == 0 {
