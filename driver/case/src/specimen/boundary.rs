@@ -405,8 +405,7 @@ fn load_kind(
 /// A direction of length 1.
 fn unit(reader: &mut Reader<'_>, direction: document::Direction, place: &Place) -> Option<[f64; 2]> {
     match direction {
-        document::Direction::Axis(document::Axis::X) => Some([1.0, 0.0]),
-        document::Direction::Axis(document::Axis::Y) => Some([0.0, 1.0]),
+        document::Direction::Axis(axis) => Some(BOTH[axis as usize]),
         document::Direction::Vector(vector) => {
             let direction = normalised(vector);
             if !direction.iter().all(|component| component.is_finite()) {

@@ -44,12 +44,12 @@ fn along(coupling: &NodeCoupling, component: usize) -> Coupling {
 fn from_terms(reader: &mut Reader<'_>, given: &document::Terms, scene: Scene<'_>, place: &Place) -> Option<Coupling> {
     let place_of_dependent = place.key("dependent");
     let dependent = node(reader, &given.dependent.node, scene, &place_of_dependent.key("node"));
-    let dependent = dependent.map(|node| Freedom { node, component: component(given.dependent.component) });
+    let dependent = dependent.map(|node| Freedom { node, component: given.dependent.component as usize });
     let mut terms = Vec::new();
     for (k, term) in given.terms.iter().enumerate() {
         let place = place.key("terms").index(k);
         let Some(node) = node(reader, &term.node, scene, &place.key("node")) else { continue };
-        let freedom = Freedom { node, component: component(term.component) };
+        let freedom = Freedom { node, component: term.component as usize };
         if Some(freedom) == dependent {
             reader.problem(&place, "a displacement cannot follow itself");
         } else if terms.iter().any(|(other, _)| *other == freedom) {
@@ -58,13 +58,6 @@ fn from_terms(reader: &mut Reader<'_>, given: &document::Terms, scene: Scene<'_>
         terms.push((freedom, term.factor.unwrap_or(1.0)));
     }
     Some(Coupling { dependent: dependent?, terms })
-}
-
-fn component(axis: document::Axis) -> usize {
-    match axis {
-        document::Axis::X => 0,
-        document::Axis::Y => 1,
-    }
 }
 
 /// Both displacements of each node follow the edge that it lies on.
