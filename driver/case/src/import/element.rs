@@ -20,25 +20,18 @@ impl Shape {
     /// Returns the shape of an element's type, with whatever says how it is integrated.
     pub(super) fn of(kind: &str) -> Option<Self> {
         let kind = kind.to_ascii_uppercase();
-        let shape = |mode, dimensions, corners, nodes| Some(Self { mode, dimensions, corners, nodes });
-        let digits = |prefix: &str| {
-            let rest = kind.strip_prefix(prefix)?;
-            let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
-            let suffix = &rest[end..];
-            // hybrid, incompatible modes, modified, reduced, coupled temperature
-            suffix.chars().all(|c| "HIMRST".contains(c)).then_some(&rest[..end])
+        let modes = [("C3D", "3d"), ("CPE", "plane_strain"), ("CPS", "plane_stress"), ("CAX", "axisymmetric")];
+        let (rest, mode) = modes.into_iter().find_map(|(prefix, mode)| Some((kind.strip_prefix(prefix)?, mode)))?;
+        // hybrid, incompatible modes, modified, reduced, coupled temperature
+        let (dimensions, corners, nodes) = match (mode, rest.trim_end_matches(|c: char| "HIMRST".contains(c))) {
+            ("3d", "8") => (3, 8, 8),
+            ("3d", "20") => (3, 8, 20),
+            ("3d", _) => return None,
+            (_, "4") => (2, 4, 4),
+            (_, "8") => (2, 4, 8),
+            _ => return None,
         };
-        match (digits("C3D"), digits("CPE"), digits("CPS"), digits("CAX")) {
-            (Some("8"), ..) => shape("3d", 3, 8, 8),
-            (Some("20"), ..) => shape("3d", 3, 8, 20),
-            (_, Some("4"), ..) => shape("plane_strain", 2, 4, 4),
-            (_, Some("8"), ..) => shape("plane_strain", 2, 4, 8),
-            (_, _, Some("4"), _) => shape("plane_stress", 2, 4, 4),
-            (_, _, Some("8"), _) => shape("plane_stress", 2, 4, 8),
-            (.., Some("4")) => shape("axisymmetric", 2, 4, 4),
-            (.., Some("8")) => shape("axisymmetric", 2, 4, 8),
-            _ => None,
-        }
+        Some(Self { mode, dimensions, corners, nodes })
     }
 
     /// The corners of a face S1, S2, … or of a load P1, P2, …

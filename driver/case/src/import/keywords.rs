@@ -71,6 +71,11 @@ impl Keyword {
         self.parameters.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
+    /// The first of some parameters that it has.
+    pub(super) fn first_of<'o>(&self, names: &[&'o str]) -> Option<&'o str> {
+        names.iter().copied().find(|name| self.parameter(name).is_some())
+    }
+
     /// A parameter's value in capitals; empty for one without a value.
     pub(super) fn capitals(&self, name: &str) -> Option<String> {
         self.parameter(name).map(str::to_ascii_uppercase)

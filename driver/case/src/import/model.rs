@@ -394,8 +394,7 @@ impl Model {
 
     fn initial_conditions(&mut self, keyword: &Keyword) -> Result<(), String> {
         let kind = keyword.capitals("TYPE").unwrap_or_default();
-        let other = ["USER", "GEOSTATIC", "FILE", "INPUT", "SECTION POINTS"];
-        if let Some(option) = other.iter().find(|option| keyword.parameter(option).is_some()) {
+        if let Some(option) = keyword.first_of(&["USER", "GEOSTATIC", "FILE", "INPUT", "SECTION POINTS"]) {
             self.left_out.push(format!("{}: initial {kind} by {option}", keyword.place));
             return Ok(());
         }
@@ -456,10 +455,8 @@ impl Model {
     }
 
     fn boundary(&mut self, keyword: &Keyword) -> Result<(), String> {
-        for option in ["USER", "FIXED", "SUBMODEL"] {
-            if keyword.parameter(option).is_some() {
-                return Err(format!("{}: *BOUNDARY, {option} is not taken over", keyword.place));
-            }
+        if let Some(option) = keyword.first_of(&["USER", "FIXED", "SUBMODEL"]) {
+            return Err(format!("{}: *BOUNDARY, {option} is not taken over", keyword.place));
         }
         if keyword.capitals("TYPE").is_some_and(|kind| kind != "DISPLACEMENT") {
             return Err(format!("{}: only displacements are taken over", keyword.place));
@@ -496,8 +493,7 @@ impl Model {
         if self.steps.is_empty() {
             return Err(format!("{}: *{} outside a step", keyword.place, keyword.name));
         }
-        let other = ["USER", "FILE", "FOLLOWER", "CYCLIC MODE"];
-        if let Some(option) = other.iter().find(|option| keyword.parameter(option).is_some()) {
+        if let Some(option) = keyword.first_of(&["USER", "FILE", "FOLLOWER", "CYCLIC MODE"]) {
             self.left_out.push(format!("{}: *{} by {option}", keyword.place, keyword.name));
             return Ok(());
         }
