@@ -1,10 +1,10 @@
 //! The host's normal law in the parameters of a law that is called as FRIC. The law takes the pressure that rubs nothing (that
 //! of a soft normal law at gap 0) from parameters of its own, and FRIC is told no other.
 
-use crate::document::pullout::Normal;
 use crate::document::{PropValue, Props};
 use crate::problem::Place;
 use crate::reader::Reader;
+use fe_core::model::NormalLaw;
 use std::collections::BTreeMap;
 use umat_abi::host::LawDescription;
 
@@ -19,12 +19,12 @@ pub fn beside(
     reader: &mut Reader<'_>,
     law: &LawDescription,
     props: Option<&Props>,
-    normal: Normal,
+    normal: NormalLaw,
     [place, place_of_normal]: [&Place; 2],
 ) -> Option<Props> {
     let kind = match normal {
-        Normal::Hard(_) => "hard",
-        Normal::Soft(_) => "soft",
+        NormalLaw::Hard(_) => "hard",
+        NormalLaw::Soft(_) => "soft",
     };
     let position = |name: &str| law.parameters.iter().position(|parameter| parameter.name == name);
     let (at, pressure_at) = (position(KIND)?, position(PRESSURE)?);
@@ -39,14 +39,14 @@ pub fn beside(
     }
     let place_of_pressure = place_of_normal.key(PRESSURE);
     match (given(law, props, pressure_at, place), normal) {
-        (Some((value, place)), Normal::Soft(soft)) if value != soft.p_0.0 => {
-            let message = format!("{PRESSURE} is {value}, but {place_of_pressure} is {}: {advice}", soft.p_0.0);
+        (Some((value, place)), NormalLaw::Soft(soft)) if value != soft.p_0 => {
+            let message = format!("{PRESSURE} is {value}, but {place_of_pressure} is {}: {advice}", soft.p_0);
             reader.problem(&place, message);
             return None;
         }
         // a list must have it
-        (Some((value, place)), Normal::Hard(hard))
-            if value != hard.p_0.unwrap_or(0.0) && !matches!(props, Some(Props::List(_))) =>
+        (Some((value, place)), NormalLaw::Hard(hard))
+            if value != hard.p_0 && !matches!(props, Some(Props::List(_))) =>
         {
             reader.warn_no_effect(&place, format!("under FRIC the tension that opens is {place_of_pressure}"));
         }
@@ -58,8 +58,8 @@ pub fn beside(
         None => BTreeMap::new(),
     };
     named.entry(KIND.to_owned()).or_insert(PropValue::Number(own));
-    if let Normal::Soft(soft) = normal {
-        named.entry(PRESSURE.to_owned()).or_insert(PropValue::Number(soft.p_0.0));
+    if let NormalLaw::Soft(soft) = normal {
+        named.entry(PRESSURE.to_owned()).or_insert(PropValue::Number(soft.p_0));
     }
     Some(Props::Named(named))
 }

@@ -1,11 +1,11 @@
 //! The plugin of a case: found, loaded, its law chosen, its parameters filled in and checked.
 
-use crate::document::pullout::Normal;
 use crate::document::{CalledAs, Entry, Material, Piece, Positive, Props, Tangent};
 use crate::host_normal;
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;
 use crate::reader::Reader;
+use fe_core::model::NormalLaw;
 use pullout_run::isolation::worker;
 use pullout_run::program::Mode;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ pub struct Use {
     /// CELENT.
     pub length: Length,
     /// The host's normal law beside FRIC, if it is known, and where the case gives it.
-    pub normal: Option<(Normal, Place)>,
+    pub normal: Option<(NormalLaw, Place)>,
 }
 
 /// Level at which a plugin is called: a point by itself, or a specimen.

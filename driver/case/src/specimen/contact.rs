@@ -375,12 +375,12 @@ fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<
         reader.problem(&place_of_law.key("statev0"), "the states of contact start from 0: leave it out");
     }
     let place = place.key("normal");
-    let normal = reader.optional(pair.normal.as_ref(), &place);
-    let beside = normal.filter(|_| entry == Entry::Fric).map(|normal| (*normal, place.clone()));
+    let normal = reader.optional(pair.normal.as_ref(), &place).copied().map(normal_law);
+    let beside = normal.filter(|_| entry == Entry::Fric).map(|normal| (normal, place.clone()));
     let purpose = Use { level: Level::Specimen, entry, mode: None, length: Length::Unknown, normal: beside };
     let law = plugin::resolve(reader, material, &place_of_law, purpose).map(PluginLaw::from);
     match (entry, normal) {
-        (Entry::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal: normal_law(*normal) }),
+        (Entry::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal }),
         (Entry::Fric, None) if pair.normal.is_none() => {
             let message = "is missing: FRIC has no normal law; give {\"hard\": {}} (unilateral) or another";
             reader.problem(&place, message);
