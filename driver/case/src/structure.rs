@@ -11,14 +11,14 @@ use crate::problem::{MOST_SHOWN, Place, Problem, hint, nearest, shown, suggestio
 use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
 use jsonschema::paths::{Location, LocationSegment};
 use jsonschema::{JsonType, ValidationError, Validator};
-use schemars::SchemaGenerator;
 use schemars::generate::SchemaSettings;
+use schemars::{Schema, SchemaGenerator};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
-/// A kind of case: its name and its part of the schema.
-type KindSchema = (&'static str, fn(&mut SchemaGenerator) -> Value);
+/// A kind of file: its name and its part of the schema.
+type KindSchema = (&'static str, fn(&mut SchemaGenerator) -> Schema);
 
 /// The kind of file that describes a family of runs; it is no case.
 pub const STUDY: &str = "study";
@@ -26,24 +26,20 @@ pub const STUDY: &str = "study";
 /// The kind of file that describes many runs of a case of which numbers are kept; it is no case.
 pub const SWEEP: &str = "sweep";
 
-/// The kinds of cases. A new kind: a line here, and an arm in `read`.
-const KINDS: &[KindSchema] = &[
-    ("point", |generator| generator.subschema_for::<PointCase>().to_value()),
-    ("interface", |generator| generator.subschema_for::<InterfaceCase>().to_value()),
-    ("pullout", |generator| generator.subschema_for::<PulloutCase>().to_value()),
-    ("bridging", |generator| generator.subschema_for::<BridgingCase>().to_value()),
-];
-
-/// The kinds of files that are no cases.
-const FAMILIES: [KindSchema; 2] = [
-    (STUDY, |generator| generator.subschema_for::<StudyFile>().to_value()),
-    (SWEEP, |generator| generator.subschema_for::<SweepFile>().to_value()),
+/// The kinds of files. A new kind of case: a line here, and an arm in `read`.
+const KINDS: [KindSchema; 6] = [
+    ("point", SchemaGenerator::subschema_for::<PointCase>),
+    ("interface", SchemaGenerator::subschema_for::<InterfaceCase>),
+    ("pullout", SchemaGenerator::subschema_for::<PulloutCase>),
+    ("bridging", SchemaGenerator::subschema_for::<BridgingCase>),
+    (STUDY, SchemaGenerator::subschema_for::<StudyFile>),
+    (SWEEP, SchemaGenerator::subschema_for::<SweepFile>),
 ];
 
 /// The JSON Schema (draft 2020-12) of case files, study files and sweep files.
 pub fn schema() -> Value {
     let mut generator = SchemaGenerator::new(SchemaSettings::draft2020_12());
-    let branches: Vec<Value> = KINDS.iter().chain(&FAMILIES).map(|(_, subschema)| subschema(&mut generator)).collect();
+    let branches: Vec<Value> = KINDS.iter().map(|(_, subschema)| subschema(&mut generator).to_value()).collect();
     json!({
         "$schema": DRAFT,
         "title": "Pullout case, study or sweep",
@@ -62,12 +58,11 @@ type Checker = Result<(Value, Validator), String>;
 /// Returns what checks a kind, made once: a study reads the cases of all its runs. It has no definitions of other kinds: making them
 /// and reading them would be most of the time of a short run.
 fn checker(kind: &str) -> Option<&'static Checker> {
-    const COUNT: usize = KINDS.len() + FAMILIES.len();
-    static CHECKERS: [OnceLock<Checker>; COUNT] = [const { OnceLock::new() }; COUNT];
-    let (index, (_, subschema)) = KINDS.iter().chain(&FAMILIES).enumerate().find(|(_, (name, _))| *name == kind)?;
+    static CHECKERS: [OnceLock<Checker>; KINDS.len()] = [const { OnceLock::new() }; KINDS.len()];
+    let (index, (_, subschema)) = KINDS.iter().enumerate().find(|(_, (name, _))| *name == kind)?;
     Some(CHECKERS[index].get_or_init(|| {
         let mut generator = SchemaGenerator::new(SchemaSettings::draft2020_12());
-        let branch = subschema(&mut generator);
+        let branch = subschema(&mut generator).to_value();
         let own = json!({ "$schema": DRAFT, "allOf": [branch], "$defs": generator.take_definitions(true) });
         let validator = jsonschema::draft202012::new(&own).map_err(|error| error.to_string())?;
         Ok((own, validator))
@@ -83,7 +78,7 @@ pub fn kind_of(document: &Value) -> Result<&str, Problem> {
     let Value::Object(members) = document else {
         return Err(Problem::new(place, format!("expected an object, found {}", shown(document))));
     };
-    let valid: Vec<&str> = KINDS.iter().map(|(name, _)| *name).collect();
+    let valid: Vec<&str> = KINDS.iter().map(|(name, _)| *name).filter(|name| ![STUDY, SWEEP].contains(name)).collect();
     let message = match members.get("kind") {
         None => format!("is missing; valid names: {}", valid.join(", ")),
         Some(Value::String(name)) => match name.as_str() {
