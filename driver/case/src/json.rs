@@ -3,7 +3,6 @@
 use crate::problem::{Place, Problem};
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
-use std::cell::RefCell;
 use std::fmt;
 
 /// Most values of a case: numbers, texts, arrays, objects. More are data, which tables and meshes hold; in memory each
@@ -15,9 +14,9 @@ const MOST_VALUES: usize = 1_000_000;
 /// # Errors
 /// The syntax error, with line and column; more values than a case may have.
 pub fn parse(text: &str) -> Result<(Value, Vec<Problem>), Problem> {
-    let found = RefCell::new(Found::default());
+    let mut found = Found::default();
     let mut deserializer = serde_json::Deserializer::from_str(text);
-    let value = Noting { place: Place::root(), found: &found }.deserialize(&mut deserializer);
+    let value = Noting { place: Place::root(), found: &mut found }.deserialize(&mut deserializer);
     let value = value.and_then(|value| deserializer.end().map(|()| value)).map_err(|error| {
         let message = error.to_string();
         let position = format!(" at line {} column {}", error.line(), error.column());
@@ -25,7 +24,7 @@ pub fn parse(text: &str) -> Result<(Value, Vec<Problem>), Problem> {
         let kind = if error.is_data() { "" } else { "not valid JSON: " };
         Problem::unreadable(format!("line {}, column {}: {kind}{what}", error.line(), error.column()))
     })?;
-    Ok((value, found.into_inner().repeated))
+    Ok((value, found.repeated))
 }
 
 /// Problems and counts of a document that is being parsed.
@@ -38,13 +37,13 @@ struct Found {
 /// Deserialises a value at a place, noting repeated keys on the way.
 struct Noting<'a> {
     place: Place,
-    found: &'a RefCell<Found>,
+    found: &'a mut Found,
 }
 
 impl Noting<'_> {
     /// Descends into a member or an entry.
-    fn within(&self, place: Place) -> Self {
-        Self { place, found: self.found }
+    fn within(&mut self, place: Place) -> Noting<'_> {
+        Noting { place, found: self.found }
     }
 }
 
@@ -52,12 +51,8 @@ impl<'de> DeserializeSeed<'de> for Noting<'_> {
     type Value = Value;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
-        let count = {
-            let mut found = self.found.borrow_mut();
-            found.values += 1;
-            found.values
-        };
-        if count > MOST_VALUES {
+        self.found.values += 1;
+        if self.found.values > MOST_VALUES {
             return Err(D::Error::custom(format!(
                 "more than {MOST_VALUES} values: numbers by the thousand belong into tables and meshes"
             )));
@@ -97,7 +92,7 @@ impl<'de> Visitor<'de> for Noting<'_> {
         Ok(value.into())
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut access: A) -> Result<Value, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut access: A) -> Result<Value, A::Error> {
         let mut elements = Vec::new();
         while let Some(element) = access.next_element_seed(self.within(self.place.index(elements.len())))? {
             elements.push(element);
@@ -105,14 +100,13 @@ impl<'de> Visitor<'de> for Noting<'_> {
         Ok(Value::Array(elements))
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut access: A) -> Result<Value, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(mut self, mut access: A) -> Result<Value, A::Error> {
         let mut members = Map::new();
         while let Some(key) = access.next_key::<String>()? {
             let place = self.place.key(&key);
             let value = access.next_value_seed(self.within(place.clone()))?;
             if members.insert(key, value).is_some() {
-                let repeated = Problem::new(place, "the key is given twice; give it once");
-                self.found.borrow_mut().repeated.push(repeated);
+                self.found.repeated.push(Problem::new(place, "the key is given twice; give it once"));
             }
         }
         Ok(Value::Object(members))
