@@ -6,11 +6,13 @@ use crate::plugin::{self, Length, Level, Use};
 use crate::point::{Resolved, statev};
 use crate::problem::Place;
 use crate::reader::Reader;
-use crate::steps::{self, Counted, Found};
+use crate::steps::{self, Found};
 use crate::table::CsvFile;
 use crate::{fields, history};
 use pullout_run::columns;
-use pullout_run::program::{InterfaceEntry, InterfaceGoal, InterfaceProgram, InterfaceStep, Kind, NormalControl, Pace};
+use pullout_run::program::{
+    InterfaceEntry, InterfaceGoal, InterfaceProgram, InterfaceStep, Kind, NormalControl, Pace, Step,
+};
 
 /// Names of targets and of table columns.
 const NAMES: [&str; 4] = ["slip", "slip2", "gap", "p"];
@@ -22,21 +24,11 @@ struct Setting<'c> {
     columns: Option<&'c [String]>,
 }
 
-/// A step whose normal control may be that of the step before it.
+/// A goal whose normal control may be that of the step before it.
 #[derive(Clone, Debug)]
-struct OpenStep {
+struct OpenGoal {
     normal: Option<NormalControl>,
-    step: InterfaceStep,
-}
-
-impl Counted for OpenStep {
-    fn increments(&self) -> usize {
-        self.step.increments()
-    }
-
-    fn rows(&self) -> usize {
-        self.step.rows()
-    }
+    ends: Vec<[Option<f64>; 3]>,
 }
 
 /// Resolves the plugin, the initial state and the steps.
@@ -112,13 +104,12 @@ fn warn_of_effect(reader: &mut Reader<'_>, given: Option<&ContactArguments>, ent
 }
 
 /// A step that says nothing of the normal direction goes on with the control of the step before it.
-fn close(open: Vec<OpenStep>, entry: Entry) -> Vec<InterfaceStep> {
+fn close(open: Vec<Step<OpenGoal>>, entry: Entry) -> Vec<InterfaceStep> {
     let mut normal = if entry == Entry::Fric { NormalControl::Pressure } else { NormalControl::Gap };
     open.into_iter()
-        .map(|OpenStep { normal: own, mut step }| {
-            normal = own.unwrap_or(normal);
-            step.goal.normal = normal;
-            step
+        .map(|Step { pace, goal, until, fields }| {
+            normal = goal.normal.unwrap_or(normal);
+            Step { pace, goal: InterfaceGoal { normal, ends: goal.ends }, until, fields }
         })
         .collect()
 }
@@ -161,7 +152,7 @@ fn normal_control(
     }
 }
 
-fn ramp_step(reader: &mut Reader<'_>, ramp: &InterfaceRamp, setting: &Setting<'_>, place: &Place) -> OpenStep {
+fn ramp_step(reader: &mut Reader<'_>, ramp: &InterfaceRamp, setting: &Setting<'_>, place: &Place) -> Step<OpenGoal> {
     let target = &ramp.target;
     let place_of_target = place.key("target");
     let normal = normal_control(reader, target.gap.is_some(), target.p.is_some(), setting.entry, |name| {
@@ -175,10 +166,7 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &InterfaceRamp, setting: &Setting<'_
     let ends = vec![[value(target.slip), value(target.slip2), value(target.gap.or(target.p))]];
     let pace = steps::pace(ramp.increments, ramp.time);
     let fields = fields::of_step(reader, &ramp.end, setting.field_variables, place);
-    OpenStep {
-        normal,
-        step: InterfaceStep { pace, goal: InterfaceGoal { normal: NormalControl::Gap, ends }, until, fields },
-    }
+    Step { pace, goal: OpenGoal { normal, ends }, until, fields }
 }
 
 fn table_step(
@@ -186,7 +174,7 @@ fn table_step(
     step: &InterfaceTable,
     setting: &Setting<'_>,
     place: &Place,
-) -> Option<OpenStep> {
+) -> Option<Step<OpenGoal>> {
     let until = history::until(reader, step.end.until.as_ref(), setting.columns, &place.key("until"));
     let count = setting.field_variables;
     let mut fields = fields::of_step(reader, &step.end, count, place);
@@ -196,6 +184,6 @@ fn table_step(
     let [slip, slip2, gap, p] = [0, 1, 2, 3].map(|k| table.columns[k]);
     let normal = normal_control(reader, gap.is_some(), p.is_some(), setting.entry, |_| place_of_table.clone());
     let ends = table.rows.iter().map(|row| [slip, slip2, gap.or(p)].map(|column| column.map(|column| row[column])));
-    let goal = InterfaceGoal { normal: NormalControl::Gap, ends: ends.collect() };
-    Some(OpenStep { normal, step: InterfaceStep { pace: Pace::Rows(table.time_increments), goal, until, fields } })
+    let goal = OpenGoal { normal, ends: ends.collect() };
+    Some(Step { pace: Pace::Rows(table.time_increments), goal, until, fields })
 }
