@@ -1,8 +1,8 @@
-//! Savings by skipping: all of it, each item alone, and the cost of a larger far field.
+//! Savings by skipping: all of it and each item alone, in blocks of three sizes and in a plate in plastic flow.
 
 use super::{LARGEST_INCREMENT, Specimen};
 use crate::page::Page;
-use crate::runs::Ran;
+use crate::runs::{Ran, run};
 use crate::table::Table;
 use crate::timing::median;
 use crate::{BenchError, Settings};
@@ -27,75 +27,77 @@ const WAYS: [(&str, &str, &str); 6] = [
     ("nothing", "\"none\"", "all"),
 ];
 
-/// The block's area over its usual one, the factor on width and depth, and how many times as long that may take.
-const FAR_FIELDS: [(&str, f64, f64); 3] = [("1", 1.0, 1.0), ("4", 2.0, 1.3), ("16", 4.0, 2.0)];
+/// Blocks: their name, the factor on width and depth, and how many times as long as the usual one they may take.
+const BLOCKS: [(&str, f64, f64); 3] = [("usual block", 1.0, 1.0), ("4 times", 2.0, 1.3), ("16 times", 4.0, 2.0)];
+const PLATE: &str = "plate";
+const PLATE_CASE: &str = include_str!("../../../cases/benchmark/plate-with-hole.json");
 /// Least ratio of the time of a run that skips nothing to that of one that skips everything.
 const SKIPPING_TARGET: f64 = 3.0;
+/// What saves less in every scene is not worth its code.
+const WORTH: f64 = 1.05;
 /// Loads and works of both ways may differ by so much: a crack opens a little earlier or later in another increment.
 const SAME: f64 = 0.02;
 
 /// Runs of one way.
 struct Measured {
-    name: String,
     seconds: f64,
     /// Median over the rounds of its time over the first way's.
     over_first: f64,
     ran: Ran,
 }
 
-/// All ways.
+/// Runs of all ways in one scene.
+struct Scene {
+    name: &'static str,
+    ways: Vec<Measured>,
+}
+
+/// All ways in all scenes.
 pub(crate) fn measure(settings: &Settings) -> Result<Page, BenchError> {
     let (end, rounds) = if settings.quick { (QUICK_END, 1) } else { (END, ROUNDS) };
     let specimen = Specimen::new(settings, end)?;
-    let ways = WAYS.map(|(name, skip, _)| (name.to_owned(), vec![format!("skip={skip}")]));
-    let ways = in_turns(&specimen, rounds, &ways)?;
     let Fibres { width, depth, .. } = Fibres::default();
-    let block = |name: &str, factor: f64| {
-        let [width, depth] = [width, depth].map(|length| factor * length);
-        (name.to_owned(), vec![format!("mesh.specimen.width={width}"), format!("mesh.specimen.depth={depth}")])
-    };
-    let mut blocks = FAR_FIELDS.map(|(name, factor, _)| block(name, factor)).to_vec();
-    let [.., (largest, factor, _)] = FAR_FIELDS;
-    let (name, mut set) = block(&format!("{largest}, nothing skipped"), factor);
-    set.push("skip=\"none\"".into());
-    blocks.push((name, set));
-    let blocks = in_turns(&specimen, rounds, &blocks)?;
-    Ok(page(&ways, &blocks, end, settings.quick))
+    let mut scenes = Vec::new();
+    for (name, factor, _) in BLOCKS {
+        let [width, depth] = [("width", width), ("depth", depth)]
+            .map(|(name, length)| format!("mesh.specimen.{name}={}", factor * length));
+        let one = |skip: String| specimen.run(LARGEST_INCREMENT, &[width.clone(), depth.clone(), skip]);
+        scenes.push(Scene { name, ways: in_turns(rounds, one)? });
+    }
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("plate.json");
+    std::fs::write(&file, PLATE_CASE)?;
+    let plate = |skip: String| run(&file, &[skip, "output.plots=false".into()], &settings.plugin_paths, folder.path());
+    scenes.push(Scene { name: PLATE, ways: in_turns(rounds, plate)? });
+    Ok(page(&scenes, end, settings.quick))
 }
 
-fn in_turns(
-    specimen: &Specimen<'_>,
-    rounds: usize,
-    ways: &[(String, Vec<String>)],
-) -> Result<Vec<Measured>, BenchError> {
-    let mut runs: Vec<Vec<Ran>> = ways.iter().map(|_| Vec::new()).collect();
+/// Runs all ways in turns: `run` takes the override of what is skipped.
+fn in_turns(rounds: usize, run: impl Fn(String) -> Result<Ran, BenchError>) -> Result<Vec<Measured>, BenchError> {
+    let mut runs: [Vec<Ran>; WAYS.len()] = Default::default();
     for _ in 0..rounds {
-        for ((_, set), runs) in ways.iter().zip(&mut runs) {
-            runs.push(specimen.run(LARGEST_INCREMENT, set)?);
+        for ((_, skip, _), runs) in WAYS.iter().zip(&mut runs) {
+            runs.push(run(format!("skip={skip}"))?);
         }
     }
     let seconds: Vec<Vec<f64>> = runs.iter().map(|runs| runs.iter().map(|ran| ran.seconds).collect()).collect();
-    let measured = ways.iter().zip(runs).zip(&seconds).filter_map(|(((name, _), mut runs), own)| {
+    let measured = runs.into_iter().zip(&seconds).filter_map(|(mut runs, own)| {
         let ratios = own.iter().zip(&seconds[0]).map(|(own, first)| own / first);
-        Some(Measured {
-            name: name.clone(),
-            seconds: median(own.clone()),
-            over_first: median(ratios.collect()),
-            ran: runs.pop()?,
-        })
+        Some(Measured { seconds: median(own.clone()), over_first: median(ratios.collect()), ran: runs.pop()? })
     });
     Ok(measured.collect())
 }
 
 const METHOD: &str = "\
-The bent fibre of chapter 7 at 45° (`cases/chapter-7/inclined-fibre.json`) pulled by {end} mm. Times are those of the processor, medians of turns that
-alternate. *Per iteration*: ways whose increments differ in number are compared by it. The answer of each way is compared
-with that of everything skipped: the load at the end, and the work. *Far field*: the block's area is 1, 4, 16 times the usual one.";
+The bent fibre of chapter 7 at 45° (`cases/chapter-7/inclined-fibre.json`) pulled by {end} mm out of the usual block and of blocks of 4 and 16 times
+its area, and the quarter of a plate in plastic flow of `cases/benchmark/plate-with-hole.json`, which has no contact. Times are those of
+the processor, medians of turns that alternate, over that of the same scene with everything skipped. *Differs by*: load at the end and
+work, the greater of both in all scenes, from those with everything skipped. In the data *per iteration* compares ways whose increments differ in number.";
 
-fn page(ways: &[Measured], blocks: &[Measured], end: f64, quick: bool) -> Page {
+fn page(scenes: &[Scene], end: f64, quick: bool) -> Page {
     let mut data = Table::new([
-        "part",
-        "way",
+        "scene",
+        "skipped",
         "freedoms",
         "cpu_s",
         "time_over_first",
@@ -107,98 +109,77 @@ fn page(ways: &[Measured], blocks: &[Measured], end: f64, quick: bool) -> Page {
         "umat_calls",
         "factorisations",
     ]);
-    let mut items = Table::new([
-        "skipped",
-        "CPU [s]",
-        "over everything",
-        "increments",
-        "iterations",
-        "per iteration",
-        "load differs by",
-        "work differs by",
-    ]);
-    let mut fields = Table::new(["far field", "freedoms", "CPU [s]", "over the usual", "increments", "iterations"]);
-    let per_iteration = |measured: &Measured, first: &Measured| {
-        let iterations = |measured: &Measured| measured.ran.statistics.iterations as f64;
-        measured.over_first * iterations(first) / iterations(measured)
-    };
-    for (part, group) in [("skipped", ways), ("far field", blocks)] {
-        let Some(first) = group.first() else { continue };
-        for measured in group {
-            let Measured { name, seconds, over_first, ran } = measured;
+    let mut fields =
+        Table::new(["scene", "freedoms", "CPU [s]", "over the usual", "increments", "iterations", "nothing skipped"]);
+    let mut failed = Vec::new();
+    for Scene { name: scene, ways } in scenes {
+        let [first, .., none] = ways.as_slice() else { continue };
+        for ((way, ..), Measured { seconds, over_first, ran }) in WAYS.iter().zip(ways) {
             let count = |name: &str| ran.findings.statistics.get(name).copied().unwrap_or(0);
             let [_, load, work] = ran.end;
-            let statistics = &ran.statistics;
+            let iterations = |ran: &Ran| ran.statistics.iterations as f64;
             data.push([
-                part.into(),
-                name.as_str().into(),
+                (*scene).into(),
+                (*way).into(),
                 ran.freedoms.into(),
                 (*seconds).into(),
                 (*over_first).into(),
-                statistics.increments.into(),
-                statistics.iterations.into(),
-                per_iteration(measured, first).into(),
+                ran.statistics.increments.into(),
+                ran.statistics.iterations.into(),
+                (over_first * iterations(&first.ran) / iterations(ran)).into(),
                 load.into(),
                 work.into(),
                 count("umat_calls").into(),
                 count("factorisations").into(),
             ]);
-        }
-    }
-    let mut notes = Vec::new();
-    let mut failed = Vec::new();
-    if let Some(first) = ways.first() {
-        for measured in ways {
-            let difference = |k: usize| (measured.ran.end[k] / first.ran.end[k] - 1.0).abs();
-            items.push([
-                measured.name.as_str().into(),
-                measured.seconds.into(),
-                measured.over_first.into(),
-                measured.ran.statistics.increments.into(),
-                measured.ran.statistics.iterations.into(),
-                per_iteration(measured, first).into(),
-                difference(1).into(),
-                difference(2).into(),
-            ]);
-            if difference(1).max(difference(2)) > SAME {
-                failed.push(format!("with {} skipped the answer is another one", measured.name));
+            if difference(ran, &first.ran) > SAME {
+                failed.push(format!("{scene}: with {way} skipped the answer is another one"));
             }
         }
-    }
-    for measured in blocks {
         fields.push([
-            measured.name.as_str().into(),
-            measured.ran.freedoms.into(),
-            measured.seconds.into(),
-            measured.over_first.into(),
-            measured.ran.statistics.increments.into(),
-            measured.ran.statistics.iterations.into(),
+            (*scene).into(),
+            first.ran.freedoms.into(),
+            first.seconds.into(),
+            (*scene != PLATE).then_some(first.seconds / scenes[0].ways[0].seconds).into(),
+            first.ran.statistics.increments.into(),
+            first.ran.statistics.iterations.into(),
+            none.over_first.into(),
         ]);
     }
-    if !quick {
-        notes.extend(
-            ways.last().map(|none| target("Skipping saves a factor of", none.over_first, SKIPPING_TARGET, true)),
-        );
-        for (measured, (.., most)) in blocks.iter().zip(FAR_FIELDS).skip(1) {
-            let what = format!("A far field {} times as large costs a factor of", measured.name);
-            notes.push(target(&what, measured.over_first, most, false));
+    let [usual, four, sixteen] = BLOCKS.map(|(name, ..)| name);
+    let mut items = Table::new(["skipped", usual, four, sixteen, PLATE, "differs by"]);
+    let mut notes = Vec::new();
+    for (k, (way, ..)) in WAYS.iter().enumerate() {
+        let [a, b, c, d] = std::array::from_fn(|scene| scenes[scene].ways[k].over_first);
+        let differs = scenes.iter().map(|scene| difference(&scene.ways[k].ran, &scene.ways[0].ran)).fold(0.0, f64::max);
+        items.push([(*way).into(), a.into(), b.into(), c.into(), d.into(), differs.into()]);
+        if !quick && k > 0 && [a, b, c, d].iter().all(|ratio| *ratio < WORTH) {
+            notes.push(format!("With {way} skipped no scene takes 5 % longer: **that item is not worth its code**."));
         }
-        if let [.., large, unskipped] = blocks {
-            notes.push(format!(
-                "On the largest block skipping saves a factor of {}.",
-                significant(unskipped.seconds / large.seconds, 3)
-            ));
+    }
+    if !quick {
+        let none = scenes[0].ways[WAYS.len() - 1].over_first;
+        notes.push(target("Skipping saves a factor of", none, SKIPPING_TARGET, true));
+        for (scene, (name, _, most)) in scenes.iter().zip(BLOCKS).skip(1) {
+            let what = format!("A block of {name} the area costs a factor of");
+            notes.push(target(&what, scene.ways[0].seconds / scenes[0].ways[0].seconds, most, false));
         }
     }
     Page {
         title: "Skipping what a scene does not need",
         method: METHOD.replace("{end}", &end.to_string()),
         data,
-        summaries: vec![("Skipped".into(), items), ("Far field".into(), fields)],
+        summaries: vec![("Time over that with everything skipped".into(), items), ("Scenes".into(), fields)],
         notes,
-        figures: vec![figure(ways)],
+        figures: vec![figure(scenes)],
         failed: (!failed.is_empty()).then(|| failed.join("; ")),
     }
+}
+
+/// The greater of the relative differences of load and work.
+fn difference(ran: &Ran, other: &Ran) -> f64 {
+    let relative = |k: usize| (ran.end[k] / other.end[k] - 1.0).abs();
+    relative(1).max(relative(2))
 }
 
 fn target(what: &str, ratio: f64, limit: f64, at_least: bool) -> String {
@@ -207,20 +188,21 @@ fn target(what: &str, ratio: f64, limit: f64, at_least: bool) -> String {
     format!("{what} {}; {side} {} is wanted: {word}.", significant(ratio, 3), significant(limit, 2))
 }
 
-fn figure(ways: &[Measured]) -> Figure {
+fn figure(scenes: &[Scene]) -> Figure {
     let names = WAYS.iter().map(|(.., not_skipped)| (*not_skipped).to_owned());
+    let line = |scene: &Scene| Line {
+        label: scene.name.into(),
+        points: scene.ways.iter().enumerate().map(|(k, measured)| (k as f64, measured.over_first)).collect(),
+        columns: ("skipped".into(), "time_over_first".into()),
+        style: Style::default(),
+        marked: true,
+    };
     Figure {
         name: "items".into(),
         title: "Time if this is not skipped, over that with everything skipped".into(),
         x: Quantity { name: String::new(), unit: String::new() },
         y: Quantity { name: "time ratio".into(), unit: String::new() },
-        lines: vec![Line {
-            label: "45°, bent".into(),
-            points: ways.iter().enumerate().map(|(k, measured)| (k as f64, measured.over_first)).collect(),
-            columns: ("way".into(), "time_over_first".into()),
-            style: Style::default(),
-            marked: true,
-        }],
+        lines: scenes.iter().map(line).collect(),
         marks: Vec::new(),
         scale: Scale::Names(names.collect()),
         key: None,
