@@ -2,8 +2,7 @@
 
 use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, ShearLagFibre, Spacing, TableFibre};
 use crate::history;
-use crate::problem::Place;
-use crate::read;
+use crate::problem::{Place, Problem};
 use crate::reader::Reader;
 use crate::table::CsvFile;
 use pullout_bridging::{
@@ -13,7 +12,8 @@ use pullout_run::bridging::{BridgingProgram, OPENINGS, Simulation, Simulations, 
 use pullout_run::columns::{self, LEADING};
 use pullout_run::input::is_stream;
 use pullout_run::path::{self, Observer, Row, Statistics, Stop};
-use pullout_run::program::About;
+use pullout_run::program::{self, About};
+use pullout_run::pullout;
 use serde_json::{Value, json};
 use std::array::from_fn;
 use std::io;
@@ -49,10 +49,23 @@ const SAME_DIAMETER: f64 = 1e-6;
 const USUAL_SNUBBING: [f64; 2] = [0.0, 2.0];
 const USUAL_TENSILE_STRENGTH: [f64; 2] = [0.1, 30.0];
 
+/// Reads other cases that one of bridging takes curves of, or says what is wrong with them.
+pub struct Others {
+    /// Reads a specimen with overrides: `None` if that is not to be done here.
+    pub specimen: fn(&Reader<'_>, &Path, &[String]) -> ReadSpecimen,
+    /// Reads a law of contact and the steps along which it is called.
+    pub law: fn(&Reader<'_>, &Value, &[Value]) -> ReadLaw,
+}
+
+/// A specimen, or what is wrong.
+pub type ReadSpecimen = Result<Option<Box<pullout::PulloutProgram>>, String>;
+/// A law of contact, or what is wrong with it, at its place in the case of bridging.
+pub type ReadLaw = Result<Box<program::Program>, Problem>;
+
 /// Resolves a case; what is wrong with it goes to the reader.
-pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase) -> Option<BridgingProgram> {
+pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others: &Others) -> Option<BridgingProgram> {
     let root = Place::root();
-    let fibre = reader.piece(&case.fibre, &root.key("fibre")).and_then(|given| fibre(reader, given));
+    let fibre = reader.piece(&case.fibre, &root.key("fibre")).and_then(|given| fibre(reader, others, given));
     let volume_fraction = reader.piece(&case.volume_fraction, &root.key("volume_fraction")).map(|positive| positive.0);
     let matrix = reader.piece(&case.matrix, &root.key("matrix")).copied();
     let orientation = match &case.orientation {
@@ -253,7 +266,7 @@ fn counted(reader: &mut Reader<'_>, orientation: Orientation) -> Option<Orientat
 }
 
 /// The fibre, and where its load comes from.
-fn fibre(reader: &mut Reader<'_>, given: &FibreOfFile) -> Option<(Fibre, Source)> {
+fn fibre(reader: &mut Reader<'_>, others: &Others, given: &FibreOfFile) -> Option<(Fibre, Source)> {
     let before = reader.problems.len();
     let (fibre, source) = match given {
         FibreOfFile::Closed(closed) => {
@@ -269,14 +282,14 @@ fn fibre(reader: &mut Reader<'_>, given: &FibreOfFile) -> Option<(Fibre, Source)
             (closed.fibre(), Some(Source::Bond(Bond::Closed(bond), inclination)))
         }
         FibreOfFile::ShearLag(lag) => {
-            let law = if lag.law.0.is_array() { points(reader, &lag.law.0) } else { sampled(reader, lag) };
+            let law = if lag.law.0.is_array() { points(reader, &lag.law.0) } else { sampled(reader, others, lag) };
             let bond = ShearLag { law: law? };
             let inclination = lag.inclination.unwrap_or_default();
             [bond.check(), inclination.check()].into_iter().for_each(|checked| tell(reader, checked));
             (lag.fibre(), Some(Source::Bond(Bond::ShearLag(bond), inclination)))
         }
         FibreOfFile::Table(table) => (table.fibre(), curves(reader, table)),
-        FibreOfFile::Fe(fe) => (fe.fibre(), simulations(reader, fe)),
+        FibreOfFile::Fe(fe) => (fe.fibre(), simulations(reader, others, fe)),
     };
     tell(reader, fibre.check());
     (reader.problems.len() == before).then_some((fibre, source?))
@@ -294,12 +307,12 @@ pub fn law_place() -> Place {
 
 /// Points of a plugin's law: the traction under a slip that grows, at no gap. Slips are added where the law turns, and all
 /// of them asked again, until straight lines between them are the law.
-fn sampled(reader: &mut Reader<'_>, lag: &ShearLagFibre) -> Option<BondLaw> {
+fn sampled(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre) -> Option<BondLaw> {
     let half = (0.5 * lag.length).max(2.0 * FIRST_SLIP);
     let count = ((half / FIRST_SLIP).log10() * SLIPS_PER_DECADE).ceil().max(1.0) as i32;
     let ratio = (half / FIRST_SLIP).powf(1.0 / f64::from(count));
     let mut slips: Vec<f64> = (0..=count).map(|k| FIRST_SLIP * ratio.powi(k)).collect();
-    let mut points = traction_at(reader, lag, &slips)?;
+    let mut points = traction_at(reader, others, lag, &slips)?;
     // ends of the lines that may not be the law
     let mut open = slips.clone();
     loop {
@@ -321,7 +334,7 @@ fn sampled(reader: &mut Reader<'_>, lag: &ShearLagFibre) -> Option<BondLaw> {
         }
         slips.extend(&middles);
         slips.sort_by(f64::total_cmp);
-        points = traction_at(reader, lag, &slips)?;
+        points = traction_at(reader, others, lag, &slips)?;
         let greatest = points.iter().map(|point| point[1].abs()).fold(0.0, f64::max);
         open = points
             .windows(3)
@@ -344,9 +357,15 @@ fn is_among(slips: &[f64], slip: f64) -> bool {
 }
 
 /// Slips and tractions of a plugin's law along slips that rise.
-fn traction_at(reader: &mut Reader<'_>, lag: &ShearLagFibre, slips: &[f64]) -> Option<Vec<[f64; 2]>> {
+fn traction_at(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre, slips: &[f64]) -> Option<Vec<[f64; 2]>> {
     let steps: Vec<Value> = slips.iter().map(|slip| json!({ "increments": 1, "target": { "slip": slip } })).collect();
-    let program = read::law_of_contact(reader, &lag.law.0, &steps).map_err(|problem| reader.push(problem)).ok()?;
+    let program = match (others.law)(reader, &lag.law.0, &steps) {
+        Ok(program) => program,
+        Err(problem) => {
+            reader.push(problem);
+            return None;
+        }
+    };
     let columns = program.columns();
     let column = |name: &str| columns.iter().position(|column| column == name).map(|place| place - LEADING.len());
     let mut curve = Curved { columns: [column("slip")?, column("tau")?], points: Vec::new() };
@@ -387,7 +406,7 @@ fn stand_in() -> Source {
 
 /// Runs of a specimen at all pairs of angles and lengths. Those at the corners are read, so that what is wrong with the
 /// base is told here.
-fn simulations(reader: &mut Reader<'_>, fe: &FeFibre) -> Option<Source> {
+fn simulations(reader: &mut Reader<'_>, others: &Others, fe: &FeFibre) -> Option<Source> {
     let place = Place::root().key("fibre");
     let angles = fe.angles_deg.clone().unwrap_or(ANGLES_DEG.into());
     let parts = fe.lengths.clone().unwrap_or(LENGTHS.into());
@@ -431,7 +450,7 @@ fn simulations(reader: &mut Reader<'_>, fe: &FeFibre) -> Option<Source> {
         }
     }
     for run in [&runs[0], &runs[runs.len() - 1]] {
-        check_simulation(reader, &base, run, fe.diameter);
+        check_simulation(reader, others, &base, run, fe.diameter);
         if reader.problems.len() > before {
             return None;
         }
@@ -447,8 +466,8 @@ fn simulations(reader: &mut Reader<'_>, fe: &FeFibre) -> Option<Source> {
 }
 
 /// A run's case is one of a specimen with one fibre, and that this one.
-fn check_simulation(reader: &mut Reader<'_>, base: &Path, run: &Simulation, diameter: f64) {
-    let problem = match read::specimen(reader, base, &run.overrides) {
+fn check_simulation(reader: &mut Reader<'_>, others: &Others, base: &Path, run: &Simulation, diameter: f64) {
+    let problem = match (others.specimen)(reader, base, &run.overrides) {
         Ok(None) => return,
         Ok(Some(program)) => match program.fibre_diameter {
             Some(_) if !program.model.measured.fibres.is_empty() => "has several fibres: give a case with one".into(),

@@ -289,7 +289,8 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
             specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
         }),
         "bridging" => typed(reader, readable).and_then(|case: BridgingCase| {
-            bridging::resolve(reader, path, &case).map(|program| Case::Bridging(Box::new(program)))
+            bridging::resolve(reader, path, &case, &bridging::Others { specimen, law })
+                .map(|program| Case::Bridging(Box::new(program)))
         }),
         _ => typed(reader, readable).and_then(|case: PointCase| {
             let resolved = point::resolve(reader, &case);
@@ -301,14 +302,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
 }
 
 /// A specimen that another case takes curves of; `None`: its plugins must not be loaded here, its own run checks it.
-///
-/// # Errors
-/// In words, the first thing that is wrong with it.
-pub(crate) fn specimen(
-    reader: &Reader<'_>,
-    file: &Path,
-    overrides: &[String],
-) -> Result<Option<Box<pullout::PulloutProgram>>, String> {
+fn specimen(reader: &Reader<'_>, file: &Path, overrides: &[String]) -> bridging::ReadSpecimen {
     if need(file, overrides, reader.plugin_paths).is_some() {
         return Ok(None);
     }
@@ -328,11 +322,8 @@ pub(crate) fn specimen(
     }
 }
 
-/// A law of contact that a case of bridging takes the traction of, and the steps along which it is called.
-///
-/// # Errors
-/// The first thing that is wrong with it, at its place in the case of bridging.
-pub(crate) fn law_of_contact(reader: &Reader<'_>, material: &Value, steps: &[Value]) -> Result<Box<Program>, Problem> {
+/// A law of contact that another case takes the traction of.
+fn law(reader: &Reader<'_>, material: &Value, steps: &[Value]) -> bridging::ReadLaw {
     let document = json!({ "kind": "interface", "material": material, "steps": steps });
     let file = reader.folder.join("law.json");
     if isolation::need(&document, &file, reader.plugin_paths).is_some() {
