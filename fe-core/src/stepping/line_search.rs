@@ -1,7 +1,8 @@
 //! How much of a correction is taken: for specimens, and for points along paths.
 
-/// Halvings of a specimen's correction.
-pub(crate) const HALVINGS: u32 = 4;
+/// The first part of a specimen's correction that is tried where the whole one was not good, and how many are tried.
+pub(crate) const FIRST_OF_SPECIMENS: f64 = 0.5;
+pub(crate) const TRIES_OF_SPECIMENS: u32 = 4;
 /// Parts of a point's correction that are tried, the whole one included.
 pub const TRIES_OF_POINTS: u32 = 6;
 /// A point's correction is taken if its residual falls by this fraction of the part that is taken.

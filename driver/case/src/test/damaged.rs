@@ -182,7 +182,7 @@ fn specimen_case(specimen: Value) -> Value {
 
 #[test]
 fn every_type_of_specimen_has_keys() {
-    assert_eq!(SPECIMENS.len(), 11);
+    assert!(SPECIMENS.len() > 10);
     assert!(SPECIMENS.iter().all(|(_, keys)| keys.len() > 2), "{:?}", *SPECIMENS);
 }
 

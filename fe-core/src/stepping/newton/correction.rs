@@ -207,7 +207,7 @@ impl Equilibrium<'_> {
         }
         let mut best = (full, 1.0);
         let mut last = 1.0;
-        line_search::halved(0.5, line_search::HALVINGS, |length| {
+        line_search::halved(line_search::FIRST_OF_SPECIMENS, line_search::TRIES_OF_SPECIMENS, |length| {
             self.place(attempt, direction, &from, length)?;
             let residual = largest(&self.memory.residual);
             if residual < best.0 {
