@@ -2,11 +2,10 @@
 //! `pullout-case` makes them; [`super`] runs them.
 
 use crate::arguments::{ContactArguments, UmatArguments};
-use crate::columns::{self, LEADING};
+use crate::columns;
 use crate::input::folder_of;
-use crate::path::Row;
 pub use fe_core::model::FieldValues;
-use fe_core::stepping::{Directive, Recorded};
+use fe_core::stepping::Recorded;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -101,21 +100,6 @@ pub struct About {
     pub defaults: Vec<String>,
     /// Increments of another run, which are repeated: no `until` ends a step or the run then.
     pub recorded: Option<Arc<Recorded>>,
-}
-
-impl About {
-    /// Returns how a run goes on behind the increment of a row; `is_told_to_end`: by its observer.
-    pub(crate) fn directive(&self, row: Row<'_>, step_until: Option<&Until>, is_told_to_end: bool) -> Directive {
-        let is_reached =
-            |until: Option<&Until>| self.recorded.is_none() && until.is_some_and(|until| until.is_reached(row));
-        if is_told_to_end || is_reached(self.until.as_ref()) {
-            Directive::EndRun
-        } else if is_reached(step_until) {
-            Directive::EndStep
-        } else {
-            Directive::GoOn
-        }
-    }
 }
 
 /// A run of a point.
@@ -490,19 +474,6 @@ impl Program {
             Kind::Point(point) => columns::of_point(point.nlgeom, &states),
             Kind::Interface(contact) => columns::of_contact(contact.tangential_directions, &states),
         }
-    }
-}
-
-impl Until {
-    /// Returns whether the bound is passed in a row.
-    fn is_reached(&self, row: Row<'_>) -> bool {
-        let value = match self.column {
-            0 => f64::from(row.step),
-            1 => f64::from(row.increment),
-            column => row.values.get(column - LEADING.len()).copied().unwrap_or(f64::from(row.iterations)),
-        };
-        let value = if self.absolute { value.abs() } else { value };
-        self.greater_than.is_some_and(|bound| value > bound) || self.less_than.is_some_and(|bound| value < bound)
     }
 }
 

@@ -35,6 +35,32 @@ pub struct Row<'a> {
     pub iterations: u32,
 }
 
+impl Row<'_> {
+    /// Returns whether it passes a bound.
+    fn passes(&self, until: &Until) -> bool {
+        let value = match until.column {
+            0 => f64::from(self.step),
+            1 => f64::from(self.increment),
+            column => self.values.get(column - LEADING.len()).copied().unwrap_or(f64::from(self.iterations)),
+        };
+        let value = if until.absolute { value.abs() } else { value };
+        until.greater_than.is_some_and(|bound| value > bound) || until.less_than.is_some_and(|bound| value < bound)
+    }
+
+    /// Returns how a run goes on behind the increment; `is_told_to_end`: by its observer.
+    pub(crate) fn directive(&self, about: &About, step_until: Option<&Until>, is_told_to_end: bool) -> Directive {
+        let is_passed =
+            |until: Option<&Until>| about.recorded.is_none() && until.is_some_and(|until| self.passes(until));
+        if is_told_to_end || is_passed(about.until.as_ref()) {
+            Directive::EndRun
+        } else if is_passed(step_until) {
+            Directive::EndStep
+        } else {
+            Directive::GoOn
+        }
+    }
+}
+
 /// Receives each accepted increment, and what else happens on a path.
 pub trait Observer {
     /// A row to be written: the initial state, every n-th increment, the last of each step.
@@ -238,7 +264,7 @@ impl<'a> Recorder<'a> {
         fill(&mut self.values);
         let IncrementPosition { step, increment, last } = position;
         let row = Row { step, increment, values: &self.values, iterations };
-        let next = self.about.directive(row, step_until, self.observer.ends_here());
+        let next = row.directive(self.about, step_until, self.observer.ends_here());
         if next != Directive::GoOn || last || (increment as usize).is_multiple_of(self.about.every.max(1)) {
             self.observer.row(row)?;
         }

@@ -328,7 +328,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
     fn directive(&self) -> Directive {
         let step = (self.state.present.step as usize).checked_sub(1);
         let step_until = step.and_then(|step| self.program.step_untils.get(step)).and_then(Option::as_ref);
-        self.program.about.directive(self.state.present.row(), step_until, self.observer.ends_here())
+        self.state.present.row().directive(&self.program.about, step_until, self.observer.ends_here())
     }
 
     /// Returns whether the present step ends with the present row.
