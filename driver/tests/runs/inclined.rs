@@ -193,7 +193,7 @@ fn steps_along_given_directions() {
 /// Concrete that is torn off at the exit stays on the fibre's surface: its edges turn, and the gap that the points of an edge
 /// share does not show it. They lay 0.069 mm in the fibre.
 #[test]
-#[ignore = "long: contact::test::sliding has edges that turn"]
+#[ignore = "long: contact::test::tangent::an_edge_that_turns_through_the_surface_is_held_by_its_deeper_point has one edge"]
 fn torn_concrete_stays_out_of_the_fibre() {
     let desk = Desk::new();
     let case = program::cases().join("chapter-7/inclined-fibre.json");

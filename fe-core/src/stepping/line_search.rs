@@ -1,7 +1,8 @@
 //! How much of a correction is taken: for specimens, and for points along paths.
 
-/// The first part of a specimen's correction that is tried where the whole one was not good, and how many are tried.
+/// The first part of a specimen's correction that is tried where the whole one was not good.
 pub(crate) const FIRST_OF_SPECIMENS: f64 = 0.5;
+/// Number of parts of a specimen's correction that are tried.
 pub(crate) const TRIES_OF_SPECIMENS: u32 = 4;
 /// Parts of a point's correction that are tried, the whole one included.
 pub const TRIES_OF_POINTS: u32 = 6;
