@@ -37,7 +37,16 @@ fn pictures(folder: &Path) -> usize {
     let svgs = files.filter(|file| file.path().extension().is_some_and(|extension| extension == "svg"));
     svgs.inspect(|file| {
         let text = std::fs::read_to_string(file.path()).expect("a picture");
-        roxmltree::Document::parse(&text).expect("well-formed SVG");
+        let svg = roxmltree::Document::parse(&text).expect("well-formed SVG");
+        // bars have samples of this size in the legend
+        let samples = svg.descendants().filter(|node| {
+            [("width", "600"), ("height", "240")].iter().all(|(name, value)| node.attribute(*name) == Some(value))
+        });
+        let mut colors: Vec<&str> = samples.filter_map(|sample| sample.attribute("fill")).collect();
+        let number = colors.len();
+        colors.sort_unstable();
+        colors.dedup();
+        assert_eq!(colors.len(), number, "{}: bars of two series look the same", file.path().display());
     })
     .count()
 }

@@ -7,7 +7,7 @@ use crate::table::Table;
 use crate::timing::median;
 use crate::{BenchError, Settings};
 use fe_core::mesh::specimen::Fibres;
-use pullout_report::plots::figure::{Figure, Line, Scale, Style};
+use pullout_report::plots::figure::{Figure, Line, Scale};
 use pullout_report::plots::quantity::Quantity;
 use pullout_run::number::significant;
 
@@ -190,19 +190,16 @@ fn target(what: &str, ratio: f64, limit: f64, at_least: bool) -> String {
 
 fn figure(scenes: &[Scene]) -> Figure {
     let names = WAYS.iter().map(|(.., not_skipped)| (*not_skipped).to_owned());
-    let line = |scene: &Scene| Line {
-        label: scene.name.into(),
-        points: scene.ways.iter().enumerate().map(|(k, measured)| (k as f64, measured.over_first)).collect(),
-        columns: ("skipped".into(), "time_over_first".into()),
-        style: Style::default(),
-        marked: true,
+    let line = |(number, scene): (usize, &Scene)| {
+        let points = scene.ways.iter().enumerate().map(|(k, measured)| (k as f64, measured.over_first)).collect();
+        Line { marked: true, ..Line::numbered(scene.name, points, number) }
     };
     Figure {
         name: "items".into(),
         title: "Time if this is not skipped, over that with everything skipped".into(),
         x: Quantity { name: String::new(), unit: String::new() },
         y: Quantity { name: "time ratio".into(), unit: String::new() },
-        lines: scenes.iter().map(line).collect(),
+        lines: scenes.iter().enumerate().map(line).collect(),
         marks: Vec::new(),
         scale: Scale::Names(names.collect()),
         key: None,

@@ -9,7 +9,7 @@ mod specimens;
 use super::page::Page;
 use super::table::{Cell, Table};
 use super::{BenchError, Settings};
-use pullout_report::plots::figure::{Figure, Line, Scale, Style};
+use pullout_report::plots::figure::{Figure, Line, Scale};
 use pullout_report::plots::quantity::Quantity;
 use pullout_run::number::significant;
 
@@ -235,18 +235,13 @@ fn figure(specimens: &[specimens::Compared], points: &[points::Compared]) -> Opt
         compared.ratios.map(|[analysis, _]| (name.to_owned(), analysis))
     });
     let (names, ratios): (Vec<String>, Vec<f64>) = of_specimens.chain(of_points).unzip();
+    let bars = ratios.iter().enumerate().map(|(k, ratio)| (k as f64, *ratio));
     (!ratios.is_empty()).then(|| Figure {
         name: "ratios".into(),
         title: "Time over ours: CalculiX (plates, * large displacements; strip), simcoon (points)".into(),
         x: Quantity { name: String::new(), unit: String::new() },
         y: Quantity { name: "time ratio".into(), unit: String::new() },
-        lines: vec![Line {
-            label: "peer".into(),
-            points: ratios.into_iter().enumerate().map(|(k, ratio)| (k as f64, ratio)).collect(),
-            columns: ("case".into(), "time_over_ours".into()),
-            style: Style::default(),
-            marked: true,
-        }],
+        lines: vec![Line { marked: true, ..Line::numbered("peer", bars.collect(), 0) }],
         marks: Vec::new(),
         scale: Scale::Names(names),
         key: None,

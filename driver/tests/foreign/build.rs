@@ -5,6 +5,7 @@ use crate::program::{Desk, command, pullout_in};
 use end_to_end_tests::{Tool, find};
 use serde_json::json;
 use std::path::Path;
+use std::process::Command;
 
 /// A UMAT in a few lines: `call` is made in it, `name` is its name.
 fn source(name: &str, call: &str) -> String {
@@ -340,6 +341,39 @@ fn failure(desk: &Desk, mode: &str) -> String {
     let message = summary["message"].as_str().expect("a message").to_owned();
     assert!(run.outcome.stderr.contains(&message), "{}", run.outcome.stderr);
     message
+}
+
+/// Memory that a UMAT allocates is its own: what it reads there before it sets it, and what it writes behind it, valgrind names with
+/// the line, in a program of which it has nothing to say.
+#[test]
+fn valgrind_looks_at_a_umat_and_finds_nothing_in_the_program() {
+    if [Tool::Fortran, Tool::Valgrind].into_iter().any(|tool| find(tool).is_none()) {
+        return;
+    }
+    let desk = Desk::new();
+    desk.case("case.json", &one_increment(0, &[]));
+    for (statements, wrong) in [
+        ("      W=1.D0\n      IF (W(2).GT.2.D0) STRESS(1)=0.D0\n", [].as_slice()),
+        ("      IF (W(2).GT.2.D0) STRESS(1)=0.D0\n      W(4)=1.D0\n", &["W(2)", "W(4)"]),
+    ] {
+        let allocated = format!(
+            "      CALL KPART(STRESS)\n      END\n      SUBROUTINE KPART(STRESS)\n      REAL*8 STRESS(6)\n      \
+                 REAL*8, ALLOCATABLE :: W(:)\n      ALLOCATE(W(3))\n{statements}      DEALLOCATE(W)\n"
+        );
+        let text = source("UMAT", &allocated);
+        desk.write("mine.f", &text);
+        desk.pullout(["plugin", "build", "mine.f"]).expect(0);
+        let mut valgrind = Command::new("valgrind");
+        valgrind.current_dir(desk.path("")).args(["-q", "--error-exitcode=9", env!("CARGO_BIN_EXE_pullout")]);
+        let output =
+            valgrind.args(["run", "--quiet", "--overwrite", "--in-process", "case.json"]).output().expect("it starts");
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(if wrong.is_empty() { 0 } else { 9 }), "{words}");
+        assert_eq!(words.is_empty(), wrong.is_empty(), "{words}");
+        for statement in wrong {
+            assert!(words.contains(&format!("kpart_ (mine.f:{})", line_of(&text, statement))), "{statement}: {words}");
+        }
+    }
 }
 
 #[test]
