@@ -28,10 +28,10 @@ impl Pair {
     fn tear(&mut self, mesh: &Mesh) -> Result<(), ModelError> {
         let position = |node: usize| mesh.nodes()[node];
         // an edge on the axis has no points
-        let Some((point, &PointState { foot, .. })) = self.points.first().zip(self.committed.points.first()) else {
+        let Some((point, virgin)) = self.points.first().zip(self.state.committed.points.first()) else {
             return Ok(());
         };
-        let gap = FAR * point.edge_length;
+        let (foot, gap) = (virgin.foot, FAR * point.edge_length);
         let name = self.name.clone();
         let refused = |reason: String| {
             ModelError::of_pair(&name, format!("at the gap of a surface that was torn free: {reason}"))
@@ -64,15 +64,15 @@ impl Pair {
         self.patches.extend(patches(&points).into_iter().map(|patch| patch.start + first..patch.end + first));
         self.points.extend(points);
         let count = self.points.len();
-        for history in [&mut self.committed, &mut self.trial] {
+        for history in [&mut self.state.committed, &mut self.state.trial] {
             history.points.resize(count, torn.state);
             history.statev.extend(torn.statev.repeat(count - first));
         }
-        self.kinematics.resize(count, None);
-        self.tangents.resize(count, [[0.0; 2]; 2]);
-        self.weight_slopes.resize(count, 0.0);
-        self.shear_stiffness.resize(count, 0.0);
-        self.exposed.push(edges);
+        self.state.kinematics.resize(count, None);
+        self.state.tangents.resize(count, [[0.0; 2]; 2]);
+        self.state.weight_slopes.resize(count, 0.0);
+        self.state.shear_stiffness.resize(count, 0.0);
+        self.state.exposed.push(edges);
         Ok(())
     }
 
@@ -85,12 +85,12 @@ impl Pair {
         position: &impl Fn(usize) -> [f64; 2],
         is_gone: &impl Fn(usize) -> bool,
     ) {
-        for (point, state) in self.points.iter().zip(&mut self.committed.points) {
+        for (point, state) in self.points.iter().zip(&mut self.state.committed.points) {
             if point.elements.into_iter().all(is_gone) {
                 state.release(point.area);
             }
         }
-        let known: BTreeSet<ElementEdge> = self.exposed.iter().flatten().copied().collect();
+        let known: BTreeSet<ElementEdge> = self.state.exposed.iter().flatten().copied().collect();
         let edges = behind(mesh, &pair.slave, covers, is_gone);
         let edges: Vec<ElementEdge> =
             edges.into_iter().filter(|edge| !known.contains(edge) && self.faces(mesh, pair, *edge, position)).collect();
@@ -99,12 +99,12 @@ impl Pair {
             self.add_exposed(mesh, pair, edges).expect("points are put on edges as when the pair was made");
             for index in first..self.points.len() {
                 let Ok((foot, kinematics)) = self.over(&self.points[index], position) else { continue };
-                let state = &mut self.committed.points[index];
+                let state = &mut self.state.committed.points[index];
                 (state.foot, state.gap, state.own_gap) = (foot, kinematics.gap, kinematics.gap);
                 (state.origin, state.lean) = (kinematics.arc_length, kinematics.lean);
             }
         }
-        self.trial.copy_from(&self.committed);
+        self.state.trial.copy_from(&self.state.committed);
     }
 
     /// Returns whether an edge lies before the master, with its body behind it.
@@ -185,7 +185,7 @@ impl Contact {
 
     /// Counts the freedoms of edges that came to light among those of contact.
     pub(super) fn take_exposed(&mut self, mesh: &Mesh) {
-        let edges = self.pairs.iter().flat_map(|pair| pair.exposed.iter().flatten());
+        let edges = self.pairs.iter().flat_map(|pair| pair.state.exposed.iter().flatten());
         add_freedoms(&mut self.freedoms, mesh, edges);
     }
 }

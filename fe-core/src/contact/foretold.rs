@@ -43,7 +43,7 @@ impl Foretold {
 impl Pair {
     /// Predicts the gaps. `change`: correction of all displacements; `predicts`: laws are evaluated where the increment starts.
     fn foretell(&mut self, change: &[f64], predicts: bool) {
-        let pressures = self.committed.points.iter().map(|point| point.pressure.abs());
+        let pressures = self.state.committed.points.iter().map(|point| point.pressure.abs());
         let scale = pressures.fold(0.0, f64::max) / self.penalty;
         // without any pressure there is nothing that could be noticed
         let count = if scale > 0.0 { self.patches.len() } else { 0 };
@@ -60,10 +60,10 @@ impl Pair {
         let start = self.mean_gap(patch.clone());
         let (mut sum, mut area, mut was_open) = (0.0, 0.0, true);
         for (index, kinematics) in self.members(&patch) {
-            let (point, state) = (&self.points[index], &self.trial.points[index]);
+            let (point, state) = (&self.points[index], &self.state.trial.points[index]);
             let own = kinematics.gap - point.start_gap;
             let by_weight =
-                self.weight_slopes[index] * (own - start) * kinematics.along(&kinematics.slip_gradient, change);
+                self.state.weight_slopes[index] * (own - start) * kinematics.along(&kinematics.slip_gradient, change);
             sum += point.area * (state.weight * kinematics.along(&kinematics.gap_gradient, change) + by_weight);
             area += point.area * state.weight;
             was_open &= state.status == PointStatus::Open;

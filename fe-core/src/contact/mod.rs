@@ -26,7 +26,7 @@ use crate::model::{ContactPair, FieldValues, IncrementContext, ModelError};
 use crate::solver::Blocks;
 use history::PointState;
 use kinematics::Kinematics;
-use pair::{Output, Pair};
+use pair::{Output, Pair, PairState};
 use umat_abi::host::recorder::Arguments;
 use umat_abi::law::Request;
 
@@ -155,8 +155,8 @@ impl Contact {
     /// as it was at the start.
     pub fn last_call(&self, pair: &str, point: usize) -> Option<Arguments> {
         let pair = self.pairs.iter().find(|other| other.name == pair)?;
-        let statev = pair.committed.statev.get(point * pair.state_count..(point + 1) * pair.state_count)?;
-        pair.law.last_call(point, pair.committed.points.get(point)?, statev)
+        let statev = pair.state.committed.statev.get(point * pair.state_count..(point + 1) * pair.state_count)?;
+        pair.law.last_call(point, pair.state.committed.points.get(point)?, statev)
     }
 
     /// Passes temperature and field variables at the start and at the end of the increment to the laws.
@@ -197,9 +197,9 @@ impl Contact {
     pub fn commit(&mut self) {
         for pair in &mut self.pairs {
             for index in 0..pair.points.len() {
-                pair.trial.points[index] = pair.booked(index);
+                pair.state.trial.points[index] = pair.booked(index);
             }
-            pair.committed.copy_from(&pair.trial);
+            pair.state.committed.copy_from(&pair.state.trial);
         }
         self.updates = 0;
         self.foretell_nothing();
@@ -208,7 +208,7 @@ impl Contact {
     /// The attempt is given up: back to the committed state.
     pub fn restore(&mut self) {
         for pair in &mut self.pairs {
-            pair.trial.copy_from(&pair.committed);
+            pair.state.trial.copy_from(&pair.state.committed);
         }
         self.updates = 0;
         self.foretell_nothing();
@@ -216,7 +216,7 @@ impl Contact {
 
     /// Returns how many points have a status after the last evaluation.
     pub fn count(&self, status: PointStatus) -> usize {
-        self.pairs.iter().flat_map(|pair| &pair.trial.points).filter(|state| state.status == status).count()
+        self.pairs.iter().flat_map(|pair| &pair.state.trial.points).filter(|state| state.status == status).count()
     }
 
     /// Returns how much of the reference length of these pairs is open after the last evaluation, mm.
@@ -229,7 +229,7 @@ impl Contact {
 
     /// Energies at the last commit.
     pub fn energies(&self) -> Energies {
-        self.energies_of(|pair, index| pair.committed.points[index])
+        self.energies_of(|pair, index| pair.state.committed.points[index])
     }
 
     /// Energies if the increment that was evaluated last is accepted.
@@ -257,11 +257,12 @@ impl Contact {
     /// All points, pair by pair, as of the last evaluation.
     pub fn points(&self) -> impl Iterator<Item = PointRecord<'_>> {
         self.pairs.iter().flat_map(|pair| {
-            let count = pair.trial.statev.len() / pair.points.len().max(1);
-            pair.points.iter().zip(&pair.trial.points).enumerate().map(move |(index, (point, state))| PointRecord {
+            let PairState { trial, kinematics, .. } = &pair.state;
+            let count = trial.statev.len() / pair.points.len().max(1);
+            pair.points.iter().zip(&trial.points).enumerate().map(move |(index, (point, state))| PointRecord {
                 pair: &pair.name,
                 point: index,
-                position: pair.kinematics[index].map(|kinematics| kinematics.position),
+                position: kinematics[index].map(|kinematics| kinematics.position),
                 coordinate: point.coordinate,
                 gap: state.gap,
                 pressure: state.pressure + state.own_pressure,
@@ -271,7 +272,7 @@ impl Contact {
                 weight: state.weight,
                 status: state.status,
                 latched: state.normal.latched,
-                statev: &pair.trial.statev[index * count..(index + 1) * count],
+                statev: &trial.statev[index * count..(index + 1) * count],
             })
         })
     }
@@ -299,7 +300,7 @@ impl Contact {
     /// If there is no such point.
     pub fn slip_of(&self, point: PointIndex) -> f64 {
         let pair = &self.pairs[point.pair];
-        sliding_direction(pair) * pair.trial.points[point.point].slip
+        sliding_direction(pair) * pair.state.trial.points[point.point].slip
     }
 
     /// The derivative of [`Self::slip_of`] along a change of all displacements; 0 of a point without contact.
@@ -309,7 +310,7 @@ impl Contact {
     /// If there is no such point.
     pub(crate) fn slip_along(&self, point: PointIndex, change: &[f64]) -> f64 {
         let pair = &self.pairs[point.pair];
-        let kinematics = pair.kinematics[point.point].as_ref();
+        let kinematics = pair.state.kinematics[point.point].as_ref();
         kinematics.map_or(0.0, |kinematics| sliding_direction(pair) * slip_along(kinematics, change))
     }
 
@@ -322,14 +323,14 @@ impl Contact {
 
     /// The point in contact whose shear falls most steeply with its slip, if any falls: the one that breaks.
     pub(crate) fn breaking_point(&self) -> Option<PointIndex> {
-        let stiffness = |point: PointIndex| self.pairs[point.pair].shear_stiffness[point.point];
+        let stiffness = |point: PointIndex| self.pairs[point.pair].state.shear_stiffness[point.point];
         let in_contact = self.points_in_contact().map(|(point, _)| point).filter(|point| stiffness(*point) < 0.0);
         in_contact.min_by(|a, b| stiffness(*a).total_cmp(&stiffness(*b)))
     }
 
     fn points_in_contact(&self) -> impl Iterator<Item = (PointIndex, &Kinematics)> {
         self.pairs.iter().enumerate().flat_map(|(pair, of_pair)| {
-            let points = of_pair.kinematics.iter().zip(&of_pair.trial.points).enumerate();
+            let points = of_pair.state.kinematics.iter().zip(&of_pair.state.trial.points).enumerate();
             points.filter_map(move |(point, (of_point, state))| {
                 let kinematics = of_point.as_ref().filter(|_| !state.apart)?;
                 Some((PointIndex { pair, point }, kinematics))
@@ -342,7 +343,7 @@ impl Contact {
     pub(crate) fn largest_slip_growth(&self) -> f64 {
         let mut largest: f64 = 0.0;
         for pair in self.pairs.iter().filter(|pair| pair.critical_slip > 0.0) {
-            for (start, end) in pair.committed.points.iter().zip(&pair.trial.points) {
+            for (start, end) in pair.state.committed.points.iter().zip(&pair.state.trial.points) {
                 if !matches!(end.status, PointStatus::Open | PointStatus::Released) {
                     let growth = (end.slip - start.slip).abs();
                     largest = largest.max(growth / pair.critical_slip.max(0.5 * start.largest_slip));
@@ -358,8 +359,8 @@ fn sliding_direction(pair: &Pair) -> f64 {
     let slip = |states: &[history::PointState]| -> f64 {
         pair.points.iter().zip(states).take(pair.own).map(|(point, state)| point.area * state.slip).sum()
     };
-    match slip(&pair.committed.points) {
-        0.0 if slip(&pair.trial.points) < 0.0 => -1.0,
+    match slip(&pair.state.committed.points) {
+        0.0 if slip(&pair.state.trial.points) < 0.0 => -1.0,
         committed if committed < 0.0 => -1.0,
         _ => 1.0,
     }

@@ -13,6 +13,7 @@ use crate::assembly::{Location, Setback, Trouble};
 use crate::mesh::ElementEdge;
 use crate::model::{Enforcement, IncrementContext};
 use crate::solver::Blocks;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use umat_abi::law::Request;
 
@@ -49,18 +50,10 @@ pub(super) struct Pair {
     pub enforcement: Enforcement,
     pub penalty: f64,
     pub critical_slip: f64,
-    pub committed: History,
-    pub trial: History,
-    /// Kinematics of the last evaluation; `None`: never evaluated, or released.
-    pub kinematics: Vec<Option<Kinematics>>,
-    /// ∂(p, τ)/∂(u, s) and dw/ds of the points of their last evaluation.
-    pub tangents: Vec<Tangent>,
-    pub weight_slopes: Vec<f64>,
+    pub state: PairState,
     /// Points that share a gap, in order.
     pub patches: Vec<Range<usize>>,
     pub scratch: Scratch,
-    /// ∂t_T/∂s of the points, N/mm, of their last evaluation with tangents.
-    pub shear_stiffness: Vec<f64>,
     pub release: bool,
     /// Whether feet are looked for from the last ones.
     pub walks: bool,
@@ -70,16 +63,30 @@ pub(super) struct Pair {
     pub foretold: Foretold,
     /// Number of points on the slave surface of the model; those behind them are on surfaces that came to light.
     pub own: usize,
-    /// Edges that came to light, by the releases with which they did.
-    pub exposed: Vec<Vec<ElementEdge>>,
     /// A point of a torn surface, if matter may be torn.
     pub torn: Option<Torn>,
+}
+
+/// What is kept of a pair between runs: the history of its points, and what their last evaluation left.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct PairState {
+    /// Edges that came to light, by the releases with which they did.
+    pub exposed: Vec<Vec<ElementEdge>>,
+    pub committed: History,
+    pub trial: History,
+    /// Kinematics of the last evaluation; `None`: never evaluated, or released.
+    pub kinematics: Vec<Option<Kinematics>>,
+    /// ∂(p, τ)/∂(u, s) and dw/ds of the points of their last evaluation.
+    pub tangents: Vec<Tangent>,
+    pub weight_slopes: Vec<f64>,
+    /// ∂t_T/∂s of the points, N/mm, of their last evaluation with tangents.
+    pub shear_stiffness: Vec<f64>,
 }
 
 impl Pair {
     /// The points on the slave surface of the model with their states on trial.
     pub fn own_points(&self) -> impl Iterator<Item = (&ContactPoint, &PointState)> {
-        self.points.iter().zip(&self.trial.points).take(self.own)
+        self.points.iter().zip(&self.state.trial.points).take(self.own)
     }
 
     /// w and dw/ds at an arc length.
@@ -100,7 +107,7 @@ impl Pair {
 
     /// A point on trial with the energies of the increment.
     pub fn booked(&self, index: usize) -> PointState {
-        let (start, mut end) = (&self.committed.points[index], self.trial.points[index]);
+        let (start, mut end) = (&self.state.committed.points[index], self.state.trial.points[index]);
         if start.status != PointStatus::Released {
             end.book(start, self.points[index].area);
         }
@@ -128,12 +135,13 @@ impl Pair {
                 patch.clone().for_each(|index| self.press_alone(index, gap));
             }
             for index in patch.clone() {
-                let Some(kinematics) = self.kinematics[index] else { continue };
+                let Some(kinematics) = self.state.kinematics[index] else { continue };
                 evaluation.points += 1;
-                let was_open = self.trial.points[index].status == PointStatus::Open;
+                let was_open = self.state.trial.points[index].status == PointStatus::Open;
                 self.advance(index, &kinematics, [gap, asked_at], context)
                     .map_err(|failure| failure.at(self.place(index, kinematics.position)))?;
-                evaluation.changes += usize::from(was_open != (self.trial.points[index].status == PointStatus::Open));
+                evaluation.changes +=
+                    usize::from(was_open != (self.state.trial.points[index].status == PointStatus::Open));
             }
             self.add(patch, gap, output);
         }
@@ -146,24 +154,24 @@ impl Pair {
 
     /// Kinematics, foot, slip and weight of a point on trial; whether its foot was searched for on the whole master.
     fn find_foot(&mut self, index: usize, position: &impl Fn(usize) -> [f64; 2]) -> Result<bool, Trouble> {
-        if self.committed.points[index].status == PointStatus::Released {
-            self.kinematics[index] = None;
+        if self.state.committed.points[index].status == PointStatus::Released {
+            self.state.kinematics[index] = None;
             return Ok(false);
         }
         let at = self.points[index].slave.position(position);
         let (kinematics, foot, searched) = match self.project(index, at, position) {
             // nothing is lost that was never touched
-            Err(_) if self.committed.points[index].apart => {
-                self.kinematics[index] = None;
-                self.trial.points[index] = self.committed.points[index];
+            Err(_) if self.state.committed.points[index].apart => {
+                self.state.kinematics[index] = None;
+                self.state.trial.points[index] = self.state.committed.points[index];
                 return Ok(false);
             }
             found => found.map_err(|lost| lost.at(self.place(index, at)))?,
         };
         let (weight, slope) = self.weight(index, kinematics.arc_length);
-        self.kinematics[index] = Some(kinematics);
-        self.weight_slopes[index] = slope;
-        let (start, end) = (&self.committed.points[index], &mut self.trial.points[index]);
+        self.state.kinematics[index] = Some(kinematics);
+        self.state.weight_slopes[index] = slope;
+        let (start, end) = (&self.state.committed.points[index], &mut self.state.trial.points[index]);
         (end.foot, end.weight, end.slip) = (foot, weight, kinematics.arc_length - start.origin);
         (end.origin, end.apart) = (start.origin, start.apart);
         (end.own_gap, end.lean) = (kinematics.gap - self.points[index].start_gap, kinematics.lean);
@@ -182,13 +190,13 @@ impl Pair {
         let projection = Projection { chain: &self.chain, position };
         let of = |foot: Foot| Kinematics::new(&self.chain, &self.points[index].slave, foot, position);
         if self.walks
-            && let Some(foot) = projection.near(at, self.committed.points[index].foot)
+            && let Some(foot) = projection.near(at, self.state.committed.points[index].foot)
             && let Ok(kinematics) = of(foot)
         {
             return Ok((kinematics, foot, false));
         }
         let mut foot = projection.anywhere(at).ok_or_else(|| lost("the point has no foot on the master"))?;
-        foot.edge = self.same_round(foot.edge, self.committed.points[index].foot.edge);
+        foot.edge = self.same_round(foot.edge, self.state.committed.points[index].foot.edge);
         of(foot).map(|kinematics| (kinematics, foot, true)).map_err(lost)
     }
 
@@ -207,7 +215,8 @@ impl Pair {
         [gap, asked_at]: [f64; 2],
         context: &IncrementContext,
     ) -> Result<(), Setback> {
-        let Self { points, law, committed, trial, tangents, state_count, .. } = self;
+        let Self { points, law, state, state_count, .. } = self;
+        let PairState { committed, trial, tangents, .. } = state;
         let (start, end) = (&committed.points[index], &mut trial.points[index]);
         end.gap = gap;
         let states = index * *state_count..(index + 1) * *state_count;

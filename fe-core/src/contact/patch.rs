@@ -1,7 +1,7 @@
 //! Points of one slave edge that share a gap: from their tractions to forces and one block.
 
 use super::kinematics::Kinematics;
-use super::pair::{Output, Pair};
+use super::pair::{Output, Pair, PairState};
 use std::ops::Range;
 
 /// Part of an edge's length by which a point may lie deeper than its edge does on the mean. Edges that bend with a fibre
@@ -68,14 +68,14 @@ impl Pair {
         let mean = |weight: &dyn Fn(usize) -> f64| {
             let (mut sum, mut area) = (0.0, 0.0);
             for index in patch.clone() {
-                let Some(kinematics) = &self.kinematics[index] else { continue };
+                let Some(kinematics) = &self.state.kinematics[index] else { continue };
                 let share = weight(index);
                 sum += share * (kinematics.gap - self.points[index].start_gap);
                 area += share;
             }
             (sum, area)
         };
-        let weighted = |index: usize| self.points[index].area * self.trial.points[index].weight;
+        let weighted = |index: usize| self.points[index].area * self.state.trial.points[index].weight;
         match mean(&weighted) {
             (sum, area) if area > 0.0 => sum / area,
             _ => {
@@ -88,29 +88,30 @@ impl Pair {
     /// The pressure of a point that lies deeper in the master than its patch with this gap by more than [`DEEPER`].
     pub(super) fn press_alone(&mut self, index: usize, shared: f64) {
         let point = &self.points[index];
-        let own = self.kinematics[index].as_ref().map_or(shared, |kinematics| kinematics.gap - point.start_gap);
+        let own = self.state.kinematics[index].as_ref().map_or(shared, |kinematics| kinematics.gap - point.start_gap);
         let excess = (shared.min(0.0) - own - DEEPER * point.edge_length).max(0.0);
-        let state = &mut self.trial.points[index];
+        let state = &mut self.state.trial.points[index];
         let pressure = SOFTER * self.penalty * excess;
         (state.own_pressure, state.own_energy) = (pressure, 0.5 * pressure * excess);
     }
 
     /// The points of a patch that transmit, or may.
     pub(super) fn members(&self, patch: &Range<usize>) -> impl Iterator<Item = (usize, &Kinematics)> {
-        let points = patch.clone().filter(|&index| self.trial.points[index].weight > 0.0);
-        points.filter_map(|index| Some((index, self.kinematics[index].as_ref()?)))
+        let points = patch.clone().filter(|&index| self.state.trial.points[index].weight > 0.0);
+        points.filter_map(|index| Some((index, self.state.kinematics[index].as_ref()?)))
     }
 
     /// Adds the forces of a patch with its shared gap, and its block.
     pub(super) fn add(&mut self, patch: Range<usize>, gap: f64, output: &mut Output<'_>) {
         let wants_tangent = output.request.wants_tangent();
+        let PairState { trial, tangents, shear_stiffness, .. } = &mut self.state;
         for index in patch.clone().filter(|_| wants_tangent) {
-            let point = &self.trial.points[index];
-            self.shear_stiffness[index] = point.weight * self.points[index].area * self.tangents[index][1][1];
+            shear_stiffness[index] = trial.points[index].weight * self.points[index].area * tangents[index][1][1];
         }
         let Some(shared) = self.shared(&patch, gap) else { return };
         for (index, kinematics) in self.members(&patch) {
-            let (state, area, freedoms) = (&self.trial.points[index], self.points[index].area, kinematics.freedoms());
+            let (state, area, freedoms) =
+                (&self.state.trial.points[index], self.points[index].area, kinematics.freedoms());
             for i in 0..kinematics.freedom_count() {
                 let pressure = shared.pressure + state.own_pressure;
                 let force = area * (state.shear * kinematics.slip_gradient[i] - pressure * kinematics.pull[i]);
@@ -131,12 +132,12 @@ impl Pair {
         let (mut area, mut force, mut points, mut last) = (0.0, 0.0, 0_usize, 0.0);
         let mut silent = true;
         for (index, _) in self.members(patch) {
-            let state = &self.trial.points[index];
+            let state = &self.state.trial.points[index];
             let share = self.points[index].area * state.weight;
             area += share;
             force += share * state.pressure;
             (points, last) = (points + 1, state.pressure);
-            let no_tangent = self.tangents[index].iter().flatten().all(|entry| *entry == 0.0);
+            let no_tangent = self.state.tangents[index].iter().flatten().all(|entry| *entry == 0.0);
             silent &= state.pressure == 0.0 && state.shear == 0.0 && state.own_pressure == 0.0 && no_tangent;
         }
         // one point has its own pressure, to the bit
@@ -150,10 +151,10 @@ impl Pair {
         let mut stiffness = 0.0;
         let mut start = 0;
         for (index, kinematics) in self.members(patch) {
-            let (point, state) = (&self.points[index], &self.trial.points[index]);
+            let (point, state) = (&self.points[index], &self.state.trial.points[index]);
             let share = if shared.points == 1 { 1.0 } else { point.area * state.weight / shared.area };
-            let slope = point.area * self.weight_slopes[index] / shared.area;
-            let [[c_pp, c_ps], _] = self.tangents[index];
+            let slope = point.area * self.state.weight_slopes[index] / shared.area;
+            let [[c_pp, c_ps], _] = self.state.tangents[index];
             let (gap, pressure) = (kinematics.gap - point.start_gap, state.pressure);
             stiffness += share * c_pp;
             for i in 0..kinematics.freedom_count() {
@@ -171,10 +172,10 @@ impl Pair {
         }
         let mut start = 0;
         for (index, kinematics) in self.members(patch) {
-            let (point, state) = (&self.points[index], &self.trial.points[index]);
-            let slope = point.area * self.weight_slopes[index];
+            let (point, state) = (&self.points[index], &self.state.trial.points[index]);
+            let slope = point.area * self.state.weight_slopes[index];
             let area = point.area * state.weight;
-            let [_, [c_sp, c_ss]] = self.tangents[index];
+            let [_, [c_sp, c_ss]] = self.state.tangents[index];
             let own = &places[start..start + kinematics.freedom_count()];
             let sliding = &kinematics.slip_gradient;
             let pressure = shared.pressure + state.own_pressure;

@@ -26,7 +26,7 @@ impl Contact {
 /// Returns whether a pair has a held point whose gap is over the tolerance of Uzawa's rule, after so many updates.
 fn wants_update(pair: &Pair, updates: usize) -> bool {
     let Enforcement::Uzawa { tolerance, max_updates } = pair.enforcement else { return false };
-    updates < max_updates && pair.trial.points.iter().any(|state| state.held && state.gap.abs() > tolerance)
+    updates < max_updates && pair.state.trial.points.iter().any(|state| state.held && state.gap.abs() > tolerance)
 }
 
 /// Latches the points that are furthest over the cap; how many.
@@ -34,7 +34,7 @@ fn open_worst(pairs: &mut [Pair]) -> usize {
     let mut over = Vec::new();
     for (index, pair) in pairs.iter().enumerate() {
         let PointLaw::Fric { normal, .. } = &pair.law else { continue };
-        for (point, state) in pair.trial.points.iter().enumerate() {
+        for (point, state) in pair.state.trial.points.iter().enumerate() {
             if let Some(excess) = normal.excess(state.pressure, &state.normal) {
                 over.push((excess, index, point));
             }
@@ -44,7 +44,7 @@ fn open_worst(pairs: &mut [Pair]) -> usize {
     let share = (OPENING_SHARE * over.len() as f64).floor() as usize;
     let count = share.max(1).min(over.len());
     for &(_, pair, point) in &over[..count] {
-        let normal = &mut pairs[pair].trial.points[point].normal;
+        let normal = &mut pairs[pair].state.trial.points[point].normal;
         (normal.latched, normal.multiplier) = (true, 0.0);
     }
     count
@@ -53,7 +53,7 @@ fn open_worst(pairs: &mut [Pair]) -> usize {
 /// λ ← p of held points, and of those that were held and are capped or open now.
 fn update_multipliers(pair: &mut Pair) -> usize {
     let mut updated = 0;
-    for state in &mut pair.trial.points {
+    for state in &mut pair.state.trial.points {
         if (state.held || state.normal.multiplier != 0.0) && state.normal.multiplier != state.pressure {
             state.normal.multiplier = state.pressure;
             updated += 1;

@@ -6,7 +6,7 @@ use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
 use super::law::{PointLaw, Situation};
-use super::pair::Pair;
+use super::pair::{Pair, PairState};
 use super::patch::Scratch;
 use super::quadrature::{ContactPoint, contact_points, patches};
 use crate::assembly::{Location, Setback};
@@ -53,20 +53,22 @@ impl Pair {
             enforcement: pair.enforcement,
             penalty,
             critical_slip: pair.critical_slip,
-            committed: empty.clone(),
-            trial: empty,
-            kinematics: vec![None; points.len()],
-            tangents: vec![[[0.0; 2]; 2]; points.len()],
-            weight_slopes: vec![0.0; points.len()],
+            state: PairState {
+                exposed: Vec::new(),
+                committed: empty.clone(),
+                trial: empty,
+                kinematics: vec![None; points.len()],
+                tangents: vec![[[0.0; 2]; 2]; points.len()],
+                weight_slopes: vec![0.0; points.len()],
+                shear_stiffness: vec![0.0; points.len()],
+            },
             patches: patches(&points),
             scratch: Scratch::default(),
-            shear_stiffness: vec![0.0; points.len()],
             release: pair.release,
             walks,
             state_count,
             foretold: Foretold::default(),
             own: points.len(),
-            exposed: Vec::new(),
             torn: None,
             points,
         };
@@ -75,7 +77,7 @@ impl Pair {
             pair_points.start_point(mesh, &pair.name, &facets, index)?;
         }
         pair_points.share_gaps();
-        pair_points.trial.points.clone_from(&pair_points.committed.points);
+        pair_points.state.trial.points.clone_from(&pair_points.state.committed.points);
         if pair_points.critical_slip == 0.0 {
             pair_points.critical_slip = pair_points.elastic_slip(mesh)?;
         }
@@ -86,10 +88,10 @@ impl Pair {
     /// none without pressure.
     fn elastic_slip(&mut self, mesh: &Mesh) -> Result<f64, ModelError> {
         let is_closed = |state: &PointState| !matches!(state.status, PointStatus::Released) && state.gap <= 0.0;
-        let Some(index) = self.committed.points.iter().position(is_closed) else { return Ok(0.0) };
+        let Some(index) = self.state.committed.points.iter().position(is_closed) else { return Ok(0.0) };
         let position = |node: usize| mesh.nodes()[node];
         let point = self.points[index];
-        let foot = self.committed.points[index].foot;
+        let foot = self.state.committed.points[index].foot;
         let Ok(kinematics) = Kinematics::new(&self.chain, &point.slave, foot, &position) else { return Ok(0.0) };
         let mut shear_at = |slip: f64| {
             let asked = self.ask(index, &kinematics, PointState::new(foot, 1.0), [0.0, slip]);
@@ -119,7 +121,7 @@ impl Pair {
     /// Gives the points of each patch the mean of the gaps that they start with.
     fn share_gaps(&mut self) {
         for patch in &self.patches {
-            let points = &mut self.committed.points[patch.clone()];
+            let points = &mut self.state.committed.points[patch.clone()];
             let areas = self.points[patch.clone()].iter().map(|point| point.area);
             let shares = || areas.clone().zip(points.iter()).map(|(area, state)| (area * state.weight, state.gap));
             let area: f64 = shares().map(|(area, _)| area).sum();
@@ -161,7 +163,7 @@ impl Pair {
         if weight == 0.0 {
             state.status = PointStatus::Released;
         }
-        self.committed.points.push(state);
+        self.state.committed.points.push(state);
         if !is_fault && self.is_bonded(index, &kinematics, gap.min(BOND_PROBE * point.edge_length))? {
             return Err(too_large());
         }
@@ -173,7 +175,7 @@ impl Pair {
         if matches!(&self.law, PointLaw::Fric { normal, .. } if normal.carries_tension()) {
             return Ok(true);
         }
-        let start = PointState::new(self.committed.points[index].foot, 1.0);
+        let start = PointState::new(self.state.committed.points[index].foot, 1.0);
         let asked = self.ask(index, kinematics, start, [length, length]);
         let (end, _) = asked.map_err(|failure| ModelError::of_pair(&self.name, failure.reason))?;
         // The soft law of FRIC presses there; what matters is whether a bond would be lost.

@@ -1,10 +1,7 @@
 //! The history of all points, as it is kept between runs.
 
 use super::Contact;
-use super::history::History;
-use super::kinematics::Kinematics;
-use super::law::Tangent;
-use super::pair::Pair;
+use super::pair::{Pair, PairState};
 use crate::assembly::GREATEST_COUNT;
 use crate::mesh::{ElementEdge, Mesh};
 use crate::model::{ContactPair, Model};
@@ -17,40 +14,17 @@ pub struct ContactState {
     law_calls: u64,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct PairState {
-    /// Edges that came to light, by releases.
-    exposed: Vec<Vec<ElementEdge>>,
-    committed: History,
-    trial: History,
-    kinematics: Vec<Option<Kinematics>>,
-    tangents: Vec<Tangent>,
-    weight_slopes: Vec<f64>,
-    shear_stiffness: Vec<f64>,
-}
-
 impl PairState {
-    fn of(pair: &Pair) -> Self {
-        Self {
-            exposed: pair.exposed.clone(),
-            committed: pair.committed.clone(),
-            trial: pair.trial.clone(),
-            kinematics: pair.kinematics.clone(),
-            tangents: pair.tangents.clone(),
-            weight_slopes: pair.weight_slopes.clone(),
-            shear_stiffness: pair.shear_stiffness.clone(),
-        }
-    }
-
-    fn fits(&self, pair: &Pair, nodes: usize) -> bool {
+    /// Returns whether it can follow on another of its pair, whose nodes are among so many.
+    fn may_follow(&self, made: &Self, nodes: usize) -> bool {
         let Self { exposed: _, committed, trial, kinematics, tangents, weight_slopes, shear_stiffness } = self;
         let mut numbers = tangents.as_flattened().as_flattened().iter().chain(weight_slopes).chain(shear_stiffness);
-        pair.committed.fits(committed)
-            && pair.trial.fits(trial)
-            && kinematics.len() == pair.kinematics.len()
-            && tangents.len() == pair.tangents.len()
-            && weight_slopes.len() == pair.weight_slopes.len()
-            && shear_stiffness.len() == pair.shear_stiffness.len()
+        made.committed.fits(committed)
+            && made.trial.fits(trial)
+            && kinematics.len() == made.kinematics.len()
+            && tangents.len() == made.tangents.len()
+            && weight_slopes.len() == made.weight_slopes.len()
+            && shear_stiffness.len() == made.shear_stiffness.len()
             && kinematics.iter().flatten().all(|kinematics| kinematics.is_sound(nodes))
             && numbers.all(|number| number.is_finite())
     }
@@ -64,21 +38,12 @@ impl PairState {
             edges.iter().all(is_edge) && pair.add_exposed(mesh, of_model, edges.clone()).is_ok()
         })
     }
-
-    fn give_to(&self, pair: &mut Pair) {
-        pair.committed.copy_from(&self.committed);
-        pair.trial.copy_from(&self.trial);
-        pair.kinematics.clone_from(&self.kinematics);
-        pair.tangents.clone_from(&self.tangents);
-        pair.weight_slopes.clone_from(&self.weight_slopes);
-        pair.shear_stiffness.clone_from(&self.shear_stiffness);
-    }
 }
 
 impl Contact {
     /// The history, and what the last evaluation left.
     pub fn state(&self) -> ContactState {
-        ContactState { pairs: self.pairs.iter().map(PairState::of).collect(), law_calls: self.law_calls() }
+        ContactState { pairs: self.pairs.iter().map(|pair| pair.state.clone()).collect(), law_calls: self.law_calls() }
     }
 
     /// Takes over a history and what the last evaluation left; `false` if it is of other pairs.
@@ -89,10 +54,10 @@ impl Contact {
         let fits = state.pairs.len() == model.contacts.len()
             && state.law_calls < GREATEST_COUNT
             && exposed.all(|((pair, state), of_model)| state.expose(pair, &model.mesh, of_model))
-            && self.pairs.iter().zip(&state.pairs).all(|(pair, state)| state.fits(pair, nodes));
+            && self.pairs.iter().zip(&state.pairs).all(|(pair, state)| state.may_follow(&pair.state, nodes));
         if fits {
             self.take_exposed(&model.mesh);
-            self.pairs.iter_mut().zip(&state.pairs).for_each(|(pair, state)| state.give_to(pair));
+            self.pairs.iter_mut().zip(&state.pairs).for_each(|(pair, state)| pair.state.clone_from(state));
             // calls that were made to get here have been counted before
             let own: u64 = self.pairs.iter().map(|pair| pair.law.calls()).sum();
             self.earlier_calls = state.law_calls.saturating_sub(own);

@@ -132,7 +132,8 @@ fn forces_do_not_jump_within_an_increment_where_a_point_passes_a_smoothed_node()
         displacements.iter_mut().zip(&master).for_each(|(u, v)| *u += v);
         displacements
     };
-    let feet = |contact: &Contact| -> Vec<_> { contact.pairs[0].trial.points.iter().map(|state| state.foot).collect() };
+    let feet =
+        |contact: &Contact| -> Vec<_> { contact.pairs[0].state.trial.points.iter().map(|state| state.foot).collect() };
     let law = uinter(&[("law", 2.0), ("mu", 0.3), ("k_f", 20.0)]);
     let mut contact = scene.contact(ContactPair { master_bends: true, ..scene.pair(law) });
     let mut passed = 0;
@@ -162,11 +163,11 @@ fn forces_do_not_jump_within_an_increment_where_a_point_passes_a_smoothed_node()
         assert_eq!(foot.edge, home[point].edge);
         assert!(foot.coordinate * side > 1.0 && foot.coordinate * side < 1.001);
         let within = largest(&after.iter().zip(&before).map(|(a, b)| a - b).collect::<Vec<f64>>());
-        let slip = contact.pairs[0].trial.points[point].slip;
+        let slip = contact.pairs[0].state.trial.points[point].slip;
         contact.commit();
         let next = forces(&mut contact, &stretched(outside + small));
         let jump = largest(&next.iter().zip(&after).map(|(a, b)| a - b).collect::<Vec<f64>>());
-        let state = &contact.pairs[0].trial.points[point];
+        let state = &contact.pairs[0].state.trial.points[point];
         assert_ne!(state.foot.edge, home[point].edge, "the next increment starts on the next edge");
         assert!((state.slip - slip).abs() < 1e-6);
         assert!(jump > 5.0 * within, "step {step}: {jump:e} against {within:e}");
@@ -441,7 +442,7 @@ fn uinter_and_fric_get_their_arguments() {
                 close(&call.coords, &[x, -0.03, 0.0]);
                 close(&call.rcoord, &[x, 0.0, 0.0]);
                 close(&[call.dtime, call.chrlngth], &[0.25, edge]);
-                close(&call.slip[..1], &[contact.pairs[0].committed.points[5].inelastic_slip]);
+                close(&call.slip[..1], &[contact.pairs[0].state.committed.points[5].inelastic_slip]);
                 assert!(call.slip[0] < -0.1, "softening: most of the slip of 0.3 was inelastic");
                 assert_eq!((call.counters, call.node), ([2, 3], 6));
             }
