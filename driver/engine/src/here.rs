@@ -4,7 +4,7 @@ use super::{Outcome, Settings};
 use fe_core::stepping::Recorded;
 use fe_core::threads::Threads;
 use pullout_case::Case;
-use pullout_report::ending::{RunEnd, Specimen, compare_all, summarise};
+use pullout_report::ending::{Specimen, compare_all, summarise};
 use pullout_report::history::History;
 use pullout_report::page;
 use pullout_report::progress::{Extent, Progress};
@@ -103,17 +103,17 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
             (Some(failure.message), Some(failed_at), Some(failure.replay).filter(|replay| !replay.is_null()))
         }
     };
-    let end = RunEnd::after(&mut record, statistics, message, failed_at);
-    let mut summary = summarise(case, &end, specimen.as_mut())?;
+    let mut summary = summarise(case, &mut record, statistics, message, failed_at, specimen.as_mut())?;
     // those of a run that was not at its end would repeat a part of it
     let recorded = record.recorded.take().filter(|_| summary.status == Status::Done);
     let increments = recorded.map(serde_json::to_value).transpose()?;
     let trail = specimen.as_mut().and_then(|(_, outcome)| outcome.trail.take());
     let trail = trail.filter(|_| summary.status == Status::Done).map(Arc::new);
+    let states = record.take_states();
     let history = record.into_history();
     summary.take_comparisons(compare_all(case, &history)?);
     let view = match specimen {
-        Some((program, _)) => view(program, &history, &end.states)?,
+        Some((program, _)) => view(program, &history, &states)?,
         None => None,
     };
     Ok(Outcome { history, summary, replay, increments, trail, view })

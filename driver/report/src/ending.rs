@@ -7,7 +7,7 @@ use crate::page::{self, Account};
 use crate::pictures;
 use crate::plots::{self, Drawings, Spec};
 use crate::record::RunRecorder;
-use crate::summary::{self, PeakRecorder, PluginFile, PluginOf, Status, Summary};
+use crate::summary::{self, PeakRecorder, PluginFile, PluginOf, Summary};
 use crate::viewer::States;
 use maud::Markup;
 use pullout_case::Case;
@@ -18,65 +18,6 @@ use std::io;
 use std::path::Path;
 use umat_abi::host::{LawDescription, Library};
 
-/// End of a run.
-#[derive(Debug)]
-pub struct RunEnd {
-    /// Extremes of the columns.
-    pub peaks: PeakRecorder,
-    /// Cost of the run.
-    pub statistics: Statistics,
-    /// Reason why it failed.
-    pub message: Option<String>,
-    /// Kind and place of the failure.
-    pub failed_at: Option<FailedAt>,
-    /// A signal or another thread asked for its end.
-    pub is_interrupted: bool,
-    /// Seconds from start to end.
-    pub wall_time_s: f64,
-    /// Processor time, s; not known of a process that was ended.
-    pub cpu_time_s: Option<f64>,
-    /// Warnings of the run itself.
-    pub warnings: Vec<String>,
-    /// States of a specimen that the report shows.
-    pub states: States,
-}
-
-impl RunEnd {
-    /// Takes from a record what it has of a run that has ended.
-    pub fn after(
-        record: &mut RunRecorder,
-        statistics: Statistics,
-        message: Option<String>,
-        failed_at: Option<FailedAt>,
-    ) -> Self {
-        let [wall_time_s, cpu_time_s] = record.times();
-        Self {
-            peaks: std::mem::take(&mut record.peaks),
-            statistics,
-            message,
-            failed_at,
-            is_interrupted: record.was_ended(),
-            wall_time_s,
-            cpu_time_s: Some(cpu_time_s),
-            warnings: std::mem::take(&mut record.warnings),
-            states: record.take_states(),
-        }
-    }
-
-    /// Reads the end of a run that was ended from outside: its peaks are those of the rows that were written.
-    ///
-    /// # Errors
-    /// The history cannot be read.
-    pub fn of(case: &Case, folder: &Path, aftermath: Aftermath) -> io::Result<Self> {
-        let mut peaks = PeakRecorder::new(&case.columns());
-        HistoryFile::open(&folder.join("history.csv"))?.each_row(|row| peaks.observe(&row))?;
-        let Aftermath { message, is_interrupted, failed_at, statistics, wall_time_s } = aftermath;
-        let message = Some(message);
-        let (cpu_time_s, warnings, states) = (None, Vec::new(), States::default());
-        Ok(Self { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s, warnings, states })
-    }
-}
-
 /// A specimen's program and what its run gave.
 pub type Specimen<'p> = (&'p pullout::PulloutProgram, pullout::Outcome);
 
@@ -84,19 +25,19 @@ pub type Specimen<'p> = (&'p pullout::PulloutProgram, pullout::Outcome);
 /// The second result is what could not be written.
 ///
 /// # Errors
-/// A plugin's file cannot be read.
+/// The summary cannot be told as JSON.
 pub fn conclude(
     case: &Case,
     directory: &mut ResultDirectory,
-    end: RunEnd,
-    mut specimen: Option<Specimen<'_>>,
+    summary: Summary,
+    specimen: Option<&Specimen<'_>>,
+    states: &States,
 ) -> io::Result<(Summary, io::Result<()>)> {
-    let summary = summarise(case, &end, specimen.as_mut())?;
     let compared = match case.about().compare.is_empty() {
         true => Ok(Vec::new()),
         false => HistoryFile::open(&directory.path().join("history.csv")).and_then(|rows| compare_all(case, &rows)),
     };
-    write(case, directory, summary, compared, |directory| draw(case, directory, specimen.as_ref(), &end.states))
+    write(case, directory, summary, compared, |directory| draw(case, directory, specimen, states))
 }
 
 /// Writes a summary with comparisons, and the report of it with what is drawn. The second result is what could not be
@@ -145,43 +86,50 @@ fn draw(
     Ok((drawings, states.page(program, &history)?))
 }
 
-/// Says what came out, but for comparisons with curves.
+/// Says what came out of a recorded run, but for comparisons with curves. `message` and `failed_at` say why it failed.
 ///
 /// # Errors
 /// A plugin's file cannot be read.
-pub fn summarise(case: &Case, end: &RunEnd, specimen: Option<&mut Specimen<'_>>) -> io::Result<Summary> {
-    let (plugin, plugins) = plugins(case)?;
-    let statistics = &end.statistics;
-    let findings = specimen.map(|(_, outcome)| std::mem::take(&mut outcome.findings));
-    let moved = findings.as_ref().and_then(|findings| findings.initial_displacement).map(|moved| {
+pub fn summarise(
+    case: &Case,
+    record: &mut RunRecorder,
+    statistics: Statistics,
+    message: Option<String>,
+    failed_at: Option<FailedAt>,
+    specimen: Option<&mut Specimen<'_>>,
+) -> io::Result<Summary> {
+    let [wall_time_s, cpu_time_s] = record.times();
+    let aftermath = Aftermath { message, is_interrupted: record.was_ended(), failed_at, statistics, wall_time_s };
+    let mut summary = summary_of(case, aftermath)?;
+    summary.peaks = record.peaks.peaks();
+    summary.cpu_time_s = Some(cpu_time_s);
+    summary.warnings.append(&mut record.warnings);
+    summary.specimen = specimen.map(|(_, outcome)| std::mem::take(&mut outcome.findings));
+    let moved = summary.specimen.as_ref().and_then(|findings| findings.initial_displacement);
+    summary.warnings.extend(moved.map(|moved| {
         format!(
             "the initial stress was not in equilibrium with the supports and all drives at 0: before the first step nodes \
              moved by up to {moved:.3e} mm until it was"
         )
-    });
-    Ok(Summary {
-        status: match &end.message {
-            None => Status::Done,
-            Some(_) if end.is_interrupted => Status::Interrupted,
-            Some(_) => Status::Failed,
-        },
-        message: end.message.clone(),
-        failed_at: end.failed_at,
-        title: case.about().title.to_owned(),
-        plugin,
-        plugins,
-        peaks: end.peaks.peaks(),
-        increments: statistics.increments,
-        iterations: statistics.iterations,
-        plugin_calls: statistics.plugin_calls,
-        cutbacks: statistics.cutbacks,
-        wall_time_s: end.wall_time_s,
-        cpu_time_s: end.cpu_time_s,
-        compare: Vec::new(),
-        specimen: findings,
-        bridging: None,
-        warnings: warnings(case).into_iter().chain(end.warnings.iter().cloned()).chain(moved).collect(),
-    })
+    }));
+    Ok(summary)
+}
+
+/// Says what came out of a run that was ended from outside: its peaks are those of the rows that were written.
+///
+/// # Errors
+/// The history or a plugin's file cannot be read.
+pub fn summarise_rows(case: &Case, folder: &Path, aftermath: Aftermath) -> io::Result<Summary> {
+    let mut peaks = PeakRecorder::new(&case.columns());
+    HistoryFile::open(&folder.join("history.csv"))?.each_row(|row| peaks.observe(&row))?;
+    Ok(Summary { peaks: peaks.peaks(), ..summary_of(case, aftermath)? })
+}
+
+/// Says how a run of a case ended, which plugins it called, and what the case and they warn of.
+fn summary_of(case: &Case, aftermath: Aftermath) -> io::Result<Summary> {
+    let (plugin, plugins) = plugins(case)?;
+    let (title, warnings) = (case.about().title.clone(), warnings(case));
+    Ok(Summary { title, plugin, plugins, warnings, ..Summary::of(aftermath) })
 }
 
 /// The plugin of a point; of a specimen, the first contact pair's or else the first part's, and all of them.

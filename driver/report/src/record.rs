@@ -144,7 +144,7 @@ impl RunRecorder {
     }
 
     /// The states that the report shows, to be taken once.
-    pub(crate) fn take_states(&mut self) -> States {
+    pub fn take_states(&mut self) -> States {
         self.states.take().unwrap_or_default()
     }
 

@@ -3,10 +3,9 @@
 use super::run::{self, Arguments};
 use super::{DONE, FAILED, NO_PLUGIN, Reading, Refusal, complain, option};
 use pullout_report::directory::ResultDirectory;
-use pullout_report::summary::{self, PluginFile, Status, Summary};
+use pullout_report::summary::{self, PluginFile, Summary};
 use pullout_run::isolation::{self, Aftermath, End, Failure, Job, Need, Task, Told};
 use pullout_run::isolation::{prints, worker};
-use pullout_run::path::Statistics;
 use pullout_run::program::job_folder;
 use pullout_run::{replay, signals};
 use serde_json::Value;
@@ -148,7 +147,7 @@ fn conclude(
         message = format!("{}; {message}", run::interrupted("the last row", false));
     }
     let aftermath = Aftermath {
-        message,
+        message: Some(message.clone()),
         is_interrupted,
         failed_at: (!is_interrupted).then(|| failure.report.failed_at()),
         statistics: failure.statistics,
@@ -162,28 +161,19 @@ fn conclude(
         }
         directory.reread()?;
     }
-    directory.write(summary::FILE, summary(file, failure, &aftermath)?.text()?)?;
+    directory.write(summary::FILE, summary(file, failure, aftermath)?.text()?)?;
     directory.remove_earlier()?;
     directory.finish()?;
-    Ok(fail(file, failure, &aftermath.message))
+    Ok(fail(file, failure, &message))
 }
 
 /// Returns what can be said of a run without its case.
-fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<Summary> {
+fn summary(file: &Path, failure: &Failure, aftermath: Aftermath) -> io::Result<Summary> {
     let plugin = failure.report.library().map(|library| PluginFile::identify(library, "")).transpose()?;
-    let Statistics { increments, iterations, plugin_calls, cutbacks } = aftermath.statistics;
     Ok(Summary {
-        status: if aftermath.is_interrupted { Status::Interrupted } else { Status::Failed },
-        message: Some(aftermath.message.clone()),
-        failed_at: aftermath.failed_at,
         title: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         plugin: plugin.unwrap_or_default(),
-        increments,
-        iterations,
-        plugin_calls,
-        cutbacks,
-        wall_time_s: aftermath.wall_time_s,
-        ..Summary::default()
+        ..Summary::of(aftermath)
     })
 }
 

@@ -6,11 +6,12 @@ use fe_core::threads::Threads;
 use pullout_case::Case;
 use pullout_engine::{Followed, extent, follow};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
-use pullout_report::ending::{RunEnd, conclude};
+use pullout_report::ending::{conclude, summarise, summarise_rows};
 use pullout_report::outcome;
 use pullout_report::progress::Progress;
 use pullout_report::record::{Kept, RunRecorder};
 use pullout_report::summary::{Status, Summary};
+use pullout_report::viewer::States;
 use pullout_run::isolation::prints::{Prints, say};
 use pullout_run::isolation::{Need, worker};
 use pullout_run::path::Stop;
@@ -265,8 +266,8 @@ pub(super) fn open_for(folder: &Path, kind: Kind, access: Access<'_>) -> Result<
 fn conclude_here(file: &Path, folder: &Path, arguments: &Arguments, aftermath: &str) -> Result<u8, Refusal> {
     let case = arguments.reading.case(file)?;
     let concluded = ResultDirectory::join(folder, arguments.kind()).and_then(|mut directory| {
-        let end = RunEnd::of(&case, folder, serde_json::from_str(aftermath)?)?;
-        conclude(&case, &mut directory, end, None)
+        let summary = summarise_rows(&case, folder, serde_json::from_str(aftermath)?)?;
+        conclude(&case, &mut directory, summary, None, &States::default())
     });
     Ok(tell(&case, folder, arguments.quiet, concluded))
 }
@@ -344,7 +345,7 @@ fn run_case(
         Some(kept) => RunRecorder::resume(&history_file, &columns, progress, kept)?,
     };
     record.recorded = telling.records.then(Recorded::default);
-    let Followed { statistics, result, specimen } = follow(case, &mut record, &folder, checkpoints);
+    let Followed { statistics, result, mut specimen } = follow(case, &mut record, &folder, checkpoints);
     // those of a run that was not at its end would repeat a part of it
     if let Some(recorded) = record.recorded.take().filter(|_| result.is_ok() && !record.was_ended()) {
         directory.write("increments.json", serde_json::to_string(&recorded)?)?;
@@ -365,6 +366,6 @@ fn run_case(
             Some(format!("{} (replay case: {})", failure.message, replay.display()))
         }
     };
-    let end = RunEnd::after(&mut record, statistics, message, failed_at);
-    conclude(case, directory, end, specimen)
+    let summary = summarise(case, &mut record, statistics, message, failed_at, specimen.as_mut())?;
+    conclude(case, directory, summary, specimen.as_ref(), &record.take_states())
 }

@@ -5,7 +5,8 @@ use super::{at, malformed};
 use indexmap::IndexMap;
 use pullout_run::bridging;
 use pullout_run::input::{self, Input};
-use pullout_run::path::{FailedAt, Row};
+use pullout_run::isolation::Aftermath;
+use pullout_run::path::{FailedAt, Row, Statistics};
 use pullout_run::pullout::Findings;
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -76,6 +77,19 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// Says how a run ended and what it cost.
+    pub fn of(aftermath: Aftermath) -> Self {
+        let Aftermath { message, is_interrupted, failed_at, statistics, wall_time_s } = aftermath;
+        let Statistics { increments, iterations, plugin_calls, cutbacks } = statistics;
+        let status = match &message {
+            None => Status::Done,
+            Some(_) if is_interrupted => Status::Interrupted,
+            Some(_) => Status::Failed,
+        };
+        let blank = Self::default();
+        Self { status, message, failed_at, increments, iterations, plugin_calls, cutbacks, wall_time_s, ..blank }
+    }
+
     /// Takes the comparisons with measured curves, and what they warn of.
     pub fn take_comparisons(&mut self, compared: Vec<Comparison>) {
         self.warnings.extend(compared.iter().filter_map(|comparison| comparison.warning.clone()));

@@ -36,16 +36,16 @@ pub struct Report {
     pub is_timeout: bool,
 }
 
-/// Information about an ended run that its results give besides the rows.
+/// Information about an ended run that its results give besides the rows; what a process tells another one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Aftermath {
-    /// Message about the end.
-    pub message: String,
-    /// Whether a signal asked for the end.
+    /// Reason why the run did not reach its end.
+    pub message: Option<String>,
+    /// Whether a signal or another thread asked for the end.
     pub is_interrupted: bool,
     /// Kind and place of the failure.
     pub failed_at: Option<FailedAt>,
-    /// Cost of the finished increments.
+    /// Cost of the run.
     pub statistics: Statistics,
     /// Seconds from start to end.
     pub wall_time_s: f64,
