@@ -3,9 +3,9 @@
 use super::Study;
 use super::claims::{Finding, Verdict, work_unit};
 use super::results::Results;
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 use pullout_report::directory::ResultDirectory;
-use pullout_report::page::page;
+use pullout_report::page;
 use pullout_report::plots::Picture;
 use pullout_run::number::{rounded, significant};
 use std::io;
@@ -25,13 +25,12 @@ pub fn write(
         (state(results))
         @if !study.description.is_empty() { p.description { (study.description) } }
         (claims(findings))
-        h2 { "Pictures" }
-        div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
+        (page::pictures(pictures))
         (table(study, results))
         (troubles(study, results))
         (what_was_run(study))
     };
-    directory.write("report.html", page(&study.title, &body).into_string()).map(|_| ())
+    directory.write("report.html", page::page(&study.title, &body).into_string()).map(|_| ())
 }
 
 fn state(results: &Results) -> Markup {
@@ -127,10 +126,7 @@ fn troubles(study: &Study, results: &Results) -> Markup {
             h2 { "Runs that failed" }
             @for (name, message) in messages { div.message { (name) ": " (message) } }
         }
-        @if !warnings.is_empty() {
-            h2 { "Warnings" }
-            ul.warnings { @for warning in warnings { li { (warning) } } }
-        }
+        (page::warnings(&warnings))
     }
 }
 

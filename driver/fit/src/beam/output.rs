@@ -3,7 +3,7 @@
 use super::{BeamFit, POINTS, measured_points};
 use crate::output::{MOST_MARKS, rows_of, standard_error, table};
 use crate::regression::thinned;
-use maud::{PreEscaped, html};
+use maud::html;
 use pullout_bridging::{IDENTIFIABLE, Measured, Polyline};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page;
@@ -49,8 +49,7 @@ pub fn write(
             p { code { (source) } ", " (measured.len()) " points. RMS difference " (percent(fit.full.fitted.rms))
                 " of the greatest strength. σ(w) by a rigid hinge was the start." }
             (page::warnings(&warnings))
-            h2 { "Pictures" }
-            div.pictures { @for picture in &drawings.pictures { figure { (PreEscaped(&picture.svg)) } } }
+            (page::pictures(&drawings.pictures))
             h2 { "Numbers" }
             div.scroll { table {
                 tr { th { "Number" } th { "Unit" } th.number { "Value" } th.number { "Standard error" } th { } }

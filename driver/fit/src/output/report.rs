@@ -2,7 +2,7 @@
 
 use super::{explanation, numbers, percent, untold};
 use crate::{FittedLaw, LoadSlipCurve, Request, SlipAt};
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 use pullout_report::page;
 use pullout_report::plots::Picture;
 use pullout_run::number::significant;
@@ -19,8 +19,7 @@ pub fn page(
         &html! {
             (what_was_fitted(source, curve, request))
             (page::warnings(warnings))
-            h2 { "Pictures" }
-            div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
+            (page::pictures(pictures))
             @for law in laws { (fitted(law)) }
             p { (explanation()) }
         },

@@ -3,7 +3,7 @@
 use super::{Account, comparison, status, warnings};
 use crate::plots::Picture;
 use crate::summary::Summary;
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 use pullout_run::bridging::{BeamFindings, Findings, ScatterFindings, Spread};
 use pullout_run::number::{rounded, significant};
 
@@ -14,10 +14,7 @@ pub(super) fn body(account: &Account, summary: &Summary, findings: &Findings, pi
         (warnings(&summary.warnings))
         (crack(findings))
         @if let Some(beam) = &findings.beam { (strengths(beam, findings.scatter.as_ref())) }
-        @if !pictures.is_empty() {
-            h2 { "Pictures" }
-            div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
-        }
+        @if !pictures.is_empty() { (super::pictures(pictures)) }
         (comparison(summary))
         h2 { "What was run" }
         table {

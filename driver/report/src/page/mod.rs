@@ -4,7 +4,7 @@ use super::directory::ResultDirectory;
 use super::plots::quantity::capital;
 use super::plots::{Drawings, Picture};
 use super::summary::{self, HistoryLine, Peak, Status, Summary};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 use pullout_run::number::{rounded, significant};
 use std::io;
 
@@ -50,10 +50,7 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
         (warnings(&summary.warnings))
         @if let Some(viewer) = viewer { h2 { "Over the run" } (viewer) }
         (what_was_run(account, summary))
-        @if !pictures.is_empty() {
-            h2 { "Pictures" }
-            div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
-        }
+        @if !pictures.is_empty() { (self::pictures(pictures)) }
         (comparison(summary))
         @if let Some(findings) = &summary.specimen { (specimen::findings(findings)) }
         (effort(summary))
@@ -101,8 +98,16 @@ fn status(summary: &Summary, effort: &str) -> Markup {
     }
 }
 
+/// Pictures below each other, with a heading.
+pub fn pictures(pictures: &[Picture]) -> Markup {
+    html! {
+        h2 { "Pictures" }
+        div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
+    }
+}
+
 /// Warnings as a list, if there are any.
-pub fn warnings(warnings: &[String]) -> Markup {
+pub fn warnings(warnings: &[impl Render]) -> Markup {
     html! {
         @if !warnings.is_empty() {
             h2 { "Warnings" }
