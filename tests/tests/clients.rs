@@ -8,9 +8,6 @@ use std::process::{Command, Stdio};
 use umat_abi::host::{UmatCall, library_file_name};
 use umat_abi::law::{Request, StressState};
 
-/// The laws whose plugins are linked into programs: all of them, so a new row of the table is tested here too.
-const LINKED: &[Sample] = LAWS;
-
 /// The numbers pass through text with 17 digits: nothing is lost.
 const TEXT: f64 = 1e-14;
 
@@ -120,7 +117,7 @@ fn check_stresses(law: &Sample, client: &Path) {
 
 #[test]
 fn a_c_program_computes_what_our_host_computes() {
-    for law in LINKED {
+    for law in LAWS {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let Some(client) = c_client(law.name, folder.path()) else { return };
         check_stresses(law, &client);
@@ -129,7 +126,7 @@ fn a_c_program_computes_what_our_host_computes() {
 
 #[test]
 fn a_fortran_program_computes_what_our_host_computes() {
-    for law in LINKED {
+    for law in LAWS {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let Some(client) = fortran_client(law.name, folder.path()) else { return };
         check_stresses(law, &client);
@@ -138,7 +135,7 @@ fn a_fortran_program_computes_what_our_host_computes() {
 
 #[test]
 fn a_c_program_reads_the_description() {
-    for law in LINKED {
+    for law in LAWS {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let Some(client) = c_client(law.name, folder.path()) else { return };
         let output = feed(&mut Command::new(&client), &input(law, StressState::ThreeD, &[]));
@@ -222,7 +219,7 @@ fn a_fortran_program_calls_batches_of_two_laws() {
 /// not theirs.
 #[test]
 fn calls_from_c_allocate_nothing() {
-    for law in LINKED {
+    for law in LAWS {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let Some(client) = c_client(law.name, folder.path()) else { return };
         let allocations = |increments| {
