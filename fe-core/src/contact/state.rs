@@ -15,7 +15,8 @@ pub struct ContactState {
 }
 
 impl PairState {
-    /// Returns whether it can follow on another of its pair, whose nodes are among so many.
+    /// Returns whether a state that was read may take the place of the one that was `made` with its pair: it is of the same sizes,
+    /// its numbers are sound, and it names no node beyond `nodes`.
     fn may_follow(&self, made: &Self, nodes: usize) -> bool {
         let Self { exposed: _, committed, trial, kinematics, tangents, weight_slopes, shear_stiffness } = self;
         let mut numbers = tangents.as_flattened().as_flattened().iter().chain(weight_slopes).chain(shear_stiffness);
