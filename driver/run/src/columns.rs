@@ -397,7 +397,8 @@ fn framed<'n>(values: impl Iterator<Item = &'n str>) -> Vec<String> {
 
 /// The columns of a table but those of one group: before the states of a plugin, and the energies behind them.
 fn around_states<R>(table: &[Column<R>], left_out: Option<Group>) -> [impl Iterator<Item = &Column<R>>; 2] {
-    [false, true].map(|is_behind| with(table, left_out).filter(move |column| (column.group == Density) == is_behind))
+    let (before, energies) = table.split_at(table.partition_point(|column| column.group != Density));
+    [before, energies].map(|columns| with(columns, left_out))
 }
 
 /// The columns of a table, one group left out, with those of a plugin's states before the energies.
@@ -443,7 +444,13 @@ pub fn fill<R>(
     to: &mut [f64],
 ) {
     let [before, behind] = around_states(table, left_out).map(|columns| columns.map(|column| (column.value)(row)));
-    to.iter_mut().zip(before.chain(states).chain(behind)).for_each(|(to, value)| *to = value);
+    let mut to = to.iter_mut();
+    // a loop for each part of the chain: a zip of both would ask for each value which part it is in
+    before.chain(states).chain(behind).for_each(|value| {
+        if let Some(to) = to.next() {
+            *to = value;
+        }
+    });
 }
 
 /// Returns where the column of this name stands among the values of a specimen's rows.

@@ -135,12 +135,21 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// # Errors
 /// The file cannot be read.
 pub fn digest(path: &Path, bytes: u64) -> io::Result<Sha256> {
-    let mut file = open(path)?.take(bytes);
-    let (mut block, mut digest) = (vec![0; 1 << 16], Sha256::new());
+    let mut digest = Sha256::new();
+    in_pieces(path, bytes, |piece| digest.update(piece))?;
+    Ok(digest)
+}
+
+/// Reads the first bytes of a file of results piece by piece.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn in_pieces(path: &Path, bytes: u64, mut take: impl FnMut(&[u8])) -> io::Result<()> {
+    let (mut file, mut piece) = (open(path)?.take(bytes), vec![0; 1 << 16]);
     loop {
-        match file.read(&mut block)? {
-            0 => return Ok(digest),
-            length => digest.update(&block[..length]),
+        match file.read(&mut piece)? {
+            0 => return Ok(()),
+            length => take(&piece[..length]),
         }
     }
 }

@@ -4,12 +4,13 @@ use super::names::{self, Kind};
 use super::{MANIFEST, at, fs, io, write_whole};
 use pullout_run::input::{self, Input};
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
+use std::hash::Hasher;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use twox_hash::XxHash64;
 
-/// Files beyond this size are known by size and time alone: to hash them would take as long as to write them.
+/// Files beyond this size are known by size and time alone: what memory does not keep takes as long to read as to write.
 const MOST_HASHED: u64 = 64 << 20;
 
 /// Record of the files that the program wrote.
@@ -34,29 +35,37 @@ pub(super) struct Content {
     bytes: u64,
     /// Time of the last change, s and ns.
     modified: (i64, i64),
-    /// Hexadecimal.
+    /// Hash of it, hexadecimal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    xxh64: Option<String>,
+    /// The same of results that an earlier program wrote.
+    #[serde(default, skip_serializing)]
     sha256: Option<String>,
 }
 
 impl Content {
     fn of(path: &Path) -> io::Result<Self> {
         let file = fs::metadata(path).map_err(at(path))?;
-        let sha256 = (file.len() <= MOST_HASHED).then(|| hash(path)).transpose()?;
-        Ok(Self { bytes: file.len(), modified: (file.mtime(), file.mtime_nsec()), sha256 })
+        let xxh64 = (file.len() <= MOST_HASHED).then(|| xxh64(path).map_err(at(path))).transpose()?;
+        Ok(Self { bytes: file.len(), modified: (file.mtime(), file.mtime_nsec()), xxh64, sha256: None })
     }
 
     /// Returns whether a file has it. A copy of the file has another time, and so has one that was changed: its hash decides.
     fn is_in(&self, path: &Path) -> bool {
         let Ok(file) = fs::metadata(path) else { return false };
-        let same_hash = || self.sha256.is_some() && hash(path).ok() == self.sha256;
+        let same_hash = || match (&self.xxh64, &self.sha256) {
+            (Some(hash), _) => xxh64(path).is_ok_and(|of| of == *hash),
+            (None, Some(hash)) => input::digest(path, u64::MAX).is_ok_and(|of| input::hexadecimal(of) == *hash),
+            (None, None) => false,
+        };
         file.len() == self.bytes && ((file.mtime(), file.mtime_nsec()) == self.modified || same_hash())
     }
 }
 
-fn hash(path: &Path) -> io::Result<String> {
-    let content = input::read(path, Input::Result).map_err(at(path))?;
-    Ok(input::hexadecimal(Sha256::new_with_prefix(content)))
+fn xxh64(path: &Path) -> io::Result<String> {
+    let mut hash = XxHash64::with_seed(0);
+    input::in_pieces(path, u64::MAX, |piece| hash.write(piece))?;
+    Ok(input::digits(hash.finish().to_be_bytes()))
 }
 
 impl Manifest {

@@ -124,11 +124,24 @@ fn a_copy_of_results_is_still_ours() {
     let path = folder.path();
     results(path, &[("summary.json", "1")]);
     let history = path.join("history.csv");
-    fs::remove_file(&history).unwrap();
-    fs::write(&history, "rows").unwrap();
-    opened(path, Access::default());
-    fs::write(&history, "sowr").unwrap();
-    assert!(refused(path, Kind::Run, Access::default()).contains("history.csv"));
+    let rewrite = |content: &str| {
+        fs::remove_file(&history).unwrap();
+        fs::write(&history, content).unwrap();
+    };
+    let is_known_by_its_hash = || {
+        rewrite("rows");
+        opened(path, Access::default());
+        rewrite("sowr");
+        assert!(refused(path, Kind::Run, Access::default()).contains("history.csv"));
+    };
+    is_known_by_its_hash();
+    // earlier programs wrote SHA-256
+    let mut manifest: serde_json::Value = serde_json::from_slice(&fs::read(path.join(MANIFEST)).unwrap()).unwrap();
+    let entry = manifest["files"]["history.csv"].as_object_mut().unwrap();
+    entry.remove("xxh64").unwrap();
+    entry.insert("sha256".into(), "bc51e9e65d79e1c90ba544ab2eae1044ccdf8c1af7a559ba375cba4276f7d99e".into());
+    fs::write(path.join(MANIFEST), manifest.to_string()).unwrap();
+    is_known_by_its_hash();
 }
 
 #[test]

@@ -238,13 +238,15 @@ struct Recorder<'a> {
     observer: &'a mut dyn Observer,
     about: &'a About,
     values: Vec<f64>,
+    /// Attempts of the present increment.
+    tried: Vec<Tried>,
 }
 
 impl<'a> Recorder<'a> {
     fn new(program: &'a Program, observer: &'a mut dyn Observer) -> Self {
         // step, increment and iterations are no values
         let length = program.columns().len() - LEADING.len() - 1;
-        Self { observer, about: &program.about, values: vec![0.0; length] }
+        Self { observer, about: &program.about, values: vec![0.0; length], tried: Vec::new() }
     }
 
     fn initial(&mut self, fill: impl FnOnce(&mut [f64])) -> io::Result<()> {

@@ -97,15 +97,14 @@ fn take_increment(
     let recorded = program.about.recorded.as_ref().and_then(|recorded| {
         recorded.of_step(position.step).get((position.increment as usize).checked_sub(1)?).map(Vec::as_slice)
     });
-    let mut tried = Vec::new();
     let taken = match recorded {
         Some(attempts) => repeat(point, attempts, recorder.observer, statistics),
-        None => advance(point, program.controls, recorder.observer, statistics, &mut tried),
+        None => advance(point, program.controls, recorder, statistics),
     };
     match taken {
         Ok(iterations) => {
             statistics.increments += 1;
-            recorder.observer.tried(position.step, recorded.unwrap_or(&tried));
+            recorder.observer.tried(position.step, recorded.unwrap_or(&recorder.tried));
             Ok(recorder.increment(position, iterations, *statistics, step_until, |values| point.fill(values))?)
         }
         Err(GivenUp { reason, first }) => {
@@ -135,10 +134,10 @@ struct GivenUp {
 fn advance(
     point: &mut impl Divisible,
     controls: Controls,
-    observer: &mut dyn Observer,
+    recorder: &mut Recorder<'_>,
     statistics: &mut Statistics,
-    tried: &mut Vec<Tried>,
 ) -> Result<u32, GivenUp> {
+    recorder.tried.clear();
     let mut done = 0.0;
     let mut piece = 1.0;
     let mut first = None;
@@ -151,10 +150,10 @@ fn advance(
         let given_up = |reason| GivenUp { reason, first: first_to };
         let attempt = point.attempt(done, to, statistics);
         let verdict = if attempt.is_ok() { Verdict::Stands } else { Verdict::Refused };
-        tried.push(Tried { to: Way::Drives(to), time: 0.0, verdict, imbalanced: None });
+        recorder.tried.push(Tried { to: Way::Drives(to), time: 0.0, verdict, imbalanced: None });
         match attempt {
             Ok(count) => {
-                point.commit(observer);
+                point.commit(recorder.observer);
                 iterations += count;
                 if to == 1.0 {
                     return Ok(iterations);
