@@ -270,7 +270,8 @@ impl<const N: usize> Check<N> {
         for k in 0..N {
             within &= (self.lower[k] <= values[k]) & (values[k] <= self.upper[k]);
         }
-        within && (!self.has_choices || self.rows.iter().zip(values).all(|(row, value)| row.admits(*value)))
+        let is_listed = |(row, value): (&Parameter, &f64)| row.choices.count == 0 || row.admits(*value);
+        within && (!self.has_choices || self.rows.iter().zip(values).all(is_listed))
     }
 }
 
