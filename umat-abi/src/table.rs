@@ -243,20 +243,18 @@ pub struct Check<const N: usize> {
     /// Bounds included.
     lower: [f64; N],
     upper: [f64; N],
-    has_choices: bool,
 }
 
 impl<const N: usize> Check<N> {
     /// Checks rows of a table.
     pub const fn new(rows: &'static [Parameter; N]) -> Self {
-        let mut check = Self { rows, lower: [0.0; N], upper: [0.0; N], has_choices: false };
+        let mut check = Self { rows, lower: [0.0; N], upper: [0.0; N] };
         let mut k = 0;
         while k < N {
             let Parameter { lower, upper, open_bounds, .. } = rows[k];
             let lower = if open_bounds & open_bounds::LOWER != 0 { lower.next_up() } else { lower };
             let upper = if open_bounds & open_bounds::UPPER != 0 { upper.next_down() } else { upper };
             (check.lower[k], check.upper[k]) = (lower.max(f64::MIN), upper.min(f64::MAX));
-            check.has_choices |= rows[k].choices.count != 0;
             k += 1;
         }
         check
@@ -271,7 +269,7 @@ impl<const N: usize> Check<N> {
             within &= (self.lower[k] <= values[k]) & (values[k] <= self.upper[k]);
         }
         let is_listed = |(row, value): (&Parameter, &f64)| row.choices.count == 0 || row.admits(*value);
-        within && (!self.has_choices || self.rows.iter().zip(values).all(is_listed))
+        within && self.rows.iter().zip(values).all(is_listed)
     }
 }
 
@@ -285,15 +283,22 @@ pub fn split<'p, const N: usize>(
     props: &'p [f64],
 ) -> Option<([f64; N], &'p [f64])> {
     let given = group.as_ref().map_or(N, |group| group.given(props, N));
+    if given == N {
+        // one copy of a known size
+        return props.split_first_chunk().map(|(before, rest)| (*before, rest));
+    }
     let (before, rest) = props.split_at_checked(given)?;
-    Some((std::array::from_fn(|k| if k < given { before[k] } else { rows[k].default_value }), rest))
+    Some((std::array::from_fn(|k| before.get(k).copied().unwrap_or(rows[k].default_value)), rest))
 }
 
 /// Takes the next N values.
 #[doc(hidden)]
 #[inline(always)]
 pub fn take<const N: usize>(values: &[f64], at: &mut usize) -> [f64; N] {
-    let taken = std::array::from_fn(|i| values[*at + i]);
+    let mut taken = [0.0; N];
+    for i in 0..N {
+        taken[i] = values[*at + i];
+    }
     *at += N;
     taken
 }

@@ -395,7 +395,8 @@ fn framed<'n>(values: impl Iterator<Item = &'n str>) -> Vec<String> {
     LEADING.into_iter().chain(values).chain([LAST]).map(str::to_owned).collect()
 }
 
-/// The columns of a table but those of one group: before the states of a plugin, and the energies behind them.
+/// The columns of a table but those of one group: before the states of a plugin, and behind them the energies, which stand last in
+/// each table.
 fn around_states<R>(table: &[Column<R>], left_out: Option<Group>) -> [impl Iterator<Item = &Column<R>>; 2] {
     let (before, energies) = table.split_at(table.partition_point(|column| column.group != Density));
     [before, energies].map(|columns| with(columns, left_out))
