@@ -11,21 +11,10 @@ pub const MAX_STATES: usize = 64;
 
 /// Returns whether none is NaN or infinite: all are looked at, without an early exit, which vectorises. x − x is +0 of a number
 /// and NaN of anything else (in the default rounding mode, in which laws run).
-///
-/// Two by two from the first: a pair that a copy has just written in two halves would have to wait for both.
 #[inline(always)]
 #[expect(clippy::eq_op, reason = "x - x is not 0 of every x")]
 pub(crate) fn all_finite(values: &[f64]) -> bool {
-    let (pairs, last) = values.as_chunks::<2>();
-    let mut bits = [0, 0];
-    for pair in pairs {
-        bits[0] |= (pair[0] - pair[0]).to_bits();
-        bits[1] |= (pair[1] - pair[1]).to_bits();
-    }
-    for x in last {
-        bits[0] |= (x - x).to_bits();
-    }
-    bits[0] | bits[1] == 0
+    values.iter().fold(0, |bits, x| bits | (x - x).to_bits()) == 0
 }
 
 /// PROPS, the characteristic length or the state layout are wrong: no increment can be computed.
