@@ -11,15 +11,22 @@ use pullout_report::plots::{self, Drawings};
 use pullout_run::number::significant;
 use std::io;
 
-/// Draws everything into `plots/` of the result directory, as SVG and as PNG.
+/// Draws everything into `plots/` of the result directory, as SVG and, where a font is installed, as PNG.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn draw(directory: &mut ResultDirectory, study: &Study, results: &Results) -> io::Result<Drawings> {
-    let drawings = plots::write_all(directory, "plots", &figures(study, results))?;
+    let mut drawings = plots::write_all(directory, "plots", &figures(study, results))?;
     for picture in &drawings.pictures {
         let name = picture.path.file_stem().unwrap_or_default().to_string_lossy();
-        directory.write(&format!("plots/{name}.png"), export::png(&picture.svg)?)?;
+        match export::png(&picture.svg) {
+            Ok(png) => _ = directory.write(&format!("plots/{name}.png"), png)?,
+            // what was computed is worth more than a copy of a picture
+            Err(error) => {
+                drawings.warnings.push(format!("the pictures are there as SVG, not all as PNG: {error}"));
+                break;
+            }
+        }
     }
     Ok(drawings)
 }

@@ -1,11 +1,12 @@
 //! Processes: what is read before anything runs, what ends with what, libraries that cannot even be loaded.
 
-use super::program::{Desk, Table, command, json};
+use super::program::{Desk, Table, command, json, send};
 use super::{Fault, compiled, material, point};
 use end_to_end_tests::{Tool, find, run};
+use rustix::process::Signal;
 use serde_json::json;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 /// Long enough for a run that is watched.
@@ -153,10 +154,7 @@ fn who_has_a_worker() {
         assert_eq!(worker.is_some(), isolate);
         match worker {
             None => child.kill().expect("a child"),
-            Some(worker) => {
-                let killed = Command::new("kill").args(["-KILL", &worker.to_string()]).status();
-                assert!(killed.expect("kill").success());
-            }
+            Some(worker) => send(Signal::KILL, worker),
         }
         let output = child.wait_with_output().expect("an end");
         assert_eq!(output.status.code(), isolate.then_some(1));
@@ -177,13 +175,12 @@ fn who_has_a_worker() {
 #[test]
 fn no_worker_outlives_its_supervisor() {
     // not SIGINT: a shell that starts us in the background has it ignored
-    for (signal, code) in [("-KILL", None), ("-TERM", Some(143))] {
+    for (signal, code) in [(Signal::KILL, None), (Signal::TERM, Some(143))] {
         let desk = Desk::new();
         let mut child = long_run(&desk, true);
         let worker = worker(&mut child, &desk.path("out/history.csv")).expect("a worker");
-        let killed = Command::new("kill").args([signal, &child.id().to_string()]).status();
-        assert!(killed.expect("kill").success());
-        assert_eq!(child.wait().expect("an end").code(), code, "{signal}");
+        send(signal, child.id());
+        assert_eq!(child.wait().expect("an end").code(), code, "{signal:?}");
         let deadline = Instant::now() + Duration::from_secs(60);
         let alive = || std::fs::read_to_string(format!("/proc/{worker}/stat")).is_ok_and(|stat| !stat.contains(") Z "));
         while alive() {
@@ -221,11 +218,10 @@ fn a_second_signal_ends_a_run_that_hangs() {
     let children = tasks.flatten().filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
     let worker: u32 = children.collect::<String>().trim().parse().expect("one worker");
     // SIGINT may be ignored by what started the tests
-    let terminate = || Command::new("kill").args(["-TERM", &child.id().to_string()]).status().expect("kill");
-    assert!(terminate().success());
+    send(Signal::TERM, child.id());
     std::thread::sleep(Duration::from_millis(200));
     assert!(Path::new(&format!("/proc/{worker}")).exists(), "the first signal is passed on, and waits for the call");
-    assert!(terminate().success());
+    send(Signal::TERM, child.id());
     assert_eq!(child.wait().expect("an end").code(), Some(143));
     while std::fs::read_to_string(format!("/proc/{worker}/stat")).is_ok_and(|stat| !stat.contains(") Z ")) {
         assert!(Instant::now() < deadline, "the worker lives on");

@@ -1,6 +1,7 @@
 //! The program as its users meet it: run as a process, its files read back.
 #![allow(dead_code, reason = "each test program uses a part of this module")]
 
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -27,6 +28,12 @@ impl Outcome {
         assert!(!self.stderr.contains("panicked at"), "{}", self.stderr);
         self
     }
+}
+
+/// Sends a signal to a process.
+pub fn send(signal: Signal, process: u32) {
+    let process = Pid::from_raw(process.try_into().expect("a number of a process")).expect("a process");
+    kill_process(process, signal).expect("a living process");
 }
 
 /// The program, with nothing of the caller's plugins.

@@ -1,7 +1,8 @@
 //! The files that a run leaves: columns, lines, and what is kept of a run that fails or is killed.
 
-use crate::program::{Desk, Table, command, json};
+use crate::program::{Desk, Table, command, json, send};
 use end_to_end_tests::{Tool, find};
+use rustix::process::Signal;
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
@@ -383,12 +384,6 @@ fn a_second_run_into_the_same_folder_is_refused() {
     assert!(!desk.path("out/previous").exists());
 }
 
-/// Sends a signal to a child.
-fn signal(child: &std::process::Child, name: &str) {
-    let sent = std::process::Command::new("kill").args([format!("-{name}"), child.id().to_string()]).status();
-    assert!(sent.expect("kill").success());
-}
-
 /// Waits until a file of a running child is so long.
 fn grown(child: &mut std::process::Child, file: &std::path::Path, bytes: u64) {
     let deadline = Instant::now() + Duration::from_secs(120);
@@ -400,16 +395,16 @@ fn grown(child: &mut std::process::Child, file: &std::path::Path, bytes: u64) {
 }
 
 /// A shell that starts the tests in the background has them ignore Ctrl-C, and their children.
-fn signals() -> Vec<(&'static str, &'static str, i32)> {
+fn signals() -> Vec<(Signal, &'static str, i32)> {
     let status = std::fs::read_to_string("/proc/self/status").expect("a status");
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).expect("a mask");
     let is_ignored = u64::from_str_radix(ignored.trim(), 16).expect("a number") & 2 != 0;
-    [("INT", "SIGINT", 130), ("TERM", "SIGTERM", 143)].into_iter().skip(usize::from(is_ignored)).collect()
+    [(Signal::INT, "SIGINT", 130), (Signal::TERM, "SIGTERM", 143)].into_iter().skip(usize::from(is_ignored)).collect()
 }
 
 #[test]
 fn an_interrupted_run_says_so_and_keeps_what_it_has() {
-    for (name, words, code) in signals() {
+    for (signal, words, code) in signals() {
         for isolate in [false, true] {
             let desk = Desk::new();
             finished(&desk);
@@ -424,7 +419,7 @@ fn an_interrupted_run_says_so_and_keeps_what_it_has() {
             let start = desk.path("out/previous/summary.json");
             grown(&mut child, &start, 1);
             grown(&mut child, &desk.path("out/history.csv"), 200_000);
-            signal(&child, name);
+            send(signal, child.id());
             let output = child.wait_with_output().expect("an end");
             let stderr = String::from_utf8(output.stderr).expect("UTF-8");
             assert_eq!(output.status.code(), Some(code), "{stderr}");

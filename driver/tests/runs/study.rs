@@ -1,6 +1,7 @@
 //! `pullout study`: a family of material points, whose peaks are known, and of specimens.
 
-use crate::program::{self, Desk, Table, json};
+use crate::program::{self, Desk, Table, json, send};
+use rustix::process::Signal;
 use serde_json::{Value, json as value};
 
 /// J2 in uniaxial tension: the peak is the yield stress (no hardening), the work follows.
@@ -220,8 +221,7 @@ fn an_interrupted_study_keeps_what_is_done_and_goes_on() {
         assert!(std::time::Instant::now() < deadline && child.try_wait().expect("a child").is_none(), "no rows");
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
-    let sent = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
-    assert!(sent.expect("kill").success());
+    send(Signal::TERM, child.id());
     let output = child.wait_with_output().expect("an end");
     let stderr = String::from_utf8(output.stderr).expect("UTF-8");
     assert_eq!(output.status.code(), Some(143), "{stderr}");
