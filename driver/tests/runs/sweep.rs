@@ -1,9 +1,10 @@
 //! Sweeps: right names for what ends a run, nothing lost or done twice whatever ends the work, the same rows by any means.
 
-use crate::program::{Desk, command};
+use crate::program::{Desk, command, send};
 use end_to_end_tests::{Tool, find, run as compile, workspace};
 use pullout_sweep::Store;
 use pullout_sweep::table::{Column, Table};
+use rustix::process::Signal;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -557,9 +558,8 @@ fn a_signal_ends_the_work_without_a_word_of_exit_handlers() {
     work.args(["sweep", "work", "--quiet", "--jobs", "1"]).arg(desk.path("store")).stderr(Stdio::piped());
     let child = work.spawn().expect("the program starts");
     std::thread::sleep(Duration::from_secs(3));
-    let pid = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw).expect("a process");
     // SIGTERM: a shell lets what it starts in the background ignore Ctrl-C
-    rustix::process::kill_process(pid, rustix::process::Signal::TERM).expect("a signal");
+    send(Signal::TERM, child.id());
     let ended = child.wait_with_output().expect("ended");
     assert_eq!(String::from_utf8_lossy(&ended.stderr), "");
     assert_eq!(ended.status.code(), Some(0), "its run was over");
