@@ -21,8 +21,8 @@
 //! Elements are kept in blocks, each with its own points and UMAT call; with [`Solids::set_threads`] several threads take
 //! blocks. Forces are added up element by element afterwards, in the order of the mesh: the number of threads changes
 //! no bit. A block stops at its first element in trouble, the others go on; the first trouble in the order of
-//! the mesh is told. A model whose laws are not all known to be thread-safe has one block for each part and no
-//! more than one thread.
+//! the mesh is told. A model whose laws are not all known to be thread-safe, or are watched, has one block for each part
+//! and no more than one thread: sums over points run in the order of each part's elements, so it has the same bits too.
 //!
 //! # Large displacements
 //!

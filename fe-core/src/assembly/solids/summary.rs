@@ -5,7 +5,7 @@ use super::block::ElementBlock;
 use super::element::present_position;
 use super::points::{Points, States};
 use super::record::{Body, Spalled, number_of};
-use super::trust::work_of;
+use super::trust::add_work;
 use crate::assembly::GREATEST_COUNT;
 use crate::kinematics::finite::{Components, rotated};
 use crate::plane::principal;
@@ -156,29 +156,26 @@ impl Solids {
         sum(self.energies_of(|points| &points.trial, |spalled| spalled.energy + spalled.work))
     }
 
+    /// Sums point by point in the order of each part's elements: the bits do not depend on how these are divided into blocks.
     fn energies_of(&self, states: fn(&Points) -> &States, spalled: fn(&Spalled) -> f64) -> Vec<SolidEnergies> {
         let mut parts = vec![SolidEnergies::default(); self.trust.len()];
         for ElementBlock { body: Body { part, index, points, volumes, .. }, records, .. } in &self.blocks {
             let sum = &mut parts[*index];
-            sum.spalled += records.iter().filter_map(|record| record.built.spalled.as_ref()).map(spalled).sum::<f64>();
+            let released = records.iter().filter_map(|record| record.built.spalled.as_ref());
+            released.for_each(|element| sum.spalled += spalled(element));
             let states = states(points);
-            for (work, volume) in states.viscous.iter().zip(volumes) {
-                sum.viscous += work * volume;
-            }
+            add_work(&mut sum.viscous, &states.viscous, volumes);
             if !self.trust[*index].believes() {
-                sum.unaccounted += work_of(&states.work, volumes);
+                add_work(&mut sum.unaccounted, &states.work, volumes);
                 continue;
             }
-            for ([stored, plastic, creep], volume) in states.reference_energies.iter().zip(volumes) {
+            for (point, ([stored, plastic, creep], volume)) in states.reference_energies.iter().zip(volumes).enumerate()
+            {
+                let overstress = part.overstress_work.map_or(0.0, |state| states.statev[points.statev(point)][state]);
                 sum.stored += stored * volume;
+                sum.overstress += overstress * volume;
                 let dissipated = if part.damages { &mut sum.damage } else { &mut sum.plastic };
-                *dissipated += (plastic + creep) * volume;
-            }
-            if let Some(state) = part.overstress_work {
-                let works = points.state_at_all(states, state);
-                let overstress: f64 = works.zip(volumes).map(|(work, volume)| work * volume).sum();
-                sum.overstress += overstress;
-                *if part.damages { &mut sum.damage } else { &mut sum.plastic } -= overstress;
+                *dissipated += (plastic + creep - overstress) * volume;
             }
         }
         parts
@@ -210,12 +207,12 @@ impl Solids {
 
     /// Reference volume of the points whose law's damage has grown, mm³.
     pub fn damaged_volume(&self) -> f64 {
-        let volumes = self.bodies().filter(|body| body.part.damages).flat_map(|body| {
+        let mut parts = vec![0.0; self.trust.len()];
+        for body in self.bodies().filter(|body| body.part.damages) {
             let damaged = body.volumes.iter().enumerate().filter(|(point, _)| body.has_failed(*point));
-            damaged.map(|(_, volume)| volume)
-        });
-        // the sum of nothing would be -0
-        volumes.fold(0.0, |sum, volume| sum + volume)
+            damaged.for_each(|(_, volume)| parts[body.index] += volume);
+        }
+        parts.iter().sum()
     }
 
     /// Returns whether the damage of any point of an element has grown, or, of a law without one, any has dissipated.

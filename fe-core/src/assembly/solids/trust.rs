@@ -152,9 +152,9 @@ impl PartAccount {
     }
 }
 
-/// Σ work dV.
-pub(super) fn work_of(work: &[f64], volumes: &[f64]) -> f64 {
-    work.iter().zip(volumes).map(|(work, volume)| work * volume).sum()
+/// Adds Σ work dV, point by point.
+pub(super) fn add_work(sum: &mut f64, work: &[f64], volumes: &[f64]) {
+    work.iter().zip(volumes).for_each(|(work, volume)| *sum += work * volume);
 }
 
 impl Solids {
@@ -168,7 +168,7 @@ impl Solids {
         for body in self.bodies() {
             let (states, account) = (states(&body.points), &mut accounts[body.index]);
             account.damages = body.part.damages;
-            account.work += work_of(&states.work, &body.volumes);
+            add_work(&mut account.work, &states.work, &body.volumes);
             for ([stored, plastic, creep], volume) in states.reference_energies.iter().zip(&body.volumes) {
                 account.stored += stored * volume;
                 account.dissipated += (plastic + creep) * volume;

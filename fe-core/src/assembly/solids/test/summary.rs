@@ -3,6 +3,7 @@
 use super::*;
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
+use umat_abi::metadata::flags;
 
 fn point_count(solids: &Solids) -> usize {
     (0..solids.active().len()).map(|element| solids.point_count(element)).sum()
@@ -64,6 +65,38 @@ fn what_a_damage_law_dissipates_is_damage() {
     assert!(energies.damage > 0.0 && energies.plastic == 0.0);
     assert_eq!((counts, point_count(&solids)), (PointCounts { plastic: 0, damaged: 10 }, 10));
     assert_eq!(solids.part_energies(), [energies]);
+}
+
+/// A strip of triangles of two parts in turns, torn: 30 elements of each, in blocks of 16 or in one.
+#[test]
+fn sums_have_the_same_bits_however_elements_are_divided() {
+    let nodes = (0..=30).flat_map(|k| [0.0, 0.13].map(|y| [0.1 * f64::from(k), y])).collect();
+    let triangle = |part, nodes: [usize; 3]| ElementDefinition { kind: ElementKind::T3, part, nodes: nodes.into() };
+    let starts = (0..60).step_by(2);
+    let elements = starts.flat_map(|a| [triangle(0, [a, a + 2, a + 3]), triangle(1, [a, a + 3, a + 1])]).collect();
+    let parts = ["lower", "upper"].map(|name| Part::new(name, PlaneModel::PlaneStress, 0.7)).into();
+    let mesh = Mesh::new(MeshDefinition { nodes, parts, elements, ..MeshDefinition::default() }).unwrap();
+    for (law, scale) in [(PluginLaw::shipped("concrete_damage_implex", &[]), 1.0), (j2_plasticity(), 60.0)] {
+        let [divided, whole] = [flags::THREAD_SAFE, 0].map(|flag| {
+            let mut model = model(mesh.clone(), &law, false, false);
+            for law in model.laws.iter_mut().filter_map(|law| law.plugin.law.as_mut()) {
+                law.flags = law.flags & !flags::THREAD_SAFE | flag;
+            }
+            let mut solids = Solids::new(&model).unwrap();
+            let sums = [1e-4, 3e-4, 4e-4, 7e-4, 3e-4].map(|size| {
+                let size = scale * size;
+                let end = moved(&mesh, |[x, y]| [x + size * x * (0.3 + x + y), y + 0.3 * size * x * y]);
+                forces(&mut solids, &end, Request::Stress);
+                let trial = (solids.trial_energies(), solids.trial_dissipation());
+                solids.commit(&end);
+                (trial, solids.part_energies(), solids.accounts(), solids.damaged_volume())
+            });
+            (solids.blocks.len(), sums)
+        });
+        assert_eq!([divided.0, whole.0], [4, 2]);
+        assert!(divided.1[4].1.iter().all(|energies| energies.damage + energies.plastic > 0.0));
+        assert_eq!(divided.1, whole.1, "{}", law.name);
+    }
 }
 
 #[test]
