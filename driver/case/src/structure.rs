@@ -1,21 +1,21 @@
 //! The schema of the case format, and what a document disagrees with it in, in words.
 //!
-//! The `jsonschema` crate decides; this module chooses among the branches of a union the one that was meant,
+//! [`validation`] decides; this module chooses among the branches of a union the one that was meant,
 //! so that "neither this nor that nor that" does not reach the user.
+
+pub mod validation;
 
 use crate::document::bridging::BridgingCase;
 use crate::document::study::StudyFile;
 use crate::document::sweep::SweepFile;
 use crate::document::{InterfaceCase, PointCase, PulloutCase};
 use crate::problem::{MOST_SHOWN, Place, Problem, hint, nearest, shown, suggestion};
-use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
-use jsonschema::paths::{Location, LocationSegment};
-use jsonschema::{JsonType, ValidationError, Validator};
 use schemars::generate::SchemaSettings;
 use schemars::{Schema, SchemaGenerator};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
+use validation::{JsonType, Keyword, Location, Violation, violations};
 
 /// A kind of file: its name and its part of the schema.
 type KindSchema = (&'static str, fn(&mut SchemaGenerator) -> Schema);
@@ -52,20 +52,15 @@ pub fn schema() -> Value {
 
 const DRAFT: &str = "https://json-schema.org/draft/2020-12/schema";
 
-/// The part of the schema that a case of some kind must obey, and what checks it; or why it cannot.
-type Checker = Result<(Value, Validator), String>;
-
-/// Returns what checks a kind, made once: a study reads the cases of all its runs. It has no definitions of other kinds: making them
-/// and reading them would be most of the time of a short run.
-fn checker(kind: &str) -> Option<&'static Checker> {
-    static CHECKERS: [OnceLock<Checker>; KINDS.len()] = [const { OnceLock::new() }; KINDS.len()];
+/// Returns the schema of a kind, made once: a study reads the cases of all its runs. It has no definitions of other kinds: making
+/// them would be most of the time of a short run.
+pub fn schema_of_kind(kind: &str) -> Option<&'static Value> {
+    static SCHEMAS: [OnceLock<Value>; KINDS.len()] = [const { OnceLock::new() }; KINDS.len()];
     let (index, (_, subschema)) = KINDS.iter().enumerate().find(|(_, (name, _))| *name == kind)?;
-    Some(CHECKERS[index].get_or_init(|| {
+    Some(SCHEMAS[index].get_or_init(|| {
         let mut generator = SchemaGenerator::new(SchemaSettings::draft2020_12());
         let branch = subschema(&mut generator).to_value();
-        let own = json!({ "$schema": DRAFT, "allOf": [branch], "$defs": generator.take_definitions(true) });
-        let validator = jsonschema::draft202012::new(&own).map_err(|error| error.to_string())?;
-        Ok((own, validator))
+        json!({ "$schema": DRAFT, "allOf": [branch], "$defs": generator.take_definitions(true) })
     }))
 }
 
@@ -96,22 +91,9 @@ pub fn kind_of(document: &Value) -> Result<&str, Problem> {
 /// something else (serde would read their elements as members), so that the rest of the document can be read and
 /// checked as well.
 pub fn check(kind: &str, document: &mut Value) -> Structure {
-    let (schema, validator) = match checker(kind) {
-        None => return Structure::default(),
-        Some(Ok((schema, validator))) => (schema, validator),
-        Some(Err(error)) => {
-            let problem = Problem::new(Place::root(), format!("the schema itself is invalid: {error}"));
-            return Structure { problems: vec![problem], ..Structure::default() };
-        }
-    };
-    let mut findings = Findings {
-        schema,
-        structure: Structure::default(),
-        unknown: BTreeMap::new(),
-        missing: Vec::new(),
-        no_arrays: Vec::new(),
-    };
-    for error in validator.iter_errors(document) {
+    let Some(schema) = schema_of_kind(kind) else { return Structure::default() };
+    let mut findings = Findings::default();
+    for error in violations(schema, document) {
         findings.describe(&error);
     }
     let Findings { structure: mut found, unknown, missing, no_arrays, .. } = findings;
@@ -150,8 +132,8 @@ impl Structure {
     }
 }
 
-struct Findings<'s> {
-    schema: &'s Value,
+#[derive(Default)]
+struct Findings {
     structure: Structure,
     /// Unknown keys by the JSON pointer of the object that they stand in.
     unknown: BTreeMap<String, BTreeSet<String>>,
@@ -161,69 +143,59 @@ struct Findings<'s> {
     no_arrays: Vec<String>,
 }
 
-impl Findings<'_> {
-    fn describe(&mut self, error: &ValidationError<'_>) {
-        let place = place_of(error.instance_path());
-        let pointer = error.instance_path().as_str().to_owned();
-        let found = || shown(error.instance());
-        let message = match error.kind() {
-            Kind::AdditionalProperties { unexpected } => {
-                let valid = self.property_names(error.schema_path());
-                return self.describe_unknown(error, unexpected, &valid);
-            }
-            Kind::Required { property } => {
-                let key = property.as_str().unwrap_or_default();
+impl Findings {
+    fn describe(&mut self, error: &Violation<'_>) {
+        let Location { place, pointer } = &error.location;
+        let found = || shown(error.instance);
+        let message = match &error.keyword {
+            Keyword::UnknownKeys(keys) => return self.describe_unknown(error, keys, &property_names(error)),
+            Keyword::Missing(key) => {
                 self.structure.problems.push(Problem::new(place.key(key), "is missing"));
-                self.missing.push((pointer, key.to_owned()));
+                self.missing.push((pointer.clone(), (*key).to_owned()));
                 return;
             }
-            Kind::AnyOf { context } | Kind::OneOfNotValid { context } => return self.describe_union(error, context),
-            Kind::Minimum { limit } => format!("must be >= {limit}, found {}", found()),
-            Kind::ExclusiveMinimum { limit } => format!("must be > {limit}, found {}", found()),
-            Kind::Maximum { limit } => format!("must be <= {limit}, found {}", found()),
-            Kind::ExclusiveMaximum { limit } => format!("must be < {limit}, found {}", found()),
-            Kind::MinItems { limit } => format!("needs at least {}, found {}", entries(*limit), count(error)),
-            Kind::MaxItems { limit } => format!("takes at most {}, found {}", entries(*limit), count(error)),
-            Kind::MinLength { .. } => "is empty".to_owned(),
-            Kind::MaxLength { limit } => format!("must have at most {limit} characters"),
-            _ => match expected(error) {
-                Some(expected) => {
-                    if error.instance().is_array() {
-                        self.no_arrays.push(pointer);
-                    }
-                    format!("expected {expected}, found {}", found())
+            Keyword::Union(branches) => return self.describe_union(error, branches),
+            Keyword::Limit(relation, limit) => format!("must be {relation} {limit}, found {}", found()),
+            Keyword::MinItems(limit) => format!("needs at least {}, found {}", entries(*limit), count(error)),
+            Keyword::MaxItems(limit) => format!("takes at most {}, found {}", entries(*limit), count(error)),
+            Keyword::MinLength => "is empty".to_owned(),
+            Keyword::MaxLength(limit) => format!("must have at most {limit} characters"),
+            Keyword::Pattern => format!("must consist of letters, digits, - and _, found {}", found()),
+            Keyword::Ambiguous => format!("fits several forms at once, found {}", found()),
+            Keyword::Type(_) | Keyword::Constant(_) => {
+                if error.instance.is_array() {
+                    self.no_arrays.push(pointer.clone());
                 }
-                None => error.to_string(),
-            },
+                format!("expected {}, found {}", expected(error).unwrap_or_default(), found())
+            }
         };
-        self.structure.problems.push(Problem::new(place, message));
+        self.structure.problems.push(Problem::new(place.clone(), message));
     }
 
-    fn describe_unknown(&mut self, error: &ValidationError<'_>, unexpected: &[String], valid: &[String]) {
-        let here = error.instance_path();
-        let place = place_of(here);
+    fn describe_unknown(&mut self, error: &Violation<'_>, unexpected: &[&str], valid: &[String]) {
+        let Location { place, pointer } = &error.location;
         for key in unexpected {
             // to look for a similar name takes longer than all else
             let is_shown = self.structure.problems.len() < MOST_SHOWN;
             let nearest = if is_shown { nearest(key, valid) } else { None };
             let hint = if is_shown { suggestion(nearest, valid) } else { String::new() };
-            let meant = nearest.filter(|nearest| error.instance().get(nearest).is_none());
+            let meant = nearest.filter(|nearest| error.instance.get(nearest).is_none());
             self.structure.meant.extend(meant.map(|nearest| place.key(nearest)));
             self.structure.problems.push(Problem::new(place.key(key), format!("unknown key{hint}")));
         }
-        self.unknown.entry(here.as_str().to_owned()).or_default().extend(unexpected.iter().cloned());
+        self.unknown.entry(pointer.clone()).or_default().extend(unexpected.iter().map(ToString::to_string));
     }
 
     /// Describes the branch that was meant: the one whose type fits, then the one with the fewest missing and
     /// unknown keys. If none fits in type, what each expects. Where no branch knows any key, the names in all.
-    fn describe_union(&mut self, error: &ValidationError<'_>, context: &[Vec<ValidationError<'static>>]) {
-        let here = error.instance_path();
+    fn describe_union(&mut self, error: &Violation<'_>, context: &[Vec<Violation<'_>>]) {
+        let here = &error.location;
         if let Some(problem) = wrong_tag(context, here) {
             self.structure.problems.push(problem);
             return;
         }
         // Of equally good branches: the first, or the last (the most general) if all lack a key.
-        let chosen = |branch: &[ValidationError<'_>]| tag(branch, here).is_none();
+        let chosen = |branch: &[Violation<'_>]| tag(branch, here).is_none();
         let any_chosen = context.iter().any(|branch| chosen(branch));
         let candidates = context.iter().enumerate().filter(|(_, branch)| !any_chosen || chosen(branch));
         let best = candidates.min_by_key(|(k, branch)| {
@@ -237,9 +209,9 @@ impl Findings<'_> {
             for error in branch {
                 match (wholly_unknown(std::slice::from_ref(error), here), &strange) {
                     (Some((_, keys)), Some(strange)) => {
-                        let mut valid = self.property_names(error.schema_path());
+                        let mut valid = property_names(error);
                         if !keys.iter().any(|key| nearest(key, &valid).is_some()) {
-                            let of_all = strange.iter().flat_map(|(error, _)| self.property_names(error.schema_path()));
+                            let of_all = strange.iter().flat_map(|(error, _)| property_names(error));
                             valid = of_all.collect::<BTreeSet<_>>().into_iter().collect();
                         }
                         self.describe_unknown(error, keys, &valid);
@@ -252,44 +224,30 @@ impl Findings<'_> {
         let mut expectations = Vec::new();
         collect_expectations(context, here, &mut expectations);
         if expectations.iter().any(|text| text.starts_with('"')) {
-            expectations.retain(|text| text != type_name(JsonType::String));
+            expectations.retain(|text| text != type_name(JsonType::Text));
         }
-        if error.instance().is_array() {
-            self.no_arrays.push(here.as_str().to_owned());
+        if error.instance.is_array() {
+            self.no_arrays.push(here.pointer.clone());
         }
-        let hint = word_hint(error.instance(), &expectations);
-        let message = format!("expected {}, found {}{hint}", either(&expectations), shown(error.instance()));
-        self.structure.problems.push(Problem::new(place_of(here), message));
+        let hint = word_hint(error.instance, &expectations);
+        let message = format!("expected {}, found {}{hint}", either(&expectations), shown(error.instance));
+        self.structure.problems.push(Problem::new(here.place.clone(), message));
     }
+}
 
-    /// The keys that the object schema to which a keyword belongs knows.
-    fn property_names(&self, keyword: &Location) -> Vec<String> {
-        let segments: Vec<LocationSegment<'_>> = keyword.iter().collect();
-        let mut schema = self.schema;
-        for segment in segments.iter().take(segments.len().saturating_sub(1)) {
-            let is_reference = matches!(segment, LocationSegment::Property(name) if name.as_ref() == "$ref");
-            if let Some(Value::String(reference)) = schema.get("$ref") {
-                schema = self.schema.pointer(reference.trim_start_matches('#')).unwrap_or(&Value::Null);
-            }
-            if !is_reference {
-                schema = match segment {
-                    LocationSegment::Property(name) => &schema[name.as_ref()],
-                    LocationSegment::Index(index) => &schema[*index],
-                };
-            }
-        }
-        schema["properties"].as_object().map(|p| p.keys().cloned().collect()).unwrap_or_default()
-    }
+/// The keys that the schema of an object knows.
+fn property_names(error: &Violation<'_>) -> Vec<String> {
+    error.schema["properties"].as_object().map(|known| known.keys().cloned().collect()).unwrap_or_default()
 }
 
 /// Returns the error of a branch that knows none of an object's keys, and these.
 fn wholly_unknown<'e, 'v>(
-    branch: &'e [ValidationError<'v>],
+    branch: &'e [Violation<'v>],
     here: &Location,
-) -> Option<(&'e ValidationError<'v>, &'e Vec<String>)> {
-    branch.iter().find_map(|error| match error.kind() {
-        Kind::AdditionalProperties { unexpected } if error.instance_path() == here => {
-            let is_all = error.instance().as_object().is_some_and(|object| object.len() == unexpected.len());
+) -> Option<(&'e Violation<'v>, &'e Vec<&'v str>)> {
+    branch.iter().find_map(|error| match &error.keyword {
+        Keyword::UnknownKeys(unexpected) if error.location == *here => {
+            let is_all = error.instance.as_object().is_some_and(|object| object.len() == unexpected.len());
             is_all.then_some((error, unexpected))
         }
         _ => None,
@@ -297,29 +255,27 @@ fn wholly_unknown<'e, 'v>(
 }
 
 /// The first error of a branch that says that a member's word belongs to another branch, and the word of this one.
-fn tag<'e, 'v>(branch: &'e [ValidationError<'v>], here: &Location) -> Option<(&'e ValidationError<'v>, &'e str)> {
-    branch.iter().find_map(|error| match error.kind() {
-        Kind::Constant { expected_value: Value::String(word) } if error.instance_path() != here => {
-            Some((error, word.as_str()))
-        }
+fn tag<'e, 'v>(branch: &'e [Violation<'v>], here: &Location) -> Option<(&'e Violation<'v>, &'v str)> {
+    branch.iter().find_map(|error| match error.keyword {
+        Keyword::Constant(Value::String(word)) if error.location != *here => Some((error, word.as_str())),
         _ => None,
     })
 }
 
 /// The problem of a word that no branch has, if every branch expects another one in the same member.
-fn wrong_tag(context: &[Vec<ValidationError<'static>>], here: &Location) -> Option<Problem> {
+fn wrong_tag(context: &[Vec<Violation<'_>>], here: &Location) -> Option<Problem> {
     let (first, _) = tag(context.first()?, here)?;
     let tags = context.iter().map(|branch| tag(branch, here));
-    let words = tags.map(|tag| tag.filter(|(error, _)| error.instance_path() == first.instance_path()));
+    let words = tags.map(|tag| tag.filter(|(error, _)| error.location == first.location));
     let words: Vec<&str> = words.map(|tag| tag.map(|(_, word)| word)).collect::<Option<_>>()?;
     if words.len() < 2 || words.windows(2).any(|pair| pair[0] == pair[1]) {
         return None;
     }
-    let message = match first.instance().as_str() {
+    let message = match first.instance.as_str() {
         Some(found) => format!("there is no '{found}'{}", hint(found, &words)),
-        None => format!("expected one of {}, found {}", words.join(", "), shown(first.instance())),
+        None => format!("expected one of {}, found {}", words.join(", "), shown(first.instance)),
     };
-    Some(Problem::new(place_of(first.instance_path()), message))
+    Some(Problem::new(first.location.place.clone(), message))
 }
 
 /// A type, constant or list of words that does not fit at all.
@@ -329,12 +285,12 @@ const MISFIT_OF_MISSING_KEY: usize = 1_000;
 /// A key that the branch does not know.
 const MISFIT_OF_UNKNOWN_KEY: usize = 100;
 
-fn branch_misfit(branch: &[ValidationError<'_>], here: &Location) -> usize {
-    let (mut missing, mut unknown) = (Vec::new(), Vec::new());
-    for error in branch.iter().filter(|error| error.instance_path() == here) {
-        match error.kind() {
-            Kind::Required { property } => missing.extend(property.as_str()),
-            Kind::AdditionalProperties { unexpected } => unknown.extend(unexpected),
+fn branch_misfit(branch: &[Violation<'_>], here: &Location) -> usize {
+    let (mut missing, mut unknown): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
+    for error in branch.iter().filter(|error| error.location == *here) {
+        match &error.keyword {
+            Keyword::Missing(key) => missing.push(*key),
+            Keyword::UnknownKeys(keys) => unknown.extend(keys.iter().copied()),
             _ => {}
         }
     }
@@ -344,54 +300,40 @@ fn branch_misfit(branch: &[ValidationError<'_>], here: &Location) -> usize {
     sum - MISFIT_OF_MISSING_KEY * misspelled.min(missing.len())
 }
 
-fn misfit(error: &ValidationError<'_>, here: &Location) -> usize {
-    if error.instance_path() != here {
+fn misfit(error: &Violation<'_>, here: &Location) -> usize {
+    if error.location != *here {
         return 1;
     }
-    match error.kind() {
-        Kind::Type { .. } | Kind::Constant { .. } | Kind::Enum { .. } => MISFIT_OF_TYPE,
-        Kind::Required { .. } => MISFIT_OF_MISSING_KEY,
-        Kind::AdditionalProperties { unexpected } => MISFIT_OF_UNKNOWN_KEY * unexpected.len(),
-        Kind::AnyOf { context } | Kind::OneOfNotValid { context } => {
-            context.iter().map(|branch| branch_misfit(branch, here)).min().unwrap_or(MISFIT_OF_TYPE)
+    match &error.keyword {
+        Keyword::Type(_) | Keyword::Constant(_) => MISFIT_OF_TYPE,
+        Keyword::Missing(_) => MISFIT_OF_MISSING_KEY,
+        Keyword::UnknownKeys(keys) => MISFIT_OF_UNKNOWN_KEY * keys.len(),
+        Keyword::Union(branches) => {
+            branches.iter().map(|branch| branch_misfit(branch, here)).min().unwrap_or(MISFIT_OF_TYPE)
         }
         _ => 1,
     }
 }
 
-fn collect_expectations(context: &[Vec<ValidationError<'static>>], here: &Location, all: &mut Vec<String>) {
-    for error in context.iter().flatten().filter(|error| error.instance_path() == here) {
-        match error.kind() {
-            Kind::AnyOf { context } | Kind::OneOfNotValid { context } => collect_expectations(context, here, all),
-            _ => {
-                if let Some(text) = expected(error).filter(|text| text != "null" && !all.contains(text)) {
-                    all.push(text);
-                }
-            }
+fn collect_expectations(context: &[Vec<Violation<'_>>], here: &Location, all: &mut Vec<String>) {
+    for error in context.iter().flatten().filter(|error| error.location == *here) {
+        if let Keyword::Union(branches) = &error.keyword {
+            collect_expectations(branches, here, all);
+        } else if let Some(text) = expected(error).filter(|text| text != "null" && !all.contains(text)) {
+            all.push(text);
         }
     }
 }
 
 /// Returns what the schema wants, for the errors that are about type or choice.
-fn expected(error: &ValidationError<'_>) -> Option<String> {
-    match error.kind() {
-        Kind::Type { kind: TypeKind::Single(kind) } => Some(type_name(*kind).to_owned()),
-        Kind::Type { kind: TypeKind::Multiple(set) } => {
-            let names: Vec<String> =
-                set.iter().filter(|kind| *kind != JsonType::Null).map(|kind| type_name(kind).to_owned()).collect();
-            Some(either(&names))
+fn expected(error: &Violation<'_>) -> Option<String> {
+    match &error.keyword {
+        Keyword::Type(kinds) => {
+            let is_one = kinds.len() == 1;
+            let named = kinds.iter().filter(|kind| is_one || **kind != JsonType::Null);
+            Some(either(&named.map(|kind| type_name(*kind).to_owned()).collect::<Vec<_>>()))
         }
-        Kind::Constant { expected_value } => Some(expected_value.to_string()),
-        Kind::Enum { options } => {
-            let names: Vec<String> = options
-                .as_array()
-                .into_iter()
-                .flatten()
-                .filter(|option| !option.is_null())
-                .map(ToString::to_string)
-                .collect();
-            Some(either(&names))
-        }
+        Keyword::Constant(value) => Some(value.to_string()),
         _ => None,
     }
 }
@@ -411,7 +353,7 @@ fn type_name(kind: JsonType) -> &'static str {
         JsonType::Null => "null",
         JsonType::Number => "a number",
         JsonType::Object => "an object",
-        JsonType::String => "a text",
+        JsonType::Text => "a text",
     }
 }
 
@@ -427,13 +369,6 @@ fn entries(limit: u64) -> String {
     if limit == 1 { "1 entry".to_owned() } else { format!("{limit} entries") }
 }
 
-fn count(error: &ValidationError<'_>) -> usize {
-    error.instance().as_array().map_or(0, Vec::len)
-}
-
-fn place_of(location: &Location) -> Place {
-    location.iter().fold(Place::root(), |place, segment| match segment {
-        LocationSegment::Property(name) => place.key(name.as_ref()),
-        LocationSegment::Index(index) => place.index(index),
-    })
+fn count(error: &Violation<'_>) -> usize {
+    error.instance.as_array().map_or(0, Vec::len)
 }

@@ -1,11 +1,14 @@
 //! Cases as users write them: valid ones against the program that they mean, malformed ones against the words,
 //! the place and the exit code of each problem.
 
-use super::{Case, CaseErrors, read, schema};
+use super::structure::validation::{Keyword, Violation, violations};
+use super::{Case, CaseErrors, read, schema, structure};
+use jsonschema::error::ValidationErrorKind as Kind;
 use pullout_run::program::Program;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock, Mutex};
 use tempfile::TempDir;
 use umat_abi::host::{Found, search_paths};
 
@@ -119,7 +122,89 @@ fn interface_case() -> Value {
 fn schema_accepts(document: &Value) -> bool {
     static VALIDATOR: LazyLock<jsonschema::Validator> =
         LazyLock::new(|| jsonschema::draft202012::new(&schema()).expect("a valid schema"));
-    VALIDATOR.is_valid(document)
+    let accepts = VALIDATOR.is_valid(document);
+    if let Ok(kind) = structure::kind_of(document) {
+        assert_eq!(ours(kind, document), theirs(kind, document), "{document}");
+        assert_eq!(ours(kind, document).is_empty(), accepts, "{document}");
+    }
+    accepts
+}
+
+/// Places as JSON pointers, and the keywords that are broken there, branches of unions as well, in the order of the alphabet.
+type Findings = Vec<(String, String)>;
+
+/// What our own check of a document finds.
+fn ours(kind: &str, document: &Value) -> Findings {
+    fn list(found: &[Violation<'_>], all: &mut Findings) {
+        for violation in found {
+            let name = match &violation.keyword {
+                Keyword::Type(_) => "type",
+                Keyword::Constant(_) => "const",
+                Keyword::Union(branches) => {
+                    branches.iter().for_each(|branch| list(branch, all));
+                    "union"
+                }
+                Keyword::Ambiguous => "ambiguous",
+                Keyword::UnknownKeys(_) => "additionalProperties",
+                Keyword::Missing(_) => "required",
+                Keyword::Limit(relation, _) => relation,
+                Keyword::MinItems(_) => "minItems",
+                Keyword::MaxItems(_) => "maxItems",
+                Keyword::MinLength => "minLength",
+                Keyword::MaxLength(_) => "maxLength",
+                Keyword::Pattern => "pattern",
+            };
+            all.push((violation.location.pointer.clone(), name.to_owned()));
+        }
+    }
+    let mut all = Vec::new();
+    list(&violations(structure::schema_of_kind(kind).expect("a kind"), document), &mut all);
+    all.sort();
+    all
+}
+
+/// What the crate `jsonschema` finds.
+fn theirs(kind: &str, document: &Value) -> Findings {
+    fn list<'e>(found: impl Iterator<Item = &'e jsonschema::ValidationError<'e>>, all: &mut Findings) {
+        for error in found {
+            let name = match error.kind() {
+                Kind::Type { .. } => "type",
+                Kind::Constant { .. } => "const",
+                Kind::AnyOf { context } | Kind::OneOfNotValid { context } => {
+                    context.iter().for_each(|branch| list(branch.iter(), all));
+                    "union"
+                }
+                Kind::OneOfMultipleValid { .. } => "ambiguous",
+                Kind::AdditionalProperties { .. } => "additionalProperties",
+                Kind::Required { .. } => "required",
+                Kind::Minimum { .. } => ">=",
+                Kind::ExclusiveMinimum { .. } => ">",
+                Kind::Maximum { .. } => "<=",
+                Kind::ExclusiveMaximum { .. } => "<",
+                Kind::MinItems { .. } => "minItems",
+                Kind::MaxItems { .. } => "maxItems",
+                Kind::MinLength { .. } => "minLength",
+                Kind::MaxLength { .. } => "maxLength",
+                Kind::Pattern { .. } => "pattern",
+                other => panic!("a keyword that our own check does not know: {other:?}"),
+            };
+            all.push((error.instance_path().as_str().to_owned(), name.to_owned()));
+        }
+    }
+    static VALIDATORS: Mutex<BTreeMap<String, Arc<jsonschema::Validator>>> = Mutex::new(BTreeMap::new());
+    let validator = {
+        let mut validators = VALIDATORS.lock().expect("no panic while it is locked");
+        let of_kind = || {
+            let schema = structure::schema_of_kind(kind).expect("a kind");
+            Arc::new(jsonschema::draft202012::new(schema).expect("a valid schema"))
+        };
+        validators.entry(kind.to_owned()).or_insert_with(of_kind).clone()
+    };
+    let found: Vec<_> = validator.iter_errors(document).collect();
+    let mut all = Vec::new();
+    list(found.iter(), &mut all);
+    all.sort();
+    all
 }
 
 #[test]

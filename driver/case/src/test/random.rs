@@ -126,9 +126,8 @@ fn mutate(random: &mut Rng, document: &mut Value) {
     }
 }
 
-#[test]
-fn mutated_documents_are_refused_in_plain_words_or_read() {
-    let bench = Bench::new();
+/// Documents with most keys of their kind: a point of contact, a specimen, a point.
+fn full_documents() -> [Value; 3] {
     let mut full = point_case();
     full["initial"] = json!({ "strain": [0, 0, 0, 0, 0, 0], "statev": [0, 0], "time": 1 });
     full["until"] = json!({ "quantity": "abs(e11)", "greater_than": 1 });
@@ -146,17 +145,43 @@ fn mutated_documents_are_refused_in_plain_words_or_read() {
         { "slip": 0.1, "drives": { "side": 1 }, "increments": { "initial": 0.1 } },
         { "repeat": 2, "steps": [{ "slip": 0, "increments": 3 }] }
     ]);
+    [interface_case(), specimen, full]
+}
+
+/// A document with one to three places changed.
+fn mutated(mut document: Value, random: &mut Rng) -> Value {
+    for _ in 0..=random.usize(..3) {
+        mutate(random, &mut document);
+    }
+    document
+}
+
+/// `schema_accepts` compares all that our own check finds with what the crate `jsonschema` finds.
+#[test]
+fn our_check_of_documents_agrees_with_jsonschema_on_ten_thousand_mutated_ones() {
+    let documents = full_documents();
+    let mut refused = 0;
+    for seed in 0..10_000 {
+        let mut random = Rng::with_seed(seed);
+        let document = mutated(documents[seed as usize % documents.len()].clone(), &mut random);
+        refused += u32::from(!schema_accepts(&document));
+    }
+    assert!((2_000..9_800).contains(&refused), "{refused} refused");
+}
+
+#[test]
+fn mutated_documents_are_refused_in_plain_words_or_read() {
+    let bench = Bench::new();
+    let [contact, specimen, full] = full_documents();
     let (accepted, refused) = (Cell::new(0), Cell::new(0));
     let check = |round: u8, seed: u64| {
         let mut random = Rng::with_seed(seed);
-        let mut document = match round {
-            0 => interface_case(),
-            1 => specimen.clone(),
-            _ => full.clone(),
+        let document = match round {
+            0 => &contact,
+            1 => &specimen,
+            _ => &full,
         };
-        for _ in 0..=random.usize(..3) {
-            mutate(&mut random, &mut document);
-        }
+        let document = mutated(document.clone(), &mut random);
         let fits = schema_accepts(&document);
         match bench.read(&document, &[]) {
             Ok(_) => {

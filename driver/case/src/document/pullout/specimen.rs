@@ -1,6 +1,7 @@
 //! Meshes: specimens by their parameters, or a file.
 
 use super::super::{Piece, Positive, Whole};
+use crate::structure::validation::NAME_PATTERN;
 use fe_core::element::ElementKind;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -225,7 +226,7 @@ pub enum Grips {
 #[serde(deny_unknown_fields)]
 pub struct Fibre {
     /// A name that no other fibre has: letters, digits, - and _.
-    #[schemars(regex(pattern = r"^[A-Za-z0-9_-]+$"))]
+    #[schemars(regex(pattern = NAME_PATTERN))]
     pub name: String,
     /// Diameter (default 0.406).
     pub diameter: Option<Positive>,
