@@ -60,6 +60,9 @@ fn messages(workspace: &Path, profile: &str, package: &str, linker: Option<&Path
     }
     if profile == FOR_OTHERS {
         command.args(["--package", package, "--package", ALL_LAWS]);
+        if package == PROGRAM[0] {
+            command.args(["--features", "driver/full"]);
+        }
     } else {
         command.arg("--workspace");
     }

@@ -27,6 +27,9 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn plot(arguments: &Arguments) -> Result<u8, Refusal> {
+    if arguments.png || arguments.pdf {
+        export::can_export().map_err(Refusal::input)?;
+    }
     let mut runs = Vec::new();
     let first = &arguments.results[0];
     let is_study = arguments.results.len() == 1 && arguments.out.is_none() && first.join("study.json").is_file();

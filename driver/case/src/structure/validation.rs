@@ -141,8 +141,11 @@ pub fn violations<'v>(root: &'v Value, document: &'v Value) -> Vec<Violation<'v>
     found
 }
 
+/// Whether a number and a limit obey a relation.
+type Relation = fn(&f64, &f64) -> bool;
+
 /// Keywords of limits, their relations, and whether a number and a limit obey them.
-const LIMITS: [(&str, &str, fn(&f64, &f64) -> bool); 4] = [
+const LIMITS: [(&str, &str, Relation); 4] = [
     ("minimum", ">=", f64::ge),
     ("exclusiveMinimum", ">", f64::gt),
     ("maximum", "<=", f64::le),

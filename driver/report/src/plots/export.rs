@@ -1,71 +1,41 @@
-//! Pictures as PNG and as PDF: the SVG, with the fonts of the system, by resvg and svg2pdf.
+//! Pictures as PNG and as PDF, in builds with the feature `pictures`.
 
-use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::fontdb::{Database, Family, Query};
-use resvg::usvg::{Options, Tree};
 use std::io;
-use std::sync::{Arc, OnceLock};
-use svg2pdf::{ConversionOptions, PageOptions};
 
-/// Pixels of the file per px of the picture: 640 px become 300 dots per inch at a width of 16 cm.
-const DENSITY: f32 = 3.0;
-/// Fonts for "sans-serif": the first that exists is taken; the pictures' texts were measured with fonts of this width.
-const SANS_SERIF: [&str; 5] = ["DejaVu Sans", "Liberation Sans", "Noto Sans", "Arial", "Helvetica"];
-
-/// px per inch, as browsers have it.
-const PX_PER_INCH: f32 = 96.0;
+#[cfg(feature = "pictures")]
+mod conversion;
+#[cfg(feature = "pictures")]
+pub use conversion::{pdf, png};
 
 /// A picture in another format.
 pub type Export = fn(&str) -> io::Result<Vec<u8>>;
 
-/// Returns a picture as PNG.
+/// Refuses what needs the feature `pictures` in a build without it.
 ///
 /// # Errors
-/// No valid SVG, or no font.
-pub fn png(svg: &str) -> io::Result<Vec<u8>> {
-    let tree = tree(svg)?;
-    let of_no_size = || io::Error::other("the picture has no size");
-    let size = tree.size().to_int_size().scale_by(DENSITY).ok_or_else(of_no_size)?;
-    let too_large = || io::Error::other("the picture is too large");
-    let mut pixels = Pixmap::new(size.width(), size.height()).ok_or_else(too_large)?;
-    resvg::render(&tree, Transform::from_scale(DENSITY, DENSITY), &mut pixels.as_mut());
-    pixels.encode_png().map_err(io::Error::other)
-}
-
-/// Returns a picture as PDF: one page of its size, lines and text as such.
-///
-/// # Errors
-/// No valid SVG, or no font.
-pub fn pdf(svg: &str) -> io::Result<Vec<u8>> {
-    let page = PageOptions { dpi: PX_PER_INCH };
-    svg2pdf::to_pdf(&tree(svg)?, ConversionOptions::default(), page)
-        .map_err(|error| io::Error::other(error.to_string()))
-}
-
-fn tree(svg: &str) -> io::Result<Tree> {
-    let fonts = fonts();
-    if fonts.is_empty() {
-        return Err(io::Error::other("no font is installed: a picture would have no text"));
+/// This build lacks the feature.
+pub fn can_export() -> io::Result<()> {
+    if cfg!(feature = "pictures") {
+        return Ok(());
     }
-    let options = Options { fontdb: fonts, ..Options::default() };
-    Tree::from_str(svg, &options).map_err(io::Error::other)
+    let message = "PNG and PDF need the feature `pictures`: cargo build --release --features pictures";
+    Err(io::Error::new(io::ErrorKind::Unsupported, message))
 }
 
-/// The fonts of the system, found once.
-fn fonts() -> Arc<Database> {
-    static FONTS: OnceLock<Arc<Database>> = OnceLock::new();
-    let load = || {
-        let mut fonts = Database::new();
-        fonts.load_system_fonts();
-        let is_there =
-            |name: &&str| fonts.query(&Query { families: &[Family::Name(name)], ..Query::default() }).is_some();
-        let first = || fonts.faces().find_map(|face| Some(face.families.first()?.0.clone()));
-        let family = SANS_SERIF.iter().find(|name| is_there(name)).map(|name| (*name).to_owned()).or_else(first);
-        family.into_iter().for_each(|family| fonts.set_sans_serif_family(family));
-        Arc::new(fonts)
-    };
-    FONTS.get_or_init(load).clone()
+/// Refuses to make a PNG.
+///
+/// # Errors
+/// Always: this build lacks the feature `pictures`.
+#[cfg(not(feature = "pictures"))]
+pub fn png(_svg: &str) -> io::Result<Vec<u8>> {
+    can_export().map(|()| Vec::new())
 }
 
-#[cfg(test)]
-mod test;
+/// Refuses to make a PDF.
+///
+/// # Errors
+/// Always: this build lacks the feature `pictures`.
+#[cfg(not(feature = "pictures"))]
+pub fn pdf(svg: &str) -> io::Result<Vec<u8>> {
+    png(svg)
+}
