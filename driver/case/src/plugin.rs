@@ -131,13 +131,15 @@ pub fn tell_initial_values(reader: &mut Reader<'_>, library: &Library, given: [b
     let [states_given, stress_given] = given;
     for routine in library.routines() {
         let what = match routine.symbol {
-            _ if !routine.is_called => "is not called: this program has no such occasion",
+            _ if !routine.is_called => {
+                "is not called: this program has no such occasion; what the law expects of it is missing"
+            }
             "sdvini" if states_given => "is not called: the case gives the initial states",
             "sigini" if stress_given => "is not called: the case gives the initial stress",
             "sigini" => "sets the initial stress",
             _ => continue,
         };
-        let warning = format!("{}: its {} {what}", library.path().display(), routine.symbol.to_uppercase());
+        let warning = format!("{}: its {} {what}", library.path().display(), routine.name());
         reader.warn(warning);
     }
 }

@@ -58,9 +58,8 @@ fn memory() -> &'static str {
 
 /// The routines around the laws, in a line; nothing if there are none.
 fn routines(library: &Library) -> String {
-    let name = |routine: &Routine| {
-        routine.symbol.to_uppercase() + if routine.is_called { "" } else { " (not called by this program)" }
-    };
+    let name =
+        |routine: &Routine| routine.name() + if routine.is_called { "" } else { " (not called by this program)" };
     let names: Vec<String> = library.routines().iter().map(name).collect();
     if names.is_empty() { String::new() } else { format!("Other routines: {}\n", names.join(", ")) }
 }

@@ -76,14 +76,14 @@ impl PointLaw {
                     }
                 };
                 let mut call = filled.uinter(2).map_err(|error| failed(law, error))?;
-                call.fence();
+                filled.probe_uinter(&mut call).map_err(|error| failed(law, error))?;
                 Self::Uinter { call: Box::new(call), augmented }
             }
             ContactLaw::Fric { law, normal } => {
                 let (filled, _) = filled(pair, law, None, penalty)?;
                 let normal = HostNormal { law: *normal, stiffness: ratio * penalty };
                 let mut call = filled.fric(1).map_err(|error| failed(law, error))?;
-                call.fence();
+                filled.probe_fric(&mut call).map_err(|error| failed(law, error))?;
                 Self::Fric { call: Box::new(call), normal, sticking: penalty }
             }
         };
@@ -125,6 +125,15 @@ impl PointLaw {
             Self::Uinter { call, .. } => call.plugin(),
             Self::Fric { call, .. } => call.plugin(),
         }
+    }
+
+    /// Returns what users should know of how the plugin is called.
+    pub fn remark(&self) -> Option<String> {
+        let why = match self {
+            Self::Uinter { call, .. } => call.why_wide(),
+            Self::Fric { call, .. } => call.why_wide(),
+        };
+        why.map(|reason| format!("{} is called with two slip directions: {reason}", self.plugin()))
     }
 
     /// Calls of the plugin so far.

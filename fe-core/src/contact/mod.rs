@@ -146,6 +146,12 @@ impl Contact {
         self.pairs.iter().map(|pair| pair.penalty)
     }
 
+    /// Returns what users should know of how laws are called.
+    pub fn remarks(&self) -> impl Iterator<Item = String> {
+        let of_pair = |pair: &Pair| Some(format!("contact '{}': {}", pair.name, pair.law.remark()?));
+        self.pairs.iter().filter_map(of_pair)
+    }
+
     /// Calls of the plugins so far.
     pub fn law_calls(&self) -> u64 {
         self.earlier_calls + self.pairs.iter().map(|pair| pair.law.calls()).sum::<u64>()

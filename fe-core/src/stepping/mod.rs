@@ -431,9 +431,11 @@ impl<'m> Analysis<'m> {
         self.equilibrium.restore();
     }
 
-    /// Returns what users should know of the laws of parts, after a run: what was found out of them, and how far they are believed.
+    /// Returns what users should know of the laws, after a run: what was found out of them, and how far they are believed.
     pub fn remarks(&self) -> Vec<String> {
-        self.equilibrium.solids.remarks()
+        let mut remarks = self.equilibrium.solids.remarks();
+        remarks.extend(self.equilibrium.contact.remarks());
+        remarks
     }
 
     /// The load and the lateral load, N.

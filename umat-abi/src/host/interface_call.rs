@@ -3,6 +3,7 @@
 use super::call::CallOutcome;
 use super::exchange::{Integer, Numbers, arguments, inputs, outputs};
 use super::library::{Library, LoadError};
+use super::manner::Wide;
 use super::memory::{NAME_LENGTH, NotFinite, Overrun, fortran_name};
 use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
 use crate::fric::{FricArguments, FricFunction};
@@ -207,6 +208,8 @@ pub struct UinterCall {
     /// Temperatures and field variables of both surfaces.
     pub fields: SurfaceFields,
     calls: u64,
+    /// Call with two slip directions that is made instead, of a law that knows no other.
+    pub(super) wide: Option<Box<Wide<Self>>>,
     pub(super) function: UinterFunction,
     /// SED, SFD, SPD, SVD, SCD.
     pub energies: [f64; 5],
@@ -257,6 +260,7 @@ impl UinterCall {
             common: PluginCall::new(library, symbol, name, (directions, nstatv, props), ["STRESS", "DDSDDR"], inputs),
             fields: SurfaceFields::default(),
             calls: 0,
+            wide: None,
             energies: [0.0; 5],
             flags: [-1; 2],
         })
@@ -285,6 +289,19 @@ impl UinterCall {
         self.energies = [sed, sfd, spd, svd, scd].map(|energy| energy.values[0]);
         self.flags = [lopenclose.values[0], lstate.values[0]];
         result.map(|()| self.outcome())
+    }
+
+    /// Takes the inputs of another call, which has a direction less, and what both keep.
+    pub(super) fn take_inputs(&mut self, other: &Self) {
+        let ndir = self.ndir;
+        ***self = UinterInputs { ndir, ..***other };
+        (self.energies, self.flags) = (other.energies, other.flags);
+    }
+
+    /// Takes what another call has returned besides its arrays.
+    pub(super) fn take_outputs(&mut self, other: &Self) {
+        (self.energies, self.flags, self.pnewdt) = (other.energies, other.flags, other.pnewdt);
+        self.calls = other.calls;
     }
 
     /// Returns a result of the last call that a host cannot go on with, DDSDDR aside, which not every host needs.
@@ -353,6 +370,8 @@ pub struct FricCall {
     /// Temperatures and field variables of both surfaces.
     pub fields: SurfaceFields,
     calls: u64,
+    /// Call with two slip directions that is made instead, of a law that knows no other.
+    pub(super) wide: Option<Box<Wide<Self>>>,
     pub(super) function: FricFunction,
     /// LM: on entry 0 slipping, 1 sticking, 2 open; on return see [`FricCall::answer`].
     pub lm: i32,
@@ -408,6 +427,7 @@ impl FricCall {
             common: PluginCall::new(library, symbol, name, (directions, nstatv, props), ["TAU", "DDTDDG"], inputs),
             fields: SurfaceFields::default(),
             calls: 0,
+            wide: None,
             lm: Self::STICKING,
             dslip: [0.0; 2],
             pressure_tangent: [0.0; 2],
@@ -429,6 +449,20 @@ impl FricCall {
             other => other == Self::STICKING,
         };
         i32::from(sticks)
+    }
+
+    /// Takes the inputs of another call, which has a direction less, and what both keep.
+    pub(super) fn take_inputs(&mut self, other: &Self) {
+        let nfdir = self.nfdir;
+        ***self = FricInputs { nfdir, ..***other };
+        (self.energies, self.lm) = (other.energies, other.lm);
+    }
+
+    /// Takes what another call has returned besides its arrays.
+    pub(super) fn take_outputs(&mut self, other: &Self) {
+        (self.energies, self.lm, self.pnewdt) = (other.energies, other.lm, other.pnewdt);
+        (self.dslip, self.pressure_tangent) = ([other.dslip[0], 0.0], [other.pressure_tangent[0], 0.0]);
+        self.calls = other.calls;
     }
 
     /// Returns a result of the last call that a host cannot go on with, DDTDDG and DDTDDP aside, which not every host needs.
@@ -534,6 +568,9 @@ macro_rules! contact {
             /// # Errors
             /// [`Overrun`] if it wrote outside an array.
             pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
+                if self.wide.is_some() {
+                    return self.call_wide();
+                }
                 // SAFETY: the arguments stay as they are.
                 unsafe { self.call_with(0.0, |_| ()) }
             }

@@ -71,14 +71,53 @@ pub struct Routine {
 }
 
 impl Routine {
-    /// Routines that libraries of UMATs usually have.
-    pub const ALL: [Self; 5] = [
-        Self { symbol: "uexternaldb", is_called: true },
-        Self { symbol: "sdvini", is_called: true },
-        Self { symbol: "sigini", is_called: true },
-        Self { symbol: "uvarm", is_called: false },
-        Self { symbol: "usdfld", is_called: false },
-    ];
+    /// Returns its name as ABAQUS's manual has it.
+    pub fn name(&self) -> String {
+        self.symbol.to_uppercase()
+    }
+
+    /// Routines that libraries of UMATs usually have, and those of ABAQUS that no program of points and specimens calls: a law
+    /// may rest on what they do.
+    pub const ALL: [Self; 30] = {
+        const fn called(symbol: &'static str) -> Routine {
+            Routine { symbol, is_called: true }
+        }
+        const fn left_out(symbol: &'static str) -> Routine {
+            Routine { symbol, is_called: false }
+        }
+        [
+            called("uexternaldb"),
+            called("sdvini"),
+            called("sigini"),
+            left_out("uvarm"),
+            left_out("usdfld"),
+            left_out("uel"),
+            left_out("uelmat"),
+            left_out("umatht"),
+            left_out("hetval"),
+            left_out("uhard"),
+            left_out("uhyper"),
+            left_out("uhypel"),
+            left_out("umullins"),
+            left_out("uanisohyper_inv"),
+            left_out("uanisohyper_strain"),
+            left_out("utrs"),
+            left_out("creep"),
+            left_out("uexpan"),
+            left_out("ufield"),
+            left_out("utemp"),
+            left_out("uamp"),
+            left_out("urdfil"),
+            left_out("dload"),
+            left_out("dflux"),
+            left_out("vumat"),
+            left_out("vuel"),
+            left_out("vuinter"),
+            left_out("vusdfld"),
+            left_out("vuhard"),
+            left_out("vuamp"),
+        ]
+    };
 }
 
 /// A plugin library. Clones share the loaded library, which stays loaded as long as one lives.

@@ -17,7 +17,7 @@ const SLACK: usize = 27;
 
 /// A plugin wrote outside one of its arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("it wrote {array}({element}), which has {length} elements")]
+#[error("it wrote {array}({element}), which has {length} elements{}", of_hybrid(array, *element, *length))]
 pub struct Overrun {
     /// The argument's name.
     pub array: &'static str,
@@ -89,7 +89,20 @@ impl fmt::Display for Trespass {
             Some(false) => "reads",
             None => "touches",
         };
-        write!(f, "{verb} {}({}), which has {} elements", self.argument, self.element, self.length)
+        let Self { argument, element, length, .. } = self;
+        write!(f, "{verb} {argument}({element}), which has {length} elements{}", of_hybrid(argument, *element, *length))
+    }
+}
+
+/// Returns what is behind a stress of six components for a UMAT of hybrid elements; nothing for any other element of any array.
+fn of_hybrid(array: &str, element: i64, length: usize) -> &'static str {
+    const SOLID: usize = 6;
+    match (array, element, length) {
+        ("STRESS", 7..=9, SOLID) => {
+            " (STRESS(7) to STRESS(9) are there in ABAQUS's hybrid elements with HYBRID FORMULATION=TOTAL, which this program \
+             does not have)"
+        }
+        _ => "",
     }
 }
 

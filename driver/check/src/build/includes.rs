@@ -10,6 +10,8 @@ const ABA_PARAM: &str = "      implicit real*8 (a-h,o-z)\n      parameter (nprec
 const VABA_PARAM: &str = "      implicit real*8 (a-h,o-z)
       parameter (j_sys_Dimension=2, n_vec_Length=136, maxblk=n_vec_Length)
 ";
+/// What is left of it behind IMPLICIT NONE.
+const ABA_PARAM_TYPED: &str = "      integer nprecd\n      parameter (nprecd=2)";
 /// Types of the utility functions, which implicit typing would get wrong.
 const HEADER: &str = include_str!("../../../../umat-abi/utilities/include/SMAAspUserSubroutines.hdr");
 /// Header of the utility routines for C and C++.
@@ -49,6 +51,11 @@ fn text_of(name: &str) -> Option<&'static str> {
 /// Returns whether a Fortran source that includes a file of this name gets ours.
 pub(super) fn is_ours(name: &str) -> bool {
     text_of(name).is_some()
+}
+
+/// Returns what stands for an included file of ours in a unit that has begun with IMPLICIT NONE, which a second IMPLICIT contradicts.
+pub(super) fn without_typing(name: &str) -> Option<&'static str> {
+    name.eq_ignore_ascii_case("aba_param.inc").then_some(ABA_PARAM_TYPED)
 }
 
 /// Writes them into a folder of the compilers' search path, in the letters of the sources: these come from systems

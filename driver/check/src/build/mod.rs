@@ -6,6 +6,7 @@
 //! to it, and others of them get a routine that ends the run if it is reached.
 
 mod includes;
+mod lapack;
 mod scan;
 mod source;
 mod stubs;
@@ -55,6 +56,10 @@ pub struct Built {
     pub entry_points: Vec<String>,
     /// Names of utility routines of ABAQUS that it calls and this program does not offer.
     pub not_offered: Vec<String>,
+    /// Names of its routines that ABAQUS calls and this program does not: UEL, HETVAL, …
+    pub not_called: Vec<String>,
+    /// What was done that nobody asked for: another form, a further library.
+    pub remarks: Vec<String>,
 }
 
 /// Reason why there is no library.
@@ -106,12 +111,16 @@ pub fn build(request: &Request) -> Result<Built, Refusal> {
         let message = format!("cannot be ordered: modules of {} use each other", names.join(", "));
         Refusal::File { file: sources[circle[0]].file.clone(), message }
     })?;
-    let mut objects = Vec::new();
+    let (mut objects, mut remarks) = (Vec::new(), Vec::new());
     for number in order {
-        objects.push(compile(&sources[number], &scans[number], number, folder.path(), request)?);
+        let (source, scan) = (&sources[number], &scans[number]);
+        objects.push(compile_in_either_form(source, scan, number, folder.path(), request, &mut remarks)?);
     }
-    let linker = linker(&sources);
-    let not_offered = undefined(&linker, &objects, &utilities, &output, folder.path(), &request.flags)?;
+    let mut linker = linker(&sources);
+    let not_offered = undefined(&mut linker, &objects, &utilities, &output, folder.path(), &request.flags)?;
+    if let Some(symbol) = &linker.of_lapack {
+        remarks.push(format!("{}: linked with {}, for {symbol}", output.display(), lapack::FLAGS.join(" ")));
+    }
     if !not_offered.is_empty() {
         objects.push(compile_own("stubs.c", &stubs::source(&not_offered), folder.path())?);
     }
@@ -131,7 +140,7 @@ pub fn build(request: &Request) -> Result<Built, Refusal> {
     }
     put(&made, &output).map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", output.display())))?;
     let not_offered = not_offered.iter().map(|symbol| stubs::name(symbol)).collect();
-    Ok(Built { library: output, entry_points, not_offered })
+    Ok(Built { library: output, entry_points, not_offered, not_called: symbols.not_called(), remarks })
 }
 
 /// Returns whether a library defines a symbol; it is not loaded.
@@ -174,7 +183,7 @@ fn put(made: &Path, output: &Path) -> io::Result<()> {
 /// # Errors
 /// There is anything but further routines of ABAQUS.
 fn undefined(
-    linker: &Linker,
+    linker: &mut Linker,
     objects: &[PathBuf],
     utilities: &Path,
     output: &Path,
@@ -195,11 +204,25 @@ fn undefined(
     if unknown.is_empty() {
         return Ok(known);
     }
+    let of_lapack = unknown.iter().find(|symbol| lapack::has(symbol)).cloned();
+    if of_lapack.is_some() && linker.of_lapack.is_none() {
+        // ABAQUS brings it along
+        linker.of_lapack.clone_from(&of_lapack);
+        let again = undefined(linker, objects, utilities, output, folder, flags);
+        if again.is_ok() || lapack::is_installed(linker.program) {
+            return again;
+        }
+        linker.of_lapack = None;
+    }
+    let hint = match of_lapack {
+        Some(symbol) => format!("; {symbol} is a routine of LAPACK: {}", lapack::ADVICE),
+        None => String::new(),
+    };
     let offered = Symbols::read(utilities)?.routines();
     let (what, them) = if unknown.len() == 1 { ("symbol", "it") } else { ("symbols", "them") };
     Err(Refusal::Failed(format!(
-        "{}: not built: undefined {what}: {}; add the source or the library that defines {them} (of the utility \
-         routines of ABAQUS this program offers {})",
+        "{}: not built: undefined {what}: {}; add the source or the library that defines {them}{hint} (of the \
+         utility routines of ABAQUS this program offers {})",
         output.display(),
         unknown.join(", "),
         offered.join(", "),
@@ -211,13 +234,93 @@ fn default_output(sources: &[PathBuf]) -> PathBuf {
     library_file_name(&stem.to_string_lossy()).into()
 }
 
-/// Compiles one source; an object file is taken as it is.
-fn compile(source: &Source, scan: &Scan, number: usize, folder: &Path, request: &Request) -> Result<PathBuf, Refusal> {
-    let Some(program) = source.language.compiler() else { return Ok(source.file.clone()) };
+/// Errors of a compiler that are told.
+const MOST_ERRORS: usize = 12;
+
+/// Compiles one source, in the other form of Fortran if that of its suffix is not it.
+fn compile_in_either_form(
+    source: &Source,
+    scan: &Scan,
+    number: usize,
+    folder: &Path,
+    request: &Request,
+    remarks: &mut Vec<String>,
+) -> Result<PathBuf, Refusal> {
+    let first = match compile(source, scan, number, folder, request)? {
+        Ok(object) => return Ok(object),
+        Err(output) => output,
+    };
+    let mut words = (source, first);
+    let other = source.in_other_form();
+    if let Some(other) = &other {
+        let scan = Scan::of(other);
+        includes::write(folder, std::slice::from_ref(&scan))?;
+        match compile(other, &scan, number, folder, request)? {
+            Ok(object) => {
+                remarks.push(format!(
+                    "{}: read in {} form, not its suffix's",
+                    source.file.display(),
+                    other.form_in_words()
+                ));
+                return Ok(object);
+            }
+            // the form with fewer errors is likelier the right one
+            Err(output) if errors_in(&output) < errors_in(&words.1) => words = (other, output),
+            Err(_) => {}
+        }
+    }
+    let (read, output) = words;
+    let hint = match (read.form_in_words(), &other) {
+        ("", _) => String::new(),
+        (form, Some(_)) => format!("; it was tried in both forms, and these are the errors in {form} form"),
+        (form, None) => format!("; it was read in {form} form, as is said: --free and --fixed say otherwise"),
+    };
+    let program = source.language.compiler().unwrap_or_default();
+    Err(refused(program, &source.file, &shortened(&output), &hint))
+}
+
+fn errors_in(output: &str) -> usize {
+    output.lines().filter(|line| is_error(line)).count()
+}
+
+fn is_error(line: &str) -> bool {
+    line.starts_with("Error:") || line.starts_with("Fatal Error:") || line.contains(": error:")
+}
+
+/// The first errors of a compiler.
+fn shortened(output: &str) -> String {
+    let errors = errors_in(output);
+    if errors <= MOST_ERRORS {
+        return output.to_owned();
+    }
+    let mut left = MOST_ERRORS;
+    let mut text: String = output
+        .lines()
+        .take_while(|line| {
+            let is_wanted = left > 0;
+            left -= usize::from(is_wanted && is_error(line));
+            is_wanted
+        })
+        .flat_map(|line| [line, "\n"])
+        .collect();
+    text += &format!("... and {} errors more", errors - MOST_ERRORS);
+    text
+}
+
+/// Compiles one source; an object file is taken as it is. Within: what the compiler says if it refuses.
+fn compile(
+    source: &Source,
+    scan: &Scan,
+    number: usize,
+    folder: &Path,
+    request: &Request,
+) -> Result<Result<PathBuf, String>, Refusal> {
+    let Some(program) = source.language.compiler() else { return Ok(Ok(source.file.clone())) };
     let object = folder.join(format!("{number}.o"));
     let mut command = Command::new(program);
     command.args(["-c", "-fPIC"]).args(source.language.flags());
     command.args(if request.debug { source.language.debug_flags() } else { &["-O2", "-g"] });
+    command.args(Some(source::STRUCTURES).filter(|_| scan.has_structures));
     // modules that one source defines and a later one uses
     command.arg("-I").arg(folder);
     if let Language::Fortran(_) = source.language {
@@ -225,6 +328,9 @@ fn compile(source: &Source, scan: &Scan, number: usize, folder: &Path, request: 
     }
     let own = source.file.parent().into_iter().chain(scan.folders.iter().map(PathBuf::as_path));
     for folder in own.filter(|folder| !folder.as_os_str().is_empty()) {
+        command.arg("-I").arg(folder);
+    }
+    for folder in source.header_folders() {
         command.arg("-I").arg(folder);
     }
     if scan.preprocessed {
@@ -237,15 +343,7 @@ fn compile(source: &Source, scan: &Scan, number: usize, folder: &Path, request: 
     }
     command.args(&request.flags).arg("-o").arg(&object).arg(file);
     let (done, output) = run(program, &source.file, &mut command)?;
-    if done {
-        return Ok(object);
-    }
-    let hint = match source.language {
-        Language::Fortran(Form::Fixed) => "; it was read in fixed form: --free if it is in free form",
-        Language::Fortran(Form::Free) => "; it was read in free form: --fixed if it is in fixed form",
-        _ => "",
-    };
-    Err(refused(program, &source.file, &output, hint))
+    Ok(if done { Ok(object) } else { Err(output) })
 }
 
 /// Compiles a C source of ours.
@@ -278,6 +376,8 @@ fn run(program: &'static str, file: &Path, command: &mut Command) -> Result<(boo
 struct Linker {
     program: &'static str,
     libraries: &'static [&'static str],
+    /// Symbol for which LAPACK is linked.
+    of_lapack: Option<String>,
 }
 
 fn linker(sources: &[Source]) -> Linker {
@@ -285,9 +385,13 @@ fn linker(sources: &[Source]) -> Linker {
     let cpp = any(|language| *language == Language::Cpp);
     // An object file may come from any compiler; Fortran is what UMATs are written in.
     if any(|language| matches!(language, Language::Fortran(_) | Language::Object)) {
-        return Linker { program: "gfortran", libraries: if cpp { &["-lstdc++", "-lm"] } else { &["-lm"] } };
+        return Linker {
+            program: "gfortran",
+            libraries: if cpp { &["-lstdc++", "-lm"] } else { &["-lm"] },
+            of_lapack: None,
+        };
     }
-    Linker { program: if cpp { "g++" } else { "gcc" }, libraries: &["-lm"] }
+    Linker { program: if cpp { "g++" } else { "gcc" }, libraries: &["-lm"], of_lapack: None }
 }
 
 impl Linker {
@@ -296,6 +400,9 @@ impl Linker {
         // A call of a routine of the library's own stays in it, also under hosts that load all symbols globally.
         command.args(["-shared", "-Wl,-Bsymbolic", "-o"]).arg(library);
         command.args(objects.iter().map(|object| absolute(object))).args(flags);
+        if self.of_lapack.is_some() {
+            command.args(lapack::FLAGS);
+        }
         command.args(self.libraries.iter().map(OsString::from));
         command
     }

@@ -1,7 +1,7 @@
 //! Information from a source before it is compiled: preprocessor lines, the files it includes, the modules it defines
 //! and uses.
 
-use super::includes::is_ours;
+use super::includes::{self, is_ours};
 use super::source::{Form, Language, Source};
 use pullout_run::input::{self, Input};
 use std::collections::BTreeSet;
@@ -22,6 +22,10 @@ pub(super) struct Scan {
     pub(super) rewritten: Option<String>,
     /// Folders of included files.
     pub(super) folders: BTreeSet<PathBuf>,
+    /// Whether it has STRUCTURE or RECORD.
+    pub(super) has_structures: bool,
+    /// Whether the unit that is being read has begun with IMPLICIT NONE.
+    is_typed: bool,
     /// Names of included files of ours, as they are spelled.
     pub(super) ours: BTreeSet<String>,
     /// Modules that it defines.
@@ -73,6 +77,9 @@ impl Scan {
     fn replacement(&mut self, include: &Include<'_>, folder: &Path, form: Form, depth: usize) -> Option<String> {
         self.preprocessed |= include.by_preprocessor;
         let Some(file) = find(folder, include.name) else {
+            if let Some(text) = includes::without_typing(include.name).filter(|_| self.is_typed) {
+                return Some(text.into());
+            }
             if is_ours(include.name) {
                 self.ours.insert(include.name.to_owned());
             }
@@ -109,6 +116,15 @@ impl Scan {
         for statement in code.split(';') {
             let statement = statement.trim().to_ascii_lowercase();
             let mut words = statement.split([' ', '\t', ',', ':', '(', ')']).filter(|word| !word.is_empty());
+            match statement.split([' ', '\t', '/', '(']).next() {
+                Some("structure" | "record") if statement.contains('/') => self.has_structures = true,
+                Some("implicit") => self.is_typed = statement.split_whitespace().nth(1) == Some("none"),
+                Some("end") => self.is_typed = false,
+                _ => {
+                    let unit = ["subroutine", "function", "program", "module", "submodule"];
+                    self.is_typed &= !statement.split([' ', '\t', '(']).any(|word| unit.contains(&word));
+                }
+            }
             match (words.next(), words.next(), words.next(), words.next()) {
                 (Some("use"), Some("intrinsic"), ..) if statement.contains("::") => {}
                 (Some("use"), Some("non_intrinsic"), Some(name), _) if statement.contains("::") => {

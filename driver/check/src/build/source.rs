@@ -15,11 +15,10 @@ pub enum Form {
 
 /// Flags of every Fortran source besides its form: extensions that Intel's compiler accepts by default. (Not `-fdec` as
 /// a whole: its integer intrinsics are named like many a routine of a UMAT, KDIM or IMAX.)
-const FORTRAN: [&str; 10] = [
+const FORTRAN: [&str; 9] = [
     "-std=legacy",
     "-fdollar-ok",
     "-fcray-pointer",
-    "-fdec-structure",
     "-fdec-static",
     "-fdec-math",
     "-fdec-include",
@@ -27,6 +26,9 @@ const FORTRAN: [&str; 10] = [
     "-fdec-blank-format-item",
     "-fdec-format-defaults",
 ];
+
+/// Flag of a Fortran source with STRUCTURE or RECORD. (Not of any: it takes the dots of operators for those of components.)
+pub(super) const STRUCTURES: &str = "-fdec-structure";
 
 /// Flags of a source with preprocessor lines: ABAQUS's own definitions.
 pub(super) const PREPROCESSED: [&str; 4] = ["-cpp", "-DABQ_LINUX", "-DABQ_LNX86_64", "-DFOR_TRAIL"];
@@ -104,6 +106,8 @@ pub(super) struct Source {
     pub(super) language: Language,
     /// The text; empty for an object file.
     pub(super) text: String,
+    /// Whether the form of a Fortran source is that of its suffix, because nobody says which.
+    form_is_guessed: bool,
 }
 
 impl Source {
@@ -120,16 +124,48 @@ impl Source {
         // Old sources have letters of any code page in their comments.
         let content = input::read(file, Input::Source).map_err(|error| refusal(error.to_string()))?;
         let text = if language == Language::Object { String::new() } else { String::from_utf8_lossy(&content).into() };
+        let told = form.or_else(|| directive(&text));
         let language = match language {
-            Language::Fortran(by_suffix) => Language::Fortran(form.unwrap_or_else(|| directive(&text, by_suffix))),
+            Language::Fortran(by_suffix) => Language::Fortran(told.unwrap_or(by_suffix)),
             other => other,
         };
-        Ok(Self { file: file.to_path_buf(), language, text })
+        Ok(Self { file: file.to_path_buf(), language, text, form_is_guessed: told.is_none() })
+    }
+
+    /// The form of a Fortran source in a word; nothing for any other.
+    pub(super) fn form_in_words(&self) -> &'static str {
+        match self.language {
+            Language::Fortran(Form::Fixed) => "fixed",
+            Language::Fortran(Form::Free) => "free",
+            _ => "",
+        }
+    }
+
+    /// Returns the same Fortran source in the other form, unless somebody says which it has.
+    pub(super) fn in_other_form(&self) -> Option<Self> {
+        let language = match self.language {
+            Language::Fortran(Form::Fixed) => Language::Fortran(Form::Free),
+            Language::Fortran(Form::Free) => Language::Fortran(Form::Fixed),
+            _ => return None,
+        };
+        self.form_is_guessed.then(|| Self { language, ..self.clone() })
+    }
+
+    /// Folders of libraries of headers alone that a source includes: Eigen's, which Debian keeps below a folder of its own.
+    pub(super) fn header_folders(&self) -> Vec<PathBuf> {
+        const EIGEN: [&str; 3] = ["/usr/include/eigen3", "/usr/local/include/eigen3", "/opt/homebrew/include/eigen3"];
+        let includes = |line: &str| {
+            let line = line.trim_start().strip_prefix('#').map(str::trim_start);
+            line.and_then(|line| line.strip_prefix("include"))
+                .is_some_and(|rest| rest.trim_start().starts_with("<Eigen/"))
+        };
+        let wants = self.language == Language::Cpp && self.text.lines().any(includes);
+        EIGEN.into_iter().filter(|_| wants).map(PathBuf::from).find(|folder| folder.is_dir()).into_iter().collect()
     }
 }
 
 /// `!DIR$ FREEFORM` or `!DEC$ NOFREEFORM` before the first statement says more than the suffix.
-fn directive(text: &str, by_suffix: Form) -> Form {
+fn directive(text: &str) -> Option<Form> {
     for line in text.lines() {
         let line = line.trim().to_ascii_uppercase();
         let is_comment = line.is_empty() || line.starts_with(['!', 'C', '*']);
@@ -137,10 +173,10 @@ fn directive(text: &str, by_suffix: Form) -> Form {
             break;
         }
         match line.get(1..).map(|rest| rest.split_whitespace().collect::<Vec<_>>()).as_deref() {
-            Some(["DIR$" | "DEC$", "FREEFORM"]) => return Form::Free,
-            Some(["DIR$" | "DEC$", "NOFREEFORM" | "FIXEDFORM"]) => return Form::Fixed,
+            Some(["DIR$" | "DEC$", "FREEFORM"]) => return Some(Form::Free),
+            Some(["DIR$" | "DEC$", "NOFREEFORM" | "FIXEDFORM"]) => return Some(Form::Fixed),
             _ => {}
         }
     }
-    by_suffix
+    None
 }

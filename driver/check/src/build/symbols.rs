@@ -5,7 +5,7 @@ use pullout_run::input::{self, Input};
 use std::collections::BTreeSet;
 use std::io;
 use std::path::Path;
-use umat_abi::host::{library_file_name, library_name};
+use umat_abi::host::{Routine, library_file_name, library_name};
 
 /// Routines that this program calls, by their plain names.
 const ROUTINES: [&str; 6] = ["umat", "uinter", "fric", "uexternaldb", "sdvini", "sigini"];
@@ -39,6 +39,12 @@ impl Symbols {
         ROUTINES.iter().filter_map(|routine| self.spelling_of(routine)).collect()
     }
 
+    /// Routines of ABAQUS that this program does not call, by their names in capitals.
+    pub(super) fn not_called(&self) -> Vec<String> {
+        let left_out = Routine::ALL.iter().filter(|routine| !routine.is_called);
+        left_out.filter(|routine| self.spelling_of(routine.symbol).is_some()).map(Routine::name).collect()
+    }
+
     /// All routines that Fortran can call, by their names in capitals.
     pub(super) fn routines(&self) -> Vec<String> {
         self.0.iter().filter_map(|symbol| symbol.strip_suffix('_')).map(str::to_ascii_uppercase).collect()
@@ -52,6 +58,9 @@ impl Symbols {
 
     /// Returns why a law that its author sees in the source is not found.
     pub(super) fn hint(&self) -> String {
+        if let [routine, ..] = &*self.not_called() {
+            return format!("; it has {routine}, which this program does not call");
+        }
         let ours = |name: &&String| {
             let lower = name.to_ascii_lowercase();
             ROUTINES[..LAWS].iter().any(|routine| lower.contains(routine))

@@ -14,6 +14,8 @@ use umat_abi::law::StressState;
 
 /// Increments kept; of a longer path every second, fourth, ...
 const KEPT: usize = 4096;
+/// Name of the row.
+const CHECK: &str = "case's path";
 /// Time that the path may take: a check is not a run.
 const TIME_LIMIT: Duration = Duration::from_millis(1500);
 
@@ -33,6 +35,10 @@ pub(super) struct CasePath {
     /// The entry point that it calls.
     pub(super) entry: Entry,
     pub(super) increments: Vec<Increment>,
+    /// The point before the first increment, reached or not; `None`: the case cannot begin.
+    pub(super) start: Option<Committed>,
+    /// What is to be said of it.
+    remarks: Vec<String>,
     /// One of so many is kept.
     stride: usize,
     /// Number of increments, kept or not.
@@ -49,9 +55,7 @@ impl CasePath {
         options: &Options,
         databases: &mut ExternalDatabases,
         report: &mut Report,
-        is_muted: bool,
     ) -> Self {
-        const CHECK: &str = "case's path";
         let mut entry = entry(program);
         // the calls that find out are part of it
         Ledger::new(report, entry.label()).begin(CHECK);
@@ -60,18 +64,36 @@ impl CasePath {
             (&program.kind, entry)
             && let Ok((stress_state, why)) = path::components_of_calls(program, point, databases)
         {
-            (entry, reason) = (Entry::Umat(stress_state), why);
+            (entry, reason) =
+                (Entry::Umat(stress_state), why.map(|why| format!("NTENS = 6, as a run calls it: {why}")));
         }
-        let mut ledger = Ledger::new(report, entry.label());
-        ledger.is_muted = is_muted;
-        ledger.begin(CHECK);
+        if let Kind::Interface(contact) = &program.kind
+            && let Ok((directions, why)) = path::directions_of_calls(program, contact, databases)
+        {
+            entry = contact_entry(contact.entry, directions);
+            reason = why.map(|why| format!("two slip directions, as a run calls it: {why}"));
+        }
+        Ledger::new(report, entry.label()).begin(CHECK);
         let time_limit = TIME_LIMIT.min(options.share_of_time());
-        let (path, failure) = Self::along(program, entry, options, time_limit, databases, &mut || ());
-        let reason = reason.map(|reason| format!("called with NTENS = 6, as a run calls it: {reason}"));
-        let words: Vec<String> = reason.into_iter().chain(failure).collect();
-        let verdict = if words.is_empty() { Verdict::Info } else { Verdict::Warn };
-        ledger.add(verdict, format!("{} increments", path.taken), words.join("; "));
+        let (mut path, failure) = Self::along(program, entry, options, time_limit, databases, &mut || ());
+        let reason = reason.map(|reason| format!("called with {reason}"));
+        path.remarks = reason.into_iter().chain(failure).collect();
         path
+    }
+
+    /// Adds the row; `fails`: not even the point before the first increment can be called.
+    pub(super) fn tell(&self, fails: bool, ledger: &mut Ledger<'_>) {
+        let verdict = match self.remarks.is_empty() {
+            _ if fails => Verdict::Fail,
+            true => Verdict::Info,
+            false => Verdict::Warn,
+        };
+        ledger.row(CHECK, verdict, format!("{} increments", self.taken), self.remarks.join("; "));
+    }
+
+    /// Returns whether the case ends before its first increment does.
+    pub(super) fn fails_at_once(&self) -> bool {
+        self.is_failed && self.increments.is_empty()
     }
 
     /// Runs the same case once more, in a part of the time, with `between` behind each increment.
@@ -100,7 +122,8 @@ impl CasePath {
         program.about.every = 1;
         let longest = options.longest_path.unwrap_or(u64::MAX);
         let end = super::processor_time() + time_limit;
-        let mut keeper = Keeper { entry, increments: Vec::new(), stride: 1, count: 0, end, longest, between };
+        let mut keeper =
+            Keeper { entry, increments: Vec::new(), start: None, stride: 1, count: 0, end, longest, between };
         let (statistics, result) = path::run_within(&program, databases, &mut keeper);
         let is_failed = matches!(result, Err(Stop::Failed(_)));
         let failure = match result {
@@ -115,8 +138,9 @@ impl CasePath {
                 time_limit.as_secs_f64()
             )),
         };
-        let Keeper { increments, stride, .. } = keeper;
-        (Self { entry, increments, stride, taken: statistics.increments, is_failed }, failure)
+        let Keeper { increments, start, stride, .. } = keeper;
+        let taken = statistics.increments;
+        (Self { entry, increments, start, remarks: Vec::new(), stride, taken, is_failed }, failure)
     }
 
     /// The increments that both have, in pairs.
@@ -140,10 +164,14 @@ impl CasePath {
 fn entry(program: &Program) -> Entry {
     match &program.kind {
         Kind::Point(point) => Entry::Umat(point.mode.stress_state()),
-        Kind::Interface(contact) => match contact.entry {
-            InterfaceEntry::Uinter => Entry::Uinter(1 + contact.tangential_directions),
-            InterfaceEntry::Fric => Entry::Fric(contact.tangential_directions),
-        },
+        Kind::Interface(contact) => contact_entry(contact.entry, contact.tangential_directions),
+    }
+}
+
+fn contact_entry(entry: InterfaceEntry, tangential_directions: usize) -> Entry {
+    match entry {
+        InterfaceEntry::Uinter => Entry::Uinter(1 + tangential_directions),
+        InterfaceEntry::Fric => Entry::Fric(tangential_directions),
     }
 }
 
@@ -151,6 +179,7 @@ fn entry(program: &Program) -> Entry {
 struct Keeper<'k> {
     entry: Entry,
     increments: Vec<Increment>,
+    start: Option<Committed>,
     stride: usize,
     count: usize,
     /// Processor time ([`super::processor_time`]) at which it ends.
@@ -161,12 +190,13 @@ struct Keeper<'k> {
 }
 
 impl Observer for Keeper<'_> {
-    fn row(&mut self, _row: Row<'_>) -> io::Result<()> {
-        if super::processor_time() > self.end || self.count as u64 >= self.longest {
-            Err(io::ErrorKind::TimedOut.into())
-        } else {
-            Ok(())
-        }
+    fn row(&mut self, row: Row<'_>) -> io::Result<()> {
+        if row.step == 0 { Ok(()) } else { self.go_on() }
+    }
+
+    fn begins(&mut self, start: Accepted<'_>) -> io::Result<()> {
+        self.start = Some(self.increment(start).from);
+        self.go_on()
     }
 
     fn increment_done(&mut self, _row: Row<'_>, _so_far: Statistics) {}
@@ -185,11 +215,23 @@ impl Observer for Keeper<'_> {
                 return;
             }
         }
-        self.increments.push(match accepted {
+        self.increments.push(self.increment(accepted));
+    }
+}
+
+impl Keeper<'_> {
+    /// Refuses to go on where it takes too long, or where the plugin would not come back.
+    fn go_on(&self) -> io::Result<()> {
+        let is_left = super::processor_time() > self.end || self.count as u64 >= self.longest;
+        if is_left { Err(io::ErrorKind::TimedOut.into()) } else { Ok(()) }
+    }
+
+    fn increment(&self, accepted: Accepted<'_>) -> Increment {
+        match accepted {
             Accepted::Umat(before, call) => of_umat(self.entry, before, call),
             Accepted::Uinter(before, call) => of_uinter(before, call),
             Accepted::Fric(before, call) => of_fric(before, call),
-        });
+        }
     }
 }
 
@@ -221,6 +263,8 @@ fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
 }
 
 fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
+    // what surrounds the point stays with the call of the plane
+    let (fields, call) = (&call.fields, call.wide().unwrap_or(call));
     let directions = call.stress().len();
     let entry = Entry::Uinter(directions);
     let from = Committed {
@@ -231,7 +275,7 @@ fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
         flags: before.flags,
         time: call.time.map(|time| time - call.dtime),
         counters: [call.counters[0], call.counters[1]],
-        setting: Setting::of_contact(&call.fields, call.dtime),
+        setting: Setting::of_contact(fields, call.dtime),
         ..Committed::zero(entry, before.statev.len())
     };
     let answer = [call.stress(), call.statev(), &call.energies].concat();
@@ -239,6 +283,7 @@ fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
 }
 
 fn of_fric(before: &ContactPoint, call: &FricCall) -> Increment {
+    let (fields, call) = (&call.fields, call.wide().unwrap_or(call));
     let directions = call.stress().len();
     let entry = Entry::Fric(directions);
     let [stored, dissipated, ..] = before.energies;
@@ -251,7 +296,7 @@ fn of_fric(before: &ContactPoint, call: &FricCall) -> Increment {
         flags: before.flags,
         time: call.time.map(|time| time - call.dtime),
         counters: call.counters,
-        setting: Setting::of_contact(&call.fields, call.dtime),
+        setting: Setting::of_contact(fields, call.dtime),
         ..Committed::zero(entry, before.statev.len())
     };
     let answer = [call.stress(), call.statev(), &call.energies].concat();

@@ -41,7 +41,7 @@ use report::Ledger;
 use std::sync::Arc;
 use std::time::Duration;
 use subject::Subject;
-use umat_abi::host::{ExternalDatabases, LawDescription, Plugin};
+use umat_abi::host::{ExternalDatabases, LawDescription, Plugin, Routine};
 use umat_abi::law::StressState;
 use umat_abi::metadata::kinds;
 
@@ -152,12 +152,19 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
     if let Some(law) = plugin.law.as_ref().filter(|_| describes) {
         metadata::check(law, &props, options.characteristic_length, &mut Ledger::new(&mut report, "-"));
     }
+    if describes {
+        let left_out = plugin.library.routines().iter().filter(|routine| !routine.is_called);
+        let names: Vec<String> = left_out.map(Routine::name).collect();
+        if !names.is_empty() {
+            let detail =
+                format!("{}: not called by this program: what the law expects of them is missing", names.join(", "));
+            Ledger::new(&mut report, "-").row("other routines", Verdict::Warn, format!("{}", names.len()), detail);
+        }
+    }
     // SDVINI and the path of the case within one analysis that lasts as long as the check
     let mut databases = ExternalDatabases::begin([&plugin.library]);
-    let path = options
-        .program
-        .as_deref()
-        .map(|program| Arc::new(CasePath::of(program, options, &mut databases, &mut report, !describes)));
+    let path =
+        options.program.as_deref().map(|program| Arc::new(CasePath::of(program, options, &mut databases, &mut report)));
     let mut subjects = Vec::new();
     for entry in entries(plugin.law.as_ref(), path.as_deref(), options) {
         let label = entry.label();
@@ -215,6 +222,14 @@ fn check_subject(
     ledger: &mut Ledger<'_>,
 ) {
     ledger.is_muted = !options.wants(Group::States);
+    if let Some(path) = subject.path.clone() {
+        // what keeps the case from its first increment is told once: everything else rests on the point before it
+        let fails = path.fails_at_once() && (path.start.is_none() || !virgin::answers(subject));
+        path.tell(fails, ledger);
+        if fails {
+            return subject.overruns.clear();
+        }
+    }
     if !ledger.is_muted {
         virgin::virgin_state(subject, ledger);
     }
@@ -243,6 +258,7 @@ fn check_subject(
     if options.wants(Group::Tangent) {
         tangent::check(subject, &sample, ledger);
         tangent::symmetry(subject, &sample, ledger);
+        tangent::shear_stiffness(subject, ledger);
     }
     if let Some(first) = &first {
         memory::unset_entries(subject, &sample, ledger);

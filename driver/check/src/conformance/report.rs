@@ -101,15 +101,23 @@ impl Report {
         self.rows.iter().filter(|row| row.verdict == Verdict::Fail)
     }
 
-    /// Returns how many checks failed, in words.
+    /// Returns how many checks failed and how many warn, in words, and which these are.
     pub fn conclusion(&self) -> String {
-        match self.failures().count() {
+        let count = self.rows.len();
+        let outcome = match self.failures().count() {
             0 if self.is_vacuous() => {
                 let void = self.rows.iter().filter(|row| row.verdict == Verdict::NotTested).count();
-                format!("not tested: {} checks, {void} of which tell nothing of the law", self.rows.len())
+                format!("not tested: {count} checks, {void} of which tell nothing of the law")
             }
-            0 => format!("{} checks, none failed", self.rows.len()),
-            failures => format!("{} checks, {failures} failed", self.rows.len()),
+            0 => format!("{count} checks: none failed"),
+            failures => format!("{count} checks: {failures} failed"),
+        };
+        let warnings: Vec<&str> =
+            self.rows.iter().filter(|row| row.verdict == Verdict::Warn).map(|row| &*row.check).collect();
+        match warnings.len() {
+            0 => outcome,
+            1 => format!("{outcome}, 1 warning: {}", warnings[0]),
+            number => format!("{outcome}, {number} warnings: {}", warnings.join(", ")),
         }
     }
 }

@@ -27,6 +27,29 @@ enum Origin {
     Path([i32; 2]),
     /// A long step away from them.
     Excursion([i32; 2]),
+    /// A step and increment of the case as it is.
+    Increment([i32; 2]),
+}
+
+impl State {
+    /// Returns whether it is an increment of the case as it is.
+    pub(super) fn is_on_the_path(&self) -> bool {
+        matches!(self.origin, Origin::Increment(_))
+    }
+}
+
+/// Up to so many increments of the case's path, evenly spread, the last one among them.
+pub(super) fn along_the_path(subject: &Subject<'_>, most: usize) -> Vec<State> {
+    let Some(path) = &subject.path else { return Vec::new() };
+    let stride = path.increments.len().div_ceil(most.max(1)).max(1);
+    let increments = path.increments.iter().rev().step_by(stride);
+    let of = |(number, increment): (usize, &Increment)| State {
+        number,
+        origin: Origin::Increment(increment.from.counters),
+        from: increment.from.clone(),
+        step: increment.step.clone(),
+    };
+    increments.enumerate().map(of).collect()
 }
 
 impl fmt::Display for State {
@@ -34,6 +57,7 @@ impl fmt::Display for State {
         let number = self.number;
         match self.origin {
             Origin::History => write!(f, "state {number}"),
+            Origin::Increment([step, increment]) => write!(f, "step {step}, increment {increment} of the case"),
             Origin::Path([step, increment]) => {
                 write!(f, "state {number} (around step {step}, increment {increment} of the case)")
             }

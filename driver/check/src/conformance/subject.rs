@@ -450,10 +450,12 @@ impl<'p> Subject<'p> {
         if matches!(trouble, Trouble::Call(CallFailure::NotFinite(_))) { Verdict::Fail } else { self.blame() }
     }
 
-    /// The point before the first increment: the case's, or one of zeros.
+    /// The point before the first increment: the case's, reached or not, or one of zeros without a case.
     pub(super) fn virgin(&self) -> Committed {
-        let first = self.path.as_ref().and_then(|path| path.increments.first());
-        first.map_or_else(|| Committed::zero(self.entry, self.nstatv), |increment| increment.from.clone())
+        let path = self.path.as_ref();
+        let first = path.and_then(|path| path.increments.first()).map(|increment| &increment.from);
+        let start = first.or_else(|| path?.start.as_ref());
+        start.cloned().unwrap_or_else(|| Committed::zero(self.entry, self.nstatv))
     }
 
     /// The point before the first increment, about to make one with the DTIME, DTEMP and DPRED of another.
@@ -473,10 +475,13 @@ impl<'p> Subject<'p> {
         wanted.min((affordable as usize).max(FEW))
     }
 
-    /// A point of zeros in the case's setting.
+    /// A point without strain and stress in the case's setting. The states of a law that describes them are zero then; those of
+    /// any other are the case's.
     pub(super) fn blank(&self) -> Committed {
-        let Committed { setting, time, counters, .. } = self.virgin();
-        Committed { setting, time, counters, ..Committed::zero(self.entry, self.nstatv) }
+        let Committed { setting, time, counters, statev, .. } = self.virgin();
+        let zero = Committed::zero(self.entry, self.nstatv);
+        let statev = if self.described() { zero.statev.clone() } else { statev };
+        Committed { setting, time, counters, statev, ..zero }
     }
 
     /// Returns how many of the case's DTIME its path takes; 1 without a case.
@@ -581,7 +586,8 @@ impl<'p> Subject<'p> {
     pub(super) fn evaluate(&mut self, from: &Committed, step: &[f64]) -> Result<Answer, Trouble> {
         let mut answer = self.call(from, step, 0.0, Alteration::None);
         match judge(Ok(answer.outcome), answer.not_finite) {
-            Err(CallFailure::CutBack(_)) if answer.output.iter().any(|x| x.is_nan()) => {
+            // the sign of our own laws
+            Err(CallFailure::CutBack(_)) if self.described() && answer.output.iter().any(|x| x.is_nan()) => {
                 let why = "it refused: NaN and a cut-back request (a panic, or a configuration error)";
                 return Err(Trouble::Refused(why.into()));
             }

@@ -1,7 +1,7 @@
 //! The consistent tangent against differences of the response, and what it is if it is not that.
 
 use super::report::{Ledger, Verdict};
-use super::sample::State;
+use super::sample::{self, State};
 use super::subject::{Answer, Committed, Entry, Subject, distance, largest};
 use super::tolerances::{DIFFERENCES_DECIDE, EXCLUDED_SHARE, SYMMETRY, TANGENT, TANGENT_JUMP};
 use std::fmt;
@@ -11,6 +11,8 @@ use umat_abi::metadata::flags;
 const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 /// Time that a slow law may take, s.
 const TIME: f64 = 4.0;
+/// Increments of the case's path that are looked at as they are.
+const ALONG_THE_PATH: usize = 20;
 /// Wrong states that are looked at to find out what the tangent is.
 const CLASSIFIED: usize = 12;
 
@@ -45,6 +47,10 @@ enum Kind {
     Secant,
     /// The stiffness of the next unloading.
     Unloading,
+    /// The derivative with rows and columns exchanged.
+    Transposed,
+    /// The derivative, but for shears that are twice what they should be.
+    DoubledShear,
     /// Right, but for a factor on what loading adds to the unloading stiffness.
     Scaled(f64),
     Wrong,
@@ -56,6 +62,14 @@ impl fmt::Display for Kind {
             Self::Elastic => f.write_str("elastic: the virgin tangent"),
             Self::Secant => f.write_str("secant-like: stress = DDSDDE strain"),
             Self::Unloading => f.write_str("secant-like: the stiffness of unloading"),
+            Self::Transposed => f.write_str(
+                "stored by rows: the transpose of what it should be; Fortran stores columns, DDSDDE(i,j) = d(stress i)/d(strain \
+                 j) is element i + NTENS (j - 1)",
+            ),
+            Self::DoubledShear => f.write_str(
+                "right but for shears: twice what they should be, 2 mu in place of mu; STRAN and DSTRAN have engineering shears, \
+                 gamma = 2 epsilon",
+            ),
             Self::Cauchy => {
                 f.write_str("of the Jaumann rate of the Cauchy stress, d(stress)/dD; J wants d(J stress)/dD / J")
             }
@@ -75,23 +89,35 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     let (mut worst, mut kinks, mut undecided) = (0.0_f64, 0, 0);
     let mut wrong: Vec<(&State, Mismatch)> = Vec::new();
     let calls = 1 + 4 * STEPS.len() * subject.entry.inputs();
+    let along = sample::along_the_path(subject, subject.affordable(ALONG_THE_PATH, calls, TIME));
     let sample = &sample[..subject.affordable(sample.len(), calls, TIME).min(sample.len())];
-    for state in sample {
-        match examine(subject, state) {
+    let mut on_path: Option<f64> = None;
+    for state in along.iter().chain(sample) {
+        let finding = examine(subject, state);
+        if let Finding::Consistent(error) | Finding::Wrong(Mismatch { error, .. }) = finding
+            && state.is_on_the_path()
+        {
+            on_path = Some(on_path.unwrap_or(0.0).max(error));
+        }
+        match finding {
             Finding::Consistent(error) => worst = worst.max(error),
             Finding::Kink => kinks += 1,
             Finding::Undecided => undecided += 1,
             Finding::Wrong(mismatch) => wrong.push((state, mismatch)),
         }
     }
-    let counts = format!("{} states, {kinks} at kinks, {undecided} undecided", sample.len());
+    let count = along.len() + sample.len();
+    let mut counts = format!("{count} states, {kinks} at kinks, {undecided} undecided");
+    if let Some(error) = on_path {
+        counts += &format!("; on the case's path itself {error:.1e} at most");
+    }
     let rate = match (subject.finite, subject.reads_gradient) {
         (true, true) => " with the Jaumann rate of the Kirchhoff stress",
         (true, false) => " with DSTRAN; DFGRD1 is not read",
         (false, _) => "",
     };
     let Some((state, mismatch)) = wrong.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error)) else {
-        let excluded = (kinks + undecided) as f64 > EXCLUDED_SHARE * sample.len() as f64;
+        let excluded = (kinks + undecided) as f64 > EXCLUDED_SHARE * count as f64;
         let verdict = if excluded { Verdict::Warn } else { Verdict::Pass };
         return ledger.add(verdict, format!("{worst:.1e}"), format!("consistent{rate}; {counts}"));
     };
@@ -307,6 +333,9 @@ fn classify(subject: &mut Subject<'_>, state: &State, mismatch: &Mismatch) -> Ki
             return Kind::Cauchy;
         }
     }
+    if let Some(habit) = habit(subject.entry, tangent, &mismatch.differences, &scale) {
+        return habit;
+    }
     let virgin = subject.virgin_during(&state.from);
     let tiny: Vec<f64> = state.step.iter().map(|d| 1e-6 * d).collect();
     // differences, because a wrong tangent may be wrong there as well
@@ -329,6 +358,64 @@ fn classify(subject: &mut Subject<'_>, state: &State, mismatch: &Mismatch) -> Ki
         return Kind::Unloading;
     }
     loading_factor(tangent, &unloading, &mismatch.differences).map_or(Kind::Wrong, Kind::Scaled)
+}
+
+/// Returns which of the usual errors made a tangent of a derivative, if it is one of these.
+fn habit(entry: Entry, tangent: &[f64], derivative: &[f64], scale: &Scale) -> Option<Kind> {
+    /// Rounding of the differences, and of a law with a few digits.
+    const SAME: f64 = 1e-5;
+    let n = entry.outputs();
+    if n != entry.inputs() {
+        return None;
+    }
+    let of = |entry: &dyn Fn(usize, usize) -> f64| (0..n * n).map(|k| entry(k / n, k % n)).collect::<Vec<f64>>();
+    let is = |matrix: &[f64]| scale.difference(matrix, tangent).0 < SAME;
+    if is(&of(&|i, j| derivative[j * n + i])) {
+        return Some(Kind::Transposed);
+    }
+    let Entry::Umat(stress_state) = entry else { return None };
+    let shear = |i: usize| stress_state.components()[i] >= 3;
+    // of the diagonal alone, or of all that is multiplied with a shear
+    let on_diagonal = of(&|i, j| derivative[i * n + j] * if i == j && shear(i) { 2.0 } else { 1.0 });
+    let of_columns = of(&|i, j| derivative[i * n + j] * if shear(j) { 2.0 } else { 1.0 });
+    (is(&on_diagonal) || is(&of_columns)).then_some(Kind::DoubledShear)
+}
+
+/// The row "shear stiffness": a law whose normal stresses are isotropic at the start, and whose shears are twice as stiff as that
+/// goes with, has multiplied engineering shears by 2 mu.
+pub(super) fn shear_stiffness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
+    /// What an elastic law leaves of these differences, relative to its stiffness.
+    const SAME: f64 = 1e-6;
+    let Entry::Umat(stress_state) = subject.entry else { return };
+    if subject.described() {
+        return;
+    }
+    ledger.begin("shear stiffness");
+    let virgin = subject.virgin();
+    let sizes = subject.size.clone();
+    let zero = vec![0.0; sizes.len()];
+    let Some(matrix) = differences(subject, &virgin, &zero, &sizes, 1e-5, Measure::of(subject)) else { return };
+    let n = zero.len();
+    let components = stress_state.components();
+    let direct: Vec<usize> = (0..n).filter(|&k| components[k] < 3).collect();
+    let shears: Vec<usize> = (0..n).filter(|&k| components[k] >= 3).collect();
+    let [first, second, ..] = direct[..] else { return };
+    let entry = |i: usize, j: usize| matrix[i * n + j];
+    let (stiffness, coupling) = (entry(first, first), entry(first, second));
+    let same = |a: f64, b: f64| (a - b).abs() <= SAME * stiffness.abs();
+    let is_isotropic =
+        direct.iter().all(|&i| direct.iter().all(|&j| same(entry(i, j), if i == j { stiffness } else { coupling })));
+    let twice_mu = stiffness - coupling;
+    let is_doubled = !shears.is_empty() && shears.iter().all(|&k| same(entry(k, k), twice_mu));
+    if is_isotropic && is_doubled && twice_mu > 0.0 {
+        let detail = format!(
+            "at the start d(stress)/d(shear) = {:.6e} is twice that of an isotropic law, (C11 - C12)/2 = {:.6e}: 2 mu in place of \
+             mu? STRAN and DSTRAN have engineering shears, gamma = 2 epsilon",
+            entry(shears[0], shears[0]),
+            0.5 * twice_mu
+        );
+        ledger.add(Verdict::Warn, "2.0", detail);
+    }
 }
 
 /// The factor α with DDSDDE = unloading + α (derivative − unloading), if there is one that explains how DDSDDE differs from

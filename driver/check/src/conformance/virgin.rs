@@ -9,6 +9,15 @@ use super::tolerances;
 use umat_abi::law::StressState;
 use umat_abi::metadata::OVERSTRESS_WORK;
 
+/// Returns whether the plugin answers a step of zero from the start.
+pub(super) fn answers(subject: &mut Subject<'_>) -> bool {
+    let virgin = subject.virgin();
+    subject.share = INSTANT;
+    let answer = subject.evaluate(&virgin, &vec![0.0; virgin.input.len()]);
+    subject.share = 1.0;
+    answer.is_ok()
+}
+
 /// Zero step from the start: no stress but an initial one. (Contact in a soft layer begins before the gap closes: there the shear.)
 pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     ledger.begin("virgin state");

@@ -19,6 +19,8 @@ pub(super) enum Cause {
     Signal(i32),
     /// The supervisor: a call took longer than this, s.
     TimeLimit(f64),
+    /// The supervisor: a signal asked for the end, and the call did not come back.
+    Interrupted,
     /// Itself: a plugin had closed what it writes to.
     ClosedOutput,
 }
@@ -34,6 +36,8 @@ pub struct Report {
     pub call: Option<CallRecord>,
     /// Whether the supervisor ended it, because a call took too long.
     pub is_timeout: bool,
+    /// Whether the message has what the worker's last words say of its end.
+    pub is_explained: bool,
 }
 
 /// Information about an ended run that its results give besides the rows; what a process tells another one.
@@ -57,7 +61,7 @@ impl Report {
         let is_timeout = matches!(cause, Cause::TimeLimit(_));
         if let Some(library) = recording.loading() {
             let message = format!("{}: cannot be loaded: {}", library.display(), cause.at_loading());
-            return Self { message, at_loading: true, call: None, is_timeout };
+            return Self { message, at_loading: true, call: None, is_timeout, is_explained: false };
         }
         let unfinished = recording.unfinished_call();
         let trespass = recording.trespass().filter(|_| matches!(cause, Cause::Signal(_)));
@@ -68,7 +72,7 @@ impl Report {
         let call = unfinished.or_else(|| recording.last_call());
         let explanation = match cause {
             Cause::Exit(_) | Cause::Signal(_) => explanation(last_words, matches!(cause, Cause::Exit(_))),
-            Cause::TimeLimit(_) | Cause::ClosedOutput => None,
+            Cause::TimeLimit(_) | Cause::Interrupted | Cause::ClosedOutput => None,
         };
         if let (Cause::ClosedOutput, Some(last)) = (cause, &call) {
             // found behind the increment: any library may have done it that was not built with the program
@@ -78,9 +82,10 @@ impl Report {
                 let names = suspects.iter().map(|library| format!("'{}'", library_name(library))).collect::<Vec<_>>();
                 let which = if names.len() == 1 { "plugin" } else { "one of the plugins" };
                 let message = format!("{which} {}, step {step}, increment {increment}: {happened}", names.join(", "));
-                return Self { message, at_loading: false, call: None, is_timeout };
+                return Self { message, at_loading: false, call: None, is_timeout, is_explained: false };
             }
         }
+        let is_explained = explanation.is_some();
         let happened = match trespass {
             Some(trespass) => format!("it {trespass}; the process was ended there"),
             None => explanation.map_or_else(|| happened.clone(), |words| format!("{happened}: {words}")),
@@ -89,7 +94,7 @@ impl Report {
             Some(call) => format!("{}: {happened}", place(call, need)),
             None => format!("before any call of a plugin {}", cause.outside_a_call()),
         };
-        Self { message, at_loading: false, call, is_timeout }
+        Self { message, at_loading: false, call, is_timeout, is_explained }
     }
 
     /// Returns how and where it ended the run.
@@ -164,6 +169,7 @@ impl Cause {
             Self::TimeLimit(limit) => {
                 format!("it did not return within {limit} s and was ended (material.call_time_limit_s)")
             }
+            Self::Interrupted => "its call did not come back and was ended".into(),
             Self::ClosedOutput => {
                 "it closed the standard output or another descriptor of the program's; the run was ended before a file of \
                  results takes its place"
@@ -177,6 +183,7 @@ impl Cause {
             Self::Exit(code) => format!("the process ended with exit code {code}"),
             Self::Signal(signal) => format!("the process was ended by {}", signal_in_words(signal)),
             Self::TimeLimit(limit) => format!("the process did not end within {limit} s"),
+            Self::Interrupted => "the process did not end by itself".into(),
             Self::ClosedOutput => "the standard output or another descriptor of the program's was closed".into(),
         }
     }

@@ -35,9 +35,64 @@ impl Told {
     }
 }
 
+/// Keeps what gfortran's runtime writes when it ends a process from being passed on: the message about the end says it in one
+/// line, and most of the frames are this program's.
+#[derive(Debug, Default)]
+struct Backtraces {
+    /// A line whose end is still to come.
+    line: Vec<u8>,
+    /// Whether the lines before belong to such a report.
+    is_within: bool,
+    held: Vec<u8>,
+}
+
+impl Backtraces {
+    /// Beginnings of such a report, of which the last two also follow others.
+    const BEGIN: [&[u8]; 4] =
+        [b"At line ", b"Fortran runtime error: ", b"Error termination. Backtrace:", b"Could not print backtrace"];
+
+    /// Takes some text; returns what is passed on of it.
+    fn pass(&mut self, text: &[u8]) -> Vec<u8> {
+        let mut out = Vec::with_capacity(text.len());
+        for byte in text {
+            self.line.push(*byte);
+            if *byte == b'\n' {
+                let line = std::mem::take(&mut self.line);
+                self.is_within = Self::begins(&line) || (self.is_within && Self::goes_on(&line));
+                if self.is_within { self.held.extend(line) } else { out.extend(line) }
+            }
+        }
+        // what has no end yet, as of a progress bar, waits only where it may become one
+        let may_be = |mark: &&[u8]| mark.starts_with(&self.line) || self.line.starts_with(mark);
+        if !self.is_within && !Self::BEGIN.iter().any(may_be) {
+            out.append(&mut self.line);
+        }
+        out
+    }
+
+    fn begins(line: &[u8]) -> bool {
+        Self::BEGIN.iter().any(|mark| line.starts_with(mark))
+    }
+
+    /// `#3  0x7f02 in umat_`, below it `at u.f:40`, blank lines.
+    fn goes_on(line: &[u8]) -> bool {
+        let is_frame = line.strip_prefix(b"#").is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_digit));
+        is_frame || line.starts_with(b"\tat ") || line.trim_ascii().is_empty()
+    }
+
+    /// All that was kept, and what came last.
+    fn rest(&mut self) -> Vec<u8> {
+        let mut rest = std::mem::take(&mut self.held);
+        rest.append(&mut self.line);
+        rest
+    }
+}
+
 /// The standard error of a worker.
 pub(super) struct LastWords {
     kept: Arc<Mutex<Vec<u8>>>,
+    /// What was not passed on.
+    backtraces: Arc<Mutex<Backtraces>>,
     /// Disconnected when all is passed on.
     end: Receiver<()>,
 }
@@ -46,19 +101,21 @@ impl LastWords {
     /// Begins to listen to a worker whose standard error is a pipe; `told`: what others told is not passed on again.
     pub(super) fn of(child: &mut Child, told: Option<&Told>) -> Self {
         let kept = Arc::<Mutex<Vec<u8>>>::default();
+        let backtraces = Arc::<Mutex<Backtraces>>::default();
         let (sender, end) = mpsc::channel();
         if let Some(mut pipe) = child.stderr.take() {
-            let kept = Arc::clone(&kept);
+            let (kept, backtraces) = (Arc::clone(&kept), Arc::clone(&backtraces));
             let told = told.cloned();
             thread::spawn(move || {
                 let _until_the_end = sender;
                 let mut chunk = [0; 4096];
                 let mut waiting = Vec::new();
                 while let Ok(length @ 1..) = pipe.read(&mut chunk) {
+                    let passed = backtraces.lock().unwrap_or_else(PoisonError::into_inner).pass(&chunk[..length]);
                     match &told {
-                        None => _ = io::stderr().write_all(&chunk[..length]),
+                        None => _ = io::stderr().write_all(&passed),
                         Some(told) => {
-                            waiting.extend(&chunk[..length]);
+                            waiting.extend(passed);
                             told.pass_on(&mut waiting, false);
                         }
                     }
@@ -72,13 +129,18 @@ impl LastWords {
                 }
             });
         }
-        Self { kept, end }
+        Self { kept, backtraces, end }
     }
 
     /// Returns what was kept, once all is passed on.
-    pub(super) fn heard(self) -> String {
+    pub(super) fn heard(&self) -> String {
         let _ = self.end.recv_timeout(PATIENCE);
         String::from_utf8_lossy(&self.kept.lock().unwrap_or_else(PoisonError::into_inner)).into_owned()
+    }
+
+    /// Passes on the reports of runtime errors as well, where no message says what they say.
+    pub(super) fn pass_on_all(&self) {
+        let _ = io::stderr().write_all(&self.backtraces.lock().unwrap_or_else(PoisonError::into_inner).rest());
     }
 }
 
@@ -86,6 +148,7 @@ impl LastWords {
 /// worker ended by `exit`, the error that it told before.
 pub(super) fn explanation(words: &str, is_exit: bool) -> Option<String> {
     let found = runtime_error(words).or_else(|| line_of_signal(words)).or_else(|| destroyed_heap(words));
+    let found = found.or_else(|| line_of_stop(words));
     found.or_else(|| own_error(words).filter(|_| is_exit))
 }
 
@@ -99,14 +162,35 @@ fn runtime_error(words: &str) -> Option<String> {
     let place = place.map(|(line, file)| (line.trim(), file.split(" (unit").next().unwrap_or(file).trim()));
     let Some((line, file)) = place else { return Some(format!("{MARK}{error}")) };
     let file = file_name(file);
-    // "#1  0x7f… in umat_" and below it "at /folder/u.f:12"
-    let mut frames = after.lines().map(str::trim).zip(after.lines().skip(1).map(str::trim));
-    let routine = frames.find_map(|(frame, below)| {
-        let here = below.strip_prefix("at ").is_some_and(|place| file_name(place).starts_with(&format!("{file}:")));
-        frame.split_once(" in ").filter(|_| here).map(|(_, routine)| plain(routine))
-    });
-    let routine = routine.map_or_else(String::new, |routine| format!("{routine}, "));
-    Some(format!("{routine}{file}:{line}: {MARK}{error}"))
+    let frames = frames(after);
+    let here = frames.iter().position(|(_, place)| place.starts_with(&format!("{file}:")));
+    let Some(here) = here else { return Some(format!("{file}:{line}: {MARK}{error}")) };
+    let (routine, callers) = (&frames[here].0, &frames[here + 1..]);
+    Some(format!("{routine}, {file}:{line}{}: {MARK}{error}", called_from(callers)))
+}
+
+/// Routines of Fortran's with their places, innermost first: "#1  0x7f… in umat_" and below it "at /folder/u.f:12". Those of this
+/// program are none.
+fn frames(backtrace: &str) -> Vec<(String, String)> {
+    let lines = backtrace.lines().map(str::trim);
+    let pairs = lines.clone().zip(lines.skip(1));
+    let placed = pairs.filter_map(|(frame, below)| Some((frame.split_once(" in ")?.1, below.strip_prefix("at ")?)));
+    let is_foreign = |(_, place): &(&str, &str)| !place.rsplit_once(':').is_some_and(|(file, _)| file.ends_with(".rs"));
+    placed.take_while(is_foreign).map(|(routine, place)| (plain(routine).to_owned(), file_name(place))).collect()
+}
+
+/// The way to a place.
+fn called_from(callers: &[(String, String)]) -> String {
+    callers.iter().map(|(routine, place)| format!(", called from {routine}, {place}")).collect()
+}
+
+/// ERROR STOP, whose backtrace tells where.
+fn line_of_stop(words: &str) -> Option<String> {
+    let (before, after) = words.rsplit_once("Error termination. Backtrace:")?;
+    let frames = frames(after);
+    let [(routine, place), callers @ ..] = &*frames else { return None };
+    let stop = before.lines().rev().find(|line| line.starts_with("ERROR STOP")).unwrap_or("ERROR STOP");
+    Some(format!("{routine}, {place}{}: {}", called_from(callers), stop.trim()))
 }
 
 /// The handler of a library made with --debug: `***SIGNAL: SIGFPE`, and below it `umat_ at u.f:12`.

@@ -20,6 +20,9 @@ use std::time::{Duration, Instant};
 use umat_abi::host::recorder::{Beat, Recording};
 use wait_timeout::ChildExt;
 
+/// Longest time that a call may take on once a signal asks for the end.
+const PATIENCE: Duration = Duration::from_secs(1);
+
 /// Time between two looks at the heartbeat.
 const POLL: Duration = Duration::from_millis(20);
 
@@ -93,20 +96,25 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
         // nothing watches it any more
         let _ = child.kill();
     }
-    let last_words = last_words.heard();
+    let heard = last_words.heard();
     let ended = ended?;
     let is_out_of_time = matches!(ended, Watched::OutOfTime(_));
     let cause = match ended {
         Watched::Ended(status) => cause_of(status, &recording),
         Watched::Killed(limit) | Watched::OutOfTime(limit) => Cause::TimeLimit(limit),
+        Watched::Interrupted => Cause::Interrupted,
     };
     if let Some(code) = recording.done() {
         if let Some(words) = behind_the_end(cause, code, &recording) {
             let _ = writeln!(io::stderr(), "{words}");
         }
+        last_words.pass_on_all();
         return Ok(End::Done(code));
     }
-    let report = Report::new(cause, &recording, need, &last_words);
+    let report = Report::new(cause, &recording, need, &heard);
+    if !report.is_explained {
+        last_words.pass_on_all();
+    }
     let note = |note: Note| recording.note(note as usize);
     Ok(End::Failed(Box::new(Failure {
         replay: report.call.as_ref().and_then(|call| replay::of(call, need)),
@@ -156,6 +164,8 @@ enum Watched {
     Ended(ExitStatus),
     /// Was ended because one call took longer than this, s.
     Killed(f64),
+    /// Was ended because a signal asked for the end, and the call that was being made did not come back.
+    Interrupted,
     /// Was ended because all of it took longer than this, s.
     OutOfTime(f64),
 }
@@ -169,17 +179,22 @@ fn watch(
 ) -> io::Result<Watched> {
     let mut heartbeat = Heartbeat::default();
     let (mut clock, mut last) = (Clock::default(), Instant::now());
-    let mut passed_on = false;
+    let mut interrupted: Option<Instant> = None;
     loop {
         if let Some(status) = child.wait_timeout(POLL)? {
             return Ok(Watched::Ended(status));
         }
         look();
         if let Some(interrupt) = signals::received()
-            && !passed_on
+            && interrupted.is_none()
         {
-            passed_on = true;
+            interrupted = Some(Instant::now());
             interrupt.pass_on_to(child);
+        }
+        if interrupted.is_some_and(|since| since.elapsed() > PATIENCE) && heartbeat.longest() > PATIENCE {
+            child.kill()?;
+            child.wait()?;
+            return Ok(Watched::Interrupted);
         }
         let waited = job.time_limit.map_or(Duration::ZERO, |_| system::waiting_time(child.id()));
         let passed = clock.count(last.elapsed(), waited);
@@ -232,6 +247,11 @@ struct Heartbeat {
 }
 
 impl Heartbeat {
+    /// Time for which the call that has been pending longest was seen to be.
+    fn longest(&self) -> Duration {
+        self.pending.iter().map(|(_, time)| *time).max().unwrap_or_default()
+    }
+
     /// The limit that is passed, s; `passed`: since the last look.
     fn overdue(&mut self, recording: &Recording, need: &Need, passed: Duration) -> Option<f64> {
         if recording.done().is_some() {

@@ -11,6 +11,7 @@ use crate::program::lerp;
 use crate::program::{
     FieldValues, InterfaceEntry, InterfaceGoal, InterfaceProgram, InterfaceStep, NormalControl, Pace, Program,
 };
+use std::io;
 use umat_abi::host::{
     Clock, Derived, ExternalDatabases, FricAnswer, FricCall, LoadError, MOMENT, SurfaceFields, UinterCall, judge,
 };
@@ -28,8 +29,28 @@ pub(super) fn run(
 ) -> Result<(), Stop> {
     let mut runner = Runner::new(program, interface, databases).map_err(Stop::unusable)?;
     let mut recorder = Recorder::new(program, observer);
+    if let Some(reason) = runner.call.why_wide() {
+        recorder.observer.warn(format!(
+            "{} is called with two slip directions: {reason} (\"slip2\": 0 in the steps asks for that)",
+            program.plugin.name
+        ));
+    }
     recorder.initial(|values| runner.fill(values))?;
     take_steps(&mut runner, &interface.steps, program, &mut recorder, statistics)
+}
+
+/// Finds the tangential directions that the contact law of a program is called with, and why these are two in a plane.
+///
+/// # Errors
+/// The law cannot be called at all.
+pub fn directions_of_calls(
+    program: &Program,
+    interface: &InterfaceProgram,
+    databases: &mut ExternalDatabases,
+) -> Result<(usize, Option<String>), String> {
+    let runner = Runner::new(program, interface, databases)?;
+    let reason = runner.call.why_wide().map(str::to_owned);
+    Ok((runner.directions + usize::from(reason.is_some()), reason))
 }
 
 /// The entry point in use.
@@ -55,6 +76,14 @@ impl Call {
                 call.statev_mut().copy_from_slice(&start.statev);
                 call.energies = [start.energies[0], start.energies[1]];
             }
+        }
+    }
+
+    /// Returns why calls in a plane are made with two slip directions, if they are.
+    fn why_wide(&self) -> Option<&str> {
+        match self {
+            Self::Uinter(call) => call.why_wide(),
+            Self::Fric(call) => call.why_wide(),
         }
     }
 
@@ -118,14 +147,14 @@ impl<'p> Runner<'p> {
                 let mut call = plugin.uinter(directions + 1).map_err(failed)?;
                 call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
                 arguments.set_uinter(&mut call);
-                call.fence();
+                plugin.probe_uinter(&mut call).map_err(failed)?;
                 Call::Uinter(Box::new(call))
             }
             InterfaceEntry::Fric => {
                 let mut call = plugin.fric(directions).map_err(failed)?;
                 call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
                 arguments.set_fric(&mut call);
-                call.fence();
+                plugin.probe_fric(&mut call).map_err(failed)?;
                 Call::Fric(Box::new(call))
             }
         };
@@ -281,8 +310,8 @@ impl<'p> Runner<'p> {
         }?;
         self.call.set_point(&self.committed, self.directions);
         let trespass = match &mut self.call {
-            Call::Uinter(call) => call.trespass(),
-            Call::Fric(call) => call.trespass(),
+            Call::Uinter(call) => call.trespass_again(),
+            Call::Fric(call) => call.trespass_again(),
         }?;
         Some(format!("it returned {result}; it {trespass}"))
     }
@@ -354,7 +383,7 @@ impl Divisible for Runner<'_> {
         Ok(())
     }
 
-    fn aim(&mut self, step: &InterfaceStep, number: u32, index: usize, _statistics: &mut Statistics) {
+    fn aim(&mut self, step: &InterfaceStep, number: u32, index: usize) {
         if index == 0 {
             let counters = self.arguments.counters(number, 1);
             [self.clock.step, self.clock.increment, _] = counters;
@@ -380,6 +409,22 @@ impl Divisible for Runner<'_> {
             };
         }
         step.fields.set_increment(fields, &self.committed.fields, &step.pace, index, &mut self.fields);
+    }
+
+    fn tell_start(&mut self, observer: &mut dyn Observer) -> io::Result<()> {
+        self.set_fields(0.0, 1.0);
+        let duration = self.goal.step_time.1 - self.goal.step_time.0;
+        let time = [self.committed.step_time, self.committed.total_time].map(|start| start + duration);
+        observer.begins(match &mut self.call {
+            Call::Uinter(call) => {
+                (call.dtime, call.time) = (duration, time);
+                Accepted::Uinter(&self.committed, call)
+            }
+            Call::Fric(call) => {
+                (call.dtime, call.time) = (duration, time);
+                Accepted::Fric(&self.committed, call)
+            }
+        })
     }
 
     fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {

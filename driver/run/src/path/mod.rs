@@ -15,6 +15,7 @@ use crate::columns::LEADING;
 use crate::program::{About, Kind, Program, Until};
 use fe_core::assembly::GREATEST_COUNT;
 use fe_core::stepping::{Directive, Snapshot, Tried};
+pub use interface::directions_of_calls;
 pub use point::{Committed as MaterialPoint, components_of_calls};
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -74,6 +75,14 @@ pub trait Observer {
 
     /// Receives the attempts that led to a finished increment.
     fn tried(&mut self, _step: u32, _attempts: &[Tried]) {}
+
+    /// The first increment is about to be tried: the point before it, with the call's times, temperatures and fields.
+    ///
+    /// # Errors
+    /// Whatever must keep the plugin from being called; the run stops.
+    fn begins(&mut self, _start: Accepted<'_>) -> io::Result<()> {
+        Ok(())
+    }
 
     /// A plugin has answered an increment, or a piece of one that was cut back, and the point is about to go there.
     fn accepted(&mut self, _increment: Accepted<'_>) {}

@@ -14,6 +14,7 @@ use crate::program::{
 };
 use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, untold_nominal, untold_thickness};
 use nalgebra::Matrix3;
+use std::io;
 use umat_abi::host::{
     CallOutcome, Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, NotFinite,
     TangentSource, Trespass, UmatCall, judge,
@@ -543,7 +544,7 @@ impl Divisible for Runner<'_> {
         Ok(())
     }
 
-    fn aim(&mut self, step: &PointStep, number: u32, index: usize, statistics: &mut Statistics) {
+    fn aim(&mut self, step: &PointStep, number: u32, index: usize) {
         if index == 0 {
             [self.call.jstep[0], self.call.kinc] = self.arguments.counters(number, 1);
         }
@@ -592,8 +593,17 @@ impl Divisible for Runner<'_> {
                 goal.deformation_gradient = Some((at(before), at(after)));
             }
         }
+    }
+
+    fn tell_start(&mut self, observer: &mut dyn Observer) -> io::Result<()> {
+        self.prepare_call(0.0, 1.0);
+        self.hand_over();
+        observer.begins(Accepted::Umat(&self.committed, &self.call))
+    }
+
+    fn prepare_guess(&mut self, number: u32, statistics: &mut Statistics) {
         // the first call of a replay is not to depend on another before it
-        if index == 0 && !(number == 1 && self.arguments.dstran.is_some()) {
+        if !(number == 1 && self.arguments.dstran.is_some()) {
             self.unloading_tangent(statistics);
         }
     }

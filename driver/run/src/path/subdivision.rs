@@ -3,6 +3,7 @@
 use super::{Failure, IncrementPosition, Observer, Recorder, Statistics, Stop};
 use crate::program::{Controls, Program, Step, Until};
 use fe_core::stepping::{Directive, Tried, Verdict, Way};
+use std::io;
 use umat_abi::host::CallFailure;
 
 /// An attempt that did not succeed.
@@ -41,7 +42,16 @@ pub(super) trait Divisible {
     fn begin(&mut self, step: &Step<Self::Goal>, number: u32, program: &Program) -> Result<(), Stop>;
 
     /// Sets where increment `index` (from 0) of the step leads.
-    fn aim(&mut self, step: &Step<Self::Goal>, number: u32, index: usize, statistics: &mut Statistics);
+    fn aim(&mut self, step: &Step<Self::Goal>, number: u32, index: usize);
+
+    /// Tells the observer of the point before the first increment, which is aimed at.
+    ///
+    /// # Errors
+    /// The observer's.
+    fn tell_start(&mut self, observer: &mut dyn Observer) -> io::Result<()>;
+
+    /// Finds what the first guess of a step's first increment needs.
+    fn prepare_guess(&mut self, _number: u32, _statistics: &mut Statistics) {}
 
     /// Computes, from the committed state at fraction `from` of the increment, the state at `to`.
     /// Returns the number of iterations.
@@ -73,7 +83,13 @@ pub(super) fn take_steps<P: Divisible>(
         let count = step.pace.increments();
         let taken = program.about.recorded.as_ref().map_or(count, |recorded| recorded.of_step(number).len().min(count));
         for (index, increment) in (0..taken).zip(1..) {
-            point.aim(step, number, index, statistics);
+            point.aim(step, number, index);
+            if (number, index) == (1, 0) {
+                point.tell_start(recorder.observer)?;
+            }
+            if index == 0 {
+                point.prepare_guess(number, statistics);
+            }
             let position = IncrementPosition { step: number, increment, last: index + 1 == taken };
             match take_increment(point, program, position, step.until.as_ref(), recorder, statistics)? {
                 Directive::GoOn => {}

@@ -5,11 +5,13 @@
 
 mod components;
 mod differences;
+mod directions;
 mod probing;
 
 use super::call::{CallOutcome, UmatCall};
 use super::memory::Overrun;
 use crate::law::{Request, StressState};
+pub(super) use directions::Wide;
 use std::fmt;
 
 /// Source of a call's DDSDDE.
