@@ -172,7 +172,8 @@ fn locate(reader: &mut Reader<'_>, plugin: &str, place: &Place) -> Option<PathBu
         }
         let path = host::library_path(reader.folder, plugin);
         if path.is_file() {
-            return Some(path);
+            let library = pullout_run::sources::library_of(path);
+            return library.map_err(|words| reader.problems.push(Problem::plugin(place.clone(), words))).ok();
         }
         let message = format!("there is no library file {} (a path is relative to the case file)", path.display());
         reader.problems.push(Problem::plugin(place.clone(), message));

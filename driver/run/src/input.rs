@@ -121,6 +121,11 @@ pub fn hash(path: &Path, input: Input) -> io::Result<[u8; 32]> {
     Ok(hash)
 }
 
+/// The SHA-256 of a text, in hexadecimal digits.
+pub fn fingerprint(text: &str) -> String {
+    hexadecimal(Sha256::new().chain_update(text))
+}
+
 /// Opens a file on disk, to be read piece by piece.
 ///
 /// # Errors

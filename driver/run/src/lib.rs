@@ -16,6 +16,7 @@ pub mod program;
 pub mod pullout;
 pub mod replay;
 pub mod signals;
+pub mod sources;
 
 /// Stack of every thread that calls plugins, bytes: automatic Fortran arrays live there.
 pub const PLUGIN_STACK: usize = 64 << 20;

@@ -156,8 +156,11 @@ fn conclude(
     if failure.has_rows {
         let text = serde_json::to_string(&aftermath)?;
         let command = arguments.of_worker(file, directory.path(), Some(&text));
-        if let End::Done(FAILED) = isolation::supervise(&Job { command: &command, ..Job::default() }, need)? {
-            return Ok(signals::received().map_or(FAILED, signals::Interrupt::exit_code));
+        let expected = signals::received().map_or(FAILED, signals::Interrupt::exit_code);
+        let end = isolation::supervise(&Job { command: &command, ..Job::default() }, need)?;
+        // it has said why
+        if matches!(end, End::Done(code) if code == FAILED || code == expected) {
+            return Ok(expected);
         }
         directory.reread()?;
     }

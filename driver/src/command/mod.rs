@@ -14,11 +14,13 @@ mod sweep;
 
 use clap::{Parser, Subcommand};
 use pullout_case::{Case, CaseErrors};
+use pullout_check::build;
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
 use pullout_run::isolation::prints::plain;
 use pullout_run::isolation::prints::{Prints, say};
 use pullout_run::signals;
+use pullout_run::sources;
 use std::ffi::OsString;
 use std::io;
 use std::num::NonZeroUsize;
@@ -154,6 +156,16 @@ impl Reading {
 }
 
 impl Command {
+    /// Returns whether nobody vouches for its cases.
+    fn is_untrusted(&self) -> bool {
+        match self {
+            Self::Run(arguments) => arguments.reading.untrusted,
+            Self::Study(arguments) => arguments.reading.untrusted,
+            Self::Check { reading, .. } => reading.untrusted,
+            _ => false,
+        }
+    }
+
     /// Returns where it calls plugins.
     fn isolation(&self) -> Isolation {
         match self {
@@ -222,6 +234,12 @@ fn act_on(arguments: &[OsString]) -> u8 {
 fn act(command: Command, line: &[OsString]) -> u8 {
     if command.isolation().in_process {
         isolation::let_all_in();
+    }
+    // a case that nobody vouches for has nothing compiled, and what a worker is there for is another command line
+    if !command.is_untrusted() && !matches!(command, Command::Worker(_)) {
+        sources::build_by(|source| {
+            build::kept(source, &|words| complain(words)).map_err(|refusal| refusal.to_string())
+        });
     }
     // a study and a supervisor end at a second signal, and what they started with them
     let listening = match &command {

@@ -8,6 +8,7 @@ use clap::Subcommand;
 use pullout_check::description;
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{self, End, Job, Need};
+use pullout_run::sources;
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -103,7 +104,8 @@ fn no_plugin(message: impl std::fmt::Display) -> Refusal {
 /// The file of a library, by its law's name or by its path.
 fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, Refusal> {
     if names_a_file(name) {
-        return Ok(library_path(Path::new(""), name));
+        let file = library_path(Path::new(""), name);
+        return if file.is_file() { sources::library_of(file).map_err(no_plugin) } else { Ok(file) };
     }
     let paths = search_paths(plugin_paths);
     let not_found = || pullout_case::not_found(name, &paths) + "; `pullout plugin list` tells what there is";

@@ -24,11 +24,22 @@ pub fn library_name(library: &Path) -> String {
     stem.strip_prefix("lib").unwrap_or(&stem).to_owned()
 }
 
-/// Returns whether a plugin is named by its file (a library's suffix, or a folder) rather than by its law.
+/// Suffixes of sources in Fortran, C and C++, in small letters.
+pub const SOURCES: [&str; 16] =
+    ["f", "for", "ftn", "f77", "fpp", "f90", "f95", "f03", "f08", "f18", "c", "cpp", "cc", "cxx", "cp", "c++"];
+
+/// Returns whether a file is a source by its suffix.
+pub fn is_source(file: &Path) -> bool {
+    let suffix = file.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    SOURCES.contains(&&*suffix)
+}
+
+/// Returns whether a plugin is named by its file (a library's suffix or a source's, or a folder) rather than by its law.
 pub fn names_a_file(plugin: &str) -> bool {
     const SUFFIXES: [&str; 3] = ["so", "dylib", "dll"];
-    let suffix = Path::new(plugin).extension();
-    plugin.contains(['/', '\\']) || suffix.is_some_and(|suffix| SUFFIXES.iter().any(|known| suffix == *known))
+    let path = Path::new(plugin);
+    let is_library = path.extension().is_some_and(|suffix| SUFFIXES.iter().any(|known| suffix == *known));
+    plugin.contains(['/', '\\']) || is_library || is_source(path)
 }
 
 /// A library's path, relative to a folder. Never a bare file name: the loader would take that for a name on its own

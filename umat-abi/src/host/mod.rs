@@ -30,8 +30,8 @@ pub use call::{CallOutcome, UmatCall, UmatInputs};
 pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, LawDescription, Parameter, State, Validation};
 pub use discovery::{
-    Found, library_file_name, library_name, library_path, names_a_file, real_path, search_also, search_beside,
-    search_paths,
+    Found, SOURCES, is_source, library_file_name, library_name, library_path, names_a_file, real_path, search_also,
+    search_beside, search_paths,
 };
 pub use guard::WrittenInput;
 pub use initial::{InitialPoint, InitialStates, InitialStresses};

@@ -6,6 +6,7 @@
 //! to it, and others of them get a routine that ends the run if it is reached.
 
 mod includes;
+mod kept;
 mod lapack;
 mod scan;
 mod source;
@@ -14,6 +15,7 @@ mod symbols;
 #[cfg(test)]
 mod test;
 
+pub use kept::kept;
 pub use source::Form;
 
 use object::{Object, ObjectKind};
@@ -60,6 +62,23 @@ pub struct Built {
     pub not_called: Vec<String>,
     /// What was done that nobody asked for: another form, a further library.
     pub remarks: Vec<String>,
+}
+
+impl Built {
+    /// Returns what is to be said of it: what was done unasked, and what the library has or calls that this program has not.
+    pub fn words(&self) -> Vec<String> {
+        let library = self.library.display();
+        let offered = self.not_offered.iter().map(|routine| {
+            format!(
+                "{library}: {routine} is a utility routine of ABAQUS that this program does not offer: a run that reaches a call \
+                 of it ends there and says so"
+            )
+        });
+        let called = self.not_called.iter().map(|routine| {
+            format!("{library}: its {routine} is not called by this program: what the law expects of it is missing")
+        });
+        self.remarks.iter().cloned().chain(offered).chain(called).collect()
+    }
 }
 
 /// Reason why there is no library.

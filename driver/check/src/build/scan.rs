@@ -26,6 +26,8 @@ pub(super) struct Scan {
     pub(super) has_structures: bool,
     /// Whether the unit that is being read has begun with IMPLICIT NONE.
     is_typed: bool,
+    /// Files that it includes.
+    pub(super) files: Vec<PathBuf>,
     /// Names of included files of ours, as they are spelled.
     pub(super) ours: BTreeSet<String>,
     /// Modules that it defines.
@@ -87,6 +89,7 @@ impl Scan {
         };
         let content = input::read(&file, Input::Source).ok().filter(|_| depth < DEEPEST)?;
         let content = String::from_utf8_lossy(&content);
+        self.files.push(file.clone());
         let before = std::mem::take(&mut self.preprocessed);
         let inner = self.read(&file, &content, form, depth + 1);
         let has_directives = self.preprocessed || inner.is_some();

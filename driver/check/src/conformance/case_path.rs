@@ -58,7 +58,7 @@ impl CasePath {
     ) -> Self {
         let mut entry = entry(program);
         // the calls that find out are part of it
-        Ledger::new(report, entry.label()).begin(CHECK);
+        Ledger::new(report, options.label(entry)).begin(CHECK);
         let mut reason = None;
         if let (Kind::Point(point), Entry::Umat(StressState::PlaneStrainOrAxisymmetric | StressState::PlaneStress)) =
             (&program.kind, entry)
@@ -73,7 +73,7 @@ impl CasePath {
             entry = contact_entry(contact.entry, directions);
             reason = why.map(|why| format!("two slip directions, as a run calls it: {why}"));
         }
-        Ledger::new(report, entry.label()).begin(CHECK);
+        Ledger::new(report, options.label(entry)).begin(CHECK);
         let time_limit = TIME_LIMIT.min(options.share_of_time());
         let (mut path, failure) = Self::along(program, entry, options, time_limit, databases, &mut || ());
         let reason = reason.map(|reason| format!("called with {reason}"));

@@ -7,6 +7,7 @@ use super::report::{Ledger, Verdict};
 use super::sample::target;
 use super::subject::{INSTANT, Subject, Trouble};
 use super::tolerances;
+use pullout_run::deformation::incremental_motion;
 
 /// Increments per leg at first, and how often they are halved before anything is said.
 const INCREMENTS: u32 = 40;
@@ -70,7 +71,7 @@ fn dissipated(energies: &[f64; 5]) -> f64 {
 pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     ledger.begin("energy balance");
     if subject.reads_gradient {
-        return ledger.skip("finite strain: which volume its energies belong to is the law's choice");
+        return volume(subject, ledger);
     }
     let is_heated =
         |path: &CasePath| path.increments.iter().any(|increment| increment.from.setting.temperature[1] != 0.0);
@@ -142,6 +143,63 @@ pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
         format!("{:.1e}", fall.max(0.0)),
         "largest fall in an increment, relative to the work",
     );
+}
+
+/// Increments of the path of F along which energies at finite strain are compared with the work.
+const FINITE_INCREMENTS: u32 = 400;
+
+/// The row "energy balance" at finite strain: SSE, SPD and SCD are per present volume. In as many increments as make the sum of the
+/// work exact enough, however many the case has.
+fn volume(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
+    /// What the sum leaves, and what a law approximates.
+    const SAME: f64 = 1e-2;
+    let last = subject.path.as_ref().and_then(|path| path.increments.last());
+    let Some(last) = last.map(|increment| subject.end_gradient(&increment.from, &increment.step)) else {
+        return ledger.skip("finite strain: a case has it looked at");
+    };
+    let mut point = subject.virgin();
+    let first = point.gradient;
+    let counts = subject.affordable(FINITE_INCREMENTS as usize, 1, TIME);
+    subject.share = subject.path_length() / counts as f64;
+    // per reference volume: the work; energies that are per present volume; those that are per reference volume
+    let (mut work, mut dissipated_in, start) = (0.0, 0.0, point.energies);
+    for k in 1..=counts {
+        let there = first + (last - first) * (k as f64 / counts as f64);
+        let Some(next) = subject.deformed(&point, &there) else {
+            subject.share = 1.0;
+            return ledger.skip("finite strain: it has no answer on a straight path of F to the case's end");
+        };
+        let motion = incremental_motion(&point.gradient, &there);
+        let strain = motion.map_or_else(Vec::new, |motion| subject.entry.of_six(&motion.strain_increment));
+        let volumes = [point.gradient.determinant(), there.determinant()];
+        // stresses before the increment are as those behind it: turned
+        for (component, by) in strain.iter().enumerate() {
+            work += 0.5 * (volumes[0] * point.output[component] + volumes[1] * next.output[component]) * by;
+        }
+        dissipated_in += 0.5 * (volumes[0] + volumes[1]) * (dissipated(&next.energies) - dissipated(&point.energies));
+        point = next;
+    }
+    subject.share = 1.0;
+    if point.energies == [0.0; 5] {
+        return ledger.add(Verdict::Info, "", "the plugin returns no energies");
+    }
+    let ratio = point.gradient.determinant();
+    let present = ratio * point.energies[0] - first.determinant() * start[0] + dissipated_in;
+    let reference = point.energies.iter().sum::<f64>() - start.iter().sum::<f64>();
+    let [present, reference] = [present, reference].map(|energy| energy / work);
+    let is = |found: f64| (found - 1.0).abs() <= SAME;
+    let figures = format!(
+        "{present:.3} of the work if they are per present volume, {reference:.3} if per reference volume (J = {ratio:.3} at the \
+         end of a straight path of F to the case's)"
+    );
+    let (verdict, words) = match (is(present), is(reference)) {
+        (true, _) => (Verdict::Pass, "SSE, SPD and SCD are per present volume, as they should"),
+        (false, true) => {
+            (Verdict::Warn, "SSE, SPD and SCD are per reference volume; hosts take them for per present volume")
+        }
+        (false, false) => (Verdict::Warn, "SSE, SPD and SCD are not the work of the stresses"),
+    };
+    ledger.add(verdict, format!("{present:.3}"), format!("{words}: {figures}"));
 }
 
 /// Returns whether errors after successive halvings are those of kinks alone, or fall with the increment.

@@ -66,6 +66,8 @@ pub struct Options {
     pub seconds: Option<f64>,
     /// The one stress state that is checked of the laws of a library with metadata, without a case.
     pub stress_state: Option<StressState>,
+    /// Whether the four components in a plane are those of axisymmetry.
+    pub is_axisymmetric: bool,
     /// Receives each event as it occurs, since a plugin may end the process.
     pub listener: Option<fn(Event)>,
 }
@@ -82,6 +84,7 @@ impl Default for Options {
             longest_path: None,
             seconds: None,
             stress_state: None,
+            is_axisymmetric: false,
             listener: None,
         }
     }
@@ -134,6 +137,14 @@ impl Options {
         self.group.is_none_or(|wanted| wanted == group)
     }
 
+    /// Returns what rows of an entry point are called.
+    fn label(&self, entry: Entry) -> &'static str {
+        match entry {
+            Entry::Umat(StressState::PlaneStrainOrAxisymmetric) if self.is_axisymmetric => "axisymmetric, NTENS 4",
+            _ => entry.label(),
+        }
+    }
+
     /// PROPS for a plugin.
     fn properties(&self, plugin: &Plugin) -> Vec<f64> {
         match (&self.props, &plugin.law) {
@@ -167,7 +178,7 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
         options.program.as_deref().map(|program| Arc::new(CasePath::of(program, options, &mut databases, &mut report)));
     let mut subjects = Vec::new();
     for entry in entries(plugin.law.as_ref(), path.as_deref(), options) {
-        let label = entry.label();
+        let label = options.label(entry);
         let path = path.clone().filter(|path| path.entry == entry);
         match Subject::new(plugin, entry, &props, options, path) {
             Ok(subject) => subjects.push(subject),
@@ -178,14 +189,14 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
         }
     }
     for subject in &mut subjects {
-        let label = subject.entry.label();
+        let label = subject.label;
         check_subject(subject, options, &mut databases, &mut Ledger::new(&mut report, label));
     }
     if options.wants(Group::Paths) {
         virgin::agreement_with_three_d(&mut subjects, &mut report);
     }
     for subject in &subjects {
-        memory::overruns(subject, &mut Ledger::new(&mut report, subject.entry.label()));
+        memory::overruns(subject, &mut Ledger::new(&mut report, subject.label));
     }
     report
 }
@@ -224,20 +235,15 @@ fn check_subject(
     ledger.is_muted = !options.wants(Group::States);
     if let Some(path) = subject.path.clone() {
         // what keeps the case from its first increment is told once: everything else rests on the point before it
-        let fails = path.fails_at_once() && (path.start.is_none() || !virgin::answers(subject));
-        path.tell(fails, ledger);
-        if fails {
+        let at_once = path.fails_at_once();
+        let has_answer = !at_once || (path.start.is_some() && virgin::answers(subject));
+        path.tell(!has_answer || !subject.overruns.is_empty(), ledger);
+        if !has_answer {
             return subject.overruns.clear();
         }
     }
     if !ledger.is_muted {
         virgin::virgin_state(subject, ledger);
-    }
-    // a library that does not survive its case's first increment says nothing more
-    if options.longest_path == Some(0) {
-        let detail =
-            "not tested: the plugin does not survive the case's first increment: only the virgin state was judged";
-        return ledger.row("answers", Verdict::NotTested, "none", detail);
     }
     let first = options.wants(Group::Memory).then(|| determinism::first_call(subject, ledger));
     scale::find(subject, ledger);

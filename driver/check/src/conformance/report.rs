@@ -103,14 +103,17 @@ impl Report {
 
     /// Returns how many checks failed and how many warn, in words, and which these are.
     pub fn conclusion(&self) -> String {
-        let count = self.rows.len();
+        let count = match self.rows.len() {
+            1 => "1 check".to_owned(),
+            many => format!("{many} checks"),
+        };
         let outcome = match self.failures().count() {
             0 if self.is_vacuous() => {
                 let void = self.rows.iter().filter(|row| row.verdict == Verdict::NotTested).count();
-                format!("not tested: {count} checks, {void} of which tell nothing of the law")
+                format!("not tested: {count}, {void} of which tell nothing of the law")
             }
-            0 => format!("{count} checks: none failed"),
-            failures => format!("{count} checks: {failures} failed"),
+            0 => format!("{count}: none failed"),
+            failures => format!("{count}: {failures} failed"),
         };
         let warnings: Vec<&str> =
             self.rows.iter().filter(|row| row.verdict == Verdict::Warn).map(|row| &*row.check).collect();

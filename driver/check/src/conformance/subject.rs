@@ -281,6 +281,8 @@ impl Call {
 pub(super) struct Subject<'p> {
     pub(super) plugin: &'p Plugin,
     pub(super) entry: Entry,
+    /// Name of the entry point in rows.
+    pub(super) label: &'static str,
     pub(super) props: Vec<f64>,
     /// CELENT or CHRLNGTH.
     pub(super) length: f64,
@@ -342,6 +344,7 @@ impl<'p> Subject<'p> {
         Ok(Self {
             plugin,
             entry,
+            label: options.label(entry),
             props,
             length,
             nstatv,
@@ -382,6 +385,7 @@ impl<'p> Subject<'p> {
         Ok(Subject {
             plugin,
             entry: self.entry,
+            label: self.label,
             props: props.to_vec(),
             length: self.length,
             nstatv: self.nstatv,

@@ -205,7 +205,7 @@ pub(super) fn agreement_with_three_d(subjects: &mut [Subject<'_>], report: &mut 
     for k in (0..subjects.len()).filter(|&k| k != solid) {
         let Entry::Umat(stress_state) = subjects[k].entry else { continue };
         let Ok([plane, solid]) = subjects.get_disjoint_mut([k, solid]) else { continue };
-        let mut ledger = Ledger::new(report, plane.entry.label());
+        let mut ledger = Ledger::new(report, plane.label);
         agreement(plane, solid, stress_state, &mut ledger);
     }
 }

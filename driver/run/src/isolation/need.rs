@@ -2,6 +2,7 @@
 
 use super::{system, trust, worker};
 use crate::input::folder_of;
+use crate::sources;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -88,7 +89,9 @@ pub fn materials(case: &Value) -> Vec<&Value> {
 /// Returns the absolute path of a library that a case in a folder names, if it is there.
 pub fn locate(plugin: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBuf> {
     let found = if host::names_a_file(plugin) {
-        Some(host::library_path(folder, plugin)).filter(|path| path.is_file())
+        // what cannot be built is told where the case is read
+        let file = Some(host::library_path(folder, plugin)).filter(|path| path.is_file());
+        file.and_then(|file| sources::library_of(file).ok())
     } else {
         Found::by_name(plugin, &host::search_paths(plugin_paths)).map(|found| found.path)
     };

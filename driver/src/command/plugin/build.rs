@@ -44,20 +44,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
         build::Refusal::File { .. } => Refusal::input(refusal),
         _ => Refusal::failed(refusal),
     })?;
-    built.remarks.iter().for_each(complain);
-    for routine in &built.not_offered {
-        complain(format!(
-            "{}: {routine} is a utility routine of ABAQUS that this program does not offer: a run that reaches a call of \
-             it ends there and says so",
-            built.library.display()
-        ));
-    }
-    for routine in &built.not_called {
-        complain(format!(
-            "{}: its {routine} is not called by this program: what the law expects of it is missing",
-            built.library.display()
-        ));
-    }
+    built.words().iter().for_each(complain);
     say(&format!("{}: {}\n", built.library.display(), built.entry_points.join(", ")));
     Ok(DONE)
 }

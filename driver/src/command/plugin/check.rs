@@ -7,6 +7,7 @@ use pullout_case::Case;
 use pullout_check::conformance::{self, Event, Group, Options, Report};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{self, Need, worker};
+use pullout_run::program::{Kind, Mode};
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::fs::File;
@@ -262,6 +263,7 @@ fn plugins(arguments: &Arguments, library: &Library, options: &mut Options) -> R
             }
         }
         options.props.clone_from(&arguments.props);
+        options.is_axisymmetric = arguments.mode.as_deref() == Some(Mode::Axisymmetric.name());
         return Ok(library.laws().iter().map(|law| Plugin::with_defaults(library, law)).collect());
     };
     let case = pullout_case::read(file, &arguments.overrides(), &arguments.plugin_paths)?;
@@ -273,6 +275,7 @@ fn plugins(arguments: &Arguments, library: &Library, options: &mut Options) -> R
         let other = plugin.library.path().display();
         return wrong(format!("{}: uses the plugin {other}, not {}", file.display(), path.display()));
     }
+    options.is_axisymmetric = matches!(&program.kind, Kind::Point(point) if point.mode == Mode::Axisymmetric);
     options.characteristic_length = program.characteristic_length;
     options.program = Some(Arc::new(*program));
     Ok(vec![plugin])
