@@ -14,7 +14,7 @@ pub use clock::CpuClock;
 pub use memory::PointMemory;
 pub use path::{difference, strain_path};
 pub use sample::{LAWS, Sample, sample};
-pub use toolchain::{Tool, find, named_by, notice, run};
+pub use toolchain::{Tool, find, has_library, named_by, notice, run};
 
 use std::path::{Path, PathBuf};
 

@@ -52,6 +52,20 @@ pub fn find(tool: Tool) -> Option<Command> {
     None
 }
 
+/// Returns whether a C++ program that includes a header, or is linked with a library, can be built here; says so where not.
+///
+/// # Panics
+/// If it cannot and `PULLOUT_REQUIRE_CLIENTS` is 1.
+pub fn has_library(name: &str, arguments: &[&str]) -> bool {
+    let mut command = Command::new("g++");
+    command.args(["-x", "c++", "/dev/null", "-x", "none", "-shared", "-fPIC", "-o", "/dev/null"]).args(arguments);
+    let has = command.output().is_ok_and(|output| output.status.success());
+    if !has {
+        skip(&format!("{name} is not installed"));
+    }
+    has
+}
+
 /// The file or folder that an environment variable names; `None`, after a notice, where it is not set.
 ///
 /// # Panics

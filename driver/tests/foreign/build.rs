@@ -52,9 +52,12 @@ fn a_form_can_be_told() {
     }
     let desk = Desk::new();
     desk.write("mine.f", "subroutine umat(stress)\ndouble precision :: stress(6)\nstress = 1d0\nend subroutine\n");
-    let words = refused(&desk, &["mine.f"], 1);
+    let words = refused(&desk, &["--fixed", "mine.f"], 1);
     assert!(words.contains("mine.f:1") && words.contains("--free"), "{words}");
-    desk.pullout(["plugin", "build", "--free", "mine.f"]).expect(0);
+    assert_eq!(desk.pullout(["plugin", "build", "--free", "mine.f"]).expect(0).stderr, "");
+    // nobody says which: the other form is tried as well
+    let words = desk.pullout(["plugin", "build", "mine.f"]).expect(0).stderr;
+    assert!(words.contains("mine.f: read in free form"), "{words}");
 }
 
 #[test]
@@ -64,10 +67,10 @@ fn what_is_undefined_is_named() {
     }
     let desk = Desk::new();
     // XIT is offered; the others are not
-    let calls = "      CALL XIT\n      CALL KEISER(STRESS)\n      CALL DGETRF(STRESS)\n";
+    let calls = "      CALL XIT\n      CALL KEISER(STRESS)\n      CALL KGETRF(STRESS)\n";
     desk.write("mine.f", &source("UMAT", calls));
     let words = refused(&desk, &["mine.f"], 1);
-    assert!(words.contains("libmine.so: not built: undefined symbols: dgetrf_, keiser_; "), "{words}");
+    assert!(words.contains("libmine.so: not built: undefined symbols: keiser_, kgetrf_; "), "{words}");
     assert!(words.contains("ROTSIG") && words.contains("SMAINTARRAYCREATE") && words.contains("XIT"), "{words}");
 }
 

@@ -17,6 +17,7 @@ mod prints;
 mod program;
 mod public;
 mod umats;
+mod unflagged;
 mod utilities;
 
 use end_to_end_tests::{Tool, find, workspace};
@@ -46,7 +47,7 @@ fn built_of(desk: &Desk, sources: &[&str], flags: &[&str]) -> Option<Value> {
     arguments.extend(sources.iter().map(|source| workspace("tests/umats").join(source).into_os_string()));
     arguments.extend(flags.iter().map(Into::into));
     let outcome = desk.pullout(arguments).expect(0);
-    let entries = [": umat_", ": UMAT", ": uinter_"];
+    let entries = [": umat_", ": UMAT", ": uinter_", ": fric_"];
     assert!(entries.iter().any(|entry| outcome.stdout.contains(entry)), "{}", outcome.stdout);
     Some(json!(library))
 }

@@ -229,6 +229,16 @@ fn the_umat_of_the_tutorial_runs_and_passes_the_check() {
     let verdict =
         desk.pullout(["plugin", "check", "./libmy_umat.so", "--case", "umat.json", "--states", "20"]).expect(0);
     assert!(verdict.stdout.contains("consistent"), "{}", verdict.stdout);
+    // the broken one fails, as is shown
+    let page = page("docs/using/umat.md");
+    let command = page.lines().find(|line| line.starts_with("pullout plugin check broken_umat.f")).expect("a command");
+    let shown = page.lines().find(|line| line.starts_with("FAIL  consistent tangent")).expect("a row");
+    let mut check = program::command();
+    check.current_dir(desk.path("")).env("XDG_CACHE_HOME", desk.path("cache")).args(command.split(' ').skip(1));
+    let output = check.output().expect("it starts");
+    let report = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{report}");
+    assert!(report.lines().any(|row| row.starts_with(shown)), "{report}");
 }
 
 /// The case of the README and of the first page is one; it unloads, and inelastic strain stays.

@@ -188,6 +188,8 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
             Err(_) => {}
         }
     }
+    // what keeps the case from its first increment is told once: everything else rests on the point before it
+    subjects.retain_mut(|subject| begins(subject, options, &mut Ledger::new(&mut report, subject.label)));
     for subject in &mut subjects {
         let label = subject.label;
         check_subject(subject, options, &mut databases, &mut Ledger::new(&mut report, label));
@@ -225,6 +227,16 @@ fn entries(law: Option<&LawDescription>, path: Option<&CasePath>, options: &Opti
     entries
 }
 
+/// Tells of the case's path; returns whether the plugin answers at its start, so that more can be said.
+fn begins(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) -> bool {
+    let Some(path) = subject.path.clone() else { return true };
+    // that it does not survive its first increment is told already
+    ledger.is_muted = !options.wants(Group::States) || options.longest_path == Some(0);
+    let has_answer = !path.fails_at_once() || (path.start.is_some() && virgin::answers(subject));
+    path.tell(!has_answer || !subject.overruns.is_empty(), ledger);
+    has_answer
+}
+
 /// All checks of one entry point and stress state.
 fn check_subject(
     subject: &mut Subject<'_>,
@@ -233,17 +245,14 @@ fn check_subject(
     ledger: &mut Ledger<'_>,
 ) {
     ledger.is_muted = !options.wants(Group::States);
-    if let Some(path) = subject.path.clone() {
-        // what keeps the case from its first increment is told once: everything else rests on the point before it
-        let at_once = path.fails_at_once();
-        let has_answer = !at_once || (path.start.is_some() && virgin::answers(subject));
-        path.tell(!has_answer || !subject.overruns.is_empty(), ledger);
-        if !has_answer {
-            return subject.overruns.clear();
-        }
-    }
     if !ledger.is_muted {
         virgin::virgin_state(subject, ledger);
+    }
+    // a library that does not survive its case's first increment says nothing more
+    if options.longest_path == Some(0) {
+        let detail =
+            "not tested: the plugin does not survive the case's first increment: only the virgin state was judged";
+        return ledger.row("answers", Verdict::NotTested, "none", detail);
     }
     let first = options.wants(Group::Memory).then(|| determinism::first_call(subject, ledger));
     scale::find(subject, ledger);

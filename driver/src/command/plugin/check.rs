@@ -96,7 +96,13 @@ impl Arguments {
         line.extend(longest_path.map(|count| format!("--longest-path={count}").into()));
         line.push(format!("--seconds={seconds}").into());
         line.extend(self.case.iter().map(|case| option("--case", case)));
-        line.extend(self.overrides().into_iter().map(|entry| format!("--set={entry}").into()));
+        if self.case.is_some() {
+            line.extend(self.overrides().into_iter().map(|entry| format!("--set={entry}").into()));
+        } else {
+            let props = self.props.iter().map(|props| props.iter().map(f64::to_string).collect::<Vec<_>>().join(","));
+            line.extend(props.map(|props| format!("--props={props}").into()));
+            line.extend(self.mode.iter().map(|mode| format!("--mode={mode}").into()));
+        }
         line.extend(self.plugin_paths.iter().map(|path| option("--plugin-path", path)));
         line.extend(["--".into(), OsString::from(&self.plugin)]);
         line
