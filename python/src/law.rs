@@ -14,11 +14,13 @@ use umat_abi::law::{Request, StressState};
 use umat_abi::metadata::{flags, kinds, stress_states};
 
 /// Modes of a material point, with what a law says if it has them.
-const MODES: [(&str, StressState, u32); 4] = [
+const MODES: [(&str, StressState, u32); 6] = [
     ("3d", StressState::ThreeD, stress_states::THREE_D),
     ("plane_strain", StressState::PlaneStrainOrAxisymmetric, stress_states::PLANE_STRAIN),
     ("axisymmetric", StressState::PlaneStrainOrAxisymmetric, stress_states::AXISYMMETRIC),
     ("plane_stress", StressState::PlaneStress, stress_states::PLANE_STRESS),
+    ("1d", StressState::OneD, 0),
+    ("beam", StressState::Beam, 0),
 ];
 
 /// Points of a thread between two looks at signals.

@@ -22,10 +22,14 @@ pub enum StressState {
     PlaneStrainOrAxisymmetric,
     /// NTENS 3, NDI 2, NSHR 1: σ33 = σ13 = σ23 = 0; the law finds ε33.
     PlaneStress,
+    /// NTENS 1, NDI 1, NSHR 0: σ11 alone, as in trusses, wires and beams in a plane.
+    OneD,
+    /// NTENS 2, NDI 1, NSHR 1: σ11 and σ12 alone, as in beams in space.
+    Beam,
 }
 
 impl StressState {
-    /// Recognises the (NTENS, NDI, NSHR) triples that ABAQUS and its peers use for solids.
+    /// Recognises the (NTENS, NDI, NSHR) triples that ABAQUS and its peers use for solids; [`Law`]s have no others.
     pub fn from_counts(ntens: i32, ndi: i32, nshr: i32) -> Option<Self> {
         match (ntens, ndi, nshr) {
             (6, 3, 3) => Some(Self::ThreeD),
@@ -41,7 +45,14 @@ impl StressState {
             Self::ThreeD => &[0, 1, 2, 3, 4, 5],
             Self::PlaneStrainOrAxisymmetric => &[0, 1, 2, 3],
             Self::PlaneStress => &[0, 1, 3],
+            Self::OneD => &[0],
+            Self::Beam => &[0, 3],
         }
+    }
+
+    /// Returns whether it is one of a plane, whose calls may go through six components.
+    pub fn is_plane(self) -> bool {
+        matches!(self, Self::PlaneStrainOrAxisymmetric | Self::PlaneStress)
     }
 
     /// The [`crate::metadata::stress_states`] bits that these components serve.
@@ -50,6 +61,7 @@ impl StressState {
             Self::ThreeD => stress_states::THREE_D,
             Self::PlaneStrainOrAxisymmetric => stress_states::PLANE_STRAIN | stress_states::AXISYMMETRIC,
             Self::PlaneStress => stress_states::PLANE_STRESS,
+            Self::OneD | Self::Beam => 0,
         }
     }
 
@@ -59,6 +71,8 @@ impl StressState {
             Self::ThreeD => (6, 3, 3),
             Self::PlaneStrainOrAxisymmetric => (4, 3, 1),
             Self::PlaneStress => (3, 2, 1),
+            Self::OneD => (1, 1, 0),
+            Self::Beam => (2, 1, 1),
         }
     }
 }

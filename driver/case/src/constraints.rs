@@ -121,7 +121,7 @@ fn is_regular(constraints: &[Constraint], controls: &[Control; 6], set: u32, mod
         let mut next = constraints.iter();
         for i in 0..6 {
             let strain_is_given = match controls[i] {
-                _ if !mode.controllable().contains(&i) => !(mode == Mode::PlaneStress),
+                _ if !mode.controllable().contains(&i) => !(mode == Mode::PlaneStress || mode.is_of_line()),
                 Control::Strain(_) | Control::HoldStrain => true,
                 _ => false,
             };
@@ -155,6 +155,8 @@ pub fn fixed_by_mode(name: &str, mode: Mode) -> String {
         Mode::PlaneStrain => "e33 = g13 = g23 = 0",
         Mode::Axisymmetric => "g13 = g23 = 0",
         Mode::PlaneStress => "s33 = s13 = s23 = 0",
+        Mode::OneD => "all but e11 and s11",
+        Mode::Beam => "all but e11, g12, s11 and s12",
     };
     format!("mode {} fixes {fixed}: leave '{name}' out", mode.name())
 }

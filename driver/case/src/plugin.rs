@@ -241,8 +241,16 @@ fn manner(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: 
             reader.problem(&place.key(key), "is for the entry point umat alone");
         }
     }
-    if let (Some((Mode::ThreeD, _)), Some(CalledAs::Plane)) = (&purpose.mode, material.components) {
-        reader.problem(&place.key("as"), "mode 3d has all six components: leave it out");
+    match (&purpose.mode, material.components) {
+        (Some((Mode::ThreeD, _)), Some(CalledAs::Plane)) => {
+            reader.problem(&place.key("as"), "mode 3d has all six components: leave it out");
+        }
+        (Some((mode, _)), Some(_)) if mode.is_of_line() => {
+            let message =
+                format!("mode {} is no plane: leave it out, or take mode 3d for a law of six components", mode.name());
+            reader.problem(&place.key("as"), message);
+        }
+        _ => {}
     }
     Manner {
         as_three_d: material.components.map(|components| components == CalledAs::ThreeD),
@@ -292,6 +300,7 @@ fn state_bit(mode: Mode) -> u32 {
         Mode::PlaneStrain => stress_states::PLANE_STRAIN,
         Mode::Axisymmetric => stress_states::AXISYMMETRIC,
         Mode::PlaneStress => stress_states::PLANE_STRESS,
+        Mode::OneD | Mode::Beam => 0,
     }
 }
 

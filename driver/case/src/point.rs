@@ -44,6 +44,13 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         Some(piece) => reader.piece(piece, &root.key("mode")).copied(),
     };
     let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
+    if let Some(mode) = mode
+        && mode.is_of_line()
+        && nlgeom
+    {
+        let message = format!("mode {} is one of small strains: the stretches across are not known", mode.name());
+        reader.problem(&root.key("nlgeom"), message);
+    }
     let length = Length::of(reader, case.path.characteristic_length.as_ref());
     let characteristic_length = length.given();
     let place = root.key("material");

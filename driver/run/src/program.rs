@@ -32,6 +32,11 @@ pub enum Mode {
     Axisymmetric,
     /// s33 = s13 = s23 = 0; NTENS 3.
     PlaneStress,
+    /// s11 alone, as UMATs of trusses, wires and beams in a plane have it; NTENS 1.
+    #[serde(rename = "1d")]
+    OneD,
+    /// s11 and s12 alone, as UMATs of beams in space have them; NTENS 2 (NDI 1, NSHR 1).
+    Beam,
 }
 
 impl Mode {
@@ -42,6 +47,8 @@ impl Mode {
             Self::PlaneStrain => "plane_strain",
             Self::Axisymmetric => "axisymmetric",
             Self::PlaneStress => "plane_stress",
+            Self::OneD => "1d",
+            Self::Beam => "beam",
         }
     }
 
@@ -51,7 +58,14 @@ impl Mode {
             Self::ThreeD => StressState::ThreeD,
             Self::PlaneStrain | Self::Axisymmetric => StressState::PlaneStrainOrAxisymmetric,
             Self::PlaneStress => StressState::PlaneStress,
+            Self::OneD => StressState::OneD,
+            Self::Beam => StressState::Beam,
         }
+    }
+
+    /// Returns whether the direct stresses across are 0 and nobody knows the strains there.
+    pub fn is_of_line(self) -> bool {
+        matches!(self, Self::OneD | Self::Beam)
     }
 
     /// Indices (of six) of the components that a case may control; the others are fixed by the mode.
@@ -60,6 +74,7 @@ impl Mode {
             Self::ThreeD => &[0, 1, 2, 3, 4, 5],
             Self::PlaneStrain | Self::PlaneStress => &[0, 1, 3],
             Self::Axisymmetric => &[0, 1, 2, 3],
+            Self::OneD | Self::Beam => self.stress_state().components(),
         }
     }
 }

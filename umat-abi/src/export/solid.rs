@@ -117,6 +117,9 @@ pub(super) unsafe fn update<L: Law>(a: &Arguments) -> Result<(), Refusal> {
         StressState::PlaneStrainOrAxisymmetric => unsafe { update_in::<L>(a, StressState::PlaneStrainOrAxisymmetric) },
         // SAFETY: as above.
         StressState::PlaneStress => unsafe { update_in::<L>(a, StressState::PlaneStress) },
+        StressState::OneD | StressState::Beam => {
+            Err(Refusal::Components { first: counts.0, second: counts.1, third: counts.2 })
+        }
     }
 }
 
@@ -195,6 +198,8 @@ unsafe fn write<S: States>(a: &Arguments, stress_state: StressState, response: &
             StressState::ThreeD => write_components(a, response, [0, 1, 2, 3, 4, 5]),
             StressState::PlaneStrainOrAxisymmetric => write_components(a, response, [0, 1, 2, 3]),
             StressState::PlaneStress => write_components(a, response, [0, 1, 3]),
+            // no law has them
+            StressState::OneD | StressState::Beam => {}
         }
         state.write(std::slice::from_raw_parts_mut(a.statev, S::TABLE.len()));
         store(a.sse, response.stored_energy);

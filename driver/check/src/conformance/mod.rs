@@ -41,7 +41,7 @@ use report::Ledger;
 use std::sync::Arc;
 use std::time::Duration;
 use subject::Subject;
-use umat_abi::host::{ExternalDatabases, LawDescription, Plugin, Routine};
+use umat_abi::host::{ExternalDatabases, FOLLOWS_GRADIENT, LawDescription, Plugin, Routine};
 use umat_abi::law::StressState;
 use umat_abi::metadata::kinds;
 
@@ -255,6 +255,10 @@ fn check_subject(
         return ledger.row("answers", Verdict::NotTested, "none", detail);
     }
     let first = options.wants(Group::Memory).then(|| determinism::first_call(subject, ledger));
+    if subject.follows_gradient_alone() {
+        ledger.is_muted = !options.wants(Group::States);
+        return ledger.row("strain", Verdict::Fail, "not read", FOLLOWS_GRADIENT);
+    }
     scale::find(subject, ledger);
     let sample = sample::draw(subject, options, ledger);
     if sample.is_empty() {

@@ -55,6 +55,9 @@ pub(super) fn check(subject: &mut Subject<'_>, paths: usize, ledger: &mut Ledger
     if !claimed && (subject.described() || subject.finite) {
         return ledger.skip("not claimed");
     }
+    if matches!(subject.entry, Entry::Umat(StressState::OneD | StressState::Beam)) {
+        return ledger.skip("the stresses of a line do not turn");
+    }
     let mut random = Random::of_check(0x707);
     let entry = subject.entry;
     let start = if claimed { subject.blank() } else { subject.virgin() };

@@ -41,6 +41,8 @@ impl Entry {
             Self::Umat(StressState::ThreeD) => "3D, NTENS 6",
             Self::Umat(StressState::PlaneStrainOrAxisymmetric) => "plane strain, NTENS 4",
             Self::Umat(StressState::PlaneStress) => "plane stress, NTENS 3",
+            Self::Umat(StressState::OneD) => "1d, NTENS 1",
+            Self::Umat(StressState::Beam) => "beam, NTENS 2",
             Self::Uinter(2) => "UINTER, NDIR 2",
             Self::Uinter(_) => "UINTER, NDIR 3",
             Self::Fric(1) => "FRIC, NFDIR 1",
@@ -542,6 +544,16 @@ impl<'p> Subject<'p> {
         self.rotation = IDENTITY;
         self.end = None;
         after
+    }
+
+    /// Returns whether a law of small strains of which nothing is known follows DFGRD1 alone.
+    pub(super) fn follows_gradient_alone(&mut self) -> bool {
+        let virgin = self.virgin();
+        let none = vec![0.0; self.entry.inputs()];
+        let is_asked = !self.described() && !self.finite;
+        let Call::Umat(call) = &mut self.call else { return false };
+        prepare_umat(call, &virgin, &none, self.share, &virgin.gradient);
+        is_asked && call.follows_gradient_alone()
     }
 
     /// Finds out whether the law reads the deformation gradients: then the answer changes without them.

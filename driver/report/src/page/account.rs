@@ -209,6 +209,8 @@ fn point_mode(point: &PointProgram) -> String {
         Mode::PlaneStrain => "material point, plane strain (NTENS 4)",
         Mode::Axisymmetric => "material point, axisymmetric (NTENS 4)",
         Mode::PlaneStress => "material point, plane stress (NTENS 3)",
+        Mode::OneD => "material point, one component of stress (NTENS 1)",
+        Mode::Beam => "material point, beam: axial stress and shear (NTENS 2)",
     };
     match (point.nlgeom, point.measure) {
         (false, _) => mode.into(),

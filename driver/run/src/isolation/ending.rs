@@ -90,6 +90,12 @@ impl Report {
             Some(trespass) => format!("it {trespass}; the process was ended there"),
             None => explanation.map_or_else(|| happened.clone(), |words| format!("{happened}: {words}")),
         };
+        let happened = match (&call, cause) {
+            (Some(call), Cause::Signal(signal)) if leaves_own_arrays(call, signal) => {
+                format!("{happened}; {WRITTEN_FOR_SIX}")
+            }
+            _ => happened,
+        };
         let message = match &call {
             Some(call) => format!("{}: {happened}", place(call, need)),
             None => format!("before any call of a plugin {}", cause.outside_a_call()),
@@ -108,6 +114,17 @@ impl Report {
     pub fn library(&self) -> Option<&PathBuf> {
         self.call.as_ref().map(|call| &call.library)
     }
+}
+
+/// What to try with a UMAT that ends itself in a plane.
+const WRITTEN_FOR_SIX: &str =
+    "a law that is written for six components leaves its own arrays in a plane: \"as\": \"3d\" calls it with six";
+
+/// Returns whether a signal is one that such a law may end by.
+fn leaves_own_arrays(call: &CallRecord, signal: i32) -> bool {
+    let plane = matches!(&call.arguments, Arguments::Umat(umat) if matches!(umat.stress.len(), 3 | 4));
+    let signals = [Signal::ABORT, Signal::SEGV, Signal::BUS];
+    plane && !trust::is_shipped(&call.library) && signals.iter().any(|known| known.as_raw() == signal)
 }
 
 /// Plugin, routine if it is not an entry point, step, increment, and in a specimen the point.

@@ -104,6 +104,8 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
     let stress_state = match call.stress.len() {
         6 => StressState::ThreeD,
         3 => StressState::PlaneStress,
+        2 => StressState::Beam,
+        1 => StressState::OneD,
         _ => StressState::PlaneStrainOrAxisymmetric,
     };
     let components = stress_state.components();
@@ -113,6 +115,8 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
     let (mode, driven): (_, &[usize]) = match stress_state {
         StressState::ThreeD => ("3d", &[0, 1, 2, 3, 4, 5]),
         StressState::PlaneStress => ("plane_stress", &[0, 1, 3]),
+        StressState::OneD => ("1d", components),
+        StressState::Beam => ("beam", components),
         // as in axial symmetry, or in plane strain where an element's dilatation is averaged: the mode has the NTENS and NDI of both
         StressState::PlaneStrainOrAxisymmetric if has_strain_33 => ("axisymmetric", &[0, 1, 2, 3]),
         StressState::PlaneStrainOrAxisymmetric => ("plane_strain", &[0, 1, 3]),

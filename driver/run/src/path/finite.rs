@@ -15,6 +15,7 @@ use nalgebra::Matrix3;
 use umat_abi::host::{Plugin, UmatCall};
 
 /// The finite strain of a point: committed, and that of the last call.
+#[derive(Clone)]
 pub(super) struct Finite {
     pub(super) measure: Measure,
     /// DDSDDE is ∂σ/∂DSTRAN, as laws for small strains give it; else that of Jaumann's rate of J σ, over J.

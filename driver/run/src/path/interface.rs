@@ -228,6 +228,9 @@ impl<'p> Runner<'p> {
                 .map_err(|(Trouble::CutBack { reason, .. } | Trouble::Fatal(reason))| reason)?;
             self.committed.shear = self.trial.shear;
             self.committed.pressure = self.trial.pressure;
+            if self.arguments.energies.is_none() {
+                self.committed.energies = self.trial.energies;
+            }
         }
         Ok(())
     }

@@ -15,9 +15,12 @@ pub(super) const STRESS_TOLERANCE: f64 = 1e-8;
 const STRESS_ROUNDING: f64 = 1e-12;
 /// Tolerance of relations that hold strains alone, relative to max(1e-6, largest strain).
 const STRAIN_TOLERANCE: f64 = 1e-10;
-/// A strain that is sought changes in a step by at most so many times what measures it: beyond is another equilibrium, as that of torn
-/// matter, whose stresses vanish however large its strains are.
-const LARGEST_CHANGE: f64 = 3.0;
+/// A strain that is sought changes in an increment by at most so many times the largest strain there: what changes more is looked
+/// at closely, since it may be another equilibrium, as that of torn matter, whose stresses vanish however large its strains are.
+pub(super) const LARGEST_CHANGE: f64 = 3.0;
+/// Residuals that count as zero change the strains of an equilibrium by less than this share of the increment; those of torn matter
+/// leave it anywhere.
+const DETERMINED: f64 = 1e-3;
 /// A full step should at least halve the residual, else the tangent is called poor.
 const POOR_REDUCTION: f64 = 0.5;
 /// Strain step of the finite-difference matrix relative to max(1e-6, largest strain).
@@ -47,9 +50,8 @@ pub(super) struct Targets<'a> {
     pub(super) strain: [f64; 6],
     /// The largest component of stress at the end of any increment so far.
     pub(super) largest_stress: f64,
-    /// Measure of the strains that are sought: the largest strain at the start of the step and of those that drive it, and the
-    /// strains at that start; `None` if something else drives it.
-    pub(super) measure: Option<(f64, [f64; 6])>,
+    /// The largest strain at the start of the step and of those that drive it; `None` if something else drives it.
+    pub(super) measure: Option<f64>,
 }
 
 /// The increment's strains were not found.
@@ -64,11 +66,22 @@ pub(super) enum Divergence<E> {
     },
     /// The equilibrium that was found is not the next one.
     Far {
-        /// A strain that changed too much since the start of the step.
+        /// The strain that changed most.
         component: usize,
         /// Change of that strain.
         change: f64,
+        /// Whether the conditions determine the strains there: then it may be the next one of a large increment.
+        is_determined: bool,
+        /// Iterations that led there.
+        iterations: u32,
     },
+}
+
+/// Returns whether a law knows nothing of a component: neither does its stress depend on any strain nor any stress on its
+/// strain.
+pub(super) fn is_unknown(components: &[usize], component: usize, tangent: &[[f64; 6]; 6]) -> bool {
+    tangent[component][component] == 0.0
+        && components.iter().all(|&j| tangent[component][j] == 0.0 && tangent[j][component] == 0.0)
 }
 
 impl Targets<'_> {
@@ -77,16 +90,39 @@ impl Targets<'_> {
         self.components.iter().all(|&i| matches!(self.controls[i], Control::Strain(_)))
     }
 
-    /// Refuses an equilibrium that is not the next one.
-    fn is_near<E>(&self, increment: &[f64; 6]) -> Result<(), Divergence<E>> {
-        let Some((size, start)) = self.measure else { return Ok(()) };
-        for &component in self.components.iter().filter(|&&i| !matches!(self.controls[i], Control::Strain(_))) {
-            let change = self.strain[component] + increment[component] - start[component];
-            if change.abs() > LARGEST_CHANGE * size {
-                return Err(Divergence::Far { component, change });
+    /// The strain among those that are sought that has changed most, and by how much.
+    pub(super) fn largest_change(&self, end: &[f64; 6], start: &[f64; 6]) -> Option<(usize, f64)> {
+        let sought = self.components.iter().filter(|&&i| !matches!(self.controls[i], Control::Strain(_)));
+        sought.map(|&i| (i, end[i] - start[i])).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    }
+
+    /// Measure of the strains that are sought.
+    fn size(&self) -> Option<f64> {
+        self.measure.map(|measure| self.strain.iter().fold(measure, |size, strain| size.max(strain.abs())))
+    }
+
+    /// Refuses an equilibrium that may not be the next one.
+    fn is_near<E>(
+        &self,
+        increment: &[f64; 6],
+        tangent: &[[f64; 6]; 6],
+        residual: &Vector,
+        tolerance: &Vector,
+        iterations: u32,
+    ) -> Result<u32, Divergence<E>> {
+        let Some(size) = self.size() else { return Ok(iterations) };
+        match self.largest_change(increment, &[0.0; 6]) {
+            Some((component, change)) if change.abs() > LARGEST_CHANGE * size => {
+                let undetermined =
+                    |inverse: Matrix| (inverse.abs() * tolerance.map(|t| if t.is_finite() { t } else { 0.0 })).amax();
+                let is_determined = self
+                    .matrix(tangent, residual)
+                    .try_inverse()
+                    .is_some_and(|inverse| undetermined(inverse) < DETERMINED * change.abs());
+                Err(Divergence::Far { component, change, is_determined, iterations })
             }
+            _ => Ok(iterations),
         }
-        Ok(())
     }
 
     /// The strain at the end: exactly the prescribed values, not the sums of their increments.
@@ -148,12 +184,15 @@ impl Targets<'_> {
         tolerance
     }
 
-    /// ∂residual/∂increment; strain-controlled components get the identity, scaled like the rest.
-    fn matrix(&self, tangent: &[[f64; 6]; 6]) -> Matrix {
+    /// ∂residual/∂increment; components that are controlled by strain, and those that are unknown to the law and need nothing,
+    /// get the identity, scaled like the rest.
+    fn matrix(&self, tangent: &[[f64; 6]; 6], residual: &Vector) -> Matrix {
         let scale = self.components.iter().fold(0.0_f64, |m, &i| m.max(tangent[i][i].abs())).max(f64::MIN_POSITIVE);
         let mut matrix = Matrix::identity() * scale;
         for &i in self.components {
             match self.controls[i] {
+                Control::Stress(_)
+                    if residual[i].abs() <= STRESS_TOLERANCE && is_unknown(self.components, i, tangent) => {}
                 Control::Stress(_) => {
                     for &j in self.components {
                         matrix[(i, j)] = tangent[i][j];
@@ -184,7 +223,8 @@ impl Targets<'_> {
         for &i in self.components {
             predicted[i] += self.components.iter().map(|&j| tangent[i][j] * increment[j]).sum::<f64>();
         }
-        if let Some(step) = self.solve(self.matrix(tangent), &self.residual(increment, &predicted)) {
+        let residual = self.residual(increment, &predicted);
+        if let Some(step) = self.solve(self.matrix(tangent, &residual), &residual) {
             for &i in self.components {
                 increment[i] += step[i];
             }
@@ -192,7 +232,7 @@ impl Targets<'_> {
     }
 
     /// Finds the strain increment. `increment` holds the first guess on entry (strain-controlled components exact) and
-    /// the solution on return, whose evaluation is the last one made. Returns the iterations.
+    /// the solution on return, whose evaluation is the last one made, also that of [`Divergence::Far`]. Returns the iterations.
     pub(super) fn solve_increment<E>(
         &self,
         increment: &mut [f64; 6],
@@ -200,13 +240,15 @@ impl Targets<'_> {
         mut evaluate: impl FnMut(&[f64; 6]) -> Result<Evaluation, E>,
     ) -> Result<u32, Divergence<E>> {
         let first_guess = *increment;
-        match (self.solve_by_steps(increment, f64::INFINITY, max_iterations, &mut evaluate), self.measure) {
-            (Err(Divergence::Far { .. }), Some((size, _))) => {
-                *increment = first_guess;
-                self.solve_by_steps(increment, size, max_iterations, &mut evaluate)
-            }
-            (found, _) => found,
+        let found = self.solve_by_steps(increment, f64::INFINITY, max_iterations, &mut evaluate);
+        let (Err(Divergence::Far { is_determined, .. }), Some(size)) = (&found, self.size()) else { return found };
+        *increment = first_guess;
+        let beside = self.solve_by_steps(increment, size, max_iterations, &mut evaluate);
+        if beside.is_ok() || !is_determined {
+            return beside;
         }
+        *increment = first_guess;
+        self.solve_by_steps(increment, f64::INFINITY, max_iterations, &mut evaluate)
     }
 
     /// Finds it by iterations that change no strain by more than `longest`.
@@ -219,13 +261,13 @@ impl Targets<'_> {
     ) -> Result<u32, Divergence<E>> {
         let mut here = evaluate(increment).map_err(Divergence::Evaluation)?;
         let mut residual = self.residual(increment, &here.stress);
-        let mut matrix = self.matrix(&here.tangent);
+        let mut matrix = self.matrix(&here.tangent, &residual);
         let mut secant = false;
         let not_converged = |residual: &Vector| Divergence::NotConverged { residual: (*residual).into() };
         for iteration in 1..=max_iterations {
             let tolerance = self.tolerance(increment, &here.stress);
             if residual.iter().zip(&tolerance).all(|(r, t)| r.abs() <= *t) {
-                return self.is_near(increment).map(|()| iteration);
+                return self.is_near(increment, &here.tangent, &residual, &tolerance, iteration);
             }
             if !residual.iter().all(|r| r.is_finite()) {
                 return Err(not_converged(&residual));
@@ -261,7 +303,7 @@ impl Targets<'_> {
                 let error = new_residual - residual - matrix * moved;
                 matrix += error * moved.transpose() / moved.norm_squared();
             } else {
-                matrix = self.matrix(&evaluation.tangent);
+                matrix = self.matrix(&evaluation.tangent, &new_residual);
             }
             here = evaluation;
             residual = new_residual;

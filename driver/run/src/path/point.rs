@@ -1,7 +1,7 @@
 //! A material point along a path.
 
 use super::finite::Finite;
-use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
+use super::newton::{Divergence, Evaluation, LARGEST_CHANGE, STRESS_TOLERANCE, Targets, is_unknown};
 use super::subdivision::{Divisible, Trouble, take_steps};
 use super::{Accepted, Failure, Observer, Recorder, Statistics, Stop, replay};
 use crate::arguments::UmatArguments;
@@ -16,10 +16,24 @@ use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, untold_nominal, untold_
 use nalgebra::Matrix3;
 use std::io;
 use umat_abi::host::{
-    CallOutcome, Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, NotFinite,
-    TangentSource, Trespass, UmatCall, judge,
+    CallOutcome, Clock, Derived, ExternalDatabases, FOLLOWS_GRADIENT, InitialPoint, InitialStates, InitialStresses,
+    NotFinite, TangentSource, Trespass, UmatCall, judge,
 };
 use umat_abi::law::{Request, StressState};
+
+/// A sought strain that moves on continuously changes less and less in parts of an increment that get smaller; a jump does not: the
+/// largest share of the first change that was refused which is no jump.
+const CONTINUOUS: f64 = 0.25;
+
+/// Strains that were sought and have grown large are taken back for a trial; what is not torn makes at least this part of the change
+/// of stress of the step by that.
+const RESISTANCE: f64 = 0.5;
+/// Growth of such strains until they are tried again.
+const GROWN: f64 = 1.5;
+/// The part of the time increment that such a trial takes.
+const INSTANT: f64 = 1e-9;
+/// The part of DDSDDE times the strain that rounding makes of a stress that does not answer.
+const ROUNDING: f64 = 1e-9;
 
 const INVERTED: &str = "the deformation gradient inverts the volume (det F <= 0)";
 
@@ -35,6 +49,9 @@ pub(super) fn run(
     let mut recorder = Recorder::new(program, observer);
     if let Some(reason) = reason {
         recorder.observer.warn(format!("{} is called with NTENS = 6: {reason}", program.plugin.name));
+    }
+    if let Ok(Some(doubt)) = program.plugin.doubt_of_plane(&mut runner.call) {
+        recorder.observer.warn(format!("{}: {doubt}", program.plugin.name));
     }
     match runner.initial_stress_found() {
         Ok(None) => {}
@@ -61,6 +78,13 @@ pub(super) fn run(
     if let Some(result) = runner.moduli_not_finite {
         recorder.observer.warn(format!(
             "{}: it returned {result}; where the tangent was needed, differences of the stress took its place",
+            program.plugin.name
+        ));
+    }
+    if let Some(names) = runner.names_of_unknown() {
+        recorder.observer.warn(format!(
+            "{} knows nothing of {names} (their rows and columns of DDSDDE are 0): the strains there were left alone; modes 1d and \
+             beam call a law of one or two components as it is meant",
             program.plugin.name
         ));
     }
@@ -158,6 +182,14 @@ struct Runner<'p> {
     is_first_attempt: bool,
     /// First entry of DDSDDE that was not finite where an equilibrium was found all the same.
     moduli_not_finite: Option<NotFinite>,
+    /// Whether it is known that the stress follows the strains.
+    follows_strain: bool,
+    /// Components that the law has known nothing of whenever they were sought, once any was.
+    unknown: Option<[bool; 6]>,
+    /// Change of the sought strains in the step at which the matter was last tried for being torn.
+    tried_change: f64,
+    /// The largest change of a strain in the first attempt from the committed state that was refused as a jump.
+    refused_change: Option<f64>,
 }
 
 /// The end of the last attempt.
@@ -247,6 +279,10 @@ impl<'p> Runner<'p> {
             goal,
             is_first_attempt: true,
             moduli_not_finite: None,
+            refused_change: None,
+            tried_change: 0.0,
+            unknown: None,
+            follows_strain: plugin.law.is_some() || point.nlgeom || point.arguments.dfgrd1.is_some(),
         };
         Ok((runner, reason))
     }
@@ -437,6 +473,8 @@ fn initial_stress(program: &Program, point: &PointProgram, call: &UmatCall) -> R
         Mode::PlaneStrain => "CPE4",
         Mode::Axisymmetric => "CAX4",
         Mode::PlaneStress => "CPS4",
+        Mode::OneD => "T3D2",
+        Mode::Beam => "B31",
     };
     let mut stress = [0.0; 6];
     let values = InitialStresses::new(&program.plugin.library, given.as_deref(), components.len())
@@ -540,7 +578,9 @@ impl Divisible for Runner<'_> {
         }
         let Committed { total_time: time, deformation_gradient: gradient, ref fields, .. } = self.committed;
         let measure = self.measure(step, &start);
-        self.plan = Plan { start, measure, relations, constraints, time, gradient, fields: fields.clone() };
+        self.tried_change = 0.0;
+        let from = (*self.strain(), *self.stress());
+        self.plan = Plan { start, from, measure, relations, constraints, time, gradient, fields: fields.clone() };
         Ok(())
     }
 
@@ -647,12 +687,39 @@ impl Divisible for Runner<'_> {
             Err(Divergence::NotConverged { residual }) => {
                 return Err(Trouble::CutBack { fraction: 0.5, reason: self.not_converged(&residual) });
             }
-            Err(Divergence::Far { component, change }) => {
-                return Err(Trouble::CutBack { fraction: 0.5, reason: far(component, change) });
+            Err(Divergence::Far { component, change, is_determined, iterations }) => {
+                let first = *self.refused_change.get_or_insert(change.abs());
+                if !is_determined || change.abs() > CONTINUOUS * first {
+                    return Err(Trouble::CutBack { fraction: 0.5, reason: far(component, change) });
+                }
+                iterations
             }
         };
         statistics.iterations += u64::from(iterations);
+        if !self.follows_strain && self.follows_gradient_alone(&increment) {
+            return Err(Trouble::Fatal(FOLLOWS_GRADIENT.into()));
+        }
         self.trial.strain = targets.end(&increment);
+        if let Some(size) = targets.measure.filter(|_| !strain_only)
+            && let Some((component, change)) = targets.largest_change(&self.trial.strain, &self.plan.from.0)
+            && change.abs() > (LARGEST_CHANGE * size).max(GROWN * self.tried_change)
+        {
+            if !self.resists(&targets.controls, statistics) {
+                return Err(Trouble::CutBack { fraction: 0.5, reason: torn(component, change) });
+            }
+            self.tried_change = change.abs();
+        }
+        if let Some(tangent) = last_tangent
+            && self.unknown != Some([false; 6])
+        {
+            let so_far = self.unknown.unwrap_or([true; 6]);
+            let components = self.components;
+            self.unknown = Some(std::array::from_fn(|i| {
+                let is_sought =
+                    so_far[i] && matches!(targets.controls[i], Control::Stress(_)) && components.contains(&i);
+                is_sought && is_unknown(components, i, &tangent)
+            }));
+        }
         Ok(iterations)
     }
 
@@ -667,23 +734,11 @@ impl Divisible for Runner<'_> {
     fn commit(&mut self, observer: &mut dyn Observer) {
         observer.accepted(Accepted::Umat(&self.committed, &self.call));
         let state = &mut self.committed;
-        for (k, &i) in self.components.iter().enumerate() {
-            state.stress[i] = self.call.stress()[k];
-            self.largest_stress = self.largest_stress.max(state.stress[i].abs());
-        }
-        state.statev.copy_from_slice(self.call.statev());
-        match &mut self.finite {
-            None => state.strain = self.trial.strain,
-            Some(finite) => {
-                let thickness = thickness_at(&self.call, self.call.strain_33, self.strain_33, &state.statev);
-                finite.commit(self.trial.strain, state, thickness);
-            }
-        }
-        if self.plane_stress && self.call.is_through_solid() {
-            state.strain[2] = self.call.strain_33;
-        }
+        take_over(&self.call, self.components, &self.trial, self.strain_33, state, self.finite.as_mut());
+        let stresses = self.components.iter().map(|&i| state.stress[i].abs());
+        self.largest_stress = stresses.fold(self.largest_stress, f64::max);
         self.moduli_not_finite = self.moduli_not_finite.or(self.trial.moduli_not_finite);
-        state.energies = self.call.energies;
+        self.refused_change = None;
         state.step_time = self.trial.step_time;
         state.total_time = self.trial.total_time;
         state.fields.clone_from(&self.trial.fields);
@@ -699,6 +754,10 @@ impl Divisible for Runner<'_> {
         if self.plane_stress {
             let thickness = self.thickness();
             strain[2] = self.finite.as_ref().map_or(thickness, |finite| finite.strain_33(thickness));
+        }
+        if !self.components.contains(&1) {
+            // no law tells the strains across
+            [strain[1], strain[2]] = [f64::NAN; 2];
         }
         let gradient = self.finite.as_ref().map(|finite| finite.gradient(state, self.thickness())).unwrap_or_default();
         let row = PointRow {
@@ -736,10 +795,9 @@ impl Divisible for Runner<'_> {
 impl Runner<'_> {
     /// Returns the measure of the strains that a step seeks ([`Targets::measure`]); `start`: controlled quantities. Relations
     /// and fields drive strains of any size, and so do stresses that grow.
-    fn measure(&self, step: &PointStep, start: &[f64; 6]) -> Option<(f64, [f64; 6])> {
+    fn measure(&self, step: &PointStep, start: &[f64; 6]) -> Option<f64> {
         let PointDrive::Components { controls, rows } = &step.goal.drive else { return None };
-        let strain = *self.strain();
-        let mut size = strain.iter().fold(0.0_f64, |largest, e| largest.max(e.abs()));
+        let mut size = self.strain().iter().fold(0.0_f64, |largest, e| largest.max(e.abs()));
         for &i in self.controllable {
             let ends = |end: f64| rows.iter().map(|row| row[i]).chain(rows.is_empty().then_some(end)).map(f64::abs);
             match controls[i] {
@@ -749,7 +807,52 @@ impl Runner<'_> {
             }
         }
         let drives_more = !step.goal.constraints.is_empty() || step.fields != crate::program::StepFields::default();
-        (size > 0.0 && !drives_more).then_some((size, strain))
+        (size > 0.0 && !drives_more).then_some(size)
+    }
+
+    /// Returns whether the stress of the last call, which `increment` has not changed, follows DFGRD1. That is found out once.
+    fn follows_gradient_alone(&mut self, increment: &[f64; 6]) -> bool {
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |most, value| most.max(value.abs()));
+        let strain = largest(&mut increment.iter().copied());
+        if strain == 0.0 {
+            return false;
+        }
+        self.follows_strain = true;
+        let start: Vec<f64> = self.components.iter().map(|&i| self.committed.stress[i]).collect();
+        let change = largest(&mut self.call.stress().iter().zip(&start).map(|(end, start)| end - start));
+        if change > ROUNDING * largest(&mut self.call.ddsdde().iter().copied()) * strain {
+            return false;
+        }
+        aside(&mut self.call, |call| {
+            let (strain, increment) = (call.stran, call.dstran);
+            let [strain, increment] = [&strain[..start.len()], &increment[..start.len()]];
+            call.set_point([strain, increment, &start], &self.committed.statev, self.committed.energies);
+            call.follows_gradient_alone()
+        })
+    }
+
+    /// Returns whether the matter at the end of the last call resists: taking the sought strains of the step back at once makes
+    /// stress. It does not where it is torn, however large they are; where it creeps, flows or swells it does.
+    fn resists(&mut self, controls: &[Control; 6], statistics: &mut Statistics) -> bool {
+        let (mut end, mut finite) = (self.committed.clone(), self.finite.clone());
+        take_over(&self.call, self.components, &self.trial, self.strain_33, &mut end, finite.as_mut());
+        let (strain, stress) = (self.trial.strain, finite.as_ref().map_or(end.stress, |finite| finite.stress));
+        let (start, stress_at_start) = self.plan.from;
+        let mut back = [0.0; 6];
+        for &i in self.components.iter().filter(|&&i| !matches!(controls[i], Control::Strain(_))) {
+            back[i] = start[i] - strain[i];
+        }
+        let (components, strain_33) = (self.components, self.strain_33);
+        let answer = aside(&mut self.call, |call| {
+            call.dtime *= INSTANT;
+            let mut point = Point { call, committed: &end, finite: finite.as_mut(), strain_33, components, statistics };
+            point.evaluate(&back, || std::array::from_fn(|i| strain[i] + back[i]), Request::Stress)
+        });
+        let Ok(answer) = answer else { return true };
+        let far =
+            |a: &[f64; 6], b: &[f64; 6]| self.components.iter().fold(0.0_f64, |most, &i| most.max((a[i] - b[i]).abs()));
+        let change = far(&stress, &stress_at_start);
+        change <= STRESS_TOLERANCE * self.largest_stress.max(1.0) || far(&answer.stress, &stress) >= RESISTANCE * change
     }
 
     /// Makes the last call of a plugin that nobody vouches for again, to see whether it leaves its arrays.
@@ -806,8 +909,31 @@ impl Runner<'_> {
         Some(format!("no equilibrium found: {found}; {ADVICE}"))
     }
 
+    /// Names of the stresses that the law knows nothing of.
+    fn names_of_unknown(&self) -> Option<String> {
+        let unknown = self.unknown?;
+        let names: Vec<&str> = self.components.iter().filter(|&&i| unknown[i]).map(|&i| STRESS_NAMES[i]).collect();
+        (!names.is_empty()).then(|| names.join(", "))
+    }
+
     /// Words for a residual that does not vanish.
     fn not_converged(&self, residual: &[f64; 6]) -> String {
+        // a law that yields has answered before
+        let no_answer = |i: usize, stress: f64| {
+            residual[i].abs() > STRESS_TOLERANCE
+                && stress == self.committed.stress[i]
+                && self.unknown.is_none_or(|unknown| unknown[i])
+                && self.trial.tangent.is_some_and(|tangent| is_unknown(self.components, i, &tangent))
+        };
+        let mut stresses = self.components.iter().zip(self.call.stress());
+        if let Some((&i, _)) = stresses.find(|(i, stress)| no_answer(**i, **stress)) {
+            return format!(
+                "no equilibrium found: {stress} answers no strain (row and column of DDSDDE are 0) and is {:.3e} MPa off its \
+                 target: leave {stress} out",
+                residual[i],
+                stress = STRESS_NAMES[i]
+            );
+        }
         let worst = |i: &usize| residual[*i].abs();
         // a ramped stress is the culprit rather than the free components that it drags along; those may start as far
         // from their target as the last increment was allowed to leave them
@@ -842,11 +968,59 @@ fn is_far(from: f64, to: f64) -> bool {
     (to - from).abs() > STRESS_TOLERANCE * to.abs().max(1.0)
 }
 
+/// Takes the end of the last call over as a state.
+fn take_over(
+    call: &UmatCall,
+    components: &[usize],
+    trial: &Trial,
+    strain_33: Option<usize>,
+    state: &mut Committed,
+    finite: Option<&mut Finite>,
+) {
+    components.iter().zip(call.stress()).for_each(|(&i, stress)| state.stress[i] = *stress);
+    state.statev.copy_from_slice(call.statev());
+    match finite {
+        None => state.strain = trial.strain,
+        Some(finite) => {
+            let thickness = thickness_at(call, call.strain_33, strain_33, &state.statev);
+            finite.commit(trial.strain, state, thickness);
+        }
+    }
+    if call.is_through_solid() && call.stress_state() == StressState::PlaneStress {
+        state.strain[2] = call.strain_33;
+    }
+    state.energies = call.energies;
+}
+
+/// Makes other calls, and leaves arguments and results as they were but for DDSDDE.
+fn aside<T>(call: &mut UmatCall, work: impl FnOnce(&mut UmatCall) -> T) -> T {
+    let (strain, increment, dtime) = (call.stran, call.dstran, call.dtime);
+    let (stress, statev) = (call.stress().to_vec(), call.statev().to_vec());
+    let (energies, strain_33) = (call.energies, call.strain_33);
+    let kinematics = (call.drot, call.dfgrd0, call.dfgrd1);
+    let result = work(call);
+    let ntens = stress.len();
+    call.set_point([&strain[..ntens], &increment[..ntens], &stress], &statev, energies);
+    call.strain_33 = strain_33;
+    call.dtime = dtime;
+    (call.drot, call.dfgrd0, call.dfgrd1) = kinematics;
+    result
+}
+
+/// Words for matter that does not resist.
+fn torn(component: usize, change: f64) -> String {
+    let strain = STRAIN_NAMES[component];
+    format!(
+        "no equilibrium found near the last one: {strain} would change by {change:.3e} in the step, and what is there would resist \
+         as little as torn matter; control {strain} by strain"
+    )
+}
+
 /// Words for an equilibrium that is not the next one.
 fn far(component: usize, change: f64) -> String {
     let strain = STRAIN_NAMES[component];
     format!(
-        "no equilibrium found near the last one: {strain} would change by {change:.3e} in the step; control {strain} by strain, or use \
+        "no equilibrium found near the last one: {strain} would jump by {change:.3e}; control {strain} by strain, or use \
          smaller increments"
     )
 }
@@ -856,8 +1030,10 @@ fn far(component: usize, change: f64) -> String {
 struct Plan {
     /// Values of the controlled quantity, by component.
     start: [f64; 6],
+    /// The case's strain and stress.
+    from: ([f64; 6], [f64; 6]),
     /// Measure of the strains that are sought ([`Targets::measure`]).
-    measure: Option<(f64, [f64; 6])>,
+    measure: Option<f64>,
     /// Left sides of the relations.
     relations: Vec<f64>,
     constraints: Vec<Constraint>,

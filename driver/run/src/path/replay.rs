@@ -6,7 +6,7 @@
 
 use super::{interface, point};
 use crate::program::{
-    Control, FieldValues, InterfaceEntry, Kind, Mode, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES, job_folder,
+    Control, FieldValues, InterfaceEntry, Kind, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES, job_folder,
 };
 use crate::replay::{self, named, rows};
 use serde_json::{Map, Value, json};
@@ -91,7 +91,7 @@ pub(super) fn point(
         }
     }
     let mut case = frame(program, [initial, step], [&state.fields, &goal.fields[1]]);
-    if point.mode != Mode::ThreeD && program.plugin.law.is_none() {
+    if point.mode.stress_state().is_plane() && program.plugin.law.is_none() {
         // what probing found out at the start of the run
         case["material"]["as"] = json!(if call.is_through_solid() { "3d" } else { "plane" });
     }

@@ -7,7 +7,7 @@ use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::{ModelError, PluginLaw};
 use crate::plane::dot;
 use serde::{Deserialize, Serialize};
-use umat_abi::host::{TangentSource, UmatCall, judge, same_bits};
+use umat_abi::host::{FOLLOWS_GRADIENT, TangentSource, UmatCall, judge, same_bits};
 use umat_abi::law::{Request, StressState};
 
 /// The fraction of the increment to repeat with by default.
@@ -161,15 +161,20 @@ impl Points {
 
     /// Finds out how the UMAT is to be called, unless the user has set it, and DDSDDE at zero strain with the initial states and
     /// the initial stress, those of the first point. Returns notes for users.
-    pub(super) fn prepare(&mut self, law: &PluginLaw, part: &str) -> Result<Vec<String>, ModelError> {
+    pub(super) fn prepare(&mut self, law: &PluginLaw, part: &str, nlgeom: bool) -> Result<Vec<String>, ModelError> {
         self.set_virgin();
-        let reason = law.probe(&mut self.call).map_err(|error| ModelError::of_part(part, law.error(error)))?;
+        let error = |error| ModelError::of_part(part, law.error(error));
+        let reason = law.probe(&mut self.call).map_err(error)?;
+        let doubt = law.doubt_of_plane(&mut self.call).map_err(error)?;
+        if law.law.is_none() && !nlgeom && self.call.follows_gradient_alone() {
+            return Err(ModelError::of_part(part, format!("{}: {FOLLOWS_GRADIENT}", law.name)));
+        }
         self.find_elastic(law, part)?;
         let initial = self.committed.stress.first().copied().unwrap_or_default();
         let changed = self.call.judge_initial_stress(&initial);
         let changed = changed.map_err(|dropped| ModelError::of_part(part, format!("{} {dropped}", law.name)))?;
         let reason = reason.map(|reason| format!("is called with NTENS = 6: {reason}"));
-        let notes = [reason, changed].into_iter().flatten();
+        let notes = [reason, doubt, changed].into_iter().flatten();
         Ok(notes.map(|note| format!("part '{part}': {} {note}", law.name)).collect())
     }
 

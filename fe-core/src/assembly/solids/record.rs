@@ -283,7 +283,7 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Mode
         if let Some((_, length)) = largest_element(mesh, part) {
             first.points.call.celent = length;
         }
-        notes.extend(first.points.prepare(law, &shared[part].name)?);
+        notes.extend(first.points.prepare(law, &shared[part].name, nlgeom[part])?);
         if nlgeom[part] && parts[part].model == PlaneModel::PlaneStress && !first.points.knows_thickness() {
             notes.push(format!(
                 "part '{}': {} does not tell its strain 33 in plane stress: its thickness stays that of the reference \

@@ -12,6 +12,7 @@ use super::call::{CallOutcome, UmatCall};
 use super::memory::Overrun;
 use crate::law::{Request, StressState};
 pub(super) use directions::Wide;
+pub use probing::FOLLOWS_GRADIENT;
 use std::fmt;
 
 /// Source of a call's DDSDDE.

@@ -1,7 +1,7 @@
 //! Trial calls that find out whether a plugin without metadata handles the components of a plane call.
 
 use super::super::call::{CallOutcome, UmatCall};
-use super::super::probe::{Alignment, Probed};
+use super::super::probe::{Alignment, Probed, ask};
 use super::super::{LawDescription, LoadError, Plugin, Trespass};
 use super::Manner;
 use crate::law::{Request, StressState};
@@ -13,6 +13,14 @@ const STRAIN: f64 = 1e-6;
 const PLANE_STRAIN: [f64; 4] = [STRAIN, -0.4 * STRAIN, 0.0, 0.6 * STRAIN];
 /// Stresses of both calls that differ by less than this part of the largest are the same.
 const SAME: f64 = 1e-3;
+/// The largest strains of the calls beyond those, where most laws are not elastic.
+const LARGE_STRAINS: [f64; 3] = [1e-4, 1e-3, 1e-2];
+/// The part of the stress that DFGRD1 makes which strains make in a law that does not read them: rounding.
+const UNREAD: f64 = 1e-6;
+
+/// What to do about a stress that follows DFGRD1 and not the strains ([`UmatCall::follows_gradient_alone`]).
+pub const FOLLOWS_GRADIENT: &str =
+    "its stress follows DFGRD1 and not the strains, as that of a law of finite strain does: set \"nlgeom\": true";
 
 impl Plugin {
     /// Calls of its UMAT with these components, through one with six if the manner or the metadata require it.
@@ -31,7 +39,7 @@ impl Plugin {
     /// Returns whether calls with these components go through one with six; `None`: trial calls decide ([`Self::probe`]).
     pub fn goes_through_six(&self, stress_state: StressState) -> Option<bool> {
         match &self.law {
-            _ if stress_state == StressState::ThreeD => Some(false),
+            _ if !stress_state.is_plane() => Some(false),
             Some(law) => Some(self.manner.has_six(law, stress_state)),
             None => self.manner.as_three_d,
         }
@@ -59,11 +67,49 @@ impl Plugin {
     }
 }
 
+impl Plugin {
+    /// Returns what speaks for six components in a call of plane strain of which nothing is known, beyond what [`Self::probe`]
+    /// finds: trial calls in child processes with large strains.
+    ///
+    /// # Errors
+    /// The library has no such entry point.
+    pub fn doubt_of_plane(&self, call: &mut UmatCall) -> Result<Option<String>, LoadError> {
+        let is_open = self.goes_through_six(call.stress_state()).is_none() && !call.is_through_solid();
+        if !is_open || call.stress_state() != StressState::PlaneStrainOrAxisymmetric {
+            return Ok(None);
+        }
+        let mut solid = self.plain_umat(StressState::ThreeD)?;
+        call.hand_over(&mut solid);
+        call.set_start(&mut solid);
+        let serves = ask(|| LARGE_STRAINS.iter().all(|strain| solid.stresses_at(*strain).is_some()));
+        if serves.ok().flatten() != Some(true) {
+            return Ok(None);
+        }
+        let differs = ask(|| {
+            LARGE_STRAINS.iter().any(|&strain| {
+                let Some(six) = solid.stresses_at(strain) else { return false };
+                let largest = six.iter().fold(0.0_f64, |most, stress| most.max(stress.abs()));
+                let plane = call.stresses_at(strain);
+                plane.is_none_or(|plane| plane.iter().zip(&six).any(|(a, b)| (a - b).abs() > SAME * largest))
+            })
+        });
+        let what = match differs {
+            Ok(Some(true)) => "gives another stress than with 6 where strains are large",
+            Ok(None) => "does not come back where strains are large, with 6 it does",
+            _ => return Ok(None),
+        };
+        Ok(Some(format!(
+            "with NTENS = 4 it {what}: a law that is written for six components leaves its own arrays; \"as\": \"3d\" calls it with six"
+        )))
+    }
+}
+
 impl Manner {
     /// Returns whether plane calls of a law go through six components: as is said, or because it has not those of the plane.
     pub fn has_six(self, law: &LawDescription, stress_state: StressState) -> bool {
         let has = |bits: u32| law.stress_states & bits != 0;
-        self.as_three_d.unwrap_or_else(|| !has(stress_state.bits())) && has(stress_states::THREE_D)
+        let is_wanted = self.as_three_d.unwrap_or_else(|| !has(stress_state.bits()));
+        stress_state.is_plane() && is_wanted && has(stress_states::THREE_D)
     }
 }
 
@@ -74,9 +120,7 @@ impl UmatCall {
         let mut start = super::Point::default();
         self.keep(&mut start);
         let strains = (self.stran, self.dstran, self.dfgrd1);
-        for (k, &component) in self.stress_state().components().iter().enumerate() {
-            self.dstran[k] = PLANE_STRAIN[component];
-        }
+        self.set_plane_strain(STRAIN);
         self.deform();
         let fault = self.fault();
         let plane = fault.is_none().then(|| self.stresses()).flatten();
@@ -95,6 +139,52 @@ impl UmatCall {
         (self.stran, self.dstran, self.dfgrd1) = strains;
         self.restore_outcome();
         reason.map(|reason| format!("with NTENS = {} it {reason}", self.ntens()))
+    }
+
+    /// The stresses of a plane strain increment of this size from where the call stands, which is kept.
+    fn stresses_at(&mut self, size: f64) -> Option<Vec<f64>> {
+        let mut start = super::Point::default();
+        self.keep(&mut start);
+        let strains = (self.dstran, self.dfgrd1);
+        self.set_plane_strain(size);
+        self.deform();
+        let stresses = self.stresses();
+        (self.dstran, self.dfgrd1) = strains;
+        self.put_back(&start);
+        self.restore_outcome();
+        stresses
+    }
+
+    /// Sets DSTRAN to one of plane strain.
+    fn set_plane_strain(&mut self, size: f64) {
+        for (k, &component) in self.stress_state().components().iter().enumerate() {
+            self.dstran[k] = PLANE_STRAIN.get(component).map_or(0.0, |strain| strain / STRAIN * size);
+        }
+    }
+
+    /// Returns whether the stress follows DFGRD1 and not DSTRAN. The call stands at a point, which is kept.
+    pub fn follows_gradient_alone(&mut self) -> bool {
+        let mut start = super::Point::default();
+        self.keep(&mut start);
+        let strains = (self.dstran, self.dfgrd1);
+        let change = |call: &mut Self| {
+            let stresses = call.stresses();
+            call.put_back(&start);
+            let change = |stresses: Vec<f64>| {
+                stresses.iter().zip(&start.stress).fold(0.0_f64, |most, (end, start)| most.max((end - start).abs()))
+            };
+            stresses.map(change)
+        };
+        self.set_plane_strain(STRAIN);
+        self.dfgrd1 = self.dfgrd0;
+        let by_strain = change(self);
+        for k in 0..self.ntens() {
+            self.stretch(k, self.dstran[k]);
+        }
+        let by_both = change(self);
+        (self.dstran, self.dfgrd1) = strains;
+        self.restore_outcome();
+        by_strain.zip(by_both).is_some_and(|(strain, both)| both > 0.0 && strain <= UNREAD * both)
     }
 
     /// Lets DFGRD1 follow DSTRAN where displacements are large; in plane stress it keeps the volume, as a run has it.

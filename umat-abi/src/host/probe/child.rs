@@ -15,6 +15,8 @@ const MESSAGE: usize = 9;
 const TOUCHED: u8 = 2;
 /// The last byte of a call that came back.
 const RETURNED: u8 = 3;
+/// The last byte of a question that was answered with yes.
+const YES: u8 = 4;
 /// Stack of the handler.
 const HANDLER_STACK: usize = 1 << 16;
 
@@ -23,6 +25,28 @@ static CHANNEL: AtomicI32 = AtomicI32::new(-1);
 
 /// Runs a call in a child process.
 pub(super) fn run(fenced: &[Fenced], call: impl FnOnce()) -> io::Result<Probed> {
+    let (message, status) = within(|| {
+        call();
+        RETURNED
+    })?;
+    Ok(judge(fenced, &message, status))
+}
+
+/// Answers a question in a child process; `None` if the child does not come back.
+///
+/// # Errors
+/// The system gives no process.
+pub fn ask(question: impl FnOnce() -> bool) -> io::Result<Option<bool>> {
+    let (message, _) = within(|| if question() { YES } else { RETURNED })?;
+    Ok(match message.get(MESSAGE - 1) {
+        Some(&YES) => Some(true),
+        Some(&RETURNED) => Some(false),
+        _ => None,
+    })
+}
+
+/// Lets a child process do something and tell its last byte; returns its message and status.
+fn within(work: impl FnOnce() -> u8) -> io::Result<(Vec<u8>, i32)> {
     let (mut reader, writer) = io::pipe()?;
     // SAFETY: the child makes the call and ends; it returns to no code of this process.
     match unsafe { libc::fork() } {
@@ -30,8 +54,7 @@ pub(super) fn run(fenced: &[Fenced], call: impl FnOnce()) -> io::Result<Probed> 
         0 => {
             CHANNEL.store(writer.as_raw_fd(), Ordering::SeqCst);
             prepare();
-            call();
-            tell(0, RETURNED);
+            tell(0, work());
             // SAFETY: ends the child without the exit handlers that it shares with its parent.
             unsafe { libc::_exit(0) }
         }
@@ -42,7 +65,7 @@ pub(super) fn run(fenced: &[Fenced], call: impl FnOnce()) -> io::Result<Probed> 
             let mut status = 0;
             // SAFETY: waits for the child that was made above.
             unsafe { libc::waitpid(child, &raw mut status, 0) };
-            Ok(judge(fenced, &message, status))
+            Ok((message, status))
         }
     }
 }

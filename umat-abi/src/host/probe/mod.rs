@@ -8,6 +8,7 @@ mod child;
 mod fences;
 
 use super::memory::Trespass;
+pub(super) use child::ask;
 
 /// Position of an array between its two forbidden pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
