@@ -204,6 +204,70 @@ pub type Repetitions = Whole<1, 1_000_000>;
 /// A deformation gradient, row by row.
 pub type Matrix = [[f64; 3]; 3];
 
+/// Values along the local axes 1, 2 and 3: one for all, or one each.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum AxialValues {
+    /// The same along all.
+    Same(f64),
+    /// Of each axis.
+    Each([f64; 3]),
+}
+
+/// Values, or one for each place of a table.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum TabularValues {
+    /// The same everywhere.
+    Constant(f64),
+    /// Along each axis, or of each place.
+    List(Vec<AxialValues>),
+}
+
+/// Thermal expansion: the coefficient alone, or with what it refers to.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Expansion {
+    /// The coefficient, 1/K.
+    Coefficient(f64),
+    /// Coefficients and temperatures.
+    Table(ExpansionTable),
+}
+
+/// Thermal strain alpha(T) (T - T0) - alpha(Ti) (Ti - T0), as ABAQUS has it.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExpansionTable {
+    /// Secant coefficient, 1/K: a number, three of the local axes, or a list of either, one for each of the temperatures.
+    pub alpha: TabularValues,
+    /// Temperatures of the coefficients, growing; linear between them, constant beyond.
+    pub temperatures: Option<Vec<f64>>,
+    /// T0, to which the coefficients refer (default 0).
+    pub zero_temperature: Option<f64>,
+    /// Ti, at which there is no thermal strain (default: the case's initial temperature).
+    pub initial_temperature: Option<f64>,
+}
+
+/// A strain over the total time.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Shrinkage {
+    /// Total times, s, growing; linear between them, constant beyond.
+    pub times: Vec<f64>,
+    /// Free strain at each, negative where the material shrinks: a number, or three of the local axes.
+    pub strain: Vec<AxialValues>,
+}
+
+/// Local axes.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Orientation {
+    /// Degrees about axis 3.
+    Angle(f64),
+    /// Two vectors of two or three components.
+    Vectors([Vec<f64>; 2]),
+}
+
 /// The plugin and its parameters.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -218,6 +282,13 @@ pub struct Material {
     /// State variables at the start, at every point; in kind point the same as initial.statev. Default: what the
     /// library's SDVINI sets, or zeros.
     pub statev0: Option<Vec<f64>>,
+    /// Thermal expansion that the law itself does not have: its strain is taken off those that the law is given.
+    pub expansion: Option<Expansion>,
+    /// Strain over the total time that is free of stress whatever the temperature, as of drying; taken off likewise.
+    pub shrinkage: Option<Shrinkage>,
+    /// Local axes of the material: an angle in degrees from 1 to 2 about axis 3, or two vectors, the first along local axis 1, the
+    /// second in the plane of 1 and 2. The law is given stress and strain in these axes; results stay in those of the case.
+    pub orientation: Option<Orientation>,
     /// Symbol of the entry point, if it has none of the usual names; runs in a process of its own.
     #[schemars(length(min = 1))]
     pub symbol: Option<String>,

@@ -19,6 +19,11 @@ pub fn initial(reader: &mut Reader<'_>, course: &Course) -> FieldValues {
     }
 }
 
+/// The temperature at the start; what is wrong with it [`initial`] says.
+pub fn initial_temperature(course: &Course) -> f64 {
+    course.temperature.as_ref().and_then(|piece| piece.0.as_ref().ok()).copied().unwrap_or_default()
+}
+
 /// Values at the end of a step of a case with `count` field variables.
 pub fn of_step(reader: &mut Reader<'_>, end: &StepEnd, count: usize, place: &Place) -> StepFields {
     let StepEnd { temperature, predef, .. } = end;

@@ -41,7 +41,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let message = "kind \"interface\" calls the entry point uinter or fric; use kind \"point\" for umat";
     let given = material.and_then(|material| material.entry);
     let entry = plugin::contact_entry(reader, given, &place, message);
-    let purpose = Use { level: Level::Point, entry, mode: None, length, normal: None };
+    let purpose = Use { level: Level::Point, entry, mode: None, length, initial_temperature: 0.0, normal: None };
     let plugin = material.and_then(|material| plugin::resolve(reader, material, &place, purpose));
     let place = root.key("initial");
     let given = reader.optional(case.initial.as_ref(), &place).cloned().unwrap_or_default();

@@ -9,6 +9,7 @@ mod bridging;
 mod constraints;
 mod document;
 mod fields;
+mod frame;
 mod history;
 mod host_normal;
 pub mod import;

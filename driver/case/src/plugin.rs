@@ -1,12 +1,13 @@
 //! The plugin of a case: found, loaded, its law chosen, its parameters filled in and checked.
 
 use crate::document::{CalledAs, Entry, Material, Piece, Positive, Props, Tangent};
+use crate::frame;
 use crate::host_normal;
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;
 use crate::reader::Reader;
 use fe_core::model::NormalLaw;
-use pullout_run::isolation::worker;
+use pullout_run::isolation::{is_shipped, worker};
 use pullout_run::program::Mode;
 use std::path::{Path, PathBuf};
 use umat_abi::host::{self, Found, LawDescription, Library, LoadError, Manner, Plugin, TangentSource, Validation};
@@ -32,6 +33,8 @@ pub struct Use {
     pub mode: Option<(Mode, Place)>,
     /// CELENT.
     pub length: Length,
+    /// The case's temperature at the start.
+    pub initial_temperature: f64,
     /// The host's normal law beside FRIC, if it is known, and where the case gives it.
     pub normal: Option<(NormalLaw, Place)>,
 }
@@ -103,6 +106,7 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
     }
     let law = choose_law(reader, &library, material, place)?;
     let manner = manner(reader, material, place, &purpose);
+    let frame = frame::of(reader, material, place, &purpose);
     let usable = match &law {
         Some(law) => check_kind(reader, law, &place_of_plugin, &purpose, manner),
         None => true,
@@ -122,6 +126,24 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
         props: props.unwrap_or_default(),
         nstatv,
         manner,
+        frame,
+    })
+}
+
+/// Returns why a change of temperature changes nothing, where that is known: these laws are the program's own, which do not read it,
+/// and none of their materials expands.
+pub fn without_expansion<'p>(plugins: impl Iterator<Item = &'p Plugin> + Clone) -> Option<String> {
+    let is_known = |plugin: &Plugin| {
+        let expands = plugin.frame.as_ref().is_some_and(|frame| frame.expansion.is_some());
+        !expands && is_shipped(plugin.library.path())
+    };
+    let mut names: Vec<&str> = plugins.clone().map(|plugin| plugin.name.as_str()).collect();
+    names.dedup();
+    (!names.is_empty() && plugins.clone().all(is_known)).then(|| {
+        format!(
+            "{} does not depend on the temperature; \"expansion\" of the material gives it thermal strain",
+            names.join(", ")
+        )
     })
 }
 

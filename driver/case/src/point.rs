@@ -12,7 +12,7 @@ use pullout_run::columns;
 use pullout_run::deformation::{self, Polar, exponential, matrix, rotated, turns};
 use pullout_run::program::{
     Control, Kind, Measure, Mode, Pace, PointDrive, PointGoal, PointProgram, PointState, PointStep, STRAIN_NAMES,
-    STRESS_NAMES, TURNED, untold_nominal, untold_thickness,
+    STRESS_NAMES, StepFields, TURNED, untold_nominal, untold_thickness,
 };
 use std::array::from_fn;
 use umat_abi::host::Plugin;
@@ -65,7 +65,14 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
             reader,
             material,
             &place,
-            Use { level: Level::Point, entry: Entry::Umat, mode, length, normal: None },
+            Use {
+                level: Level::Point,
+                entry: Entry::Umat,
+                mode,
+                length,
+                initial_temperature: fields::initial_temperature(&case.course),
+                normal: None,
+            },
         )
     });
     let columns = plugin.as_ref().map(|plugin| columns::of_point(nlgeom, &plugin.state_names()));
@@ -103,6 +110,16 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         }
         Found::Step(step)
     });
+    let initial_temperature = initial.fields.temperature;
+    let heats = |step: &PointStep| {
+        let StepFields { temperature, temperatures, .. } = &step.fields;
+        temperature.iter().chain(temperatures.iter().flatten()).any(|end| *end != initial_temperature)
+    };
+    if steps.iter().any(heats)
+        && let Some(reason) = plugin::without_expansion(plugin.iter())
+    {
+        reader.warn_no_effect(&root.key("temperature"), reason);
+    }
     let kind = mode.map(|mode| {
         Kind::Point(PointProgram { mode, nlgeom, measure, initial, arguments: arguments.unwrap_or_default(), steps })
     });

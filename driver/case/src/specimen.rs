@@ -4,10 +4,10 @@ use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::problem::{Place, hint};
 use crate::reader::{Reader, Taken};
-use crate::{history, increments};
+use crate::{history, increments, plugin};
 use boundary::Boundary;
 use fe_core::mesh::{Element, Mesh};
-use fe_core::model::{Controls, Model, PluginLaw, Skipping, Spalling};
+use fe_core::model::{ContactLaw, Controls, Model, PluginLaw, Skipping, Spalling};
 use fe_core::stepping::Analysis;
 use fe_core::threads::Threads;
 use mesh::Ground;
@@ -101,6 +101,14 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let nlgeom: Vec<bool> = parts.nlgeom.into_iter().map(|of_part| of_part.unwrap_or(nlgeom)).collect();
     for pair in &mut contacts {
         pair.master_bends = pair.master.iter().any(|edge| nlgeom[mesh.elements()[edge.element].part()]);
+    }
+    if fields.ends.iter().any(|end| end.temperature != fields.initial.temperature) {
+        let of_contact = contacts.iter().map(|pair| match &pair.law {
+            ContactLaw::Uinter(law) | ContactLaw::Fric { law, .. } => &law.plugin,
+        });
+        if let Some(reason) = plugin::without_expansion(parts.laws.iter().map(|law| &law.plugin).chain(of_contact)) {
+            reader.warn_no_effect(&root.key("temperature"), reason);
+        }
     }
     let model = Model {
         mesh,

@@ -234,6 +234,13 @@ impl Model {
         self.nlgeom.contains(&true)
     }
 
+    /// Returns whether only drives do work: no temperature, field variable or free strain changes. What these do to a material is no
+    /// work of the drives.
+    pub fn is_driven_alone(&self) -> bool {
+        let shrinks = |law: &PluginLaw| law.frame.as_ref().is_some_and(|frame| frame.shrinkage.is_some());
+        !self.fields.change() && !self.laws.iter().any(shrinks)
+    }
+
     /// Returns whether any part starts from a stress.
     pub fn has_initial_stress(&self) -> bool {
         let model = |part: usize| self.mesh.parts()[part].model;

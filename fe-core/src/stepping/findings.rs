@@ -18,8 +18,7 @@ impl Analysis<'_> {
         let trial = Snapshot { committed: &converged.end, ..self.snapshot() };
         let [load, _] = self.measured_load(&trial);
         let drive = |state: &Committed| self.model.measured.slip_of(&state.drives);
-        // what temperature and fields do to a material is no work of the drives
-        let is_driven_alone = !self.model.fields.change();
+        let is_driven_alone = self.model.is_driven_alone();
         let [energy_error_before, energy_error] =
             if is_driven_alone { self.energy_errors_of(&converged.end) } else { [0.0; 2] };
         let external_work = self.external_work_at(&converged.end);

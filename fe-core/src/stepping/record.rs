@@ -181,7 +181,7 @@ impl Analysis<'_> {
             slip_exit: mean(|fibre| fibre.slip_exit, measured.exit_node),
             slip_tail: mean(|fibre| fibre.slip_tail, measured.tail_node),
             energies: self.present.energies,
-            energy_error: if self.model.fields.change() {
+            energy_error: if !self.model.is_driven_alone() {
                 f64::NAN
             } else if reference > 0.0 {
                 self.present.energies.imbalance() / reference

@@ -7,6 +7,7 @@ mod description;
 mod discovery;
 mod exchange;
 mod fence;
+mod frame;
 mod guard;
 mod initial;
 mod interface_call;
@@ -33,6 +34,7 @@ pub use discovery::{
     Found, SOURCES, is_source, library_file_name, library_name, library_path, names_a_file, real_path, search_also,
     search_beside, search_paths,
 };
+pub use frame::{Course, Expansion, Frame, FreeStrain, LawView};
 pub use guard::WrittenInput;
 pub use initial::{InitialPoint, InitialStates, InitialStresses};
 pub use interface_call::{FricAnswer, FricCall, FricInputs, SurfaceFields, UinterCall, UinterInputs};

@@ -1,7 +1,8 @@
 //! A law of a library with everything that its calls need.
 
-use super::{FricCall, LawDescription, Library, LoadError, Manner, UinterCall, UmatCall};
+use super::{FricCall, Frame, LawDescription, Library, LoadError, Manner, UinterCall, UmatCall};
 use crate::law::StressState;
+use std::sync::Arc;
 
 /// A law of a library, ready to be called.
 #[derive(Clone, Debug)]
@@ -22,6 +23,8 @@ pub struct Plugin {
     pub nstatv: usize,
     /// Manner in which its UMAT is called.
     pub manner: Manner,
+    /// Local axes and free strains in which its UMAT sees its points; `None`: those of the host, and none.
+    pub frame: Option<Arc<Frame>>,
 }
 
 impl Plugin {
@@ -36,6 +39,7 @@ impl Plugin {
             nstatv: law.states.len(),
             law: Some(law.clone()),
             manner: Manner::default(),
+            frame: None,
         }
     }
 

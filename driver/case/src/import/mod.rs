@@ -55,6 +55,13 @@ pub fn import(job: &Path, wishes: Wishes<'_>) -> Result<Imported, String> {
         case["title"] = json!(title);
     }
     case["material"] = material_block(material, wishes.plugin, &mut left_out);
+    if let Some(axes) = model.local_axes().map_err(|error| format!("{}: {error}", job.display()))? {
+        case["material"]["orientation"] = axes.clone();
+        if !model.initial.stress.is_empty() {
+            left_out
+                .push("that the initial stress is of the local axes: the case has it in those of the job".to_owned());
+        }
+    }
     case["characteristic_length"] = json!(brick.characteristic_length());
     // a shipped law tells its thickness strain
     let has_thickness = brick.shape.mode != "plane_stress" || case["material"]["nstatv"].is_null();
@@ -100,6 +107,9 @@ fn material_block(material: &Material, plugin: Option<&str>, left_out: &mut Vec<
         }
     };
     let mut block = json!({ "plugin": plugin, "props": material.constants });
+    if let Some(expansion) = &material.expansion {
+        block["expansion"] = expansion.clone();
+    }
     if !is_shipped {
         block["nstatv"] = json!(material.states);
         block["cmname"] = json!(material.name);

@@ -3,6 +3,7 @@
 use super::element::{Brick, Shape};
 use super::keywords::{Data, Keyword, LinePosition};
 use crate::abaqus::VALUES_A_LINE;
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Step time and first increment of a *STATIC without data.
@@ -83,6 +84,8 @@ pub(super) struct Material {
     pub(super) constants: Vec<f64>,
     /// NSTATV.
     pub(super) states: usize,
+    /// *EXPANSION as a case has it.
+    pub(super) expansion: Option<Value>,
     is_user: bool,
 }
 
@@ -163,6 +166,7 @@ struct Element {
 struct Section {
     material: String,
     thickness: f64,
+    orientation: Option<String>,
 }
 
 /// The model as read so far.
@@ -182,6 +186,8 @@ pub(super) struct Model {
     surfaces: BTreeMap<String, Vec<usize>>,
     section: Option<Section>,
     materials: Vec<Material>,
+    /// *ORIENTATION as a case has it.
+    orientations: BTreeMap<String, Value>,
 }
 
 impl Model {
@@ -212,8 +218,11 @@ impl Model {
                 place: place.clone(),
                 constants: Vec::new(),
                 states: 0,
+                expansion: None,
                 is_user: false,
             }),
+            "EXPANSION" => self.expansion(keyword)?,
+            "ORIENTATION" => self.orientation(keyword)?,
             "USER MATERIAL" => self.constants(keyword)?,
             "DEPVAR" => {
                 let material =
@@ -338,14 +347,75 @@ impl Model {
     }
 
     fn section(&mut self, keyword: &Keyword) -> Result<(), String> {
-        for option in ["ORIENTATION", "COMPOSITE"] {
-            if keyword.parameter(option).is_some() {
-                self.left_out.push(format!("{}: {option} of the section", keyword.place));
-            }
+        if keyword.parameter("COMPOSITE").is_some() {
+            self.left_out.push(format!("{}: COMPOSITE of the section", keyword.place));
         }
         let thickness = keyword.data.first().map_or(Ok(0.0), |line| line.number(0))?;
         let thickness = if thickness > 0.0 { thickness } else { 1.0 };
-        self.section = Some(Section { material: name_of(keyword, "MATERIAL")?, thickness });
+        let (material, orientation) = (name_of(keyword, "MATERIAL")?, keyword.capitals("ORIENTATION"));
+        self.section = Some(Section { material, thickness, orientation });
+        Ok(())
+    }
+
+    /// The local axes of the element's section, as a case has them.
+    pub(super) fn local_axes(&self) -> Result<Option<&Value>, String> {
+        let Some(name) = self.section.as_ref().and_then(|section| section.orientation.as_ref()) else {
+            return Ok(None);
+        };
+        self.orientations
+            .get(name)
+            .map(Some)
+            .ok_or_else(|| format!("has no *ORIENTATION {name} that can be taken over"))
+    }
+
+    fn expansion(&mut self, keyword: &Keyword) -> Result<(), String> {
+        let place = &keyword.place;
+        let count = match keyword.capitals("TYPE").as_deref() {
+            None | Some("ISO") => 1,
+            Some("ORTHO") => 3,
+            Some(_) => 0,
+        };
+        let depends = keyword.parameter("DEPENDENCIES").is_some_and(|count| count.parse() != Ok(0));
+        if count == 0 || depends || keyword.parameter("USER").is_some() || keyword.data.is_empty() {
+            self.left_out.push(format!("{place}: *EXPANSION that is neither ISO nor ORTHO over the temperature alone"));
+            return Ok(());
+        }
+        let zero = keyword.parameter("ZERO").map_or(Ok(0.0), str::parse::<f64>);
+        let zero = zero.map_err(|_| format!("{place}: ZERO is no number"))?;
+        let (mut coefficients, mut temperatures) = (Vec::new(), Vec::new());
+        for line in &keyword.data {
+            let values = (0..count).map(|field| line.number(field)).collect::<Result<Vec<_>, _>>()?;
+            coefficients.push(if count == 1 { json!(values[0]) } else { json!(values) });
+            temperatures.push(line.number(count)?);
+        }
+        let mut expansion = json!({ "zero_temperature": zero });
+        if let [only] = &coefficients[..] {
+            expansion["alpha"] = only.clone();
+        } else {
+            (expansion["alpha"], expansion["temperatures"]) = (json!(coefficients), json!(temperatures));
+        }
+        let material = self.materials.last_mut().ok_or_else(|| format!("{place}: *EXPANSION outside a material"))?;
+        material.expansion = Some(expansion);
+        Ok(())
+    }
+
+    fn orientation(&mut self, keyword: &Keyword) -> Result<(), String> {
+        let place = &keyword.place;
+        let is_plain = keyword.capitals("DEFINITION").is_none_or(|kind| kind == "COORDINATES")
+            && keyword.capitals("SYSTEM").is_none_or(|system| system == "RECTANGULAR")
+            && keyword.parameter("LOCAL DIRECTIONS").is_none();
+        let Some(line) = keyword.data.first().filter(|_| is_plain) else {
+            self.left_out.push(format!("{place}: *ORIENTATION that is not rectangular by coordinates"));
+            return Ok(());
+        };
+        let points = (0..9).map(|field| line.number(field)).collect::<Result<Vec<_>, _>>()?;
+        let from_origin = |first: usize| (0..3).map(|k| points[first + k] - points[6 + k]).collect::<Vec<_>>();
+        let turn = keyword.data.get(1).map_or(Ok(0.0), |line| line.number(1))?;
+        if turn != 0.0 {
+            self.left_out.push(format!("{place}: the further rotation of the *ORIENTATION"));
+            return Ok(());
+        }
+        self.orientations.insert(name_of(keyword, "NAME")?, json!([from_origin(0), from_origin(3)]));
         Ok(())
     }
 

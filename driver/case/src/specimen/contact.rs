@@ -377,7 +377,8 @@ fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<
     let place = place.key("normal");
     let normal = reader.optional(pair.normal.as_ref(), &place).copied().map(normal_law);
     let beside = normal.filter(|_| entry == Entry::Fric).map(|normal| (normal, place.clone()));
-    let purpose = Use { level: Level::Specimen, entry, mode: None, length: Length::Unknown, normal: beside };
+    let (length, initial_temperature) = (Length::Unknown, 0.0);
+    let purpose = Use { level: Level::Specimen, entry, mode: None, length, initial_temperature, normal: beside };
     let law = plugin::resolve(reader, material, &place_of_law, purpose).map(PluginLaw::from);
     match (entry, normal) {
         (Entry::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal }),

@@ -4,6 +4,7 @@ use super::Scene;
 use super::mesh::called;
 use crate::document::pullout as document;
 use crate::document::{Entry, PulloutCase};
+use crate::fields;
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{check_count, components};
 use crate::problem::Place;
@@ -36,7 +37,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         // the first of the parts that it is said of
         let is_meant = |part: &str| called(part, |name| given.contains_key(name)) == name;
         let index = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| is_meant(&part.name)));
-        let law = law(reader, part, index.zip(scene.mesh), &place);
+        let law = law(reader, part, index.zip(scene.mesh), fields::initial_temperature(&case.course), &place);
         let average = reader.optional(part.average_dilatation.as_ref(), &place.key("average_dilatation"));
         if let Some((index, mesh)) = index.zip(scene.mesh) {
             let mut taken = defaults(part, index, mesh);
@@ -90,6 +91,7 @@ fn law(
     reader: &mut Reader<'_>,
     part: &document::Part,
     known: Option<(usize, &Mesh)>,
+    initial_temperature: f64,
     place: &Place,
 ) -> Option<PluginLaw> {
     let place_of_material = place.key("material");
@@ -102,7 +104,7 @@ fn law(
     }
     let mode = known.map(|(index, mesh)| (mode(mesh.parts()[index].model), place.key("model")));
     let length = known.map_or(Length::Unknown, |(index, mesh)| Length::OfElements(extreme_lengths(mesh, index)));
-    let purpose = Use { level: Level::Specimen, entry: Entry::Umat, mode, length, normal: None };
+    let purpose = Use { level: Level::Specimen, entry: Entry::Umat, mode, length, initial_temperature, normal: None };
     let plugin = plugin::resolve(reader, material, &place_of_material, purpose)?;
     if let Some(statev0) = &material.statev0 {
         check_count(reader, statev0, &plugin, &place_of_material.key("statev0"));

@@ -243,9 +243,25 @@ fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
         gradient[(2, 2)] = called.dfgrd0[2][2];
     }
     let [stored, plastic, creep] = before.energies;
+    let mut point = [entry.of_six(&before.strain), entry.of_six(&before.stress)];
+    let mut step = called.dstran[..called.ntens()].to_vec();
+    let mut stress = called.stress().to_vec();
+    if let Some(view) = call.law_view() {
+        // the law is checked in its own axes, without the strains that it does not see
+        if call.is_through_solid() {
+            point = [called.stran.to_vec(), view_of_six(call, &view.stress_before)];
+        } else {
+            let count = call.ntens();
+            point = [view.strain[..count].to_vec(), view.stress_before[..count].to_vec()];
+            (step, stress) = (view.strain_increment[..count].to_vec(), view.stress[..count].to_vec());
+        }
+        gradient = nalgebra::Matrix3::from_fn(|row, column| view.dfgrd0[column][row]);
+        gradient[(2, 2)] = if call.is_through_solid() { called.dfgrd0[2][2] } else { gradient[(2, 2)] };
+    }
+    let [input, output] = point;
     let from = Committed {
-        input: entry.of_six(&before.strain),
-        output: entry.of_six(&before.stress),
+        input,
+        output,
         statev: before.statev.clone(),
         energies: [stored, plastic, creep, 0.0, 0.0],
         time: call.time,
@@ -258,8 +274,15 @@ fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
         },
         ..Committed::zero(entry, before.statev.len())
     };
-    let answer = [called.stress(), called.statev(), &called.energies].concat();
-    Increment { from, step: called.dstran[..called.ntens()].to_vec(), answer }
+    let answer = [&stress, called.statev(), &called.energies].concat();
+    Increment { from, step, answer }
+}
+
+/// Six components of values that a call has in its own order.
+fn view_of_six(call: &UmatCall, values: &[f64; 6]) -> Vec<f64> {
+    let mut six = vec![0.0; 6];
+    call.stress_state().components().iter().zip(values).for_each(|(&component, value)| six[component] = *value);
+    six
 }
 
 fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {

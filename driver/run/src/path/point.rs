@@ -218,6 +218,7 @@ impl<'p> Runner<'p> {
             call.celent = length;
         }
         call.jstep[2] = i32::from(point.nlgeom);
+        (call.temp, call.time[1]) = (point.initial.fields.temperature, point.initial.time);
         point.arguments.set(&mut call);
         let initial = &point.initial;
         let variables = &initial.fields.variables;
@@ -241,7 +242,8 @@ impl<'p> Runner<'p> {
         let Committed { strain, stress, statev, .. } = &committed;
         call.set_point([strain, &[0.0; 6], stress], statev, [0.0; 3]);
         let reason = plugin.probe(&mut call).map_err(|error| error.to_string())?;
-        let thickness = thickness_at(&call, committed.strain[2], strain_33, &committed.statev);
+        let free = call.free_strain_33(initial.fields.temperature, initial.time);
+        let thickness = thickness_at(&call, committed.strain[2], strain_33, &committed.statev, free);
         let finite = point.nlgeom.then(|| Finite::new(point, plugin, &committed, thickness));
         let goal = Goal {
             start: [0.0; 6],
@@ -311,7 +313,9 @@ impl<'p> Runner<'p> {
 
     /// ε33 of plane stress, ln F₃₃ at finite strain, at the committed state.
     fn thickness(&self) -> f64 {
-        thickness_at(&self.call, self.committed.strain[2], self.strain_33, &self.committed.statev)
+        let Committed { strain, statev, fields, total_time, .. } = &self.committed;
+        let free = self.call.free_strain_33(fields.temperature, *total_time);
+        thickness_at(&self.call, strain[2], self.strain_33, statev, free)
     }
 
     /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows.
@@ -454,9 +458,10 @@ impl<'p> Runner<'p> {
     }
 }
 
-/// ε33 of plane stress: `found` where calls go through six components, else the law's in STATEV; NaN where that does not tell.
-fn thickness_at(call: &UmatCall, found: f64, state: Option<usize>, statev: &[f64]) -> f64 {
-    if call.is_through_solid() { found } else { state.map_or(f64::NAN, |k| statev[k]) }
+/// ε33 of plane stress: `found` where calls go through six components, else the law's in STATEV with the `free` part that it does
+/// not see; NaN where that does not tell.
+fn thickness_at(call: &UmatCall, found: f64, state: Option<usize>, statev: &[f64], free: f64) -> f64 {
+    if call.is_through_solid() { found } else { state.map_or(f64::NAN, |k| statev[k] + free) }
 }
 
 /// The point of a call as SDVINI and SIGINI are told of it.
@@ -477,8 +482,12 @@ fn initial_stress(program: &Program, point: &PointProgram, call: &UmatCall) -> R
         Mode::Beam => "B31",
     };
     let mut stress = [0.0; 6];
-    let values = InitialStresses::new(&program.plugin.library, given.as_deref(), components.len())
+    let mut values = InitialStresses::new(&program.plugin.library, given.as_deref(), components.len())
         .of_point(&initial_point(call), element_type)?;
+    if let (None, Some(frame)) = (&given, call.frame()) {
+        // SIGINI speaks of the local axes
+        frame.stress_outside(&mut values, call.stress_state());
+    }
     components.iter().zip(values).for_each(|(&i, value)| stress[i] = value);
     Ok(stress)
 }
@@ -519,7 +528,8 @@ impl Point<'_> {
         self.call(&entry.strain, &entry.stress, &entry.increment, request)?;
         let returned = evaluation(self.call, self.components);
         let Some(finite) = &self.finite else { return Ok(returned) };
-        let thickness = thickness_at(self.call, self.call.strain_33, self.strain_33, self.call.statev());
+        let free = self.call.free_strain_33_at_end();
+        let thickness = thickness_at(self.call, self.call.strain_33, self.strain_33, self.call.statev(), free);
         Ok(finite.evaluation(&returned, &end, self.components, thickness))
     }
 
@@ -982,7 +992,8 @@ fn take_over(
     match finite {
         None => state.strain = trial.strain,
         Some(finite) => {
-            let thickness = thickness_at(call, call.strain_33, strain_33, &state.statev);
+            let free = call.free_strain_33_at_end();
+            let thickness = thickness_at(call, call.strain_33, strain_33, &state.statev, free);
             finite.commit(trial.strain, state, thickness);
         }
     }

@@ -28,6 +28,14 @@ fn frame(program: &Program, [initial, step]: [Value; 2], [start, end]: [&FieldVa
             material.insert("plugin".into(), replay::library(program.plugin.library.path()));
         }
         material.remove("statev0");
+        let expansion = program.plugin.frame.as_ref().and_then(|frame| frame.expansion.as_ref());
+        if let (Some(given), Some(expansion)) = (material.get_mut("expansion"), expansion) {
+            // the run's, not the temperature that the replay begins with
+            if !given.is_object() {
+                *given = json!({ "alpha": given });
+            }
+            given["initial_temperature"] = json!(expansion.initial_temperature);
+        }
     }
     case["initial"] = initial;
     case["steps"] = json!([step]);

@@ -154,7 +154,7 @@ pub fn run(
     let writing = fields.map_or(Duration::ZERO, |fields| fields.spent);
     findings.peak_load = peak.peak;
     findings.ruptures = ruptures;
-    findings.energy_error_max = (!model.fields.change()).then_some(energy_error);
+    findings.energy_error_max = model.is_driven_alone().then_some(energy_error);
     findings.initial_displacement = initial_displacement;
     findings.energies = findings::energies(&present.values, energies.unaccounted);
     findings.statistics = findings::statistics(&analysis);

@@ -7,7 +7,7 @@ use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::{ModelError, PluginLaw};
 use crate::plane::dot;
 use serde::{Deserialize, Serialize};
-use umat_abi::host::{FOLLOWS_GRADIENT, TangentSource, UmatCall, judge, same_bits};
+use umat_abi::host::{FOLLOWS_GRADIENT, FreeStrain, TangentSource, UmatCall, judge, same_bits};
 use umat_abi::law::{Request, StressState};
 
 /// The fraction of the increment to repeat with by default.
@@ -169,7 +169,11 @@ impl Points {
         if law.law.is_none() && !nlgeom && self.call.follows_gradient_alone() {
             return Err(ModelError::of_part(part, format!("{}: {FOLLOWS_GRADIENT}", law.name)));
         }
-        self.find_elastic(law, part)?;
+        // nothing grows by itself in these calls, whatever time they take
+        self.call.set_free_strain(FreeStrain::AtStart);
+        let found = self.find_elastic(law, part);
+        self.call.set_free_strain(FreeStrain::Grows);
+        found?;
         let initial = self.committed.stress.first().copied().unwrap_or_default();
         let changed = self.call.judge_initial_stress(&initial);
         let changed = changed.map_err(|dropped| ModelError::of_part(part, format!("{} {dropped}", law.name)))?;
@@ -322,18 +326,23 @@ impl Points {
         increment.motion.is_some() && !self.thickness.is_empty() && self.knows_thickness()
     }
 
-    /// ε₃₃ of a point in plane stress, whose logarithmic strain it is; 0 where it is unknown.
-    fn thickness_strain(&self, point: usize, states: &States) -> f64 {
+    /// ε₃₃ of a point in plane stress, whose logarithmic strain it is; 0 where it is unknown. `free`: the part of it that the law
+    /// does not see.
+    fn thickness_strain(&self, point: usize, states: &States, free: f64) -> f64 {
         if self.call.is_through_solid() {
             states.strain[point][2]
         } else {
-            self.strain_33.map_or(0.0, |state| states.statev[point * self.nstatv + state])
+            self.strain_33.map_or(0.0, |state| states.statev[point * self.nstatv + state] + free)
         }
     }
 
     /// Returns λ of the trial state of a point with large displacements; 1 where it is unknown, and but for plane stress.
     pub(super) fn thickness_ratio(&self, point: usize) -> f64 {
-        if self.thickness.is_empty() { 1.0 } else { self.thickness_strain(point, &self.trial).exp() }
+        if self.thickness.is_empty() {
+            1.0
+        } else {
+            self.thickness_strain(point, &self.trial, self.call.free_strain_33_at_end()).exp()
+        }
     }
 
     /// λ at the end of an increment that the law has answered, and half-way.
@@ -341,7 +350,9 @@ impl Points {
         if !self.follows_thickness(increment) {
             return [1.0; 2];
         }
-        let [start, end] = [&self.committed, &self.trial].map(|states| self.thickness_strain(point, states));
+        let start =
+            self.thickness_strain(point, &self.committed, self.call.free_strain_33(self.call.temp, self.call.time[1]));
+        let end = self.thickness_strain(point, &self.trial, self.call.free_strain_33_at_end());
         [end.exp(), (0.5 * (start + end)).exp()]
     }
 
@@ -354,7 +365,8 @@ impl Points {
         strain: &Components,
         increment: &PointIncrement<'_>,
     ) -> Option<Components> {
-        let end = self.thickness_strain(point, &self.trial);
+        let free = self.call.free_strain_33_at_end();
+        let end = self.thickness_strain(point, &self.trial, free);
         let statev = self.statev(point);
         let mut rate = [0.0; MAX_COMPONENTS];
         let mut is_known = true;
@@ -365,7 +377,7 @@ impl Points {
             self.call.set_point([strain, &shifted, stress], states, energies);
             is_known &= self.run(Request::Stress).is_ok();
             let nearby = match self.strain_33 {
-                Some(state) if !self.call.is_through_solid() => self.call.statev()[state],
+                Some(state) if !self.call.is_through_solid() => self.call.statev()[state] + free,
                 _ => self.call.strain_33,
             };
             rate[component] = (nearby - end) / (shifted[component] - increment.strain[component]);
@@ -417,7 +429,10 @@ impl Points {
         let (strain, stress) = (&self.trial.strain[point], &self.trial.stress[point]);
         let statev = &self.trial.statev[self.statev(point)];
         self.call.set_point([strain, &[0.0; MAX_COMPONENTS], stress], statev, self.trial.energies[point]);
-        self.run(Request::StressAndTangent)?;
+        self.call.set_free_strain(FreeStrain::AtEnd);
+        let outcome = self.run(Request::StressAndTangent);
+        self.call.set_free_strain(FreeStrain::Grows);
+        outcome?;
         Ok(self.returned_moduli())
     }
 

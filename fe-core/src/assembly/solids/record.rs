@@ -447,9 +447,13 @@ fn set_initial_stresses(
         let ElementData { kind, ref points, .. } = records[place.local];
         for (number, point) in points.clone().enumerate() {
             let at = body.initial_point(point, element, number);
-            let stress = initial
+            let mut stress = initial
                 .of_point(&at, &element_type(model(body.index), kind))
                 .map_err(|error| ModelError::of_part(&body.part.name, law.error(error)))?;
+            if let (None, Some(frame)) = (&law.stress0, &law.frame) {
+                // SIGINI speaks of the local axes
+                frame.stress_outside(&mut stress, model(body.index).stress_state());
+            }
             body.points.set_initial_stress(point, &stress);
         }
     }

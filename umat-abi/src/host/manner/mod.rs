@@ -1,7 +1,7 @@
-//! Calls that differ from a plain one: of a UMAT that knows six components only, and with a tangent by differences.
+//! Calls that differ from a plain one: in a frame, of a UMAT that knows six components only, and with a tangent by differences.
 //!
-//! Callers do not see the difference: [`UmatCall::call`] takes the way that [`UmatCall::set_tangent_source`] and
-//! [`UmatCall::go_through`] have set.
+//! Callers do not see the difference: [`UmatCall::call`] takes the way that [`UmatCall::set_frame`], [`UmatCall::set_tangent_source`]
+//! and [`UmatCall::go_through`] have set.
 
 mod components;
 mod differences;
@@ -9,6 +9,7 @@ mod directions;
 mod probing;
 
 use super::call::{CallOutcome, UmatCall};
+use super::frame::Framed;
 use super::memory::Overrun;
 use crate::law::{Request, StressState};
 pub(super) use directions::Wide;
@@ -74,6 +75,8 @@ impl TangentDeviation {
 /// Way of calls that are not plain.
 #[derive(Debug, Default)]
 pub(super) struct Detour {
+    /// The frame that the law sees its point in, outside of all else.
+    pub(super) framed: Option<Framed>,
     /// The call with six components that is made instead.
     pub(super) solid: Option<Box<UmatCall>>,
     tangent: TangentSource,
@@ -107,12 +110,36 @@ impl UmatCall {
                 // what the plane does not have is not looked for
                 detour.columns = StressState::PlaneStrainOrAxisymmetric.components().len();
             }
-        } else if tangent == TangentSource::Reported {
-            self.detour = None;
-        } else {
-            let largest = self.take_largest_deviation();
-            self.detour = Some(Box::new(Detour { tangent, largest, columns: self.ntens(), ..Detour::default() }));
+            return;
         }
+        let largest = self.take_largest_deviation().filter(|_| tangent != TangentSource::Reported);
+        let framed = self.take_framed();
+        self.detour = Some(Box::new(Detour { framed, tangent, largest, columns: self.ntens(), ..Detour::default() }));
+        self.drop_plain_detour();
+    }
+
+    /// Forgets a detour that changes nothing: plain calls need not look at it.
+    fn drop_plain_detour(&mut self) {
+        let is_plain = |detour: &Detour| {
+            detour.framed.is_none() && detour.solid.is_none() && detour.tangent == TangentSource::Reported
+        };
+        if self.detour.as_deref().is_some_and(is_plain) {
+            self.detour = None;
+        }
+    }
+
+    /// Takes the frame off.
+    pub(super) fn take_framed(&mut self) -> Option<Framed> {
+        let framed = self.detour.as_mut()?.framed.take();
+        self.drop_plain_detour();
+        framed
+    }
+
+    /// Puts a frame on, or none.
+    pub(super) fn put_framed(&mut self, framed: Option<Framed>) {
+        let columns = self.ntens();
+        self.detour.get_or_insert_with(|| Box::new(Detour { columns, ..Detour::default() })).framed = framed;
+        self.drop_plain_detour();
     }
 
     /// Returns where DDSDDE comes from.
@@ -128,8 +155,8 @@ impl UmatCall {
     /// If `solid` has not six components, or the call has as many.
     pub fn go_through(&mut self, solid: Self) {
         assert!(solid.ntens() == 6 && self.ntens() < 6, "a plane call goes through a solid one");
-        let tangent = self.tangent_source();
-        self.detour = Some(Box::new(Detour { solid: Some(Box::new(solid)), ..Detour::default() }));
+        let (tangent, framed) = (self.tangent_source(), self.take_framed());
+        self.detour = Some(Box::new(Detour { framed, solid: Some(Box::new(solid)), ..Detour::default() }));
         self.set_tangent_source(tangent);
     }
 
@@ -162,11 +189,15 @@ impl UmatCall {
     #[cold]
     pub(super) fn call_by_detour(&mut self, request: Request) -> Result<CallOutcome, Overrun> {
         let Some(mut detour) = self.detour.take() else { return self.call(request) };
-        let Detour { solid, tangent, largest, columns, buffers } = &mut *detour;
-        let outcome = match solid {
-            Some(solid) => self.call_through(solid, request),
-            None if request == Request::Stress => self.call(request),
-            None => self.call_with_differences(*tangent, *columns, largest, buffers),
+        let Detour { framed, solid, tangent, largest, columns, buffers } = &mut *detour;
+        let mut call = |this: &mut Self| match solid {
+            Some(solid) => this.call_through(solid, request),
+            None if request == Request::Stress || *tangent == TangentSource::Reported => this.call(request),
+            None => this.call_with_differences(*tangent, *columns, largest, buffers),
+        };
+        let outcome = match framed {
+            Some(framed) => self.in_frame(framed, request, call),
+            None => call(self),
         };
         self.detour = Some(detour);
         outcome

@@ -33,6 +33,7 @@ impl Plugin {
             call.go_through(self.plain_umat(StressState::ThreeD)?);
         }
         call.set_tangent_source(self.manner.tangent.unwrap_or_default());
+        call.set_frame(self.frame.clone());
         Ok(call)
     }
 
@@ -54,13 +55,14 @@ impl Plugin {
     pub fn probe(&self, call: &mut UmatCall) -> Result<Option<String>, LoadError> {
         let mut reason = None;
         if self.goes_through_six(call.stress_state()).is_none() {
-            let tangent = call.tangent_source();
+            let (tangent, framed) = (call.tangent_source(), call.take_framed());
             let mut solid = self.plain_umat(StressState::ThreeD)?;
             reason = call.why_not_plane(&mut solid);
             if reason.is_some() {
                 call.go_through(solid);
                 call.set_tangent_source(tangent);
             }
+            call.put_framed(framed);
         }
         call.fence();
         Ok(reason)
@@ -225,12 +227,17 @@ impl UmatCall {
     /// an array, if it does. Goes through six components if calls do.
     pub fn trespass_again(&mut self) -> Option<Trespass> {
         let Some(mut detour) = self.detour.take() else { return self.trespass() };
-        let found = match &mut detour.solid {
+        let super::Detour { framed, solid, .. } = &mut *detour;
+        let mut again = |this: &mut Self| match solid {
             Some(solid) => {
-                self.set_start(solid);
+                this.set_start(solid);
                 solid.trespass()
             }
-            None => self.trespass(),
+            None => this.trespass(),
+        };
+        let found = match framed {
+            Some(framed) => self.in_frame(framed, Request::Stress, again),
+            None => again(self),
         };
         self.detour = Some(detour);
         found

@@ -1,0 +1,157 @@
+//! Local axes, thermal expansion and shrinkage of a material.
+
+use crate::document::{AxialValues, Expansion, ExpansionTable, Material, Orientation, Shrinkage, TabularValues};
+use crate::plugin::Use;
+use crate::problem::Place;
+use crate::reader::Reader;
+use pullout_run::program::Mode;
+use std::sync::Arc;
+use umat_abi::host::{self, Course, Frame};
+
+/// Reads the frame of a material; `None`: the law sees what the host has.
+pub fn of(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: &Use) -> Option<Arc<Frame>> {
+    let Material { expansion, shrinkage, orientation, .. } = material;
+    if purpose.entry != crate::document::Entry::Umat {
+        let keys = [
+            ("expansion", expansion.is_some()),
+            ("shrinkage", shrinkage.is_some()),
+            ("orientation", orientation.is_some()),
+        ];
+        for (key, _) in keys.iter().filter(|(_, given)| *given) {
+            reader.problem(&place.key(key), "is for the entry point umat alone");
+        }
+        return None;
+    }
+    let mode = purpose.mode.as_ref().map(|(mode, _)| *mode);
+    let axes = orientation.as_ref().and_then(|given| axes(reader, given, mode, &place.key("orientation")));
+    let expansion = expansion
+        .as_ref()
+        .and_then(|given| self::expansion(reader, given, purpose.initial_temperature, &place.key("expansion")));
+    let shrinkage = shrinkage.as_ref().and_then(|given| self::shrinkage(reader, given, &place.key("shrinkage")));
+    let mut frame = Frame { axes, expansion, shrinkage };
+    let courses = frame.expansion.iter().map(|expansion| &expansion.coefficients).chain(&frame.shrinkage);
+    if frame.axes.is_none() && !courses.map(Course::is_isotropic).all(|is_isotropic| is_isotropic) {
+        // directions of the material, which follow it
+        frame.axes = Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    }
+    (!frame.is_plain()).then(|| Arc::new(frame))
+}
+
+/// Local axes, a row each.
+fn axes(reader: &mut Reader<'_>, given: &Orientation, mode: Option<Mode>, place: &Place) -> Option<[[f64; 3]; 3]> {
+    let [a, b] = match given {
+        Orientation::Angle(angle) => {
+            // exact where the axes only change places
+            let (sine, cosine) = match angle.rem_euclid(360.0) {
+                0.0 => (0.0, 1.0),
+                90.0 => (1.0, 0.0),
+                180.0 => (0.0, -1.0),
+                270.0 => (-1.0, 0.0),
+                angle => angle.to_radians().sin_cos(),
+            };
+            [[cosine, sine, 0.0], [-sine, cosine, 0.0]]
+        }
+        Orientation::Vectors(vectors) => {
+            let mut three = [[0.0; 3]; 2];
+            for (to, from) in three.iter_mut().zip(vectors) {
+                if !(2..=3).contains(&from.len()) {
+                    reader.problem(place, format!("a vector has two or three components, not {}", from.len()));
+                    return None;
+                }
+                to[..from.len()].copy_from_slice(from);
+            }
+            three
+        }
+    };
+    let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let unit = |a: [f64; 3]| {
+        let length = dot(&a, &a).sqrt();
+        a.map(|component| component / length)
+    };
+    let first = unit(a);
+    let along = dot(&b, &first);
+    let across: [f64; 3] = std::array::from_fn(|k| b[k] - along * first[k]);
+    if !(dot(&across, &across) > 1e-12 * dot(&b, &b)) || !first[0].is_finite() {
+        reader.problem(place, "the two vectors must not be 0, and not along one line");
+        return None;
+    }
+    let second = unit(across);
+    let third: [f64; 3] = std::array::from_fn(|k| {
+        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+        first[i] * second[j] - first[j] * second[i]
+    });
+    if mode.is_some_and(|mode| mode != Mode::ThreeD) && (first[2] != 0.0 || second[2] != 0.0) {
+        reader.problem(place, "in a plane local axis 3 is that of the case: the vectors have no component 3");
+        return None;
+    }
+    Some([first, second, third])
+}
+
+fn expansion(
+    reader: &mut Reader<'_>,
+    given: &Expansion,
+    initial_temperature: f64,
+    place: &Place,
+) -> Option<host::Expansion> {
+    let table = match given {
+        Expansion::Coefficient(alpha) => ExpansionTable {
+            alpha: TabularValues::Constant(*alpha),
+            temperatures: None,
+            zero_temperature: None,
+            initial_temperature: None,
+        },
+        Expansion::Table(table) => table.clone(),
+    };
+    let place_of_alpha = place.key("alpha");
+    let coefficients = match (&table.alpha, table.temperatures) {
+        (TabularValues::Constant(alpha), None) => Course::constant([*alpha; 3]),
+        (TabularValues::Constant(_), Some(_)) => {
+            reader.problem(&place_of_alpha, "is one number, but there are temperatures: give a list, one for each");
+            return None;
+        }
+        (TabularValues::List(values), None) => match values[..] {
+            [AxialValues::Same(first), AxialValues::Same(second), AxialValues::Same(third)] => {
+                Course::constant([first, second, third])
+            }
+            _ => {
+                let message = "without temperatures it is a number, or three, of the local axes";
+                reader.problem(&place_of_alpha, message);
+                return None;
+            }
+        },
+        (TabularValues::List(values), Some(temperatures)) => {
+            course(reader, temperatures, values, [place.key("temperatures"), place_of_alpha])?
+        }
+    };
+    Some(host::Expansion {
+        coefficients,
+        zero_temperature: table.zero_temperature.unwrap_or(0.0),
+        initial_temperature: table.initial_temperature.unwrap_or(initial_temperature),
+    })
+}
+
+fn shrinkage(reader: &mut Reader<'_>, given: &Shrinkage, place: &Place) -> Option<Course> {
+    course(reader, given.times.clone(), &given.strain, [place.key("times"), place.key("strain")])
+}
+
+fn course(
+    reader: &mut Reader<'_>,
+    places: Vec<f64>,
+    values: &[AxialValues],
+    [of_places, of_values]: [Place; 2],
+) -> Option<Course> {
+    if values.len() != places.len() {
+        reader
+            .problem(&of_values, format!("{} values given, {} needed, one for each place", values.len(), places.len()));
+        return None;
+    }
+    let values = values.iter().map(|value| match value {
+        AxialValues::Same(value) => [*value; 3],
+        AxialValues::Each(values) => *values,
+    });
+    let course = Course::new(places, values.collect());
+    if course.is_none() {
+        reader.problem(&of_places, "must be numbers that grow, at least one");
+    }
+    course
+}
