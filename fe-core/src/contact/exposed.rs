@@ -8,6 +8,7 @@ use super::normal::NormalState;
 use super::pair::Pair;
 use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
+use crate::assembly::Setback;
 use crate::mesh::{ElementEdge, Mesh};
 use crate::model::{ContactPair, Model, ModelError};
 use crate::plane::dot;
@@ -31,19 +32,48 @@ impl Pair {
         let Some((point, virgin)) = self.points.first().zip(self.state.committed.points.first()) else {
             return Ok(());
         };
-        let (foot, gap) = (virgin.foot, FAR * point.edge_length);
+        let foot = virgin.foot;
         let name = self.name.clone();
         let refused = |reason: String| {
             ModelError::of_pair(&name, format!("at the gap of a surface that was torn free: {reason}"))
         };
         let kinematics = Kinematics::new(&self.chain, &point.slave, foot, &position);
         let kinematics = kinematics.map_err(|reason| refused(reason.to_owned()))?;
+        let virgin = (PointState::new(foot, 1.0), vec![0.0; self.state_count]);
+        let asked = self.without_bond(0, &kinematics, (virgin.0, &virgin.1));
+        let (state, statev) = asked.map_err(|setback| refused(setback.reason))?;
+        self.torn = Some(Torn { state: PointState { apart: true, ..state }, statev });
+        Ok(())
+    }
+
+    /// Asks the law what is left of a point, from a state and STATEV, after an opening that no bond outlasts: both then, open.
+    fn without_bond(
+        &mut self,
+        index: usize,
+        kinematics: &Kinematics,
+        (start, statev): (PointState, &[f64]),
+    ) -> Result<(PointState, Vec<f64>), Setback> {
+        let gap = FAR * self.points[index].edge_length;
         let normal = NormalState { latched: true, opening: gap, ..NormalState::default() };
-        let start = PointState { normal, ..PointState::new(foot, 1.0) };
-        let asked = self.ask(0, &kinematics, start, [gap, 0.0]);
-        let (mut state, statev) = asked.map_err(|setback| refused(setback.reason))?;
-        (state.pressure, state.shear, state.status, state.apart) = (0.0, 0.0, PointStatus::Open, true);
-        self.torn = Some(Torn { state, statev });
+        let start = PointState { normal, ..start };
+        let (mut state, statev) = self.ask(index, kinematics, (start, statev), [gap, start.slip])?;
+        (state.pressure, state.shear, state.status, state.held) = (0.0, 0.0, PointStatus::Open, false);
+        Ok((state, statev))
+    }
+
+    /// Takes the bond from a point that comes over an end of the master for the first time since it was past it: no bond outlasts
+    /// that, and none has grown on what was never there. It starts open.
+    pub(super) fn enter(&mut self, index: usize, kinematics: &Kinematics) -> Result<(), Setback> {
+        let start = self.state.committed.points[index];
+        if start.status != PointStatus::Released {
+            return Ok(());
+        }
+        let range = index * self.state_count..(index + 1) * self.state_count;
+        let statev = self.state.committed.statev[range.clone()].to_vec();
+        let (state, statev) = self.without_bond(index, kinematics, (start, &statev))?;
+        self.state.committed.points[index] = state;
+        self.state.trial.points[index].normal = state.normal;
+        self.state.committed.statev[range].copy_from_slice(&statev);
         Ok(())
     }
 

@@ -66,7 +66,7 @@ impl Pair {
                 self.state.weight_slopes[index] * (own - start) * kinematics.along(&kinematics.slip_gradient, change);
             sum += point.area * (state.weight * kinematics.along(&kinematics.gap_gradient, change) + by_weight);
             area += point.area * state.weight;
-            was_open &= state.status == PointStatus::Open;
+            was_open &= matches!(state.status, PointStatus::Open | PointStatus::Released);
         }
         Course { start, change: if area > 0.0 { sum / area } else { 0.0 }, was_open }
     }

@@ -16,7 +16,7 @@ pub enum PointStatus {
     Slipping,
     /// Transmits nothing.
     Open,
-    /// Past an end of the master: out for good.
+    /// Past an end of the master, or on matter that is gone.
     Released,
 }
 
@@ -31,6 +31,8 @@ pub(super) struct PointState {
     pub origin: f64,
     /// Whether it lies on a surface that came to light and has not touched the master yet: it transmits nothing, and has not slid.
     pub apart: bool,
+    /// Whether its matter is gone: it never comes back.
+    pub gone: bool,
     /// The point's own g_N, mm.
     pub own_gap: f64,
     /// n·dx/ds₀ where normals are smoothed.
@@ -86,6 +88,17 @@ impl PointState {
         numbers.copied().all(f64::is_finite) && foot.edge.unsigned_abs() < MOST_EDGES
     }
 
+    /// Returns whether it is past an end of the master, and may come back.
+    pub fn is_beyond(&self) -> bool {
+        self.weight == 0.0 && !self.apart && !self.gone
+    }
+
+    /// Returns whether it has come over an end of the master, and is still on the way in: its gap need not be closed further than the
+    /// penalty does, since the less of its area is over the master, the greater the pressure that this would take.
+    pub fn comes_in(&self) -> bool {
+        self.weight < 1.0 && self.normal.latched
+    }
+
     /// Books the energies of an increment that led here from `start`, by trapezoids; `area` mm².
     pub fn book(&mut self, start: &Self, area: f64) {
         let mean = |a: f64, b: f64| 0.5 * (a + b);
@@ -101,7 +114,8 @@ impl PointState {
         self.dissipated += area * weight * (spent(self) - spent(start));
         // tractions of a point under a force grow with 1/w, and ψ with 1/w²: the arithmetic mean would release more than there is
         let [before, after] = [start.stored(), self.stored()];
-        let stored = before.signum() * (before * after).max(0.0).sqrt();
+        // what comes over an end brings what it stores with it
+        let stored = if start.weight == 0.0 { after } else { before.signum() * (before * after).max(0.0).sqrt() };
         // the pressure of a patch does its work on the gaps of its points: on the mean gap, but for what fades, as Σ A w (g_N − ḡ) = 0
         let aside = |state: &Self| state.own_gap - state.gap;
         let fading = stored - mean(start.pressure * aside(self), self.pressure * aside(start));
@@ -115,7 +129,7 @@ impl PointState {
     /// Ends contact for good where the surface is gone; `area` mm².
     pub fn release(&mut self, area: f64) {
         self.released += area * self.weight * self.stored();
-        (self.weight, self.status) = (0.0, PointStatus::Released);
+        (self.weight, self.status, self.gone) = (0.0, PointStatus::Released, true);
         (self.pressure, self.shear, self.own_pressure, self.held) = (0.0, 0.0, 0.0, false);
     }
 

@@ -71,7 +71,7 @@ pub struct PointRecord<'a> {
     pub pair: &'a str,
     /// Index of the point in the pair.
     pub point: usize,
-    /// Present position, mm; `None`: not evaluated, or released.
+    /// Present position, mm; `None`: not evaluated, past an end of the master, or gone.
     pub position: Option<[f64; 2]>,
     /// Reference arc length along the slave edges in their order, mm.
     pub coordinate: f64,
@@ -350,7 +350,8 @@ impl Contact {
         let mut largest: f64 = 0.0;
         for pair in self.pairs.iter().filter(|pair| pair.critical_slip > 0.0) {
             for (start, end) in pair.state.committed.points.iter().zip(&pair.state.trial.points) {
-                if !matches!(end.status, PointStatus::Open | PointStatus::Released) {
+                // what comes over an end has no bond that increments could miss
+                if !start.is_beyond() && !matches!(end.status, PointStatus::Open | PointStatus::Released) {
                     let growth = (end.slip - start.slip).abs();
                     largest = largest.max(growth / pair.critical_slip.max(0.5 * start.largest_slip));
                 }

@@ -21,6 +21,9 @@ use umat_abi::law::Request;
 const WEIGHT_ROUNDING: f64 = 1e-9;
 /// Fraction of the increment that is tried next after a point lost the master.
 const FRACTION_AFTER_LOSS: f64 = 0.5;
+/// Part of an edge's length to which a point may lie in the master where it comes over an end: what is deeper met the end's face, or
+/// another side of the body.
+const ENTERS: f64 = 0.5;
 
 /// Counts of one evaluation of a pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -108,7 +111,7 @@ impl Pair {
     /// A point on trial with the energies of the increment.
     pub fn booked(&self, index: usize) -> PointState {
         let (start, mut end) = (&self.state.committed.points[index], self.state.trial.points[index]);
-        if start.status != PointStatus::Released {
+        if !start.gone {
             end.book(start, self.points[index].area);
         }
         end
@@ -137,11 +140,12 @@ impl Pair {
             for index in patch.clone() {
                 let Some(kinematics) = self.state.kinematics[index] else { continue };
                 evaluation.points += 1;
-                let was_open = self.state.trial.points[index].status == PointStatus::Open;
+                let is_beyond = self.state.committed.points[index].is_beyond();
+                let is_open = |status| status == PointStatus::Open || is_beyond && status == PointStatus::Released;
+                let was_open = is_open(self.state.trial.points[index].status);
                 self.advance(index, &kinematics, [gap, asked_at], context)
                     .map_err(|failure| failure.at(self.place(index, kinematics.position)))?;
-                evaluation.changes +=
-                    usize::from(was_open != (self.state.trial.points[index].status == PointStatus::Open));
+                evaluation.changes += usize::from(was_open != is_open(self.state.trial.points[index].status));
             }
             self.add(patch, gap, output);
         }
@@ -154,14 +158,16 @@ impl Pair {
 
     /// Kinematics, foot, slip and weight of a point on trial; whether its foot was searched for on the whole master.
     fn find_foot(&mut self, index: usize, position: &impl Fn(usize) -> [f64; 2]) -> Result<bool, Trouble> {
-        if self.state.committed.points[index].status == PointStatus::Released {
+        let start = &self.state.committed.points[index];
+        if start.gone {
             self.state.kinematics[index] = None;
             return Ok(false);
         }
+        let is_beyond = start.is_beyond();
         let at = self.points[index].slave.position(position);
         let (kinematics, foot, searched) = match self.project(index, at, position) {
             // nothing is lost that was never touched
-            Err(_) if self.state.committed.points[index].apart => {
+            Err(_) if is_beyond || start.apart => {
                 self.state.kinematics[index] = None;
                 self.state.trial.points[index] = self.state.committed.points[index];
                 return Ok(false);
@@ -169,6 +175,10 @@ impl Pair {
             found => found.map_err(|lost| lost.at(self.place(index, at)))?,
         };
         let (weight, slope) = self.weight(index, kinematics.arc_length);
+        if is_beyond && (weight == 0.0 || self.lies_too_deep(index, &kinematics)) {
+            self.stay_beyond(index, foot, &kinematics);
+            return Ok(searched);
+        }
         self.state.kinematics[index] = Some(kinematics);
         self.state.weight_slopes[index] = slope;
         let (start, end) = (&self.state.committed.points[index], &mut self.state.trial.points[index]);
@@ -177,6 +187,23 @@ impl Pair {
         (end.own_gap, end.lean) = (kinematics.gap - self.points[index].start_gap, kinematics.lean);
         end.largest_slip = start.largest_slip.max(end.slip.abs());
         Ok(searched)
+    }
+
+    /// Returns whether a point past an end lies deeper in the master than what comes over its end: it was not pressed in from
+    /// the master's side.
+    fn lies_too_deep(&self, index: usize, kinematics: &Kinematics) -> bool {
+        let point = &self.points[index];
+        kinematics.gap - point.start_gap < -ENTERS * point.edge_length
+    }
+
+    /// Keeps a point past an end of the master: what it has slid does not change until it comes back.
+    fn stay_beyond(&mut self, index: usize, foot: Foot, kinematics: &Kinematics) {
+        self.state.kinematics[index] = None;
+        let start = &self.state.committed.points[index];
+        let own_gap = kinematics.gap - self.points[index].start_gap;
+        let origin = kinematics.arc_length - start.slip;
+        let lean = kinematics.lean;
+        self.state.trial.points[index] = PointState { foot, origin, own_gap, gap: own_gap, lean, ..*start };
     }
 
     /// Foot, gap and slip of a point, and whether its foot was searched for on the whole master.
@@ -215,6 +242,9 @@ impl Pair {
         [gap, asked_at]: [f64; 2],
         context: &IncrementContext,
     ) -> Result<(), Setback> {
+        if self.state.committed.points[index].is_beyond() {
+            self.enter(index, kinematics)?;
+        }
         let Self { points, law, state, state_count, .. } = self;
         let PairState { committed, trial, tangents, .. } = state;
         let (start, end) = (&committed.points[index], &mut trial.points[index]);

@@ -1,6 +1,7 @@
 //! Changes after Newton has converged: points that open, multipliers that grow.
 
 use super::Contact;
+use super::history::PointState;
 use super::law::PointLaw;
 use super::pair::Pair;
 use crate::model::Enforcement;
@@ -26,7 +27,8 @@ impl Contact {
 /// Returns whether a pair has a held point whose gap is over the tolerance of Uzawa's rule, after so many updates.
 fn wants_update(pair: &Pair, updates: usize) -> bool {
     let Enforcement::Uzawa { tolerance, max_updates } = pair.enforcement else { return false };
-    updates < max_updates && pair.state.trial.points.iter().any(|state| state.held && state.gap.abs() > tolerance)
+    let over = |state: &PointState| state.held && !state.comes_in() && state.gap.abs() > tolerance;
+    updates < max_updates && pair.state.trial.points.iter().any(over)
 }
 
 /// Latches the points that are furthest over the cap; how many.
@@ -53,7 +55,7 @@ fn open_worst(pairs: &mut [Pair]) -> usize {
 /// λ ← p of held points, and of those that were held and are capped or open now.
 fn update_multipliers(pair: &mut Pair) -> usize {
     let mut updated = 0;
-    for state in &mut pair.state.trial.points {
+    for state in pair.state.trial.points.iter_mut().filter(|state| !state.comes_in()) {
         if (state.held || state.normal.multiplier != 0.0) && state.normal.multiplier != state.pressure {
             state.normal.multiplier = state.pressure;
             updated += 1;

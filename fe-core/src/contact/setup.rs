@@ -93,8 +93,9 @@ impl Pair {
         let point = self.points[index];
         let foot = self.state.committed.points[index].foot;
         let Ok(kinematics) = Kinematics::new(&self.chain, &point.slave, foot, &position) else { return Ok(0.0) };
+        let virgin = vec![0.0; self.state_count];
         let mut shear_at = |slip: f64| {
-            let asked = self.ask(index, &kinematics, PointState::new(foot, 1.0), [0.0, slip]);
+            let asked = self.ask(index, &kinematics, (PointState::new(foot, 1.0), &virgin), [0.0, slip]);
             asked.map(|(end, _)| end.shear).map_err(|failure| ModelError::of_pair(&self.name, failure.reason))
         };
         let first = FIRST_PROBE * point.edge_length;
@@ -149,22 +150,24 @@ impl Pair {
             wrong(&format!("its gap is {gap:.3e} mm at the start, {limit}"))
         };
         let is_fault = gap.abs() <= allowed;
-        if !is_fault && gap < 0.0 {
-            return Err(too_large());
-        }
         let along = dot(kinematics.tangent, point.direction) >= 0.0;
         let start_gap = if is_fault { gap } else { 0.0 };
         let behind = if along { point.behind } else { point.length - point.behind };
         self.points[index] = ContactPoint { start_gap, behind, ..point };
         let (weight, _) = self.weight(index, kinematics.arc_length);
+        // past an end there is no surface that it could lie in, or lose its bond to
+        let is_over = weight > 0.0;
+        if is_over && !is_fault && gap < 0.0 {
+            return Err(too_large());
+        }
         let mut state = PointState { origin: kinematics.arc_length, ..PointState::new(foot, weight) };
         state.gap = gap - start_gap;
         state.own_gap = state.gap;
-        if weight == 0.0 {
+        if !is_over {
             state.status = PointStatus::Released;
         }
         self.state.committed.points.push(state);
-        if !is_fault && self.is_bonded(index, &kinematics, gap.min(BOND_PROBE * point.edge_length))? {
+        if is_over && !is_fault && self.is_bonded(index, &kinematics, gap.min(BOND_PROBE * point.edge_length))? {
             return Err(too_large());
         }
         Ok(())
@@ -176,24 +179,24 @@ impl Pair {
             return Ok(true);
         }
         let start = PointState::new(self.state.committed.points[index].foot, 1.0);
-        let asked = self.ask(index, kinematics, start, [length, length]);
+        let virgin = vec![0.0; self.state_count];
+        let asked = self.ask(index, kinematics, (start, &virgin), [length, length]);
         let (end, _) = asked.map_err(|failure| ModelError::of_pair(&self.name, failure.reason))?;
         // The soft law of FRIC presses there; what matters is whether a bond would be lost.
         Ok(matches!(self.law, PointLaw::Uinter { .. }) && (end.pressure < 0.0 || end.shear != 0.0))
     }
 
-    /// Asks the law of a point without state variables, from `start`, at a gap and a slip: the point's state and STATEV then.
+    /// Asks the law of a point, from a state and STATEV, at a gap and a slip: both then.
     pub(super) fn ask(
         &mut self,
         index: usize,
         kinematics: &Kinematics,
-        start: PointState,
+        (start, start_statev): (PointState, &[f64]),
         [gap, slip]: [f64; 2],
     ) -> Result<(PointState, Vec<f64>), Setback> {
-        let virgin = vec![0.0; self.state_count];
-        let (point, start_statev) = (&self.points[index], &virgin);
+        let point = &self.points[index];
         let situation = Situation { gap, slip, point, index, kinematics, start: &start, start_statev, context: &FIRST };
-        let (mut end, mut statev) = (start, virgin.clone());
+        let (mut end, mut statev) = (start, start_statev.to_vec());
         self.law.advance(&situation, &mut end, &mut statev)?;
         Ok((end, statev))
     }

@@ -58,7 +58,8 @@ fn areas_and_lengths_add_up() {
     }
 }
 
-/// The weights tile the surface: what is left of a straight bond falls linearly as the slave leaves, for any rule.
+/// The weights tile the surface: what is left of a straight bond falls linearly as the slave leaves, for any rule, and what is in
+/// contact grows as it comes back.
 #[test]
 fn what_is_left_of_the_contact_falls_linearly_to_nothing() {
     let row = |count| Row { kind: Q8, from: 0.0, to: 3.0, count };
@@ -76,7 +77,14 @@ fn what_is_left_of_the_contact_falls_linearly_to_nothing() {
                 assert!((left - (3.0 - slide).max(0.0)).abs() < 1e-9, "{quadrature:?}: {left} after {slide}");
             }
             assert_eq!(contact.count(PointStatus::Released), contact.points().count());
-            assert_eq!(largest(&forces(&mut contact, &vec![0.0; scene.freedom_count()])), 0.0, "out for good");
+            for step in (0..=31).rev() {
+                let slide = 0.1 * f64::from(step);
+                forces(&mut contact, &scene.moved(1, |_| [direction * slide, 0.0]));
+                contact.commit();
+                let back: f64 = contact.points().map(|point| point.area * point.weight).sum();
+                assert!((back - (3.0 - slide).max(0.0)).abs() < 1e-9, "{quadrature:?}: {back} back at {slide}");
+            }
+            assert_eq!(contact.count(PointStatus::Released), 0);
         }
     }
 }
