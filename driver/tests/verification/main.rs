@@ -3,11 +3,13 @@
 
 mod bar;
 mod beam;
+mod beyond_the_end;
 mod capstan;
 mod contact_patch;
 mod cook;
 mod cylinder;
 mod drag_out;
+mod grids;
 mod hertz;
 mod hook;
 mod plane_and_axisymmetric;

@@ -93,10 +93,10 @@ impl PointState {
         self.weight == 0.0 && !self.apart && !self.gone
     }
 
-    /// Returns whether it has come over an end of the master, and is still on the way in: its gap need not be closed further than the
-    /// penalty does, since the less of its area is over the master, the greater the pressure that this would take.
+    /// Returns whether it has come over an end of the master, with less than half of its area so far: its gap need not be closed further
+    /// than the penalty does, since the less of its area is over the master, the greater the pressure that this would take.
     pub fn comes_in(&self) -> bool {
-        self.weight < 1.0 && self.normal.latched
+        self.weight < 0.5 && self.normal.latched
     }
 
     /// Books the energies of an increment that led here from `start`, by trapezoids; `area` mm².
