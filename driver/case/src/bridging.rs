@@ -122,6 +122,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
         every: 1,
         plots: output.plots.unwrap_or(true),
         warnings: std::mem::take(&mut reader.warnings),
+        notes: std::mem::take(&mut reader.notes),
         defaults: std::mem::take(&mut reader.defaults),
         ..about
     };

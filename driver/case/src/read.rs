@@ -374,6 +374,7 @@ fn finish<S>(
             every: output.every.map_or(1, |every| every.0),
             plots: output.plots.unwrap_or(true),
             warnings: std::mem::take(&mut reader.warnings),
+            notes: std::mem::take(&mut reader.notes),
             defaults: std::mem::take(&mut reader.defaults),
             ..about
         },

@@ -19,6 +19,8 @@ pub struct Reader<'a> {
     pub(crate) libraries: BTreeMap<PathBuf, Library>,
     pub(crate) problems: Vec<Problem>,
     pub(crate) warnings: Vec<String>,
+    /// Facts of the model that need no attention.
+    pub(crate) notes: Vec<String>,
     /// Values that the case leaves to defaults: a line for each place.
     pub(crate) defaults: Vec<String>,
 }
@@ -33,6 +35,7 @@ impl<'a> Reader<'a> {
             libraries: BTreeMap::new(),
             problems: Vec::new(),
             warnings: Vec::new(),
+            notes: Vec::new(),
             defaults: Vec::new(),
         }
     }
@@ -64,6 +67,13 @@ impl<'a> Reader<'a> {
     pub(crate) fn warn(&mut self, warning: String) {
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
+        }
+    }
+
+    /// Notes a fact of the model, once.
+    pub(crate) fn note(&mut self, note: String) {
+        if !self.notes.contains(&note) {
+            self.notes.push(note);
         }
     }
 

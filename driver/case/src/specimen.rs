@@ -147,6 +147,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
             plots: output.plots.unwrap_or(true),
             recorded,
             warnings: std::mem::take(&mut reader.warnings),
+            notes: std::mem::take(&mut reader.notes),
             defaults: std::mem::take(&mut reader.defaults),
             ..about
         },

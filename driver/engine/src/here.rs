@@ -57,8 +57,8 @@ pub fn extent(case: &Case) -> Extent {
 }
 
 /// The viewer as a page of its own.
-fn view(program: &pullout::PulloutProgram, history: &History, states: &States) -> io::Result<Option<String>> {
-    Ok(states.page(program, history)?.map(|viewer| page::around("Over the run", &viewer)))
+fn view((program, outcome): &Specimen<'_>, history: &History, states: &States) -> io::Result<Option<String>> {
+    Ok(states.page(program, history, outcome.peak.as_ref())?.map(|viewer| page::around("Over the run", &viewer)))
 }
 
 /// Runs a case; what it would write is left out.
@@ -113,7 +113,7 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let history = record.into_history();
     summary.take_comparisons(compare_all(case, &history)?);
     let view = match specimen {
-        Some((program, _)) => view(program, &history, &states)?,
+        Some(specimen) => view(&specimen, &history, &states)?,
         None => None,
     };
     Ok(Outcome { history, summary, replay, increments, trail, view })

@@ -83,7 +83,7 @@ fn draw(
     let mut drawings = plots::draw(directory, plots::FOLDER, &history, &Spec::of(case))?;
     let Some((program, outcome)) = specimen else { return Ok((drawings, None)) };
     drawings.append(pictures::draw(directory, program, outcome)?);
-    Ok((drawings, states.page(program, &history)?))
+    Ok((drawings, states.page(program, &history, outcome.peak.as_ref())?))
 }
 
 /// Says what came out of a recorded run, but for comparisons with curves. `message` and `failed_at` say why it failed.
@@ -128,8 +128,8 @@ pub fn summarise_rows(case: &Case, folder: &Path, aftermath: Aftermath) -> io::R
 /// Says how a run of a case ended, which plugins it called, and what the case and they warn of.
 fn summary_of(case: &Case, aftermath: Aftermath) -> io::Result<Summary> {
     let (plugin, plugins) = plugins(case)?;
-    let (title, warnings) = (case.about().title.clone(), warnings(case));
-    Ok(Summary { title, plugin, plugins, warnings, ..Summary::of(aftermath) })
+    let (title, notes) = (case.about().title.clone(), case.about().notes.clone());
+    Ok(Summary { title, plugin, plugins, warnings: warnings(case), notes, ..Summary::of(aftermath) })
 }
 
 /// The plugin of a point; of a specimen, the first contact pair's or else the first part's, and all of them.

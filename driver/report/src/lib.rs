@@ -35,6 +35,14 @@ fn extremes(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), number| (least.min(number), greatest.max(number)))
 }
 
+/// Less than this part of the greatest value of its kind is what rounding leaves.
+const ROUNDING: f64 = 1e-9;
+
+/// 0 for what is nothing compared with the greatest value.
+fn without_rounding(value: f64, greatest: f64) -> f64 {
+    if value.abs() < ROUNDING * greatest { 0.0 } else { value }
+}
+
 /// A file with wrong content.
 fn malformed(path: &Path, message: impl std::fmt::Display) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, format!("{}: {message}", path.display()))

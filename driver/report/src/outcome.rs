@@ -30,13 +30,15 @@ pub fn of_run(summary: &Summary, case: &Case, folder: &Path) -> String {
         Case::Pullout(_) => &["load", "load_lateral"],
         Case::Bridging(_) => &[],
     };
+    let peaks = summary.peaks_without_rounding();
     for name in interesting {
-        if let Some(peak) = summary.peaks.get(*name)
+        if let Some(peak) = peaks.get(name)
             && let (Some(max), Some(min)) = (peak.max, peak.min)
-            && (max.abs() > 1e-6 || min.abs() > 1e-6)
+            && (max != 0.0 || min != 0.0)
         {
             let unit = columns::shown(name).map_or("", |(_, unit, _)| unit);
-            let _ = writeln!(text, "  {name}: max {max:.6} {unit}, min {min:.6} {unit}");
+            let [max, min] = [max, min].map(|value| significant(value, 8));
+            let _ = writeln!(text, "  {name}: max {max} {unit}, min {min} {unit}");
         }
     }
     for comparison in &summary.compare {

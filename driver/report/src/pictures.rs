@@ -7,7 +7,6 @@
 //! `output.pictures_at`. `axial_stress`, `interface_shear` and `interface_pressure` show all of them.
 
 use crate::directory::ResultDirectory;
-use crate::extremes;
 use crate::plots::field::{
     Class, FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, crosses, deformed_mesh,
     interface_profiles, zones,
@@ -15,6 +14,7 @@ use crate::plots::field::{
 use crate::plots::figure::{Figure, Line, Style};
 use crate::plots::quantity::{Quantity, capital, group_of};
 use crate::plots::{Drawings, FOLDER};
+use crate::{ROUNDING, extremes, without_rounding};
 use fe_core::mesh::Mesh;
 use fe_core::model::Model;
 use fe_core::output::{Activity, FieldsError, Principal, Recovery, axial_stress};
@@ -30,8 +30,6 @@ use std::io;
 const ZOOM: f64 = 3.0;
 /// Cross-sections along a fibre at most.
 const MOST_SECTIONS: usize = 400;
-/// Less than this part of the greatest load or stress is what rounding leaves in a body that carries nothing.
-const ROUNDING: f64 = 1e-9;
 /// Colours and names of the elements' states, in the order of [`Activity`]; released elements are not drawn.
 const ACTIVITIES: [Class<'static>; 4] = [
     (RGBColor(0xf4, 0xf4, 0xf4), "condensed"),
@@ -61,6 +59,8 @@ pub fn draw(directory: &mut ResultDirectory, program: &PulloutProgram, outcome: 
     let mut moments: Vec<Moment<'_>> = asked.chain(peak).chain(end).collect();
     let greatest = moments.iter().map(|moment| moment.load.abs()).fold(0.0, f64::max);
     moments.iter_mut().for_each(|moment| moment.load = without_rounding(moment.load, greatest));
+    let stresses = moments.iter().flat_map(|moment| &moment.state.fields.stresses);
+    album.greatest_stress = stresses.map(|&stress| magnitude(&Principal::new(stress))).fold(0.0, f64::max);
     for moment in &moments {
         album.contours(moment)?;
     }
@@ -87,11 +87,6 @@ impl Moment<'_> {
     }
 }
 
-/// 0 for what is nothing compared with the greatest value.
-fn without_rounding(value: f64, greatest: f64) -> f64 {
-    if value.abs() < ROUNDING * greatest { 0.0 } else { value }
-}
-
 /// Pictures of one run.
 struct Album<'a> {
     directory: &'a mut ResultDirectory,
@@ -101,7 +96,7 @@ struct Album<'a> {
     /// Position of each pair's slave surface along the fibre.
     walls: Vec<Option<Wall>>,
     matrix: BTreeSet<usize>,
-    /// The greatest principal stress so far, MPa.
+    /// The greatest principal stress of all moments, MPa.
     greatest_stress: f64,
     drawings: Drawings,
 }
@@ -127,10 +122,12 @@ impl<'a> Album<'a> {
         let fields = &moment.state.fields;
         let mesh = PictureMesh::new(self.mesh, fields, &self.recovery);
         let stresses = self.recovery.recover(&fields.stresses).map_err(unfit)?;
-        let principal: Vec<Principal> = stresses.iter().copied().map(Principal::new).collect();
-        let magnitudes = principal.iter().flat_map(|p| [p.maximum.abs(), p.minimum.abs()]);
-        self.greatest_stress = magnitudes.fold(self.greatest_stress, f64::max);
         let greatest = self.greatest_stress;
+        // directions of what rounding leaves say nothing
+        let is_nothing = |stress: &[f64; 4]| magnitude(&Principal::new(*stress)) < ROUNDING * greatest;
+        let stresses: Vec<[f64; 4]> =
+            stresses.into_iter().map(|stress| if is_nothing(&stress) { [0.0; 4] } else { stress }).collect();
+        let principal: Vec<Principal> = stresses.iter().copied().map(Principal::new).collect();
         let stress = |name: &str, what: &str, symbol: &str, value: fn(&Principal) -> f64| Contour {
             name: name.into(),
             what: what.into(),
@@ -158,18 +155,15 @@ impl<'a> Album<'a> {
             self.keep(&name("deformed_mesh"), deformed_mesh(&deformed))?;
             let shown = fields.activities.iter().filter(|activity| **activity != Activity::Spalled);
             let classes: Vec<usize> = shown.map(|activity| *activity as usize).collect();
-            self.keep(&name("active_zone"), zones(&picture("Active zone"), &classes, &ACTIVITIES))?;
-            if self.greatest_stress > 0.0 {
+            if classes.iter().any(|class| *class != classes[0]) {
+                self.keep(&name("active_zone"), zones(&picture("Active zone"), &classes, &ACTIVITIES))?;
+            }
+            if stresses.iter().flatten().any(|stress| *stress != 0.0) {
                 let in_scale = |part: usize| self.matrix.is_empty() || self.matrix.contains(&part);
                 let drawn = crosses(&picture("Principal stresses"), &stresses, in_scale);
                 self.keep(&name("principal_directions"), drawn)?;
             }
-            // a zoom on nothing says no more than the whole, and a field of zeros nothing
-            let is_worth_it = |shown: &&Contour| match place {
-                "" => shown.values.iter().any(|value| *value != 0.0),
-                _ => !shown.is_constant(),
-            };
-            for shown in contours.iter().filter(is_worth_it) {
+            for shown in contours.iter().filter(|shown| !shown.is_constant(&mesh, window.as_ref())) {
                 let range = shown.range(&self.recovery, &mesh, &self.matrix, window.as_ref());
                 let drawn = contour(&picture(&shown.what), &shown.values, &shown.quantity, range);
                 self.keep(&name(&shown.name), drawn)?;
@@ -276,9 +270,11 @@ struct Contour {
 }
 
 impl Contour {
-    fn is_constant(&self) -> bool {
-        let mut numbers = self.values.iter().filter(|value| value.is_finite());
-        numbers.next().is_none_or(|first| numbers.all(|other| other == first))
+    /// Returns whether what is shown has one colour, but for rounding.
+    fn is_constant(&self, mesh: &PictureMesh, window: Option<&Window>) -> bool {
+        let places = mesh.nodes.iter().zip(&self.values).filter(|(node, _)| is_shown(**node, window));
+        let (least, greatest) = extremes(places.map(|(_, value)| *value).filter(|value| value.is_finite()));
+        greatest - least <= ROUNDING * least.abs().max(greatest.abs()) || least > greatest
     }
 
     fn range(
@@ -291,12 +287,21 @@ impl Contour {
         if !self.follows_matrix {
             return None;
         }
-        let is_shown = |[x, y]: [f64; 2]| window.is_none_or(|window| window.x.contains(&x) && window.y.contains(&y));
         let parts = recovery.parts();
-        let values = (0..self.values.len()).filter(|&k| matrix.contains(&parts[k]) && is_shown(mesh.nodes[k]));
+        let values = (0..self.values.len()).filter(|&k| matrix.contains(&parts[k]) && is_shown(mesh.nodes[k], window));
         let (least, greatest) = extremes(values.map(|k| self.values[k]).filter(|value| value.is_finite()));
         (least < greatest).then_some((least, greatest))
     }
+}
+
+/// Returns whether a place is within what a picture shows.
+fn is_shown([x, y]: [f64; 2], window: Option<&Window>) -> bool {
+    window.is_none_or(|window| window.x.contains(&x) && window.y.contains(&y))
+}
+
+/// The greatest principal stress in magnitude.
+fn magnitude(principal: &Principal) -> f64 {
+    principal.maximum.abs().max(principal.minimum.abs())
 }
 
 /// The damages to draw: the total one if a law tells it, or else all.

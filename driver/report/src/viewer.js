@@ -17,6 +17,7 @@
   const triangles = take(Uint32Array, 3 * head.triangles);
   const edges = take(Uint32Array, 2 * head.edges);
   const contacts = frames.map((frame) => take(Float32Array, 6 * frame.contacts));
+  const parts = take(Uint16Array, nodes);
   // each state is told by its difference to the one before
   const series = (width) => frames.map(() => take(Uint16Array, width)).map((state, k, all) => {
     if (k > 0) for (let i = 0; i < width; i++) state[i] += all[k - 1][i];
@@ -79,13 +80,34 @@
     return [low, high];
   });
   const whole = () => ({ x: (extent[0][0] + extent[0][1]) / 2, y: (extent[1][0] + extent[1][1]) / 2, zoom: 1 });
-  let view = whole(), at = frames.length - 1, timer = 0;
+  let view = whole(), at = head.opensAt, timer = 0;
   const choice = part("field"), slider = part("state"), magnification = part("magnification"), withEdges = part("edges");
+  const scale = part("parts");
   head.fields.forEach((field, k) => choice.add(new Option(field.name, k)));
+  // what colours mean: of each part its own range, that of one part for all, or that of all
+  const EACH = -1, ALL = -2;
+  scale.add(new Option("each part by itself", EACH));
+  head.parts.forEach((name, k) => scale.add(new Option(`as in ${name}`, k)));
+  scale.add(new Option("all parts together", ALL));
+  part("scale").hidden = head.parts.length < 2;
   slider.max = frames.length - 1;
+  frames.forEach((frame, k) => {
+    if (!frame.name) return;
+    const button = document.createElement("button");
+    [button.type, button.textContent, button.onclick] = ["button", frame.name, () => show(k)];
+    part("marks").append(button, " ");
+  });
   // colours mean the same on either background
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const number = (value) => value === null ? "–" : +value.toPrecision(4) + "";
+  // four digits, as everywhere in the report
+  const raised = (text) => text.replace(/./g, (letter) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[letter] || "⁻");
+  const number = (value) => {
+    if (value === null || !Number.isFinite(value)) return "–";
+    const [mantissa, exponent] = value.toExponential(3).split("e");
+    const text = value === 0 || (exponent > -5 && exponent < 6) ? +value.toPrecision(4) + ""
+      : `${+mantissa}·10${raised(exponent.replace("+", ""))}`;
+    return text.replace("-", "−");
+  };
   const size = (target) => {
     const ratio = devicePixelRatio || 1, box = target.getBoundingClientRect();
     const [width, height] = [Math.round(box.width * ratio), Math.round(box.height * ratio)];
@@ -99,13 +121,43 @@
     return [unit * width, unit * height];
   };
 
-  // whether values go beyond the least (0) or the greatest (1) colour
-  const isBeyond = (field, end) => end ? field.values[1] > field.range[1] : field.values[0] < field.range[0];
+  // range of the values of some parts; none where they have no value
+  const rangeOf = (field, which) => which.map((k) => field.ranges[k]).filter((range) => range && range[0] !== null).reduce(
+    (all, range) => all ? [Math.min(all[0], range[0]), Math.max(all[1], range[1])] : range, null);
+  const every = head.parts.map((_, k) => k);
+  // range of the colours of a part: a part without values cannot lend its own
+  const colorsOf = (field, k) => {
+    const chosen = +scale.value === EACH ? k : +scale.value;
+    return (chosen === ALL ? null : rangeOf(field, [chosen])) || rangeOf(field, every);
+  };
+  const valueOf = (field, i, share) => {
+    const own = field.ranges[parts[i]], value = between(own, share);
+    // less than a step is nothing
+    return Math.abs(value) < (own[1] - own[0]) / 65534 ? 0 : value;
+  };
+  // ends of the bar; ≤ and ≥ where values lie beyond them
+  const key = (field) => {
+    const unit = field.unit ? " " + field.unit : "";
+    if (+scale.value === EACH) {
+      const own = every.map((k) => [head.parts[k], rangeOf(field, [k])]).filter(([, range]) => range);
+      if (own.length > 1) {
+        const end = (k) => own.map(([name, range]) => `${name} ${number(range[k])}`).join(", ");
+        return [end(0), end(1) + unit];
+      }
+    }
+    const [least, most] = colorsOf(field, every[0]), [low, high] = rangeOf(field, every);
+    return [(low < least ? "≤ " : "") + number(least), (high > most ? "≥ " : "") + number(most) + unit];
+  };
 
   const draw = () => {
     const state = displacements[at], shown = fields[choice.value][at], field = head.fields[choice.value];
     for (let i = 0; i < state.length; i++) moved[i] = between(head.displacement, state[i]);
-    for (let i = 0; i < nodes; i++) values[i] = shown[i] === 65535 ? 2 : shown[i] / 65534;
+    const scales = every.map((k) => [field.ranges[k], colorsOf(field, k)]);
+    for (let i = 0; i < nodes; i++) {
+      const [own, [low, high]] = scales[parts[i]];
+      const share = high > low ? (between(own, shown[i]) - low) / (high - low) : 0.5;
+      values[i] = shown[i] === 65535 ? 2 : Math.min(Math.max(share, 0), 1);
+    }
     setMoved(moved);
     setValues(values);
     const [x, y] = reach();
@@ -126,11 +178,13 @@
     }));
     slider.value = at;
     const frame = frames[at];
-    part("told").textContent = `slip ${number(frame.slip)} mm, load ${number(frame.load)} N`;
-    part("least").textContent = number(field.range[0]);
-    const beyond = isBeyond(field, 0) || isBeyond(field, 1);
-    const ends = beyond ? `; values from ${number(field.values[0])} to ${number(field.values[1])}` : "";
-    part("most").textContent = `${number(field.range[1])} ${field.unit}${ends}`;
+    const greatest = Math.max(...frames.map((other) => Math.abs(other.load || 0)));
+    // what rounding leaves of the load is 0
+    const load = Math.abs(frame.load) < 1e-9 * greatest ? 0 : frame.load;
+    part("told").textContent = `${frame.name ? frame.name + ": " : ""}slip ${number(frame.slip)} mm, load ${number(load)} N`;
+    slider.setAttribute("aria-valuetext", part("told").textContent);
+    [...part("marks").children].forEach((button) => button.setAttribute("aria-pressed", button.textContent === frame.name));
+    [part("least").textContent, part("most").textContent] = key(field);
     plot(part("curve"), [{ x: head.curve[0], y: head.curve[1], color: "#0072b2" }], "slip, mm", "load, N", [frame.slip, frame.load]);
     contact();
   };
@@ -149,7 +203,7 @@
     const toX = (x) => left + (width - left - 10 * ratio) * (x - rangeX[0]) / (rangeX[1] - rangeX[0] || 1);
     const toY = (y) => height - bottom - (height - bottom - top) * (y - rangeY[0]) / (rangeY[1] - rangeY[0] || 1);
     pen.clearRect(0, 0, width, height);
-    [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = ["#444", "#bbb", ratio];
+    [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = dark.matches ? ["#ccc", "#555", ratio] : ["#444", "#bbb", ratio];
     pen.strokeRect(left, top, toX(rangeX[1]) - left, height - bottom - top);
     pen.textAlign = "right";
     rangeY.forEach((value, k) => pen.fillText(texts[k], left - 4 * ratio, toY(value) + 4 * ratio));
@@ -202,7 +256,7 @@
 
   const show = (state) => { at = Math.min(Math.max(state, 0), frames.length - 1); requestAnimationFrame(draw); };
   slider.oninput = () => show(+slider.value);
-  [choice, magnification, withEdges].forEach((control) => { control.onchange = () => show(at); });
+  [choice, scale, magnification, withEdges].forEach((control) => { control.onchange = () => show(at); });
   part("play").onclick = (event) => {
     event.target.textContent = timer ? "play" : "stop";
     timer = timer ? clearInterval(timer) : setInterval(() => show((at + 1) % frames.length), 180);
@@ -215,37 +269,83 @@
     const box = canvas.getBoundingClientRect(), [x, y] = reach();
     return [view.x + x * (2 * event.offsetX / box.width - 1), view.y - y * (2 * event.offsetY / box.height - 1)];
   };
-  canvas.onwheel = (event) => {
-    event.preventDefault();
-    const before = under(event);
-    view.zoom = Math.min(Math.max(view.zoom * Math.exp(-event.deltaY / 400), 0.5), 400);
-    const after = under(event);
-    view.x += before[0] - after[0];
-    view.y += before[1] - after[1];
+  // zooms, and moves what lay there to where this place of the canvas is
+  const zoom = (factor, there, event) => {
+    view.zoom = Math.min(Math.max(view.zoom * factor, 0.5), 400);
+    hold(there, event);
+  };
+  const hold = (there, event) => {
+    const here = under(event);
+    view.x += there[0] - here[0];
+    view.y += there[1] - here[1];
     show(at);
   };
+  const middle = () => ({ offsetX: canvas.clientWidth / 2, offsetY: canvas.clientHeight / 2 });
+  // the wheel by itself scrolls the page; a touch pad's pinch comes with Ctrl
+  canvas.addEventListener("wheel", (event) => {
+    if (!event.ctrlKey && !event.metaKey) return;
+    event.preventDefault();
+    zoom(Math.exp(-event.deltaY / (event.deltaMode ? 12 : 400)), under(event), event);
+  }, { passive: false });
+  // two fingers pinch and pan, one scrolls the page
+  let pinch = null;
+  const fingers = (event) => {
+    const box = canvas.getBoundingClientRect();
+    const [a, b] = [...event.touches].map((touch) => [touch.clientX - box.left, touch.clientY - box.top]);
+    return { offsetX: (a[0] + b[0]) / 2, offsetY: (a[1] + b[1]) / 2, apart: Math.hypot(a[0] - b[0], a[1] - b[1]) || 1 };
+  };
+  for (const kind of ["touchstart", "touchmove"]) canvas.addEventListener(kind, (event) => {
+    if (event.touches.length !== 2) return;
+    if (event.cancelable) event.preventDefault();
+    const now = fingers(event);
+    if (kind === "touchmove" && pinch) zoom(now.apart / pinch.apart, pinch.there, now);
+    pinch = { there: under(now), apart: now.apart };
+  }, { passive: false });
+  for (const kind of ["touchend", "touchcancel"]) canvas.addEventListener(kind, () => { pinch = null; });
+  part("closer").onclick = () => zoom(1.5, under(middle()), middle());
+  part("further").onclick = () => zoom(1 / 1.5, under(middle()), middle());
+  const reset = () => { view = whole(); show(at); };
+  part("all").onclick = reset;
+  const keys = (target, actions) => target.addEventListener("keydown", (event) => {
+    const action = event.ctrlKey || event.metaKey || event.altKey ? null : actions[event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  });
+  const pan = (x, y) => () => {
+    const [width, height] = reach();
+    view.x += 0.2 * x * width;
+    view.y += 0.2 * y * height;
+    show(at);
+  };
+  const [closer, further] = [part("closer").onclick, part("further").onclick];
+  keys(canvas, { "+": closer, "=": closer, "-": further, "0": reset, ArrowLeft: pan(-1, 0), ArrowRight: pan(1, 0),
+    ArrowUp: pan(0, 1), ArrowDown: pan(0, -1) });
+  keys(part("curve"), { ArrowLeft: () => show(at - 1), ArrowRight: () => show(at + 1), Home: () => show(0),
+    End: () => show(frames.length - 1) });
   let held = null;
-  canvas.onpointerdown = (event) => { held = under(event); canvas.setPointerCapture(event.pointerId); };
-  canvas.onpointerup = () => { held = null; };
-  canvas.onpointermove = (event) => {
+  canvas.onpointerdown = (event) => {
+    tell(event);
+    if (event.pointerType === "touch") return;
+    held = under(event);
+    canvas.setPointerCapture(event.pointerId);
+  };
+  canvas.onpointerup = canvas.onpointercancel = () => { held = null; };
+  canvas.onpointermove = (event) => { if (held) hold(held, event); else if (event.pointerType !== "touch") tell(event); };
+  // the value at the nearest node
+  const tell = (event) => {
     const here = under(event);
-    if (held) {
-      view.x += held[0] - here[0];
-      view.y += held[1] - here[1];
-      show(at);
-      return;
-    }
     let nearest = -1, least = Infinity;
     for (let i = 0; i < nodes; i++) {
       const x = positions[2 * i] + magnification.value * moved[2 * i] - here[0];
       const y = positions[2 * i + 1] + magnification.value * moved[2 * i + 1] - here[1];
       if (x * x + y * y < least) [least, nearest] = [x * x + y * y, i];
     }
-    const field = head.fields[choice.value], value = fields[choice.value][at][nearest];
-    const sign = value === 0 && isBeyond(field, 0) ? "≤ " : value === 65534 && isBeyond(field, 1) ? "≥ " : "";
-    part("here").textContent = value === 65535 ? "" : `${field.name} ${sign}${number(between(field.range, value))} ${field.unit}`;
+    const field = head.fields[choice.value], share = fields[choice.value][at][nearest];
+    const own = head.parts.length > 1 ? `${head.parts[parts[nearest]]}: ` : "";
+    part("here").textContent = share === 65535 ? "" : `${own}${field.name} ${number(valueOf(field, nearest, share))} ${field.unit}`;
   };
-  canvas.ondblclick = () => { view = whole(); show(at); };
+  canvas.ondblclick = reset;
   dark.onchange = () => show(at);
   new ResizeObserver(() => show(at)).observe(canvas);
   show(at);

@@ -1,24 +1,26 @@
 //! The viewer of `report.html`: a specimen's deformed mesh with its fields over the run, drawn by the browser.
 //!
-//! States are kept as the run goes on, evenly over its increments. Displacements and fields are given in 65535 steps of
-//! their ranges, each state by its difference to the one before, deflated.
+//! States are kept as the run goes on, evenly over its increments, and those of the first crack, the first yield, the greatest
+//! load and both ends in any case. Displacements and fields are given in 65535 steps of their ranges, fields part by part, each
+//! state by its difference to the one before, deflated.
 
 use crate::history::History;
-use crate::pictures::{ALONG_HOLE, is_total, matrix, walls};
+use crate::pictures::{ALONG_HOLE, is_total, walls};
 use crate::plots::field::{ALONG_SURFACE, band_color_text};
 use crate::plots::quantity::group_of;
 use fe_core::mesh::Mesh;
-use fe_core::output::{FieldsError, Principal, Recovery, contact_points};
+use fe_core::output::{Activity, Fields, FieldsError, Principal, Recovery};
 use fe_core::stepping::Snapshot;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use maud::{Markup, PreEscaped, html};
 use pullout_run::columns::Group;
-use pullout_run::pullout::PulloutProgram;
+use pullout_run::pullout::{self, PulloutProgram};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::iter::once;
 
 const SCRIPT: &str = include_str!("viewer.js");
 
@@ -45,11 +47,18 @@ pub struct States {
     /// Every so many increments one is kept, the binary logarithm.
     doublings: u32,
     seen: u64,
+    /// The first increments in which any point cracked, and yielded: they stay.
+    firsts: [Option<u64>; 2],
 }
+
+/// Names of [`States::firsts`].
+const FIRSTS: [&str; 2] = ["first crack", "first yield"];
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct State {
     increment: u64,
+    /// Total time, s.
+    time: f64,
     slip: f64,
     load: f64,
     displacements: Vec<f32>,
@@ -60,35 +69,62 @@ struct State {
 }
 
 impl States {
-    /// Takes the state after an increment, if it is its turn or the last.
+    /// Takes the state after an increment, if it is its turn, the last, or the first with a crack or yield.
     pub fn observe(&mut self, slip: f64, load: f64, snapshot: &Snapshot<'_>, is_last: bool) {
         let increment = self.seen - u64::from(is_last).min(self.seen);
         self.seen += u64::from(!is_last);
+        if self.firsts.contains(&None) {
+            let counts = snapshot.solids().counts();
+            for (first, count) in self.firsts.iter_mut().zip([counts.damaged, counts.plastic]) {
+                *first = first.or((count > 0).then_some(increment));
+            }
+        }
         let is_kept = self.kept.last().is_some_and(|state| state.increment == increment);
-        if is_kept || !(is_last || increment.is_multiple_of(1 << self.doublings)) {
+        if is_kept || !(is_last || self.stays(increment)) {
             return;
         }
-        let state = State::of(increment, slip, load, snapshot);
+        let state = State::of(increment, [slip, load], &snapshot.model().mesh, &Fields::of(snapshot));
         let size = VALUES * state.fields.len() + state.displacements.len();
         self.kept.push(state);
         let most = (MOST_NUMBERS / size.max(1)).clamp(FEWEST_STATES, MOST_STATES);
         if self.kept.len() > most && !is_last {
             self.doublings += 1;
-            let stride = 1 << self.doublings;
-            self.kept.retain(|state| state.increment.is_multiple_of(stride));
+            let kept = std::mem::take(&mut self.kept);
+            self.kept = kept.into_iter().filter(|state| self.stays(state.increment)).collect();
         }
     }
 
-    /// The viewer's part of the page.
+    /// Returns whether an increment is among those that are kept.
+    fn stays(&self, increment: u64) -> bool {
+        increment.is_multiple_of(1 << self.doublings) || self.firsts.contains(&Some(increment))
+    }
+
+    /// The viewer's part of the page; `peak`: the state at the greatest load, unless that is the last.
     ///
     /// # Errors
     /// States of another mesh.
-    pub fn page(&self, program: &PulloutProgram, history: &History) -> io::Result<Option<Markup>> {
+    pub fn page(
+        &self,
+        program: &PulloutProgram,
+        history: &History,
+        peak: Option<&pullout::State>,
+    ) -> io::Result<Option<Markup>> {
         if self.kept.is_empty() {
             return Ok(None);
         }
+        let peak = peak.map(|peak| {
+            let before = self.kept.partition_point(|state| state.time < peak.fields.time);
+            // it is told from others by its time; one that was kept anyway comes once
+            let is_kept = self.kept.get(before).is_some_and(|state| state.time == peak.fields.time);
+            let state = || State::of(0, [peak.slip, peak.load], &program.model.mesh, &peak.fields);
+            (before, (!is_kept).then(state))
+        });
+        let mut states: Vec<&State> = self.kept.iter().collect();
+        if let Some((place, Some(state))) = &peak {
+            states.insert(*place, state);
+        }
         let curve = ["slip", "load"].map(|name| history.column(name).unwrap_or_default().to_vec());
-        let (head, data) = self.encode(program, curve).map_err(io::Error::other)?;
+        let (head, data) = self.encode(&states, program, curve).map_err(io::Error::other)?;
         let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
         encoder.write_all(&data)?;
         let packed = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, encoder.finish()?);
@@ -101,20 +137,33 @@ impl States {
                 div.stage hidden {
                     div.controls {
                         select.field aria-label="field" {}
+                        label.scale { "colours " select.parts {} }
                         label { "displacements × "
                             select.magnification { @for factor in [1, 2, 5, 10, 50, 200] { option value=(factor) { (factor) } } } }
                         label { input.edges type="checkbox" checked; " elements" }
                         button.play type="button" { "play" }
-                        input.state type="range" min="0" aria-label="state";
+                        span.marks role="group" aria-label="states with a name" {}
+                        input.state type="range" min="0" aria-label="state of the run";
                         span.told {}
                     }
-                    canvas.mesh {}
+                    canvas.mesh tabindex="0" role="img" aria-label="deformed mesh with the chosen field" aria-describedby="viewer-hint" {}
                     div.key {
                         span.least {} span.bar style=(format!("background: linear-gradient(to right, {})", colors().join(", "))) {}
                         span.most {} span.here {}
+                        span role="group" aria-label="zoom" {
+                            button.closer type="button" aria-label="zoom in" { "+" } " "
+                            button.further type="button" aria-label="zoom out" { "−" } " "
+                            button.all type="button" { "all" }
+                        }
                     }
-                    div.plots { canvas.curve {} @if has_contact { canvas.contact {} } }
-                    p.hint { "Drag to move, wheel to zoom, double click for all; a click on the curve goes to the nearest state." }
+                    div.plots {
+                        canvas.curve tabindex="0" role="img" aria-label="load over slip; the arrow keys go to the next state" {}
+                        @if has_contact { canvas.contact role="img" aria-label="pressure and bond along the contact pairs" {} }
+                    }
+                    p.hint #viewer-hint {
+                        "Drag to pan, pinch or Ctrl + wheel to zoom, double-click to reset; on the keyboard arrows, + − and 0. "
+                        "A click on the curve goes to the nearest state."
+                    }
                 }
                 script.head type="application/json" { (PreEscaped(head)) }
                 script.data type="text/plain" { (packed) }
@@ -124,52 +173,65 @@ impl States {
     }
 
     /// Returns what the script reads: the head, and numbers of all kinds one behind the other.
-    fn encode(&self, program: &PulloutProgram, curve: [Vec<f64>; 2]) -> Result<(Value, Vec<u8>), FieldsError> {
+    fn encode(
+        &self,
+        states: &[&State],
+        program: &PulloutProgram,
+        curve: [Vec<f64>; 2],
+    ) -> Result<(Value, Vec<u8>), FieldsError> {
         let model = &program.model;
         let mesh = &model.mesh;
         let recovery = Recovery::new(mesh);
         let nodes = recovery.nodes();
         let mut data = Vec::new();
         nodes.iter().flat_map(|&node| mesh.nodes()[node]).for_each(|value| push(&mut data, value as f32));
-        let [triangles, edges] = self.shapes(mesh, &recovery, &model.parts_behind());
+        let [triangles, edges] = shapes(states, mesh, &recovery, &model.parts_behind());
         triangles.items.iter().chain(&edges.items).for_each(|item| {
             item.nodes.iter().for_each(|node| data.extend_from_slice(&node.to_le_bytes()));
         });
         // along a fibre the walls of the hole have a common coordinate, and a bond that resists the pull is positive
         let (_, walls) = walls(model);
-        for &[pair, x, y, arc, pressure, bond] in self.kept.iter().flat_map(|state| &state.contact) {
+        for &[pair, x, y, arc, pressure, bond] in states.iter().flat_map(|state| &state.contact) {
             let wall = walls.get(pair as usize).and_then(Option::as_ref);
             let [arc, bond] = wall
                 .map_or([arc, bond], |wall| [wall.along_fibre(f64::from(arc)) as f32, wall.direction as f32 * bond]);
             [pair, x, y, arc, pressure, bond].into_iter().for_each(|value| push(&mut data, value));
         }
-        let displacement = range(self.kept.iter().flat_map(|state| &state.displacements).copied());
-        let moved = |state: &State| -> Vec<u16> {
+        recovery.parts().iter().for_each(|&part| data.extend_from_slice(&(part as u16).to_le_bytes()));
+        let displacement = range(states.iter().flat_map(|state| &state.displacements).copied());
+        let moved = |state: &&State| -> Vec<u16> {
             let at = |&node: &usize| [state.displacements[2 * node], state.displacements[2 * node + 1]];
             nodes.iter().flat_map(at).map(|value| step(value, displacement)).collect()
         };
-        push_series(&mut data, self.kept.iter().map(moved));
+        push_series(&mut data, states.iter().map(moved));
         let recovered: Vec<Vec<[f64; VALUES]>> =
-            self.kept.iter().map(|state| state.at_nodes(mesh, &recovery)).collect::<Result<_, _>>()?;
-        let matrix = matrix(model);
-        let in_scale = |place: usize| matrix.is_empty() || matrix.contains(&recovery.parts()[place]);
+            states.iter().map(|state| state.at_nodes(mesh, &recovery)).collect::<Result<_, _>>()?;
         let quantities = [("principal stress, greatest", "MPa"), ("principal stress, least", "MPa"), ("damage", "")];
         let mut fields = Vec::new();
         for (k, (name, unit)) in quantities.into_iter().enumerate() {
-            let values = recovered.iter().flat_map(|state| state.iter().enumerate());
-            let own = range(values.filter(|(place, _)| in_scale(*place)).map(|(_, values)| values[k] as f32));
-            if own[0].is_finite() {
-                push_series(
-                    &mut data,
-                    recovered.iter().map(|state| state.iter().map(|values| step(values[k] as f32, own)).collect()),
-                );
-                let all = range(recovered.iter().flatten().map(|values| values[k] as f32));
-                fields.push(json!({ "name": name, "unit": unit, "range": own, "values": all }));
+            // each part has a range of its own: steel is stressed so much more than concrete
+            let own = |part: usize| {
+                let of_state = |state: &Vec<[f64; VALUES]>| {
+                    let values = recovery.parts().iter().zip(state).filter(|(owner, _)| **owner == part);
+                    range(values.map(|(_, values)| values[k] as f32))
+                };
+                range(recovered.iter().flat_map(of_state))
+            };
+            let ranges: Vec<[f32; 2]> = (0..mesh.parts().len()).map(own).collect();
+            if ranges.iter().any(|[low, _]| low.is_finite()) {
+                let shares = |state: &Vec<[f64; VALUES]>| {
+                    let values = recovery.parts().iter().zip(state);
+                    values.map(|(&part, values)| step(values[k] as f32, ranges[part])).collect()
+                };
+                push_series(&mut data, recovered.iter().map(shares));
+                fields.push(json!({ "name": name, "unit": unit, "ranges": ranges }));
             }
         }
-        let frames = self.kept.iter().enumerate().map(|(k, state)| {
+        let (names, opens_at) = self.names(states);
+        let frames = states.iter().zip(&names).enumerate().map(|(k, (state, names))| {
             let left = [&triangles, &edges].map(|shapes| shapes.left(k));
-            json!({ "slip": state.slip, "load": state.load, "contacts": state.contact.len(), "left": left })
+            let names = names.join(", ");
+            json!({ "slip": state.slip, "load": state.load, "name": names, "contacts": state.contact.len(), "left": left })
         });
         let head = json!({
             "nodes": nodes.len(),
@@ -178,7 +240,9 @@ impl States {
             "behind": [triangles.behind(), edges.behind()],
             "displacement": displacement,
             "fields": fields,
+            "parts": mesh.parts().iter().map(|part| &part.name).collect::<Vec<_>>(),
             "frames": frames.collect::<Vec<_>>(),
+            "opensAt": opens_at,
             "pairs": model.contacts.iter().map(|pair| &pair.name).collect::<Vec<_>>(),
             "along": if walls.iter().any(Option::is_some) { ALONG_HOLE } else { ALONG_SURFACE },
             "curve": thinned(curve),
@@ -187,79 +251,96 @@ impl States {
         Ok((head, data))
     }
 
-    /// Triangles and edges of the elements.
-    fn shapes(&self, mesh: &Mesh, recovery: &Recovery, behind: &[usize]) -> [Shapes; 2] {
-        let mut gone = vec![self.kept.len(); mesh.elements().len()];
-        for (k, state) in self.kept.iter().enumerate() {
-            for &element in &state.spalled {
-                let first = &mut gone[element as usize];
-                *first = k.min(*first);
-            }
+    /// The names of the states, and which is shown at first: that of the greatest load, or the last without a load.
+    fn names(&self, states: &[&State]) -> (Vec<Vec<&'static str>>, usize) {
+        let last = states.len().saturating_sub(1);
+        let loaded = (0..states.len()).filter(|&k| states[k].load.abs() > 0.0);
+        let peak = loaded.reduce(|best, k| if states[k].load.abs() > states[best].load.abs() { k } else { best });
+        let first =
+            |first: Option<u64>| first.and_then(|first| states.iter().position(|state| state.increment == first));
+        let firsts = FIRSTS.into_iter().zip(self.firsts.map(first));
+        let marks = once(("start", Some(0))).chain(firsts).chain([("peak", peak), ("end", Some(last))]);
+        let mut names = vec![Vec::new(); states.len()];
+        for (name, place) in marks {
+            names.get_mut(place.unwrap_or(usize::MAX)).into_iter().for_each(|names| names.push(name));
         }
-        let mut triangles = Shapes::default();
-        let mut edges: BTreeMap<(bool, [u32; 2]), usize> = BTreeMap::new();
-        for (index, element) in mesh.elements().iter().enumerate() {
-            let kind = element.kind();
-            let is_behind = behind.contains(&element.part());
-            let nodes: Vec<u32> = recovery.of_element(index).iter().map(|&place| place as u32).collect();
-            let mut outline = Vec::new();
-            for edge in 0..kind.corner_count() {
-                let ([start, _, middle], count) = kind.edge_nodes(edge);
-                outline.push(nodes[start]);
-                outline.extend((count == 3).then(|| nodes[middle]));
-            }
-            let next = outline.iter().cycle().skip(1);
-            for (&a, &b) in outline.iter().zip(next) {
-                let last = edges.entry((is_behind, [a.min(b), a.max(b)])).or_default();
-                *last = gone[index].max(*last);
-            }
-            // corners are cut off, what is left is a triangle or a quadrangle; all of them are convex
-            let inner: Vec<u32> = if outline.len() == kind.corner_count() {
-                outline
-            } else {
-                let count = outline.len();
-                let corner = |k: usize| vec![outline[(k + count - 1) % count], outline[k], outline[k + 1]];
-                (0..count).step_by(2).for_each(|k| triangles.push(corner(k), is_behind, gone[index]));
-                outline.iter().copied().skip(1).step_by(2).collect()
-            };
-            for k in 1..inner.len() - 1 {
-                triangles.push(vec![inner[0], inner[k], inner[k + 1]], is_behind, gone[index]);
-            }
-        }
-        let mut lines = Shapes::default();
-        edges.into_iter().for_each(|((is_behind, nodes), gone)| lines.push(nodes.to_vec(), is_behind, gone));
-        [triangles, lines].map(Shapes::ordered)
+        (names, peak.unwrap_or(last))
     }
 }
 
+/// Triangles and edges of the elements.
+fn shapes(states: &[&State], mesh: &Mesh, recovery: &Recovery, behind: &[usize]) -> [Shapes; 2] {
+    let mut gone = vec![states.len(); mesh.elements().len()];
+    for (k, state) in states.iter().enumerate() {
+        for &element in &state.spalled {
+            let first = &mut gone[element as usize];
+            *first = k.min(*first);
+        }
+    }
+    let mut triangles = Shapes::default();
+    let mut edges: BTreeMap<(bool, [u32; 2]), usize> = BTreeMap::new();
+    for (index, element) in mesh.elements().iter().enumerate() {
+        let kind = element.kind();
+        let is_behind = behind.contains(&element.part());
+        let nodes: Vec<u32> = recovery.of_element(index).iter().map(|&place| place as u32).collect();
+        let mut outline = Vec::new();
+        for edge in 0..kind.corner_count() {
+            let ([start, _, middle], count) = kind.edge_nodes(edge);
+            outline.push(nodes[start]);
+            outline.extend((count == 3).then(|| nodes[middle]));
+        }
+        let next = outline.iter().cycle().skip(1);
+        for (&a, &b) in outline.iter().zip(next) {
+            let last = edges.entry((is_behind, [a.min(b), a.max(b)])).or_default();
+            *last = gone[index].max(*last);
+        }
+        // corners are cut off, what is left is a triangle or a quadrangle; all of them are convex
+        let inner: Vec<u32> = if outline.len() == kind.corner_count() {
+            outline
+        } else {
+            let count = outline.len();
+            let corner = |k: usize| vec![outline[(k + count - 1) % count], outline[k], outline[k + 1]];
+            (0..count).step_by(2).for_each(|k| triangles.push(corner(k), is_behind, gone[index]));
+            outline.iter().copied().skip(1).step_by(2).collect()
+        };
+        for k in 1..inner.len() - 1 {
+            triangles.push(vec![inner[0], inner[k], inner[k + 1]], is_behind, gone[index]);
+        }
+    }
+    let mut lines = Shapes::default();
+    edges.into_iter().for_each(|((is_behind, nodes), gone)| lines.push(nodes.to_vec(), is_behind, gone));
+    [triangles, lines].map(Shapes::ordered)
+}
+
 impl State {
-    fn of(increment: u64, slip: f64, load: f64, snapshot: &Snapshot<'_>) -> Self {
-        let (model, solids) = (snapshot.model(), snapshot.solids());
-        let damage: Vec<Option<usize>> = model.laws.iter().map(|law| damage_of(&law.state_names())).collect();
-        let mut fields = Vec::new();
-        for (index, element) in model.mesh.elements().iter().enumerate() {
-            let derived = model.laws[element.part()].law.iter().flat_map(|law| &law.derived);
-            for point in 0..solids.point_count(index) {
-                let view = solids.point(index, point);
-                let principal = Principal::new(view.stress);
-                let damage = damage[element.part()].map_or(f64::NAN, |place| match view.statev.get(place) {
-                    Some(state) => *state,
-                    None => derived.clone().nth(place - view.statev.len()).map_or(f64::NAN, |d| d.value(view.statev)),
-                });
-                fields.push([principal.maximum as f32, principal.minimum as f32, damage as f32]);
+    fn of(increment: u64, [slip, load]: [f64; 2], mesh: &Mesh, fields: &Fields) -> Self {
+        let damage: Vec<Option<usize>> = fields.state_names.iter().map(|names| damage_of(names)).collect();
+        let mut values = Vec::with_capacity(fields.stresses.len());
+        let (mut stresses, mut states) = (fields.stresses.iter(), fields.states.as_slice());
+        for (index, element) in mesh.elements().iter().enumerate() {
+            let count = fields.state_names[element.part()].len();
+            for &stress in stresses.by_ref().take(mesh.integration_points(index).len()) {
+                let (own, others) = states.split_at(count);
+                let damage = damage[element.part()].map_or(f64::NAN, |place| own[place]);
+                let principal = Principal::new(stress);
+                values.push([principal.maximum as f32, principal.minimum as f32, damage as f32]);
+                states = others;
             }
         }
-        let contact = contact_points(snapshot).into_iter().filter(|point| point.weight > 0.0).map(|point| {
+        let contact = fields.contact.iter().filter(|point| point.weight > 0.0).map(|point| {
             let [x, y] = point.position;
             [point.pair as f64, x, y, point.arc, point.pressure, point.shear_traction].map(|value| value as f32)
         });
+        let elements = 0_u32..;
+        let spalled = elements.zip(&fields.activities).filter(|(_, activity)| **activity == Activity::Spalled);
         Self {
             increment,
+            time: fields.time,
             slip,
             load,
-            displacements: snapshot.displacements().iter().map(|&value| value as f32).collect(),
-            fields,
-            spalled: solids.spalled().into_iter().map(|element| element as u32).collect(),
+            displacements: fields.displacements.iter().map(|&value| value as f32).collect(),
+            fields: values,
+            spalled: spalled.map(|(element, _)| element).collect(),
             contact: contact.collect(),
         }
     }

@@ -111,6 +111,8 @@ pub struct About {
     pub compare: Vec<Compare>,
     /// Things the user should know although nothing is wrong.
     pub warnings: Vec<String>,
+    /// Facts of the model that every case of its kind has: for the report, not for the terminal.
+    pub notes: Vec<String>,
     /// Values that the case leaves to defaults, a line for each place.
     pub defaults: Vec<String>,
     /// Increments of another run, which are repeated: no `until` ends a step or the run then.

@@ -93,14 +93,23 @@ fn note_widths(reader: &mut Reader<'_>, pairs: &[ContactPair], defaults: &[Conta
     for default in defaults.iter().filter(is_line) {
         let Some(pair) = pairs.iter().find(|pair| pair.name == default.name) else { continue };
         let width = match pair.width {
-            Width::Given(width) => format!("contact width {width:.4} mm per line"),
-            Width::OfPart => "contact as wide as the slave's part is thick".into(),
+            Width::Given(width) => width,
+            Width::OfPart => slave_thickness(pair, scene).unwrap_or(matrix.thickness),
         };
-        reader.warn(format!(
-            "{width} on a matrix of thickness {} mm: the pressure of the contact is not the traction of the matrix",
+        let factor = width / matrix.thickness;
+        reader.note(format!(
+            "each contact line is {width:.4} mm wide, the matrix {} mm thick: the traction on the matrix is {factor:.3} of the \
+             contact pressure",
             matrix.thickness
         ));
     }
+}
+
+/// The thickness of the part that a pair's slave surface belongs to.
+fn slave_thickness(pair: &ContactPair, scene: Scene<'_>) -> Option<f64> {
+    let mesh = scene.mesh?;
+    let element = pair.slave.first()?.element;
+    Some(mesh.parts()[mesh.elements()[element].part()].thickness)
 }
 
 /// The pairs that bond fibres, line by line: those of a specimen that share a master, which names the line, and any other pair

@@ -10,13 +10,8 @@ use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::specimen::{PulledFibre, Specimen, SpecimenError};
 use fe_core::mesh::{Mesh, MeshDefinition, Part, gmsh};
 use pullout_run::input::{self, Input};
+use pullout_run::pullout::section::{EQUAL_AREA, EQUAL_INERTIA};
 use std::collections::{BTreeMap, BTreeSet};
-use std::f64::consts::PI;
-
-/// Thickness of a plane fibre over its height, the diameter, for the area of the circle.
-const EQUAL_AREA: f64 = PI / 4.0;
-/// Thickness of a plane fibre over its height, the diameter, for the bending inertia of the circle.
-const EQUAL_INERTIA: f64 = 3.0 * PI / 16.0;
 
 /// The part around a fibre.
 pub const MATRIX: &str = "matrix";
@@ -84,10 +79,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                     for fibre in fibres.iter() {
                         let part = &definition.parts[fibre.part];
                         if part.model != PlaneModel::Axisymmetric {
-                            reader.warn(section_note(fibre.diameter, part.thickness));
+                            note_section(reader, fibre.diameter, part.thickness);
                         }
                     }
-                    notes.drain(..).for_each(|note| reader.warn(note));
+                    notes.drain(..).for_each(|note| reader.note(note));
                     reader.note_defaults(&place, &taken.0);
                     Some(ground)
                 }
@@ -131,12 +126,20 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
     }
 }
 
-/// Returns the note for reports on the section of a round fibre in the plane.
-fn section_note(diameter: f64, thickness: f64) -> String {
+/// Parts of the area of a round fibre by which that of the plane one may miss it without a warning.
+const AREA_TOLERANCE: f64 = 0.05;
+
+/// Notes the section of a round fibre in the plane, and warns of an area that falsifies its axial stress.
+fn note_section(reader: &mut Reader<'_>, diameter: f64, thickness: f64) {
     let [area, inertia] = [EQUAL_AREA, EQUAL_INERTIA].map(|equal| thickness / (equal * diameter));
-    format!(
+    let section = format!(
         "fibre: height {diameter} mm, thickness {thickness:.4} mm; area {area:.3} and bending inertia {inertia:.3} of the round one"
-    )
+    );
+    if (area - 1.0).abs() <= AREA_TOLERANCE {
+        reader.note(section);
+    } else {
+        reader.warn(format!("{section}: its axial stress is {:.3} times that of the round one", 1.0 / area));
+    }
 }
 
 /// Usual thicknesses of plane parts, mm.

@@ -322,15 +322,17 @@ fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
         let supports: Vec<&str> = model.supports.iter().map(|support| support.name.as_str()).collect();
         assert_eq!(supports, ["grip", "grip, lateral", way, way]);
     }
-    let notes = accepted(&case, &[]).about.warnings;
+    let about = accepted(&case, &[]).about;
+    // what every fibre has is no warning
+    assert!(about.warnings.is_empty(), "{:?}", about.warnings);
+    let notes = about.notes;
     let round = "fibre: height 0.406 mm, thickness 0.3189 mm; area 1.000 and bending inertia 1.333 of the round one";
     assert_eq!(notes[0], round);
-    for (width, words) in
-        [("0.5", "contact width 0.5000 mm per line on"), ("part", "contact as wide as the slave's part")]
-    {
-        let warnings = accepted(&case, &[&format!("contact.width={width}")]).about.warnings;
-        let told: Vec<&String> = warnings.iter().filter(|note| note.starts_with("contact ")).collect();
-        assert!(told.len() == 1 && told[0].starts_with(words), "{warnings:?}");
+    // over a matrix of 3.26 mm; the slave is the wall of the hole
+    for (width, words) in [("0.5", ["0.5000 mm wide", "0.153 of"]), ("part", ["3.2600 mm wide", "1.000 of"])] {
+        let notes = accepted(&case, &[&format!("contact.width={width}")]).about.notes;
+        let told: Vec<&String> = notes.iter().filter(|note| note.starts_with("each contact line")).collect();
+        assert!(told.len() == 1 && words.iter().all(|word| told[0].contains(word)), "{notes:?}");
     }
     let inertia = accepted(&case, &["parts.fibre.thickness=equal_inertia"]);
     let warnings = &inertia.about.warnings;
@@ -361,7 +363,8 @@ fn notes_on_fibres_and_lines_tell_each_of_them() {
     case["contact"] = json!({ "law": { "plugin": "bond_slip" } });
     case["steps"] = json!([{ "slip": 1 }]);
     let notes = |overrides: &[&str], of: &str| -> Vec<String> {
-        let notes = accepted(&case, overrides).about.warnings.into_iter();
+        let about = accepted(&case, overrides).about;
+        let notes = about.warnings.into_iter().chain(about.notes);
         notes
             .filter(|note| note.starts_with(of))
             .map(|note| note.split(';').next().unwrap_or_default().into())
@@ -372,7 +375,7 @@ fn notes_on_fibres_and_lines_tell_each_of_them() {
         notes(&thick, "fibre: "),
         ["fibre: height 0.4 mm, thickness 0.3000 mm", "fibre: height 0.5 mm, thickness 0.3000 mm"]
     );
-    let widths = notes(&[], "contact width ");
+    let widths = notes(&[], "each contact line ");
     assert!(widths.len() == 2 && widths[0].contains("0.6283") && widths[1].contains("0.7854"), "{widths:?}");
 }
 

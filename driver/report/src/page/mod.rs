@@ -145,6 +145,10 @@ fn what_was_run(account: &Account, summary: &Summary) -> Markup {
             @if !law.description.is_empty() { p { (law.description) } }
             (table_of(&law.parameters))
         }
+        @if !summary.notes.is_empty() {
+            h2 { "Notes" }
+            ul { @for note in &summary.notes { li { (note) } } }
+        }
         @if !account.defaults.is_empty() {
             h2 { "Taken by default" }
             ul { @for line in &account.defaults { li { code { (line) } } } }
@@ -192,7 +196,6 @@ fn comparison(summary: &Summary) -> Markup {
 }
 
 fn effort(summary: &Summary) -> Markup {
-    let per_call = 1e6 * summary.wall_time_s / summary.plugin_calls.max(1) as f64;
     html! {
         h2 { "Effort" }
         table {
@@ -201,7 +204,6 @@ fn effort(summary: &Summary) -> Markup {
             tr { td.key { "Plugin calls" } td.number { (summary.plugin_calls) } }
             tr { td.key { "Cutbacks" } td.number { (summary.cutbacks) } }
             tr { td.key { "Time" } td.number { (significant(summary.wall_time_s, 4)) " s" } }
-            tr { td.key { "Time per plugin call" } td.number { (significant(per_call, 3)) " µs" } }
         }
     }
 }
@@ -213,8 +215,8 @@ fn peaks(summary: &Summary) -> Markup {
         None => "–".into(),
     };
     let moves = |peak: &Peak| peak.max.is_some() && (peak.max != Some(0.0) || peak.min != Some(0.0));
-    let still: Vec<&str> =
-        summary.peaks.iter().filter(|(_, peak)| !moves(peak)).map(|(name, _)| name.as_str()).collect();
+    let peaks = summary.peaks_without_rounding();
+    let still: Vec<&str> = peaks.iter().filter(|(_, peak)| !moves(peak)).map(|(name, _)| *name).collect();
     html! {
         h2 { "Peaks" }
         div.scroll { table {
@@ -222,7 +224,7 @@ fn peaks(summary: &Summary) -> Markup {
                 th { "Column" } th.number { "Greatest" } th.number { "step / increment" }
                 th.number { "Least" } th.number { "step / increment" }
             }
-            @for (name, peak) in summary.peaks.iter().filter(|(_, peak)| moves(peak)) {
+            @for (name, peak) in peaks.iter().filter(|(_, peak)| moves(peak)) {
                 tr {
                     td { code { (name) } }
                     td.number { (number(peak.max)) }

@@ -1,5 +1,6 @@
 //! Parts of the report that only the run of a specimen has.
 
+use crate::without_rounding;
 use maud::{Markup, html};
 use pullout_run::number::{rounded, significant};
 use pullout_run::pullout::{Findings, Overlap, PeakLoad};
@@ -53,10 +54,16 @@ pub fn findings(findings: &Findings) -> Markup {
 
 /// The work of the drives, and where it went.
 fn energies(findings: &Findings) -> Markup {
-    let work = findings.energies.get(WORK).copied().unwrap_or(0.0);
-    let parts = || findings.energies.iter().filter(|(name, _)| name.as_str() != WORK);
+    let greatest = crate::extremes(findings.energies.values().map(|energy| energy.abs())).1;
+    let shown = |energy: f64| without_rounding(energy, greatest);
+    let work = shown(findings.energies.get(WORK).copied().unwrap_or(0.0));
+    let parts = || {
+        let others = findings.energies.iter().filter(|(name, _)| name.as_str() != WORK);
+        others.map(|(name, energy)| (name, shown(*energy)))
+    };
     let sum: f64 =
         parts().filter(|(name, _)| !OF_THE_INTERFACE.contains(&name.as_str())).map(|(_, energy)| energy).sum();
+    let missing = shown(work - sum);
     let share = |energy: f64| {
         if work == 0.0 { "–".to_owned() } else { format!("{} %", significant(100.0 * energy / work, 3)) }
     };
@@ -66,9 +73,9 @@ fn energies(findings: &Findings) -> Markup {
             tr { th { "Energy" } th.number { "N·mm" } th.number { "of the work" } }
             tr { td.key { "External work" } td.number { (rounded(work)) } td.number {} }
             @for (name, energy) in parts() {
-                tr { td.key { (words(name)) } td.number { (rounded(*energy)) } td.number { (share(*energy)) } }
+                tr { td.key { (words(name)) } td.number { (rounded(energy)) } td.number { (share(energy)) } }
             }
-            tr { td.key { "Work less energies" } td.number { (rounded(work - sum)) } td.number { (share(work - sum)) } }
+            tr { td.key { "Work less energies" } td.number { (rounded(missing)) } td.number { (share(missing)) } }
         }
         @if let Some(error) = findings.energy_error_max {
             p { "Greatest energy error of all increments: " (significant(error, 3)) "." }

@@ -3,7 +3,7 @@
 use super::figure::{Figure, Line, Marks, PALETTE, Style};
 use super::quantity::{Quantity, capital, group_of};
 use super::{CaseKind, Curve, Run};
-use crate::extremes;
+use crate::{ROUNDING, extremes};
 use pullout_run::columns::Group;
 use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES};
 
@@ -20,7 +20,8 @@ pub fn figures(runs: &[Run<'_>]) -> Vec<Figure> {
         CaseKind::Bridging => bridging(first),
     };
     place_curves(&mut layouts, runs);
-    let mut figures: Vec<Figure> = layouts.iter().filter_map(|layout| layout.figure(runs)).collect();
+    let mut figures: Vec<Figure> =
+        (layouts.iter().enumerate()).filter_map(|(k, layout)| layout.figure(runs, k == 0)).collect();
     for figure in figures.iter_mut().skip(1).filter(|figure| !figure.title.is_empty()) {
         figure.title = title(&figure.name);
     }
@@ -71,14 +72,16 @@ impl Layout {
         !self.equal_units && self.pairs.iter().any(|(x, y)| same(x, &curve.x) && same(y, &curve.y))
     }
 
-    fn figure(&self, runs: &[Run<'_>]) -> Option<Figure> {
+    /// `is_first`: it is shown as long as anything moves; others say something only where y does.
+    fn figure(&self, runs: &[Run<'_>], is_first: bool) -> Option<Figure> {
         let several = runs.len() > 1;
+        let is_measured = !self.curves.is_empty();
         let mut lines = Vec::new();
         for (k, run) in runs.iter().enumerate() {
             for (pair, (x, y)) in self.pairs.iter().enumerate() {
                 let (Some(xs), Some(ys)) = (run.history.column(x), run.history.column(y)) else { continue };
                 let points: Vec<_> = xs.iter().copied().zip(ys.iter().copied()).collect();
-                if points.iter().any(|(x, y)| x.is_finite() && y.is_finite() && (*x != 0.0 || *y != 0.0)) {
+                if is_measured || moves(run, y) || (is_first && moves(run, x)) {
                     let label = self.label(run, several.then_some(k), x, y);
                     // one run: a colour a column, and dashes where colours come again; several: a colour a run, a dash a column
                     let (color, dash) = if several { (k, pair) } else { (pair, pair / PALETTE.len()) };
@@ -92,7 +95,9 @@ impl Layout {
             let owner = lines.iter().position(|line| line.columns == (curve.x.clone(), curve.y.clone()));
             Marks { label: curve.label.clone(), points: curve.points.clone(), line: owner }
         };
-        let marks = self.curves.iter().map(mark).collect();
+        let mut marks: Vec<Marks> = self.curves.iter().map(mark).collect();
+        let places = merge(&mut lines);
+        marks.iter_mut().for_each(|marks| marks.line = marks.line.map(|line| places[line]));
         let (x, y) = (self.axis(first, |pair| &pair.0), self.axis(first, |pair| &pair.1));
         let title = if several { String::new() } else { first.spec.title.clone() };
         let figure = Figure {
@@ -140,6 +145,41 @@ impl Layout {
         if single { own } else { Quantity::common(group_of(first)).unwrap_or(own) }
     }
 }
+
+/// Makes one line of those that lie on each other, with all their names, and returns the new place of each.
+fn merge(lines: &mut Vec<Line>) -> Vec<usize> {
+    let all = || lines.iter().flat_map(|line: &Line| &line.points);
+    let size = |values: &mut dyn Iterator<Item = f64>| {
+        let (least, greatest) = extremes(values.filter(|value| value.is_finite()));
+        SAME_LINE * (greatest - least)
+    };
+    let near = [size(&mut all().map(|point| point.0)), size(&mut all().map(|point| point.1))];
+    let is_near = |a: f64, b: f64, near: f64| (a - b).abs() <= near || (a.is_nan() && b.is_nan());
+    let is_same = |a: &Line, b: &Line| {
+        let mut points = a.points.iter().zip(&b.points);
+        a.points.len() == b.points.len()
+            && points.all(|(a, b)| is_near(a.0, b.0, near[0]) && is_near(a.1, b.1, near[1]))
+    };
+    let mut kept: Vec<Line> = Vec::new();
+    let mut places = Vec::new();
+    for line in std::mem::take(lines) {
+        let place = kept.iter().position(|other| is_same(other, &line));
+        match place.and_then(|place| kept.get_mut(place)) {
+            Some(other) => {
+                if other.label != line.label {
+                    other.label = format!("{} = {}", other.label, line.label);
+                }
+            }
+            None => kept.push(line),
+        }
+        places.push(place.unwrap_or(kept.len() - 1));
+    }
+    *lines = kept;
+    places
+}
+
+/// Lines that are nowhere further apart than this part of the axes are one to the eye: a line is 2 of 540 px wide.
+const SAME_LINE: f64 = 2e-3;
 
 /// Every measured curve goes into a picture: the first that fits, or one of its own.
 fn place_curves(layouts: &mut Vec<Layout>, runs: &[Run<'_>]) {
@@ -260,6 +300,16 @@ const NEGLIGIBLE_SHEAR: f64 = 1e-2;
 
 fn columns(run: &Run<'_>, wanted: impl Fn(&str) -> bool) -> Vec<String> {
     run.history.columns().iter().filter(|column| wanted(column)).cloned().collect()
+}
+
+/// Returns whether a column changes by more than rounding leaves beside the greatest value of its group.
+fn moves(run: &Run<'_>, column: &str) -> bool {
+    let group = group_of(column);
+    let is_alike = |other: &&String| *other == column || (group != Group::Other && group_of(other) == group);
+    let alike = run.history.columns().iter().filter(is_alike);
+    let values = alike.flat_map(|column| run.history.column(column).unwrap_or_default());
+    let greatest = extremes(values.map(|value| value.abs()).filter(|value| value.is_finite())).1;
+    span(run, column) > ROUNDING * greatest
 }
 
 /// Greatest less least finite value; 0 without any.

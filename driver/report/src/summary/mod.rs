@@ -1,9 +1,10 @@
 //! `summary.json`: what came out, for scripts.
 
 use super::compare::Comparison;
-use super::{at, malformed};
+use super::{at, extremes, malformed, without_rounding};
 use indexmap::IndexMap;
 use pullout_run::bridging;
+use pullout_run::columns::{self, Group};
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::Aftermath;
 use pullout_run::path::{FailedAt, Row, Statistics};
@@ -74,6 +75,9 @@ pub struct Summary {
     pub bridging: Option<bridging::Findings>,
     /// Things the user should know although nothing is wrong.
     pub warnings: Vec<String>,
+    /// Facts of the model that every case of its kind has.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
 }
 
 impl Summary {
@@ -102,6 +106,35 @@ impl Summary {
     /// The summary holds what JSON cannot.
     pub fn text(&self) -> io::Result<String> {
         Ok(serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n")
+    }
+
+    /// The peaks as people read them: what is nothing beside the greatest value of its kind is 0.
+    pub fn peaks_without_rounding(&self) -> IndexMap<&str, Peak> {
+        let mut greatest: Vec<(&str, Group, f64)> = Vec::new();
+        // of one kind is what has a unit in common, and numbers without one of the same group
+        let kind = |name: &str| match columns::shown(name) {
+            Some((_, "", Group::Other)) | None => None,
+            Some((_, "", group)) => Some(("", group)),
+            Some((_, unit, _)) => Some((unit, Group::Other)),
+        };
+        let of = |greatest: &[(&str, Group, f64)], kind: (&str, Group)| {
+            greatest.iter().position(|(unit, group, _)| (*unit, *group) == kind)
+        };
+        let magnitude = |peak: &Peak| extremes([peak.max, peak.min].into_iter().flatten().map(f64::abs)).1;
+        for (name, peak) in &self.peaks {
+            let Some(kind) = kind(name) else { continue };
+            match of(&greatest, kind) {
+                Some(place) => greatest[place].2 = greatest[place].2.max(magnitude(peak)),
+                None => greatest.push((kind.0, kind.1, magnitude(peak))),
+            }
+        }
+        let shown = |(name, peak): (&'_ String, &Peak)| {
+            let place = kind(name).and_then(|kind| of(&greatest, kind));
+            let scale = place.map_or_else(|| magnitude(peak), |place| greatest[place].2);
+            let [max, min] = [peak.max, peak.min].map(|value| value.map(|value| without_rounding(value, scale)));
+            Peak { max, min, ..*peak }
+        };
+        self.peaks.iter().map(|entry| (entry.0.as_str(), shown(entry))).collect()
     }
 
     /// Reads a file.

@@ -37,6 +37,7 @@ pub(crate) fn summary() -> Summary {
         specimen: None,
         bridging: None,
         warnings: vec!["strains beyond 5 %".into()],
+        notes: vec![],
     }
 }
 

@@ -16,7 +16,8 @@ const OPEN_IN_PART: f64 = 0.7;
 const RIGHT_WIDTHS: std::ops::RangeInclusive<f64> = 0.75..=1.25;
 /// Share of the damage up to which there is no warning.
 const SMALL_SHARE: f64 = 0.2;
-/// Share of the damage in the energies below which nothing has cracked that would govern a result.
+/// Share of the damage in the work, or in what the solids hold if that is more, below which nothing has cracked that would
+/// govern a result.
 const SMALL_DAMAGE: f64 = 0.01;
 
 /// Crack of an element.
@@ -39,8 +40,9 @@ impl Crack {
     }
 }
 
-/// Warns of cracks that miss their energy; the table is that of `bench/crack-band`.
-pub fn warnings(model: &Model, solids: &Solids) -> Vec<String> {
+/// Warns of cracks that miss their energy, if that is a share of the drives' work that matters; the table is that of
+/// `bench/crack-band`.
+pub fn warnings(model: &Model, solids: &Solids, work: f64) -> Vec<String> {
     let has_band: Vec<bool> = model.laws.iter().map(has_band).collect();
     let elements = model.mesh.elements().iter().enumerate();
     let cracks: Vec<Crack> = elements
@@ -49,9 +51,11 @@ pub fn warnings(model: &Model, solids: &Solids) -> Vec<String> {
         .collect();
     let energies = solids.energies();
     let all: f64 = cracks.iter().map(|crack| crack.damage).sum();
-    if all <= SMALL_DAMAGE * (energies.stored + all) {
+    let whole = work.abs().max(energies.stored + all);
+    if all <= SMALL_DAMAGE * whole {
         return Vec::new();
     }
+    let of_work = significant(100.0 * all / whole, 2);
     let share = |holds: &dyn Fn(&Crack) -> bool| {
         let held = cracks.iter().filter(|crack| holds(crack));
         held.map(|crack| crack.damage).sum::<f64>() / all
@@ -59,14 +63,14 @@ pub fn warnings(model: &Model, solids: &Solids) -> Vec<String> {
     let told = |share: f64| (share > SMALL_SHARE).then(|| significant(100.0 * share, 2));
     let across = told(share(&|crack| crack.angle > ALONG)).map(|share| {
         format!(
-            "crack band: {share} % of the damage is in elements that cracks cross at more than {ALONG}° to their edges, where they \
+            "crack band: cracks take {of_work} % of the work; {share} % of the damage is in elements that cracks cross at more than {ALONG}° to their edges, where they \
              lock: T6 dissipate up to 1.5 times the fracture energy, others up to twice (with edges along the crack they do not; \
              T6 stay within 15 % with concrete_damage_fixed)"
         )
     });
     let in_part = told(share(&Crack::is_in_part)).map(|share| {
         format!(
-            "crack band: {share} % of the damage is in Q8 elements that cracks open in part, as a rule at one of two columns of \
+            "crack band: cracks take {of_work} % of the work; {share} % of the damage is in Q8 elements that cracks open in part, as a rule at one of two columns of \
              points: they dissipate down to 0.6 times the fracture energy (T6 and Q4 do not)"
         )
     });
@@ -78,7 +82,7 @@ pub fn warnings(model: &Model, solids: &Solids) -> Vec<String> {
     let wide = told(share(&is_straight)).filter(|_| !RIGHT_WIDTHS.contains(&times)).map(|share| {
         let times = significant(times, 2);
         format!(
-            "crack band: the band is not as wide as the law is told (elements are flat, or T6 open all over): cracks along edges, {share} % \
+            "crack band: cracks take {of_work} % of the work, and the band is not as wide as the law is told (elements are flat, or T6 open all over): cracks along edges, {share} % \
              of the damage, dissipate about {times} times the fracture energy (make elements as wide as long; where a whole column \
              cracks, Q4)"
         )

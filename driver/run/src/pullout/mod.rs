@@ -12,6 +12,7 @@ mod peak;
 mod program;
 mod recorder;
 mod replay;
+pub mod section;
 
 pub use findings::{Failure, Findings, Rupture};
 pub use overlap::Overlap;

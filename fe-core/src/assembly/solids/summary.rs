@@ -147,7 +147,7 @@ impl Solids {
     }
 
     /// Energies of each part.
-    pub(crate) fn part_energies(&self) -> Vec<SolidEnergies> {
+    pub fn part_energies(&self) -> Vec<SolidEnergies> {
         self.energies_of(|points| &points.committed, |spalled| spalled.energy)
     }
 

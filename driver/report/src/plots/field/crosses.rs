@@ -30,7 +30,7 @@ const SHARE_IN_SCALE: f64 = 0.95;
 ///
 /// # Errors
 ///
-/// As [`super::contour`].
+/// As [`super::contour`], and [`PictureError::Nothing`] where no place has a stress.
 pub fn crosses(
     picture: &FieldPicture<'_>,
     stresses: &[[f64; 4]],
@@ -47,12 +47,13 @@ pub fn crosses(
         places_in(element, drawn, &view).map(move |weights| Candidate::new(element, &weights, drawn, stresses))
     });
     let places = evenly(candidates, &view);
-    let scaled = places.iter().filter(|place| in_scale(place.part)).map(|place| place.greatest());
-    let longest = quantile(scaled.filter(|stress| *stress > 0.0).collect(), SHARE_IN_SCALE);
-    let note = match longest {
-        Some(stress) => picture.note_with(&format!("longest line: {} MPa and more", significant(stress, 3))),
-        None => picture.note(),
+    let longest = |is_counted: &dyn Fn(usize) -> bool| {
+        let scaled = places.iter().filter(|place| is_counted(place.part)).map(Candidate::greatest);
+        quantile(scaled.filter(|stress| *stress > 0.0).collect(), SHARE_IN_SCALE)
     };
+    // where those parts have no stress, the others give the length
+    let longest = longest(&in_scale).or_else(|| longest(&|_| true)).ok_or(PictureError::Nothing)?;
+    let note = picture.note_with(&format!("longest line: {} MPa and more", significant(longest, 3)));
     let names = [(PALETTE[1], "tension"), (PALETTE[0], "compression")];
     let canvas = Canvas::new(&picture.title, &note, view, &Side::Names(&names))?;
     let surface = Surface::new(mesh, positions, canvas.view());
@@ -61,7 +62,7 @@ pub fn crosses(
     push_line(&mut body, "#999999", 0.8, &boundary, "");
     let mut paths = [String::new(), String::new()];
     for place in &places {
-        place.draw(canvas.view(), longest.unwrap_or(1.0), &mut paths);
+        place.draw(canvas.view(), longest, &mut paths);
     }
     for ((color, _), path) in names.iter().zip(&paths) {
         push_line(&mut body, &super::canvas::hexadecimal(*color), 1.3, path, "");
