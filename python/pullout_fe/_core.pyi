@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any, final
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Plugin",
+    "STACK",
     "Stop",
     "Trail",
     "UTILITIES",
@@ -30,28 +31,28 @@ __all__ = [
 
 VERSION: str
 UTILITIES: str
+STACK: int
 
 _Parts = tuple[Path | None, str | None, Path, list[str], list[Path]]
 
 @final
 class Plugin:
-    def __new__(cls, path: str | PathLike[str], law: str | None = None, in_process: bool = False) -> Plugin: ...
+    def __new__(cls, path: str | PathLike[str], law: str | None = None, in_process: bool = False, has_stack: bool = False) -> Plugin: ...
     def describe(self) -> str: ...
     def props(self, props: str) -> list[float]: ...
     def needs_length(self, props: NDArray[float64]) -> str | None: ...
+    def initial(
+        self, mode: str, coords: NDArray[float64], per_element: int, stress: NDArray[float64], state: NDArray[float64]
+    ) -> None: ...
     def evaluate(
         self,
         mode: str,
-        props: NDArray[float64],
-        strain: NDArray[float64],
-        dstrain: NDArray[float64],
-        stress: NDArray[float64],
-        state: NDArray[float64],
-        tangent: NDArray[float64] | None,
-        lengths: NDArray[float64] | None,
+        arrays: Mapping[str, NDArray[float64]],
         time: tuple[float, float],
+        per_element: int,
         threads: int,
-    ) -> list[tuple[int, str, float | None]]: ...
+        may_refuse: bool,
+    ) -> tuple[list[tuple[int, str, float | None]], str | None]: ...
 
 def find(name: str) -> Path: ...
 def plugins() -> list[str]: ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import json
+import operator
 import os
 from pathlib import Path
 from typing import Any, Iterable, Iterator, Mapping, Union
@@ -24,10 +25,30 @@ def schema() -> dict[str, Any]:
 
 
 def array_of(values: Any, name: str) -> NDArray[np.float64]:
-    """Numbers as an array; masks, which would be lost, are refused."""
+    """Numbers as an array. What would lose something on the way is refused: masks, imaginary parts, texts."""
+    if type(values) is np.ndarray and values.dtype == np.float64:
+        return values
     if np.ma.isMaskedArray(values):
         raise CaseError([(name, "is a masked array: give what counts, or NaN in its place, by filled()")])
-    return np.asarray(values, dtype=float)
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "biufO":
+            raise TypeError(f"{array.dtype} is no type of real numbers")
+        # a complex number among objects has no float
+        return array.astype(float, copy=False)
+    except (TypeError, ValueError) as error:
+        raise CaseError([(name, f"is no array of real numbers: {error}")]) from None
+
+
+def whole(value: Any, name: str, least: int = 1) -> int:
+    """A count: an integer that is not less."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise CaseError([(name, f"is {value!r}, but a whole number is needed")]) from None
+    if number < least:
+        raise CaseError([(name, f"is {least} or more")])
+    return number
 
 
 def _wrong_numbers(value: Any, place: str) -> Iterator[tuple[str, str]]:

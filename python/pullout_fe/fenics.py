@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .case import array_of
 from .errors import CaseError
-from .law import Law, Props
+from .law import Law, Mode, Props
 
 __all__ = ["Constraint", "SmallStrainModel"]
 
@@ -25,7 +26,7 @@ class Constraint(NamedTuple):
 
 
 #: by name: our mode, and which of the Mandel components our components are
-_MODES = {
+_MODES: dict[str, tuple[Mode, list[int]]] = {
     "FULL": ("3d", [0, 1, 2, 3, 4, 5]),
     "PLANE_STRAIN": ("plane_strain", [0, 1, 2, 3]),
     "PLANE_STRESS": ("plane_stress", [0, 1, 3]),
@@ -36,8 +37,9 @@ class SmallStrainModel:
     """A law for all integration points of a mesh.
 
     Stresses, strains and tangents are in Mandel notation, points one behind the other in flat arrays. The history has the
-    total strains and the law's states: ``history_dim`` says how many. ``length`` is the characteristic length of the elements, one
-    number or one a point; laws with a crack band (``G_f``) need it.
+    total strains and the law's states: ``history_dim`` says how many, and begins as zeros. A law whose library sets states or stresses of points at the
+    start (SDVINI, SIGINI) has ``begun`` there too, which says that it has done so. ``length`` is the characteristic length of the
+    elements, one number or one a point; laws with a crack band (``G_f``) need it. ``coords``: where the points lie, (n, 3).
 
     A point that the law refuses raises :class:`~pullout_fe.UpdateFailed`: the caller takes a smaller increment.
     """
@@ -49,12 +51,13 @@ class SmallStrainModel:
         constraint: Any = "FULL",
         *,
         length: Any = None,
+        coords: Any = None,
         threads: int = 1,
     ) -> None:
         self.law = law if isinstance(law, Law) else Law(law)
         self.props = self.law.props(props)
         self.law._check_length(self.props, length)
-        self.length, self.threads = length, threads
+        self.length, self.coords, self.threads = length, coords, threads
         # the solver compares enumerators: the one that was given is given back
         self._constraint = None if isinstance(constraint, str) else constraint
         name = constraint if isinstance(constraint, str) else constraint.name
@@ -94,6 +97,8 @@ class SmallStrainModel:
         dimensions: dict[str, int | tuple[int, int]] = {"strain": len(self._components)}
         if self.law.nstatv > 0:
             dimensions["state"] = self.law.nstatv
+        if self.law._sets_start:
+            dimensions["begun"] = 1
         return dimensions
 
     def evaluate(
@@ -109,20 +114,29 @@ class SmallStrainModel:
         if history is None:
             raise CaseError([("history", "is needed: it keeps the strains")])
         dimension, components = self.stress_strain_dim, self._components
-        increment = self._strain(np.asarray(grad_del_u, dtype=float))
+        increment = self._strain(array_of(grad_del_u, "grad_del_u"))
         strain = history["strain"].reshape(-1, len(components))
         state = history["state"].reshape(-1, self.law.nstatv) if self.law.nstatv > 0 else None
         mandel = stress.reshape(-1, dimension)
+        own = mandel[:, components] / self._factors
+        begun = history["begun"].reshape(-1) if self.law._sets_start else None
+        if begun is not None and not begun.all():
+            first, first_state = self.law.initial(len(strain), mode=self._mode, coords=self.coords)
+            is_first = begun == 0.0
+            # a stress that the caller has set is the start
+            own[is_first] = np.where(own[is_first].any(axis=1, keepdims=True), own[is_first], first[is_first])
+            state = None if state is None else np.where(is_first[:, None], first_state, state)
         update = self.law.evaluate(
             strain,
             increment,
             state,
             self.props,
             mode=self._mode,
-            stress=mandel[:, components] / self._factors,
+            stress=own,
             tangent=tangent is not None,
             threads=self.threads,
             length=self.length,
+            coords=self.coords,
             time=t,
             # laws divide by it
             dtime=1e-12 if del_t == 0.0 else del_t,
@@ -130,7 +144,9 @@ class SmallStrainModel:
         mandel[:, components] = update.stress * self._factors
         strain += increment
         if state is not None:
-            state[...] = update.state
+            history["state"].reshape(update.state.shape)[...] = update.state
+        if begun is not None:
+            begun[:] = 1.0
         if tangent is not None and update.tangent is not None:
             moduli = tangent.reshape(-1, dimension, dimension)
             moduli[...] = 0.0

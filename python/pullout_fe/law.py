@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import html
 import json
+import math
 import os
+import warnings
 from pathlib import Path
-from typing import Any, Mapping, NamedTuple, Sequence, Union
+from typing import Any, Literal, Mapping, NamedTuple, Sequence, TypeVar, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._worker import RemotePlugin
-from .case import _text, array_of
+from .case import _text, array_of, whole
 from .errors import CaseError, PluginError, UpdateFailed
 
 __all__ = ["Law", "Parameter", "State", "Update", "plugins"]
 
-Props = Union[Mapping[str, Any], Sequence[float], NDArray[np.float64], None]
+Array = NDArray[np.float64]
+Props = Union[Mapping[str, Any], Sequence[float], Array, None]
+Mode = Literal["3d", "plane_strain", "axisymmetric", "plane_stress"]
 
 #: Components of each mode, in the order 11, 22, 33, 12, 13, 23 (plane stress: 11, 22, 12); shear strains are engineering's.
-COMPONENTS = {"3d": 6, "plane_strain": 4, "axisymmetric": 4, "plane_stress": 3}
+COMPONENTS: dict[str, int] = {"3d": 6, "plane_strain": 4, "axisymmetric": 4, "plane_stress": 3}
 
 
 def plugins() -> list[str]:
@@ -55,15 +59,41 @@ class State(NamedTuple):
     doc: str
 
 
-class Update(NamedTuple):
-    """What :meth:`Law.evaluate` returns."""
+#: the tangent: an array, or nothing
+T = TypeVar("T", bound="Array | None", covariant=True)
 
-    #: (n, components)
-    stress: NDArray[np.float64]
-    #: (n, states)
-    state: NDArray[np.float64]
-    #: (n, components, components), if it was asked for
-    tangent: NDArray[np.float64] | None
+
+class Update(tuple[Array, Array, T]):
+    """What :meth:`Law.evaluate` returns: ``stress, state, tangent``. The shapes begin with that of the points."""
+
+    #: (…, 3): stored, plastic and creep energy, if they were asked for
+    energies: Array | None
+
+    def __new__(cls, stress: Array, state: Array, tangent: T, energies: Array | None = None) -> Update[T]:
+        made = super().__new__(cls, (stress, state, tangent))
+        made.energies = energies
+        return made
+
+    @property
+    def stress(self) -> Array:
+        """(…, components)"""
+        return self[0]
+
+    @property
+    def state(self) -> Array:
+        """(…, states)"""
+        return self[1]
+
+    @property
+    def tangent(self) -> T:
+        """(…, components, components), if it was asked for"""
+        return self[2]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Update, (*self, self.energies)
+
+    def __repr__(self) -> str:
+        return f"<Update of points {self.stress.shape[:-1]}: {self.stress.shape[-1]} components, {self.state.shape[-1]} states>"
 
 
 class Law:
@@ -84,16 +114,22 @@ class Law:
         law: str | None = None,
         in_process: bool = False,
         time_limit: float = 60.0,
+        _told: str | None = None,
     ) -> None:
+        if nstatv is not None:
+            nstatv = whole(nstatv, "nstatv", 0)
         self._recipe = (os.fspath(name), nstatv, law, in_process, time_limit)
         self.path = Path(_core.find(os.fspath(name)))
         self._plugin: _core.Plugin | RemotePlugin
         if _core.is_shipped(self.path) or in_process:
             self._plugin = _core.Plugin(self.path, law, in_process)
         else:
-            self._plugin = RemotePlugin(self.path, law, time_limit)
-        about: dict[str, Any] | None = json.loads(self._plugin.describe())
+            self._plugin = RemotePlugin(self.path, law, time_limit, _told)
+        told = json.loads(self._plugin.describe())
+        about: dict[str, Any] | None = told["law"]
         self._about = about or {}
+        #: whether the library sets states or stresses of points at the start
+        self._sets_start = not {"sdvini", "sigini"}.isdisjoint(told["routines"])
         stem = self.path.stem
         #: the law's name, or the file's where the library says nothing
         self.name: str = self._about.get("name", stem[3:] if stem.startswith("lib") else stem)
@@ -112,7 +148,7 @@ class Law:
         if nstatv is not None and nstatv < len(self.states):
             raise CaseError([("nstatv", f"{self.name} needs {len(self.states)} state variables, {nstatv} given")])
         #: number of state variables
-        self.nstatv: int = len(self.states) if nstatv is None else int(nstatv)
+        self.nstatv: int = len(self.states) if nstatv is None else nstatv
 
     def props(self, props: Props = None) -> NDArray[np.float64]:
         """PROPS: parameters by name, the others by default; or an array in their order, as it is. All are checked."""
@@ -127,6 +163,29 @@ class Law:
             props = []
         return np.array(self._plugin.props(_text(props, "props")), dtype=float)
 
+    def initial(
+        self, points: int | tuple[int, ...] = 1, *, mode: Mode = "3d", coords: ArrayLike | None = None
+    ) -> tuple[Array, Array]:
+        """Stress and state of points at the start of an analysis: what the library's SIGINI and SDVINI say, or zeros.
+
+        ``points``: their number, or their shape, such as (elements, points of each). ``coords``: where they lie (COORDS).
+        """
+        shape = (points,) if not isinstance(points, tuple) else points
+        shape = tuple(whole(count, "points", 0) for count in shape)
+        stress, state = np.zeros((*shape, self._components(mode))), np.zeros((*shape, self.nstatv))
+        if self._sets_start and stress.size:
+            given = _rows(np.zeros(3) if coords is None else coords, shape, (3,), "coords")
+            flat = [array.reshape(-1, array.shape[-1]) for array in (stress, state)]
+            self._plugin.initial(mode, given, shape[-1] if len(shape) > 1 else 1, *flat)
+        return stress, state
+
+    @staticmethod
+    def _components(mode: str) -> int:
+        if mode not in COMPONENTS:
+            raise CaseError([("mode", f"'{mode}' is not one of the modes {', '.join(COMPONENTS)}")])
+        return COMPONENTS[mode]
+
+    @overload
     def evaluate(
         self,
         strain: ArrayLike,
@@ -134,102 +193,199 @@ class Law:
         state: ArrayLike | None = None,
         props: Props = None,
         *,
-        mode: str = "3d",
+        mode: Mode = "3d",
         stress: ArrayLike | None = None,
-        tangent: bool = True,
+        tangent: Literal[True] = True,
         threads: int = 1,
-        out: tuple[NDArray[np.float64], ...] | None = None,
+        out: tuple[Array, ...] | None = None,
         length: ArrayLike | None = None,
         time: float = 0.0,
         dtime: float = 1.0,
-        on_failure: str = "raise",
-    ) -> Update:
+        on_failure: Literal["raise", "nan"] = "raise",
+        temperature: ArrayLike | None = None,
+        dtemperature: ArrayLike | None = None,
+        fields: ArrayLike | None = None,
+        dfields: ArrayLike | None = None,
+        dfgrd0: ArrayLike | None = None,
+        dfgrd1: ArrayLike | None = None,
+        drot: ArrayLike | None = None,
+        coords: ArrayLike | None = None,
+        energies: ArrayLike = False,
+    ) -> Update[Array]: ...
+
+    @overload
+    def evaluate(
+        self,
+        strain: ArrayLike,
+        dstrain: ArrayLike,
+        state: ArrayLike | None = None,
+        props: Props = None,
+        *,
+        mode: Mode = "3d",
+        stress: ArrayLike | None = None,
+        tangent: bool,
+        threads: int = 1,
+        out: tuple[Array, ...] | None = None,
+        length: ArrayLike | None = None,
+        time: float = 0.0,
+        dtime: float = 1.0,
+        on_failure: Literal["raise", "nan"] = "raise",
+        temperature: ArrayLike | None = None,
+        dtemperature: ArrayLike | None = None,
+        fields: ArrayLike | None = None,
+        dfields: ArrayLike | None = None,
+        dfgrd0: ArrayLike | None = None,
+        dfgrd1: ArrayLike | None = None,
+        drot: ArrayLike | None = None,
+        coords: ArrayLike | None = None,
+        energies: ArrayLike = False,
+    ) -> Update[Array | None]: ...
+
+    def evaluate(
+        self,
+        strain: ArrayLike,
+        dstrain: ArrayLike,
+        state: ArrayLike | None = None,
+        props: Props = None,
+        *,
+        mode: Mode = "3d",
+        stress: ArrayLike | None = None,
+        tangent: bool = True,
+        threads: int = 1,
+        out: tuple[Array, ...] | None = None,
+        length: ArrayLike | None = None,
+        time: float = 0.0,
+        dtime: float = 1.0,
+        on_failure: Literal["raise", "nan"] = "raise",
+        temperature: ArrayLike | None = None,
+        dtemperature: ArrayLike | None = None,
+        fields: ArrayLike | None = None,
+        dfields: ArrayLike | None = None,
+        dfgrd0: ArrayLike | None = None,
+        dfgrd1: ArrayLike | None = None,
+        drot: ArrayLike | None = None,
+        coords: ArrayLike | None = None,
+        energies: ArrayLike = False,
+    ) -> Update[Array | None]:
         """Update n points at once: rows of ``strain`` at the start and of its increment ``dstrain``.
 
-        ``state`` and ``stress`` are those at the start, zero if not given. ``props`` are as in :meth:`props`; an array is taken
-        as it is. ``length`` is the characteristic length (CELENT), one number or one a point; laws with a crack band (``G_f``) need
-        it. Deformations are small.
+        The points may have any shape in front of the components, such as (elements, points of each, 6): results have it too, NOEL and
+        NPT count along it. A single row is that of all points, and 0 stands for zeros; other single numbers do not, where a point has
+        several.
+
+        ``state`` and ``stress`` are those at the start; without them :meth:`initial` tells. ``props`` are as in :meth:`props`; an array
+        may have a row a point. ``length`` is the characteristic length (CELENT), one number or one a point; laws with a crack band
+        (``G_f``) need it. In the same way ``temperature`` and ``fields`` are those at the start (TEMP, PREDEF), ``dtemperature`` and
+        ``dfields`` their increments, and ``coords`` the places. Deformations are small unless there are gradients, ``dfgrd0`` at the
+        start and ``dfgrd1`` at the end, and the increment's rotation ``drot``: 3 × 3, row i, column j.
+
+        ``time`` is that at the start. An increment that begins later than the one before says that this one has converged: UEXTERNALDB is
+        told, and KINC goes on; it is 1 at time 0.
 
         ``out``: arrays for stress and state, and for the tangent if there is a third; they may be those of the start.
-        Row i, column j of a point's tangent is the derivative of stress i by strain increment j.
+        Row i, column j of a point's tangent is the derivative of stress i by strain increment j. ``energies``: ``True``, or those at the
+        start: the result has those at the end.
 
-        Points that the law refuses raise :class:`UpdateFailed`, or, with ``on_failure="nan"``, get stresses of NaN and keep
-        their states. The GIL is released, and ``threads`` share the points; the results have the same bits with any number.
+        Points that the law refuses raise :class:`UpdateFailed`, and ``out`` has what it had; or, with ``on_failure="nan"``, they get
+        stresses of NaN and keep their states. Input that is not finite, and parameters that the law does not admit, raise
+        :class:`CaseError`: no smaller increment helps; with "nan" points that are given NaN get NaN. The GIL is released, and
+        ``threads`` share the points; the results have the same bits with any number.
         """
-        if mode not in COMPONENTS:
-            raise CaseError([("mode", f"'{mode}' is not one of the modes {', '.join(COMPONENTS)}")])
+        components = self._components(mode)
         if on_failure not in ("raise", "nan"):
             raise CaseError([("on_failure", "is 'raise' or 'nan'")])
+        threads = whole(threads, "threads")
         if not isinstance(props, np.ndarray):
             props = self.props(props)
-        components = COMPONENTS[mode]
         if not (np.isfinite(dtime) and dtime > 0.0):
             raise CaseError([("dtime", f"is {dtime}, but an increment takes a finite time > 0")])
         if not np.isfinite(time):
             raise CaseError([("time", f"is {time}, not a finite number")])
-        counts = [len(np.atleast_2d(array_of(values, name))) for values, name in ((strain, "strain"), (dstrain, "dstrain"))]
-        count = max(counts) if all(counts) else 0
-
-        def rows(values: ArrayLike | None, columns: int, name: str) -> NDArray[np.float64]:
-            array = array_of(0.0 if values is None else values, name)
-            if array.shape == (count, columns):
-                return np.ascontiguousarray(array)
-            try:
-                return np.ascontiguousarray(np.broadcast_to(array, (count, columns)))
-            except ValueError:
-                message = f"has the shape {array.shape}, ({count}, {columns}) is needed"
-                raise CaseError([(name, message)]) from None
-
-        def start(values: ArrayLike | None, columns: int, name: str, place: int) -> NDArray[np.float64]:
-            """The array that the start becomes the end in."""
-            if out is None:
-                return np.array(rows(values, columns, name)) if values is not None else np.zeros((count, columns))
-            target = out[place]
-            self._check_out(target, (count, columns), place)
-            if target is not values:
-                target[...] = rows(values, columns, name)
-            return target
-
         if out is not None and len(out) not in (2, 3):
             raise CaseError([("out", "has the arrays for stress and state, and one for the tangent")])
-        strains, increments = rows(strain, components, "strain"), rows(dstrain, components, "dstrain")
-        stresses = start(stress, components, "stress", 0)
-        states = start(state, self.nstatv, "state", 1)
-        moduli = None
-        if out is not None and len(out) == 3:
-            moduli = out[2]
-            self._check_out(moduli, (count, components, components), 2)
-        elif tangent:
-            moduli = np.zeros((count, components, components))
-        if out is not None:
-            for place, array in enumerate(out):
-                others = [strains, increments, *(other for k, other in enumerate(out) if k != place)]
-                if any(np.may_share_memory(array, other) for other in others):
-                    raise CaseError([(f"out[{place}]", "lies over another array of the call")])
-        if threads < 1:
-            raise CaseError([("threads", "is 1 or more")])
-        self._check_length(props, length)
-        lengths = None if length is None else np.ascontiguousarray(np.broadcast_to(array_of(length, "length"), (count,)))
-        refused = self._plugin.evaluate(
-            mode,
-            np.ascontiguousarray(props, dtype=float),
-            strains,
-            increments,
-            stresses,
-            states,
-            moduli,
-            lengths,
-            (float(time), float(dtime)),
-            int(threads),
+        both = [array_of(strain, "strain"), array_of(dstrain, "dstrain")]
+        shapes = {array.shape[:-1] for array in both} - {()} or {(1,)}
+        try:
+            shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
+        except ValueError:
+            message = f"has the shape {both[0].shape}, dstrain {both[1].shape}: both are of the same points"
+            raise CaseError([("strain", message)]) from None
+        arrays = {
+            "props": _rows(props, shape, (-1,), "props"),
+            "strain": _rows(both[0], shape, (components,), "strain"),
+            "dstrain": _rows(both[1], shape, (components,), "dstrain"),
+        }
+        if dfgrd0 is not None and dfgrd1 is None:
+            raise CaseError([("dfgrd1", "is needed where dfgrd0 is given: the gradient at the end")])
+        if dfgrd0 is None and dfgrd1 is not None:
+            dfgrd0 = np.eye(3)
+        others: tuple[tuple[str, ArrayLike | None, tuple[int, ...]], ...] = (
+            ("length", length, ()),
+            ("temperature", temperature, ()),
+            ("dtemperature", dtemperature, ()),
+            ("fields", fields, (-1,)),
+            ("dfields", dfields, (-1,)),
+            ("dfgrd0", dfgrd0, (3, 3)),
+            ("dfgrd1", dfgrd1, (3, 3)),
+            ("drot", drot, (3, 3)),
+            ("coords", coords, (3,)),
         )
-        if refused:
-            if on_failure == "raise":
+        for name, values, row in others:
+            if values is not None:
+                arrays[name] = _rows(values, shape, row, name)
+        widths = {"stress": components, "state": self.nstatv, "tangent": components**2, "energies": 3}
+        start: dict[str, ArrayLike | None] = {"stress": stress, "state": state}
+        if not isinstance(energies, (bool, np.bool_)):
+            start["energies"] = energies
+        elif energies:
+            start["energies"] = 0.0
+        if self._sets_start and (stress is None or state is None):
+            of_library = dict(zip(("stress", "state"), self.initial(shape, mode=mode, coords=coords)))
+            start.update({name: of_library[name] for name, values in start.items() if values is None})
+        begun = {name: _rows(values, shape, (widths[name],), name) for name, values in start.items() if values is not None}
+        # nothing is written before everything was looked at
+        targets: dict[str, Array] = {}
+        kept: list[tuple[Array, Array]] = []
+        if out is not None:
+            targets = dict(zip(("stress", "state", "tangent"), out))
+            for place, (name, array) in enumerate(targets.items()):
+                row = (components, components) if name == "tangent" else (widths[name],)
+                self._check_out(array, (*shape, *row), place)
+                lies_over = [*arrays.values(), *(other for key, other in targets.items() if key != name)]
+                lies_over += [other for key, other in begun.items() if key != name]
+                if any(np.may_share_memory(array, other) for other in lies_over):
+                    raise CaseError([(f"out[{place}]", "lies over another array of the call")])
+            kept = [(array, array.copy()) for name, array in targets.items() if name != "tangent"]
+        count = math.prod(shape)
+        for name in start:
+            target = targets.get(name)
+            if target is None:
+                target = targets[name] = np.zeros((*shape, widths[name]))
+            if name in begun:
+                target.reshape(count, widths[name])[...] = begun[name]
+            elif out is not None:
+                target[...] = 0.0
+        if tangent and "tangent" not in targets:
+            targets["tangent"] = np.zeros((*shape, components, components))
+        arrays.update({name: array.reshape(count, widths[name]) for name, array in targets.items()})
+        try:
+            refused, reason = self._plugin.evaluate(
+                mode, arrays, (float(time), float(dtime)), shape[-1] if len(shape) > 1 else 1, threads, on_failure == "nan"
+            )
+            if refused and on_failure == "raise":
                 raise UpdateFailed(self.name, refused)
+        except Exception:
+            for array, values in kept:
+                array[...] = values
+            raise
+        if reason is not None:
+            warnings.warn(f"{self.name} is called with NTENS = 6: {reason}", stacklevel=2)
+        if refused:
             points = [point for point, _, _ in refused]
-            stresses[points] = np.nan
-            if moduli is not None:
-                moduli[points] = np.nan
-        return Update(stresses, states, moduli)
+            for name in ("stress", "tangent"):
+                if name in arrays:
+                    arrays[name][points] = np.nan
+        return Update(targets["stress"], targets["state"], targets.get("tangent"), targets.get("energies"))
 
     def _check_length(self, props: NDArray[np.float64], length: ArrayLike | None) -> None:
         """Refuses that the length is missing: no law would know that the one which it then gets is nobody's."""
@@ -246,7 +402,7 @@ class Law:
     def __reduce__(self) -> tuple[Any, ...]:
         name, *others = self._recipe
         name = str(self.path) if os.sep in name or name.endswith((".so", ".dylib", ".dll")) else name
-        return _law_of, (name, *others, _core.sha256(self.path))
+        return _law_of, (name, *others, _core.sha256(self.path), self._plugin.describe())
 
     def __repr__(self) -> str:
         return f"<Law {self.name}: {len(self.parameters)} parameters, {self.nstatv} states, {', '.join(self.modes)}>"
@@ -268,11 +424,39 @@ class Law:
         )
 
 
+def _rows(values: ArrayLike, shape: tuple[int, ...], row: tuple[int, ...], name: str) -> Array:
+    """What points of a shape are given, a row a point, or one row for all; -1: a row of any length."""
+    array = array_of(values, name)
+    width = row[0] if len(row) == 1 else math.prod(row)
+    count = math.prod(shape)
+    # as it is in a loop over increments
+    if array.shape == (count, width) and array.flags.c_contiguous:
+        return array
+    if array.ndim == 0 and row not in ((), (1,)):
+        if array != 0.0:
+            message = f"is one number, {float(array):g}, for all components: give a row of them for each point, or one for all"
+            raise CaseError([(name, message)])
+        array = np.zeros(row)
+    array = array.reshape(row) if array.ndim == 0 else array
+    split = array.ndim - len(row)
+    wanted = tuple(given if length < 0 else length for given, length in zip(array.shape[max(split, 0) :], row))
+    if split < 0 or array.shape[split:] != wanted:
+        raise CaseError([(name, f"has the shape {array.shape}, {(*shape, *row)} is needed".replace("-1", "…"))])
+    width = math.prod(wanted)
+    if math.prod(array.shape[:split]) == 1:
+        return np.ascontiguousarray(array).reshape(1, width)
+    try:
+        array = np.broadcast_to(array, (*shape, *wanted))
+    except ValueError:
+        raise CaseError([(name, f"has the shape {array.shape}, {(*shape, *wanted)} is needed")]) from None
+    return np.ascontiguousarray(array).reshape(count, width)
+
+
 def _law_of(
-    name: str, nstatv: int | None, law: str | None, in_process: bool, time_limit: float, digest: str
+    name: str, nstatv: int | None, law: str | None, in_process: bool, time_limit: float, digest: str, told: str | None = None
 ) -> Law:
     """The law of a pickle: the same file as then, by its content."""
-    made = Law(name, nstatv, law=law, in_process=in_process, time_limit=time_limit)
+    made = Law(name, nstatv, law=law, in_process=in_process, time_limit=time_limit, _told=told)
     if _core.sha256(made.path) != digest:
         raise PluginError(f"{made.path} is another build than the one that was pickled")
     return made

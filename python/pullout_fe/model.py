@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .case import Case, CaseLike, array_of
+from .case import Case, CaseLike, array_of, whole
 from .errors import CaseError, PulloutError, RunFailed
 from .run import Run, run
 
@@ -170,6 +170,7 @@ class Model:
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
         """The curves of rows of parameters: in threads, or by an executor of yours."""
         rows = list(np.atleast_2d(array_of(points, "points")))
+        workers = None if workers is None else whole(workers, "workers")
         if executor is not None:
             curves = list(executor.map(self._attempt, rows))
         else:
@@ -207,7 +208,7 @@ class Model:
         The runs go along that at ``x`` (``along`` of :func:`run`): what a specimen chooses by itself would make steps in the curve, and
         near a known state an iteration or two are enough. Those of executors with other processes repeat its increments.
         """
-        start = np.atleast_1d(np.asarray(x, dtype=float))
+        start = np.atleast_1d(array_of(x, "x"))
         steps = STEP * np.where(start == 0.0, 1.0, np.abs(start))
         upper = np.array([high for _, high in self.bounds])
         # the step that the sum has
@@ -259,12 +260,13 @@ class Model:
         """
         from scipy.optimize import least_squares
 
-        start = self.x0 if x0 is None else np.asarray(x0, dtype=float)
+        start = self.x0 if x0 is None else array_of(x0, "x0")
         if start.shape != self.x0.shape:
             raise CaseError([("x0", f"has the shape {start.shape}, {self.x0.shape} is needed")])
         if not np.all(np.isfinite(start)):
             missing = [name for name, value in zip(self.names, start) if not np.isfinite(value)]
             raise CaseError(f"the case does not say {', '.join(missing)}: give x0")
+        starts = whole(starts, "starts")
         logarithmic = self._is_log
         target = array_of(data, "data")
         deviations = array_of(1.0 if sigma is None else sigma, "sigma")

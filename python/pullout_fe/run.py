@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from .case import Case, CaseLike
+from .case import Case, CaseLike, whole
 from .errors import CaseError, PluginCrashed, PulloutError, RunFailed, TimeLimit
 from .fields import Mesh, Series
 
@@ -295,9 +295,8 @@ def run(
     A run that fails raises :class:`RunFailed` (:class:`PluginCrashed`, :class:`TimeLimit`), which has what was reached as
     ``run`` and a case that repeats the failure as ``replay``; with ``on_failure="return"`` it is returned as any other.
     """
+    threads = whole(threads, "threads")
     case = case if isinstance(case, Case) else Case(case)
-    if threads < 1:
-        raise CaseError([("threads", "is 1 or more")])
     if on_failure not in ("raise", "return"):
         raise CaseError([("on_failure", "is 'raise' or 'return'")])
     trail = None
@@ -315,7 +314,7 @@ def run(
     listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
     try:
         columns, summary, is_done, replay, increments, states, page = _core.run(
-            case._parts(), int(threads), listener, in_process, trail, (record, view), _stop
+            case._parts(), threads, listener, in_process, trail, (record, view), _stop
         )
     finally:
         if bar is not None:

@@ -15,7 +15,7 @@ from typing import Any, Mapping, Protocol, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .case import Case, CaseLike, _text
+from .case import Case, CaseLike, _text, array_of, whole
 from .errors import CaseError, PulloutError
 
 __all__ = ["Sweep", "sweep"]
@@ -111,9 +111,9 @@ class Sweep:
         progress: bool = False,
     ) -> None:
         """Run what is left; ``again``: also what failed, crashed or took too long."""
-        wrong = [(name, "is 1 or more") for name, n in (("workers", workers), ("chunk_runs", chunk_runs)) if n is not None and n < 1]
-        if wrong:
-            raise CaseError(wrong)
+        for name, count in (("workers", workers), ("chunk_runs", chunk_runs)):
+            if count is not None:
+                whole(count, name)
         options = [] if chunk_runs is None else [f"--chunk-runs={chunk_runs}"]
         options += ["--again"] if again else []
         if executor in ("processes", "threads"):
@@ -224,7 +224,7 @@ def _document(
     if curves:
         document["curves"] = list(curves)
     if grid is not None:
-        document["grid"] = np.asarray(grid, dtype=float).tolist()
+        document["grid"] = array_of(grid, "grid").tolist()
     if curve is not None:
         document["curve"] = {"x": curve[0], "y": curve[1]}
     if work_to is not None:

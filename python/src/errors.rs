@@ -55,6 +55,11 @@ pub fn case_error(problems: &[CaseProblem]) -> PyErr {
     Exception::Case.of((pairs,))
 }
 
+/// An argument of a call that is wrong.
+pub fn wrong(place: impl Into<String>, message: impl Into<String>) -> PyErr {
+    Exception::Case.of((vec![(place.into(), message.into())],))
+}
+
 /// Runs what Python calls: a panic, which is an error of ours, becomes an exception like others.
 pub fn without_panic<R>(body: impl FnOnce() -> PyResult<R>) -> PyResult<R> {
     catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|panic| Err(of_panic(&*panic)))

@@ -1,26 +1,35 @@
 //! Laws: found, described, and called for many points at once.
 
-use crate::errors::{Exception, case_error, of_panic, without_panic};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2, PyReadwriteArray3};
+use crate::analysis::Analysis;
+use crate::errors::{Exception, case_error, of_panic, without_panic, wrong};
+use crate::points::{Given, Inputs, Refused, Rows, Work, numbers};
+use crate::run::with_stack;
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2};
 use pullout_case::{ALL_LAWS, hint, not_found, props_from_json};
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
-use pyo3::exceptions::PyValueError;
+use pullout_run::program::Mode;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use umat_abi::host::{self, Found, Library, Parameter, UmatCall, Validation, judge};
-use umat_abi::law::{Request, StressState};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use umat_abi::host::{
+    self, ExternalDatabases, Found, InitialPoint, InitialStates, InitialStresses, Library, LoadError, Manner,
+    Parameter, Validation,
+};
+use umat_abi::law::StressState;
 use umat_abi::metadata::{flags, kinds, stress_states};
 
 /// Modes of a material point, with what a law says if it has them.
-const MODES: [(&str, StressState, u32); 6] = [
-    ("3d", StressState::ThreeD, stress_states::THREE_D),
-    ("plane_strain", StressState::PlaneStrainOrAxisymmetric, stress_states::PLANE_STRAIN),
-    ("axisymmetric", StressState::PlaneStrainOrAxisymmetric, stress_states::AXISYMMETRIC),
-    ("plane_stress", StressState::PlaneStress, stress_states::PLANE_STRESS),
-    ("1d", StressState::OneD, 0),
-    ("beam", StressState::Beam, 0),
+const MODES: [(Mode, u32); 6] = [
+    (Mode::ThreeD, stress_states::THREE_D),
+    (Mode::PlaneStrain, stress_states::PLANE_STRAIN),
+    (Mode::Axisymmetric, stress_states::AXISYMMETRIC),
+    (Mode::PlaneStress, stress_states::PLANE_STRESS),
+    (Mode::OneD, 0),
+    (Mode::Beam, 0),
 ];
 
 /// Points of a thread between two looks at signals.
@@ -61,17 +70,20 @@ pub struct Plugin {
     library: Library,
     law: Option<host::LawDescription>,
     cmname: String,
+    /// Whether every thread that calls it has the stack that plugins may want.
+    has_stack: bool,
+    analysis: Arc<Mutex<Analysis>>,
+    /// Why calls with the components of a plane go through six instead, once trial calls have told.
+    planes: Mutex<Vec<(StressState, Option<String>)>>,
 }
-
-/// A point that could not be updated: its index, the reason, the fraction of the increment that is worth a try.
-type Refused = (usize, String, Option<f64>);
 
 #[pymethods]
 impl Plugin {
-    /// Loads a library that may run here, or that the user answers for. `law` chooses among several.
+    /// Loads a library that may run here, or that the user answers for. `law` chooses among several; `has_stack`: the threads that
+    /// call have the stack that plugins may want.
     #[new]
-    #[pyo3(signature = (path, law=None, in_process=false))]
-    fn new(py: Python<'_>, path: PathBuf, law: Option<&str>, in_process: bool) -> PyResult<Self> {
+    #[pyo3(signature = (path, law=None, in_process=false, has_stack=false))]
+    fn new(py: Python<'_>, path: PathBuf, law: Option<&str>, in_process: bool, has_stack: bool) -> PyResult<Self> {
         without_panic(|| {
             if in_process {
                 isolation::let_in(&path);
@@ -80,13 +92,21 @@ impl Plugin {
             let library = library.map_err(|error| Exception::Plugin.with(error.to_string()))?;
             let chosen = choose(&library, law)?;
             let name = chosen.as_ref().map_or_else(|| host::library_name(&path), |law| law.name.clone());
-            Ok(Self { cmname: law.unwrap_or(&name).to_uppercase(), library, law: chosen })
+            Ok(Self {
+                cmname: law.unwrap_or(&name).to_uppercase(),
+                law: chosen,
+                has_stack: has_stack || isolation::is_shipped(&path),
+                analysis: Analysis::of(&library),
+                planes: Mutex::default(),
+                library,
+            })
         })
     }
 
-    /// Returns what the library says of its law, as JSON; "null" if it says nothing.
+    /// Returns what the library says of its law, `null` if it says nothing, and the routines beside its laws that it has, as JSON.
     fn describe(&self) -> String {
-        self.law.as_ref().map_or(Value::Null, description).to_string()
+        let routines: Vec<_> = self.library.routines().iter().map(|routine| routine.symbol).collect();
+        json!({ "law": self.law.as_ref().map(description), "routines": routines }).to_string()
     }
 
     /// PROPS of what a case's `props` say, as JSON.
@@ -114,67 +134,158 @@ impl Plugin {
         })
     }
 
-    /// Updates points: each row of the arrays is one. `stress` and `state` are those of the start, and become those of the
-    /// end; what came in stays where a point is refused.
-    #[allow(clippy::too_many_arguments, reason = "they are a UMAT's")]
-    #[pyo3(signature = (mode, props, strain, dstrain, stress, state, tangent, lengths, time, threads))]
+    /// Fills stresses and states, a row a point, with what the library's SIGINI and SDVINI say of points at the start; one that the
+    /// library has not leaves its array as it is. `coords`: a row a point, or one for all.
+    fn initial(
+        &self,
+        py: Python<'_>,
+        mode: &str,
+        coords: PyReadonlyArray2<'_, f64>,
+        per_element: usize,
+        mut stress: PyReadwriteArray2<'_, f64>,
+        mut state: PyReadwriteArray2<'_, f64>,
+    ) -> PyResult<()> {
+        without_panic(|| {
+            let (mode, _) = self.mode(mode)?;
+            let (count, components) = stress.as_array().dim();
+            let nstatv = state.as_array().ncols();
+            let (stress, state) = (stress.as_slice_mut()?, state.as_slice_mut()?);
+            let coords = coords.as_slice()?;
+            let fill = || -> Result<(), String> {
+                // what UEXTERNALDB reads is there for them
+                self.analysis().begin(&self.library);
+                let mut states = InitialStates::new(&self.library, None, nstatv);
+                let mut stresses = InitialStresses::new(&self.library, None, components);
+                for k in 0..count {
+                    let [element, point] = numbers(k, per_element);
+                    let row = if coords.len() == 3 { 0 } else { 3 * k };
+                    let coordinates = std::array::from_fn(|i| coords[row + i]);
+                    let point = InitialPoint { coordinates, element, point };
+                    if !states.are_zero() {
+                        state[k * nstatv..(k + 1) * nstatv].copy_from_slice(&states.of_point(&point)?);
+                    }
+                    if !stresses.are_zero() {
+                        let values = stresses.of_point(&point, mode.element_type())?;
+                        stress[k * components..(k + 1) * components].copy_from_slice(&values);
+                    }
+                }
+                Ok(())
+            };
+            self.on_stack(py, fill)?.map_err(|message| Exception::Pullout.with(message))
+        })
+    }
+
+    /// Updates points: each row of an array is one, and an input with one row is that of all. Of `arrays`, by name, `stress`, `state` and,
+    /// if they are there, `energies` are those of the start and become those of the end, `tangent` becomes that of the end; what came
+    /// in stays where a point is refused. A point whose input is not finite is refused if it may be, else an error.
+    ///
+    /// The result: the points that are refused, and why calls in a plane go through six components, if they do.
+    #[allow(clippy::too_many_arguments, reason = "Python names them")]
     fn evaluate(
         &self,
         py: Python<'_>,
         mode: &str,
-        props: PyReadonlyArray1<'_, f64>,
-        strain: PyReadonlyArray2<'_, f64>,
-        dstrain: PyReadonlyArray2<'_, f64>,
-        mut stress: PyReadwriteArray2<'_, f64>,
-        mut state: PyReadwriteArray2<'_, f64>,
-        mut tangent: Option<PyReadwriteArray3<'_, f64>>,
-        lengths: Option<PyReadonlyArray1<'_, f64>>,
+        arrays: &Bound<'_, PyDict>,
         time: [f64; 2],
+        per_element: usize,
         threads: usize,
-    ) -> PyResult<Vec<Refused>> {
+        may_refuse: bool,
+    ) -> PyResult<(Vec<Refused>, Option<String>)> {
         without_panic(|| {
-            let stress_state = self.stress_state(mode)?;
-            let (rows, components) = (stress.as_array().nrows(), stress_state.components().len());
-            let nstatv = state.as_array().ncols();
-            let shapes = [strain.as_array().dim(), dstrain.as_array().dim(), stress.as_array().dim()];
-            let fits = shapes.iter().all(|shape| *shape == (rows, components))
-                && state.as_array().nrows() == rows
-                && tangent.as_ref().is_none_or(|array| array.as_array().dim() == (rows, components, components))
-                && lengths.as_ref().is_none_or(|array| array.as_array().len() == rows);
-            if !fits {
-                return Err(PyValueError::new_err(format!(
-                    "mode {mode} has {components} components; shapes {shapes:?}"
-                )));
+            let state = self.mode(mode)?.0.stress_state();
+            let components = state.components().len();
+            let mut results = [None, None, None, None];
+            for (result, name) in results.iter_mut().zip(["stress", "state", "tangent", "energies"]) {
+                let array = arrays.get_item(name)?;
+                *result = array.map(|array| array.extract::<PyReadwriteArray2<'_, f64>>()).transpose()?;
             }
-            let props = props.as_slice()?;
-            let call = UmatCall::new(&self.library, None, &self.cmname, stress_state, nstatv, props);
-            let mut first = call.map_err(|error| Exception::Plugin.with(error.to_string()))?;
-            let points = Points {
-                first: 0,
-                components,
-                nstatv,
-                strain: strain.as_slice()?,
-                dstrain: dstrain.as_slice()?,
-                stress: stress.as_slice_mut()?,
-                state: state.as_slice_mut()?,
-                tangent: tangent.as_mut().map(|array| array.as_slice_mut()).transpose()?,
-                lengths: lengths.as_ref().map(|array| array.as_slice()).transpose()?,
-                time,
+            let count = results[0].as_ref().map_or(0, |stress| stress.as_array().nrows());
+            let [stress, states, tangent, energies] = results.each_mut().map(Option::as_mut);
+            let fits = |array: &PyReadwriteArray2<'_, f64>, width| array.as_array().dim() == (count, width);
+            let (Some(stress), Some(states)) = (stress, states) else {
+                return Err(PyKeyError::new_err("stress, state"));
             };
-            let is_vouched_for = isolation::is_shipped(self.library.path());
-            let make = || UmatCall::new(&self.library, None, &self.cmname, stress_state, nstatv, props);
-            let (mut rest, mut refused) = (points, Vec::new());
+            let nstatv = states.as_array().ncols();
+            let all_fit = fits(stress, components)
+                && states.as_array().nrows() == count
+                && tangent.as_ref().is_none_or(|array| fits(array, components * components))
+                && energies.as_ref().is_none_or(|array| fits(array, 3));
+            let rows = Rows {
+                first: 0,
+                count,
+                stress: stress.as_slice_mut()?,
+                state: states.as_slice_mut()?,
+                tangent: tangent.map(|array| array.as_slice_mut()).transpose()?,
+                energies: energies.map(|array| array.as_slice_mut()).transpose()?,
+            };
+            let mut read = Vec::new();
+            for (name, width) in GIVEN {
+                let array =
+                    arrays.get_item(name)?.map(|array| array.extract::<PyReadonlyArray2<'_, f64>>()).transpose()?;
+                read.extend(array.map(|array| (name, width.unwrap_or(components), array)));
+            }
+            let mut given = Vec::new();
+            for (name, width, array) in &read {
+                let (rows, columns) = array.as_array().dim();
+                let is_right = (rows == count || rows == 1) && (*width == 0 || columns == *width);
+                if !is_right || !all_fit {
+                    return Err(PyValueError::new_err(format!("mode {mode} has {components} components; {name}")));
+                }
+                given.push(Given { name, values: array.as_slice()?, width: columns, is_one: rows == 1 });
+            }
+            let find = |name| given.iter().find(|given| given.name == name).copied();
+            let needed = |name| find(name).ok_or_else(|| PyKeyError::new_err(name));
+            let mut inputs = Inputs {
+                time,
+                increment: 1,
+                per_element: per_element.max(1),
+                props: needed("props")?,
+                strain: needed("strain")?,
+                dstrain: needed("dstrain")?,
+                length: find("length"),
+                temperature: ["temperature", "dtemperature"].map(find),
+                fields: ["fields", "dfields"].map(find),
+                gradients: ["dfgrd0", "dfgrd1"].map(find),
+                rotation: find("drot"),
+                coords: find("coords"),
+            };
+            if count == 0 {
+                return Ok((Vec::new(), None));
+            }
+            inputs.check(&rows, self.law.as_ref(), may_refuse)?;
+            let mut prepare = || {
+                inputs.increment = self.analysis().increment(&self.library, time);
+                self.through_six(state, &inputs, nstatv)
+            };
+            // a thread takes longer than the update of a few points
+            let may_call = ExternalDatabases::is_in([&self.library]) || state != StressState::ThreeD;
+            let prepared = if may_call { self.on_stack(py, prepare)? } else { prepare() };
+            let reason = prepared.map_err(|error| Exception::Plugin.with(error.to_string()))?;
+            if let (Some(reason), StressState::PlaneStress) = (&reason, state) {
+                let message =
+                    format!("{reason}, which \"3d\" has; a case of mode \"plane_stress\" finds the strain 33 for them");
+                return Err(wrong("mode", message));
+            }
+            let (six, inputs) = (reason.is_some(), inputs);
+            let make = |props: &[f64]| {
+                let mut call = self.plugin(nstatv, props, six).umat(state)?;
+                inputs.prepare(&mut call);
+                Ok(call)
+            };
+            let work = Work { inputs: &inputs, law: self.law.as_ref(), may_refuse, make: &make };
+            let mut rest = rows;
+            let mut refused = Vec::new();
             loop {
-                let count = rest.count().min(BLOCK * threads.max(1));
-                let [block, behind] = rest.split(count);
+                let block = rest.count.min(BLOCK * threads.max(1));
+                let [block, behind] = rest.split(block);
                 rest = behind;
-                refused.extend(if threads <= 1 && is_vouched_for {
-                    py.detach(|| block.update(&mut first))
+                refused.extend(if threads <= 1 && self.has_stack {
+                    py.detach(|| block.update(&work))?
                 } else {
-                    py.detach(|| in_threads(block, threads.max(1), make))?
+                    py.detach(|| in_threads(block, threads.max(1), &work))?
                 });
-                if rest.count() == 0 {
-                    return Ok(refused);
+                if rest.count == 0 {
+                    return Ok((refused, reason));
                 }
                 py.check_signals()?;
             }
@@ -182,23 +293,90 @@ impl Plugin {
     }
 }
 
+/// What points are given besides stress, state and energies at the start, and the number of values; `None`: components, 0: any.
+const GIVEN: [(&str, Option<usize>); 12] = [
+    ("props", Some(0)),
+    ("strain", None),
+    ("dstrain", None),
+    ("length", Some(1)),
+    ("temperature", Some(1)),
+    ("dtemperature", Some(1)),
+    ("fields", Some(0)),
+    ("dfields", Some(0)),
+    ("dfgrd0", Some(9)),
+    ("dfgrd1", Some(9)),
+    ("drot", Some(9)),
+    ("coords", Some(3)),
+];
+
 impl Plugin {
-    fn stress_state(&self, mode: &str) -> PyResult<StressState> {
-        let names = MODES.map(|(name, ..)| name);
-        let Some((_, stress_state, bit)) = MODES.into_iter().find(|(name, ..)| *name == mode) else {
-            let message = format!("'{mode}' is not one of the modes {}{}", names.join(", "), hint(mode, names));
-            return Err(Exception::Case.with(message));
+    /// A mode that the law has, with its stress state as metadata have it.
+    fn mode(&self, name: &str) -> PyResult<(Mode, u32)> {
+        let names = MODES.map(|(mode, _)| mode.name());
+        let Some(found) = MODES.into_iter().find(|(mode, _)| mode.name() == name) else {
+            return Err(wrong(
+                "mode",
+                format!("'{name}' is not one of the modes {}{}", names.join(", "), hint(name, names)),
+            ));
         };
         match &self.law {
             Some(law) if law.kinds & kinds::UMAT == 0 => Err(Exception::Case
                 .with(format!("{} is a law of a contact point: run a case of kind \"interface\"", law.name))),
-            Some(law) if law.stress_states & bit == 0 => {
-                let message =
-                    format!("{} does not support mode {mode}; supported: {}", law.name, modes(law).join(", "));
-                Err(Exception::Case.with(message))
+            Some(law) if law.stress_states & found.1 == 0 => {
+                let supported = modes(law).join(", ");
+                Err(wrong("mode", format!("{} does not support mode {name}; supported: {supported}", law.name)))
             }
-            _ => Ok(stress_state),
+            _ => Ok(found),
         }
+    }
+
+    fn analysis(&self) -> MutexGuard<'_, Analysis> {
+        self.analysis.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Does something that may call the library without the GIL, on a thread with the stack that plugins may want.
+    fn on_stack<R: Send>(&self, py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
+        if self.has_stack { Ok(py.detach(work)) } else { py.detach(|| with_stack(work)) }
+    }
+
+    /// The law with everything that its calls need.
+    fn plugin(&self, nstatv: usize, props: &[f64], six: bool) -> host::Plugin {
+        host::Plugin {
+            library: self.library.clone(),
+            law: self.law.clone(),
+            name: self.cmname.clone(),
+            symbol: None,
+            cmname: self.cmname.clone(),
+            props: props.to_vec(),
+            nstatv,
+            manner: Manner { as_three_d: Some(six), tangent: None },
+        }
+    }
+
+    /// Returns why calls in a plane go through six components, if the library, which says nothing of them, needs that: trial calls tell, once
+    /// for each stress state, as those of a run do.
+    fn through_six(&self, state: StressState, inputs: &Inputs<'_>, nstatv: usize) -> Result<Option<String>, LoadError> {
+        if self.law.is_some() || state == StressState::ThreeD {
+            return Ok(None);
+        }
+        let mut planes = self.planes.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, reason)) = planes.iter().find(|(known, _)| *known == state) {
+            return Ok(reason.clone());
+        }
+        let mut plugin = self.plugin(nstatv, inputs.first_props(), false);
+        plugin.manner = Manner::default();
+        let mut call = plugin.umat(state)?;
+        inputs.prepare(&mut call);
+        inputs.set(&mut call, 0);
+        let [element, point] = [call.noel, call.npt];
+        let point = InitialPoint { coordinates: call.coords, element, point };
+        if let Ok(states) = InitialStates::new(&self.library, None, nstatv).of_point(&point) {
+            let nothing = vec![0.0; state.components().len()];
+            call.set_point([&nothing; 3].map(Vec::as_slice), &states, [0.0; 3]);
+        }
+        let reason = plugin.probe(&mut call)?;
+        planes.push((state, reason.clone()));
+        Ok(reason)
     }
 }
 
@@ -223,7 +401,7 @@ fn choose(library: &Library, law: Option<&str>) -> PyResult<Option<host::LawDesc
 }
 
 fn modes(law: &host::LawDescription) -> Vec<&'static str> {
-    MODES.into_iter().filter(|(_, _, bit)| law.stress_states & bit != 0).map(|(name, ..)| name).collect()
+    MODES.into_iter().filter(|(_, bit)| law.stress_states & bit != 0).map(|(mode, _)| mode.name()).collect()
 }
 
 fn description(law: &host::LawDescription) -> Value {
@@ -250,124 +428,22 @@ fn description(law: &host::LawDescription) -> Value {
     })
 }
 
-/// Rows of the arrays.
-struct Points<'a> {
-    /// Index of the first.
-    first: usize,
-    components: usize,
-    nstatv: usize,
-    strain: &'a [f64],
-    dstrain: &'a [f64],
-    stress: &'a mut [f64],
-    state: &'a mut [f64],
-    tangent: Option<&'a mut [f64]>,
-    lengths: Option<&'a [f64]>,
-    /// Time at the start of the increment, and the increment, s.
-    time: [f64; 2],
-}
-
-impl<'a> Points<'a> {
-    fn count(&self) -> usize {
-        self.stress.len() / self.components
-    }
-
-    /// Splits off the rows from `count` on.
-    fn split(self, count: usize) -> [Self; 2] {
-        let Self { first, components, nstatv, time, .. } = self;
-        let (strain, dstrain) = (self.strain.split_at(count * components), self.dstrain.split_at(count * components));
-        let (stress, rest_stress) = self.stress.split_at_mut(count * components);
-        let (state, rest_state) = self.state.split_at_mut(count * nstatv);
-        let (tangent, rest_tangent) = self.tangent.map(|t| t.split_at_mut(count * components * components)).unzip();
-        let (lengths, rest_lengths) = self.lengths.map(|lengths| lengths.split_at(count)).unzip();
-        let rest = Self {
-            first: first + count,
-            components,
-            nstatv,
-            strain: strain.1,
-            dstrain: dstrain.1,
-            stress: rest_stress,
-            state: rest_state,
-            tangent: rest_tangent,
-            lengths: rest_lengths,
-            time,
-        };
-        let beginning = Self {
-            first,
-            components,
-            nstatv,
-            strain: strain.0,
-            dstrain: dstrain.0,
-            stress,
-            state,
-            tangent,
-            lengths,
-            time,
-        };
-        [beginning, rest]
-    }
-
-    /// Calls the law for each row.
-    fn update(mut self, call: &mut UmatCall) -> Vec<Refused> {
-        let (components, nstatv) = (self.components, self.nstatv);
-        let request = if self.tangent.is_some() { Request::StressAndTangent } else { Request::Stress };
-        let mut refused = Vec::new();
-        (call.time, call.dtime) = ([self.time[0]; 2], self.time[1]);
-        for k in 0..self.count() {
-            let row = k * components..(k + 1) * components;
-            let states = k * nstatv..(k + 1) * nstatv;
-            let point = [&self.strain[row.clone()], &self.dstrain[row.clone()], &self.stress[row.clone()]];
-            call.set_point(point, &self.state[states.clone()], [0.0; 3]);
-            call.noel = i32::try_from(self.first + k + 1).unwrap_or(i32::MAX);
-            if let Some(lengths) = self.lengths {
-                call.celent = lengths[k];
-            }
-            let outcome = call.call(request);
-            let moduli = || request.wants_tangent().then(|| call.moduli_not_finite()).flatten();
-            match judge(outcome, call.not_finite().or_else(moduli)) {
-                Ok(()) => {
-                    self.stress[row].copy_from_slice(call.stress());
-                    self.state[states].copy_from_slice(call.statev());
-                    if let Some(tangent) = &mut self.tangent {
-                        let size = components * components;
-                        let rows = tangent[k * size..(k + 1) * size].chunks_exact_mut(components);
-                        for (i, row) in rows.enumerate() {
-                            row.iter_mut().enumerate().for_each(|(j, value)| *value = call.tangent(i, j));
-                        }
-                    }
-                }
-                Err(failure) => {
-                    refused.push((self.first + k, failure.to_string(), failure.fraction(0.25)));
-                }
-            }
-        }
-        refused
-    }
-}
-
 /// Updates pieces of the points, each in a thread with the stack that plugins may want.
-fn in_threads(
-    points: Points<'_>,
-    threads: usize,
-    make: impl Fn() -> Result<UmatCall, host::LoadError>,
-) -> PyResult<Vec<Refused>> {
-    let size = points.count().div_ceil(threads).max(1);
+fn in_threads(points: Rows<'_>, threads: usize, work: &Work<'_>) -> PyResult<Vec<Refused>> {
+    let size = points.count.div_ceil(threads).max(1);
     std::thread::scope(|scope| {
         let mut rest = points;
         let mut handles = Vec::new();
-        loop {
-            let count = rest.count().min(size);
+        while rest.count > 0 {
+            let count = rest.count.min(size);
             let [piece, behind] = rest.split(count);
             rest = behind;
-            let mut call = make().map_err(|error| Exception::Plugin.with(error.to_string()))?;
             let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK);
-            handles.push(thread.spawn_scoped(scope, move || piece.update(&mut call))?);
-            if rest.count() == 0 {
-                break;
-            }
+            handles.push(thread.spawn_scoped(scope, move || piece.update(work))?);
         }
         let mut refused = Vec::new();
         for handle in handles {
-            refused.extend(handle.join().map_err(|panic| of_panic(&*panic))?);
+            refused.extend(handle.join().map_err(|panic| of_panic(&*panic))??);
         }
         Ok(refused)
     })

@@ -1,8 +1,10 @@
 //! The compiled part of the package `pullout_fe`. What users meet is written in Python beside it; here is what must be
 //! fast, and what only the engine knows.
 
+mod analysis;
 mod errors;
 mod law;
+mod points;
 mod run;
 
 /// The module `pullout_fe._core`.
@@ -18,6 +20,10 @@ mod _core {
     /// The package's version.
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+    /// Stack, in bytes, of threads that call plugins.
+    #[pymodule_export]
+    const STACK: usize = pullout_run::PLUGIN_STACK;
 
     /// File name of the library of the utility routines, by which an installation is known.
     #[pymodule_init]

@@ -262,7 +262,7 @@ fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
 }
 
 /// Does something that may call plugins on a thread with the stack that they may want.
-fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> PyResult<R> {
+pub fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> PyResult<R> {
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work)?;
         thread.join().map_err(|panic| of_panic(&*panic))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import signal
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -42,20 +43,27 @@ ACTS = {
 }
 
 
-@pytest.fixture(scope="session")
-def umats(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Libraries by what they do."""
+def _compile(text: str, source: Path) -> Path:
     compiler = shutil.which("gfortran")
     if compiler is None:
         pytest.skip("no gfortran")
+    source.write_text(text)
+    library = source.with_name(f"lib{source.stem}.so")
+    subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-w", "-o", library, source], check=True, cwd=source.parent)
+    return library
+
+
+@pytest.fixture(scope="session")
+def compile_fortran() -> Callable[[str, Path], Path]:
+    """Makes a library of a source that is written into a file."""
+    return _compile
+
+
+@pytest.fixture(scope="session")
+def umats(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Libraries by what they do."""
     folder = tmp_path_factory.mktemp("umats")
-    libraries = {}
-    for name, act in ACTS.items():
-        source, library = folder / f"{name}.f", folder / f"lib{name}.so"
-        source.write_text(SOURCE.format(act=act))
-        subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, source], check=True)
-        libraries[name] = library
-    return libraries
+    return {name: _compile(SOURCE.format(act=act), folder / f"{name}.f") for name, act in ACTS.items()}
 
 
 @pytest.fixture(autouse=True)

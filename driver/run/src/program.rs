@@ -68,6 +68,18 @@ impl Mode {
         matches!(self, Self::OneD | Self::Beam)
     }
 
+    /// Returns the type of an element of this mode, as ABAQUS calls it.
+    pub fn element_type(self) -> &'static str {
+        match self {
+            Self::ThreeD => "C3D8",
+            Self::PlaneStrain => "CPE4",
+            Self::Axisymmetric => "CAX4",
+            Self::PlaneStress => "CPS4",
+            Self::OneD => "T3D2",
+            Self::Beam => "B31",
+        }
+    }
+
     /// Indices (of six) of the components that a case may control; the others are fixed by the mode.
     pub fn controllable(self) -> &'static [usize] {
         match self {

@@ -10,7 +10,7 @@ use crate::deformation::matrix;
 use crate::number::exact;
 use crate::program::lerp;
 use crate::program::{
-    Constraint, Control, FieldValues, Measure, Mode, PointDrive, PointGoal, PointProgram, PointStep, Program,
+    Constraint, Control, FieldValues, Measure, PointDrive, PointGoal, PointProgram, PointStep, Program,
 };
 use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, untold_nominal, untold_thickness};
 use nalgebra::Matrix3;
@@ -473,17 +473,9 @@ fn initial_point(call: &UmatCall) -> InitialPoint {
 fn initial_stress(program: &Program, point: &PointProgram, call: &UmatCall) -> Result<[f64; 6], String> {
     let components = call.stress_state().components();
     let given = point.initial.stress.as_ref().map(|stress| components.iter().map(|&i| stress[i]).collect::<Vec<_>>());
-    let element_type = match point.mode {
-        Mode::ThreeD => "C3D8",
-        Mode::PlaneStrain => "CPE4",
-        Mode::Axisymmetric => "CAX4",
-        Mode::PlaneStress => "CPS4",
-        Mode::OneD => "T3D2",
-        Mode::Beam => "B31",
-    };
     let mut stress = [0.0; 6];
     let mut values = InitialStresses::new(&program.plugin.library, given.as_deref(), components.len())
-        .of_point(&initial_point(call), element_type)?;
+        .of_point(&initial_point(call), point.mode.element_type())?;
     if let (None, Some(frame)) = (&given, call.frame()) {
         // SIGINI speaks of the local axes
         frame.stress_outside(&mut values, call.stress_state());
