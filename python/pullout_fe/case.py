@@ -134,7 +134,7 @@ class Case:
         """Check all of it; the result is what the user should know although nothing is wrong.
 
         Raises :class:`CaseError` with everything that is wrong, or :class:`PluginError`. A case whose plugins run in a process
-        of their own is checked there when it runs.
+        of their own is checked in one, which tells no more than what is wrong.
         """
         return list(_core.check(self._parts()))
 

@@ -26,18 +26,22 @@ class PulloutError(Exception):
 class CaseError(PulloutError, ValueError):
     """A case, or an argument, that is wrong.
 
-    ``problems`` has everything that is wrong with it: pairs of the place in the case (``$.steps[0].target``) and what.
+    ``problems`` has everything that is wrong with it: pairs of the place in the case (``$.steps[0].target``) and what. ``kinds`` has for
+    each "input": another value may be right there; "structure": the case has no such place, or wants something else at it; or "plugin":
+    a library cannot be loaded.
     """
 
     problems: list[tuple[str, str]]
+    kinds: list[str]
 
-    def __init__(self, problems: str | Sequence[tuple[str, str]]) -> None:
+    def __init__(self, problems: str | Sequence[tuple[str, str]], kinds: Sequence[str] | None = None) -> None:
         self.problems = [("$", problems)] if isinstance(problems, str) else list(problems)
+        self.kinds = ["input"] * len(self.problems) if kinds is None else list(kinds)
         words = [message if place == "$" else f"{place}: {message}" for place, message in self.problems]
         super().__init__("\n".join(words))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.problems,)
+        return type(self), (self.problems, self.kinds)
 
 
 class PluginError(PulloutError, OSError):

@@ -142,11 +142,15 @@ class Model:
         if isinstance(error, RunFailed):
             return True
         # a place that the case does not have is wrong with any parameters
-        words = "\n".join(message for _, message in error.problems) if isinstance(error, CaseError) else ""
-        if "unknown key" in words or "has no parameter" in words:
+        if not isinstance(error, CaseError) or set(error.kinds) != {"input"}:
             return False
-        if np.all(np.isfinite(self.x0)):
+        try:
             self.case.check()
+        except CaseError as wrong:
+            # what the case leaves to the parameters may be missing
+            open_places = {_core.dotted(path) for path, value in zip(self._paths, self.x0) if not np.isfinite(value)}
+            if not {_core.dotted(place) for place, _ in wrong.problems} <= open_places:
+                raise
         return True
 
     def _run(self, x: ArrayLike, record: bool = False) -> tuple[Array | None, Run | None]:

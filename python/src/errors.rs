@@ -48,11 +48,11 @@ impl Exception {
 
 /// Everything that is wrong with a case.
 pub fn case_error(problems: &[CaseProblem]) -> PyErr {
-    let pairs: Vec<(String, String)> = problems
-        .iter()
-        .map(|problem| (problem.place.as_ref().map_or("$", |place| place.as_str()).to_owned(), problem.message.clone()))
-        .collect();
-    Exception::Case.of((pairs,))
+    let place = |problem: &CaseProblem| problem.place.as_ref().map_or("$", |place| place.as_str()).to_owned();
+    let pairs: Vec<_> = problems.iter().map(|problem| (place(problem), problem.message.clone())).collect();
+    let kind = |problem: &CaseProblem| serde_json::to_value(problem.kind).ok()?.as_str().map(str::to_owned);
+    let kinds: Vec<_> = problems.iter().map(|problem| kind(problem).unwrap_or_default()).collect();
+    Exception::Case.of((pairs, kinds))
 }
 
 /// An argument of a call that is wrong.

@@ -53,6 +53,48 @@ def test_a_model_is_its_curve() -> None:
         po.Model(BAR, {"mu": "material.props.mu"}, ("e11", "s11"), GRID, on_failure=np.nan)([0.1])
 
 
+MISPLACED = ["material.prop.E", "material.props.EE", "steps[7].target.e11", "steps[0].target.e1", "title.x", "mode", "titel"]
+
+
+@pytest.mark.parametrize("place", MISPLACED)
+@pytest.mark.parametrize("is_foreign", [False, True])
+def test_a_misplaced_parameter_is_no_failed_run(place: str, is_foreign: bool, umats: dict[str, Path]) -> None:
+    bar: Any = BAR
+    if is_foreign:
+        place = {"material.prop.E": "material.prop[0]", "material.props.EE": "material.props.E"}.get(place, place)
+        material = {"plugin": str(umats["refuses"]), "props": [100.0], "nstatv": 1}
+        bar = BAR.with_({"material": material})
+    made = po.Model(bar, {"x": place}, ("e11", "s11"), GRID, on_failure=np.nan)
+    with pytest.raises(po.CaseError) as caught:
+        made([0.1])
+    assert "structure" in caught.value.kinds and len(caught.value.kinds) == len(caught.value.problems)
+    assert pickle.loads(pickle.dumps(caught.value)).kinds == caught.value.kinds
+
+
+def test_a_case_that_is_wrong_elsewhere_is_no_failed_run() -> None:
+    wrong = BAR.with_({"characteristic_length": -1.0})
+    # nu is left to its default: that tells nothing of the rest
+    open_case = po.Case({**wrong.document, "material": {"plugin": "linear_elastic", "props": {"E": 100.0}}})
+    for case, free in ((wrong, PARAMETERS), (open_case, {"nu": "material.props.nu"})):
+        with pytest.raises(po.CaseError, match="characteristic_length"):
+            po.Model(case, free, ("e11", "s11"), GRID, on_failure=np.nan)([0.1] * len(free))
+
+
+def test_errors_of_a_foreign_library_s_case_keep_place_and_kind(umats: dict[str, Path]) -> None:
+    material = {"plugin": str(umats["refuses"]), "props": [100.0], "nstatv": 1}
+    case = {**BAR.document, "material": material, "mode": "4d", "characteristic_length": -1.0, "titel": "x"}
+    own = {**case, "material": BAR.document["material"]}
+    for act in (po.run, lambda wrong: po.Case(wrong).check()):
+        found = []
+        for wrong in (case, own):
+            with pytest.raises(po.CaseError) as caught:
+                act(wrong)
+            found.append((caught.value.problems, caught.value.kinds))
+        assert found[0] == found[1]
+        assert sorted(zip([place for place, _ in found[0][0]], found[0][1])) == [
+            ("$.characteristic_length", "input"), ("$.mode", "structure"), ("$.titel", "structure")]
+
+
 @pytest.mark.parametrize("name", ["batch", "jac"])
 def test_ctrl_c_ends_runs_in_threads(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """They hear of no signals."""

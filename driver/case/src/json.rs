@@ -166,7 +166,7 @@ pub fn dotted(path: &str) -> String {
 /// # Errors
 /// A malformed override, or one whose path leads through a value that has no members.
 pub fn set(document: &mut Value, text: &str) -> Result<(), Problem> {
-    let wrong = |message: String| Problem::new(Place::option(text), message);
+    let wrong = |message: String| Problem::structure(Place::option(text), message);
     let Some((path, value)) = text.split_once('=') else {
         return Err(wrong("no '=': write a.b.c=VALUE".into()));
     };

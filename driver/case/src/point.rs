@@ -4,7 +4,7 @@ use crate::constraints::{self, fixed_by_mode};
 use crate::document::{self, Components, EndValue, Entry, Material, Matrix, Piece, PointCase, PointRamp};
 use crate::document::{PointStep as StepDocument, PointTable};
 use crate::plugin::{self, Length, Level, Use};
-use crate::problem::{Place, hint};
+use crate::problem::{Place, Problem, hint};
 use crate::reader::Reader;
 use crate::steps::{self, Found};
 use crate::{fields, history};
@@ -419,7 +419,9 @@ pub fn components(
             for (name, value) in named {
                 match names.iter().position(|known| known == name) {
                     Some(i) => values[i] = *value,
-                    None => reader.problem(&place.key(name), format!("unknown key{}", hint(name, names))),
+                    None => {
+                        reader.push(Problem::structure(place.key(name), format!("unknown key{}", hint(name, names))));
+                    }
                 }
             }
         }

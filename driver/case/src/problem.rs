@@ -1,11 +1,12 @@
 //! Problems of a case, and their places.
 
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
 /// A place in the JSON document, written `$.steps[0].target.e11`.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Place(String);
 
 impl Place {
@@ -63,23 +64,27 @@ impl fmt::Display for Place {
     }
 }
 
-/// Kind of a problem, which decides the exit code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Kind of a problem: what its remedy is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ProblemKind {
-    /// The input is wrong.
+    /// The input is wrong: another value may be right there.
     Input,
+    /// The case is built in another way: no value is right at a place that it has not, nor a text where a number is wanted.
+    Structure,
     /// The plugin library cannot be found, opened, or lacks the entry point.
+    #[serde(rename = "plugin")]
     PluginNotLoadable,
 }
 
 /// One thing that is wrong.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Problem {
     /// Place in the file; `None` if the file as a whole cannot be read as JSON.
     pub place: Option<Place>,
     /// Message: the problem and its remedy.
     pub message: String,
-    /// Kind: input or plugin.
+    /// Kind of its remedy.
     pub kind: ProblemKind,
 }
 
@@ -87,6 +92,11 @@ impl Problem {
     /// Wrong input at a place.
     pub fn new(place: Place, message: impl Into<String>) -> Self {
         Self { place: Some(place), message: message.into(), kind: ProblemKind::Input }
+    }
+
+    /// A place that the case has not, or that takes something else.
+    pub fn structure(place: Place, message: impl Into<String>) -> Self {
+        Self { kind: ProblemKind::Structure, ..Self::new(place, message) }
     }
 
     /// A plugin that cannot be loaded.

@@ -88,7 +88,7 @@ fn by_name(
             ),
             None => format!("{} has no parameter '{name}'{}", law.name, hint(name, &valid)),
         };
-        problems.push(Problem::new(place.key(name), message));
+        problems.push(Problem::structure(place.key(name), message));
     }
     let mut values: Vec<f64> = fixed
         .iter()
@@ -196,7 +196,7 @@ fn one_occurrence(
         Occurrence::Single(value) => vec![*value],
         Occurrence::Named(named) => {
             for name in named.keys().filter(|name| !names.contains(&name.as_str())) {
-                problems.push(Problem::new(place.key(name), format!("unknown key{}", hint(name, &names))));
+                problems.push(Problem::structure(place.key(name), format!("unknown key{}", hint(name, &names))));
             }
             repeated.iter().map(|p| named.get(&p.name).copied().unwrap_or(p.default_value)).collect()
         }

@@ -84,7 +84,7 @@ pub fn kind_of(document: &Value) -> Result<&str, Problem> {
         },
         Some(other) => format!("expected one of {}, found {}", valid.join(", "), shown(other)),
     };
-    Err(Problem::new(place.key("kind"), message))
+    Err(Problem::structure(place.key("kind"), message))
 }
 
 /// Checks a document of a kind; removes unknown keys and sets to null what is missing and arrays that stand for
@@ -150,7 +150,7 @@ impl Findings {
         let message = match &error.keyword {
             Keyword::UnknownKeys(keys) => return self.describe_unknown(error, keys, &property_names(error)),
             Keyword::Missing(key) => {
-                self.structure.problems.push(Problem::new(place.key(key), "is missing"));
+                self.structure.problems.push(Problem::structure(place.key(key), "is missing"));
                 self.missing.push((pointer.clone(), (*key).to_owned()));
                 return;
             }
@@ -166,7 +166,9 @@ impl Findings {
                 if error.instance.is_array() {
                     self.no_arrays.push(pointer.clone());
                 }
-                format!("expected {}, found {}", expected(error).unwrap_or_default(), found())
+                let message = format!("expected {}, found {}", expected(error).unwrap_or_default(), found());
+                self.structure.problems.push(Problem::structure(place.clone(), message));
+                return;
             }
         };
         self.structure.problems.push(Problem::new(place.clone(), message));
@@ -181,7 +183,7 @@ impl Findings {
             let hint = if is_shown { suggestion(nearest, valid) } else { String::new() };
             let meant = nearest.filter(|nearest| error.instance.get(nearest).is_none());
             self.structure.meant.extend(meant.map(|nearest| place.key(nearest)));
-            self.structure.problems.push(Problem::new(place.key(key), format!("unknown key{hint}")));
+            self.structure.problems.push(Problem::structure(place.key(key), format!("unknown key{hint}")));
         }
         self.unknown.entry(pointer.clone()).or_default().extend(unexpected.iter().map(ToString::to_string));
     }
@@ -231,7 +233,7 @@ impl Findings {
         }
         let hint = word_hint(error.instance, &expectations);
         let message = format!("expected {}, found {}{hint}", either(&expectations), shown(error.instance));
-        self.structure.problems.push(Problem::new(here.place.clone(), message));
+        self.structure.problems.push(Problem::structure(here.place.clone(), message));
     }
 }
 
@@ -275,7 +277,7 @@ fn wrong_tag(context: &[Vec<Violation<'_>>], here: &Location) -> Option<Problem>
         Some(found) => format!("there is no '{found}'{}", hint(found, &words)),
         None => format!("expected one of {}, found {}", words.join(", "), shown(first.instance)),
     };
-    Some(Problem::new(first.location.place.clone(), message))
+    Some(Problem::structure(first.location.place.clone(), message))
 }
 
 /// A type, constant or list of words that does not fit at all.

@@ -29,14 +29,14 @@ const STREAM: &str = "/dev/stdin";
 
 pub(super) fn run(source: &Source, settings: &Settings) -> Result<Outcome, Error> {
     let folder = tempfile::tempdir()?;
-    let out = folder.path().join("out");
+    let [out, problems] = ["out", "problems.json"].map(|name| folder.path().join(name));
     let mut printed = tempfile::tempfile()?;
     let mut command = Command::new(isolation::program()?);
     command.args(["run", "--quiet", "--set=output.plots=false"]);
     command.arg("--parent").arg(std::process::id().to_string());
     command.args(settings.threads.map(|count| format!("--threads={count}")));
     command.args(settings.records.then_some("--record-increments"));
-    command.arg("--out").arg(&out);
+    command.arg("--out").arg(&out).arg("--problems").arg(&problems);
     name_case(&mut command, source)?;
     command.stdout(printed.try_clone()?).stderr(printed.try_clone()?);
     let mut child = isolation::spawn(command)?;
@@ -47,7 +47,7 @@ pub(super) fn run(source: &Source, settings: &Settings) -> Result<Outcome, Error
         }
         // it says what is wrong
         let words = words_in(&mut printed)?;
-        Err(match problems(ended.code(), &words) {
+        Err(match told(&problems).or_else(|| in_words(ended.code(), &words)) {
             Some(problems) => CaseErrors { file: source.file.clone(), problems }.into(),
             None => Error::System(io::Error::other(words.trim_end().to_owned())),
         })
@@ -62,27 +62,36 @@ fn words_in(printed: &mut File) -> io::Result<String> {
 
 /// Checks a case in a child; what is wrong with it, or the columns of its rows.
 pub(super) fn columns(source: &Source) -> Result<Option<Vec<String>>, Vec<CaseProblem>> {
-    let ask = || -> io::Result<(Option<i32>, Vec<u8>, String)> {
-        let mut told = tempfile::NamedTempFile::new()?;
+    let ask = || -> io::Result<Result<Vec<u8>, Vec<CaseProblem>>> {
+        let mut columns = tempfile::NamedTempFile::new()?;
+        let wrong = tempfile::NamedTempFile::new()?;
         let mut command = Command::new(isolation::program()?);
-        command.args(["check", "--before-run", "--columns"]).arg(told.path());
+        command.args(["check", "--before-run", "--columns"]).arg(columns.path());
+        command.arg("--problems").arg(wrong.path());
         name_case(&mut command, source)?;
         let mut printed = tempfile::tempfile()?;
         command.stdout(Stdio::null()).stderr(printed.try_clone()?);
         let ended = isolation::spawn(command)?.wait()?;
-        let mut columns = Vec::new();
-        told.read_to_end(&mut columns)?;
-        Ok((ended.code(), columns, words_in(&mut printed)?))
+        let words = words_in(&mut printed)?;
+        if let Some(problems) = told(wrong.path()).or_else(|| in_words(ended.code(), &words)) {
+            return Ok(Err(problems));
+        }
+        let mut text = Vec::new();
+        columns.read_to_end(&mut text)?;
+        Ok(Ok(text))
     };
-    let (code, columns, words) = ask().map_err(|error| vec![CaseProblem::unreadable(error.to_string())])?;
-    match problems(code, &words) {
-        Some(problems) => Err(problems),
-        None => Ok(serde_json::from_slice(&columns).ok()),
-    }
+    let columns = ask().map_err(|error| vec![CaseProblem::unreadable(error.to_string())])??;
+    Ok(serde_json::from_slice(&columns).ok())
 }
 
-/// Returns the problems of a case from the words of a child that refused it.
-fn problems(code: Option<i32>, words: &str) -> Option<Vec<CaseProblem>> {
+/// Returns the problems of a case that a child has written down.
+fn told(file: &Path) -> Option<Vec<CaseProblem>> {
+    serde_json::from_slice(&input::read(file, Input::Case).ok()?).ok()
+}
+
+/// Returns what is wrong from the words of a child that did not come to read the case: it may not write where it should, the library ends the
+/// process that loads it.
+fn in_words(code: Option<i32>, words: &str) -> Option<Vec<CaseProblem>> {
     let own = format!("{STREAM}: ");
     let lines = words.lines().map(|line| line.strip_prefix(&own).unwrap_or(line).to_owned());
     match code {

@@ -122,6 +122,9 @@ struct Reading {
     /// file's folder.
     #[arg(long, conflicts_with = "in_process")]
     untrusted: bool,
+    /// Write what is wrong with the case into this file, as JSON.
+    #[arg(long, hide = true)]
+    problems: Option<PathBuf>,
     #[command(flatten)]
     isolation: Isolation,
 }
@@ -139,14 +142,20 @@ impl Reading {
     fn command_line(&self) -> Vec<OsString> {
         let overrides = self.overrides.iter().map(|entry| format!("--set={entry}").into());
         let folders = self.plugin_paths.iter().map(|folder| option("--plugin-path", folder));
-        overrides.chain(folders).chain(self.untrusted.then(|| "--untrusted".into())).collect()
+        let problems = self.problems.iter().map(|file| option("--problems", file));
+        overrides.chain(folders).chain(problems).chain(self.untrusted.then(|| "--untrusted".into())).collect()
     }
 
     /// Reads a case. What its plugins print meanwhile belongs to no run.
     fn case(&self, file: &Path) -> Result<Case, CaseErrors> {
         let _prints = Prints::discard();
         let read = if self.untrusted { pullout_case::read_untrusted } else { pullout_case::read };
-        read(file, &self.overrides, &self.plugin_paths)
+        let read = read(file, &self.overrides, &self.plugin_paths);
+        if let (Err(errors), Some(to)) = (&read, &self.problems) {
+            // who cannot read them has the words
+            let _ = serde_json::to_string(&errors.problems).map(|text| std::fs::write(to, text));
+        }
+        read
     }
 
     /// Returns what a case needs a process of its own for, if it does.

@@ -7,7 +7,7 @@ use super::{Abscissa, Claim, Columns, Demand, Member, Quantity, Run, Series, Stu
 use pullout_case::study::{
     self, ClaimOfFile, MemberName, MemberOfFile, NamedQuantity, OneOrMany, SeriesOfFile, StudyFile,
 };
-use pullout_case::{Case, CaseErrors, CaseProblem, JsonPlace, ProblemKind, Reader, hint, read_study};
+use pullout_case::{Case, CaseErrors, CaseProblem, JsonPlace, Reader, hint, read_study};
 use pullout_report::plots::quantity::Quantity as Shown;
 use pullout_run::input::{folder_of, is_stream};
 use pullout_run::number;
@@ -321,11 +321,7 @@ impl Resolver<'_, '_> {
                 _ => names.join(", "),
             };
             let message = format!("{names}: {}: {problem}", base.display());
-            let problem = match problem.kind {
-                ProblemKind::Input => CaseProblem::new(place, message),
-                ProblemKind::PluginNotLoadable => CaseProblem::plugin(place, message),
-            };
-            self.reader.push(problem);
+            self.reader.push(CaseProblem { place: Some(place), message, kind: problem.kind });
         }
     }
 
