@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from . import _core
+from ._core import Stop
 from .case import Case, schema
 from .errors import (
     CaseError,
@@ -13,6 +14,7 @@ from .errors import (
     PluginError,
     PulloutError,
     RunFailed,
+    Stopped,
     TimeLimit,
     UpdateFailed,
 )
@@ -39,6 +41,8 @@ __all__ = [
     "Run",
     "RunFailed",
     "State",
+    "Stop",
+    "Stopped",
     "Sweep",
     "TimeLimit",
     "Update",

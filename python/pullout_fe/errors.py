@@ -14,6 +14,7 @@ __all__ = [
     "PluginError",
     "PulloutError",
     "RunFailed",
+    "Stopped",
     "TimeLimit",
     "UpdateFailed",
 ]
@@ -61,6 +62,10 @@ class RunFailed(PulloutError, RuntimeError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (str(self), self.run, self.replay)
+
+
+class Stopped(RunFailed):
+    """A run that was told to end, by :class:`pullout_fe.Stop`: ``run`` has what it had reached, if it had begun."""
 
 
 class PluginCrashed(RunFailed):

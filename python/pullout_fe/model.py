@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from .case import Case, CaseLike, array_of, whole
-from .errors import CaseError, PulloutError, RunFailed
+from .errors import CaseError, PulloutError, RunFailed, Stopped
 from .run import Run, run
 
 __all__ = ["Fit", "Model"]
@@ -160,7 +160,9 @@ class Model:
             raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
         try:
             case = self.case.with_(dict(zip(self._paths, values.tolist())))
-            made = run(case, in_process=self.in_process, record=record, along=self._along, view=False, _stop=self._stop)
+            made = run(case, in_process=self.in_process, record=record, along=self._along, view=False, stop=self._stop)
+        except Stopped:
+            raise
         except (CaseError, RunFailed) as error:
             if self._counts_as_failure(error):
                 return None, None

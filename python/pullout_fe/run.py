@@ -8,23 +8,26 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import time
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, NamedTuple, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Literal, Mapping, NamedTuple, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
 from .case import Case, CaseLike, whole
-from .errors import CaseError, PluginCrashed, PulloutError, RunFailed, TimeLimit
+from .errors import CaseError, PluginCrashed, PulloutError, RunFailed, Stopped, TimeLimit
 from .fields import Mesh, Series
 
 if TYPE_CHECKING:
     import pandas
     import polars
     import pyarrow
+    import xarray
+    from matplotlib.axes import Axes
 
     from .law import Law, Props
 
@@ -32,6 +35,10 @@ __all__ = ["Failure", "History", "Peak", "Progress", "Run", "View", "point", "ra
 
 #: hears which part is done, and the present row by columns; an exception ends the run
 Progress = Callable[[float, "dict[str, float]"], None]
+
+
+#: time between two looks at a flag, s
+LOOK = 0.05
 
 
 class Peak(NamedTuple):
@@ -52,43 +59,46 @@ class Failure(NamedTuple):
     step: int
     increment: int
     message: str
+    #: of a point, the state in which the increment was given up, by columns: in it, behind the last row of the history
+    reached: dict[str, float] = {}
 
 
-class History(Mapping[str, "NDArray[np.float64]"]):
+def _is_no_place(*_: Any, **__: Any) -> Any:
+    raise TypeError("the columns of a run cannot be changed: dict(run.history) is a dictionary of your own")
+
+
+class History(Dict[str, "NDArray[np.float64]"]):
     """The rows of a run by columns: arrays that cannot be written, of the memory in which the engine left them."""
 
+    # a dictionary, as other packages know that alone; but one that stays as it is
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _is_no_place
+
     def __init__(self, columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) -> None:
-        self._columns = dict(columns)
-        for column in self._columns.values():
+        super().__init__(columns)
+        for column in self.values():
             column.flags.writeable = False
         #: units by columns, empty for numbers
         self.units = dict(units)
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
-        try:
-            return self._columns[name]
-        except KeyError:
-            raise KeyError(f"{name!r} is not one of the columns {', '.join(self._columns)}") from None
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        return len(self._columns)
+    def __missing__(self, name: str) -> NDArray[np.float64]:
+        raise KeyError(f"{name!r} is not one of the columns {', '.join(self)}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         # what was pickled cannot be written either
-        return History, (self._columns, self.units)
+        return History, (dict(self), self.units)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, History) or list(self) != list(other) or self.units != other.units:
             return False
         return all(np.array_equal(column, other[name], equal_nan=True) for name, column in self.items())
 
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
     @property
     def rows(self) -> int:
         """Number of rows, the initial state included; of the longest of several tables."""
-        return max((len(column) for column in self._columns.values()), default=0)
+        return max((len(column) for column in self.values()), default=0)
 
     def _equal(self) -> dict[str, NDArray[np.float64]]:
         """Columns of equal length: those of shorter tables end in NaN."""
@@ -97,13 +107,13 @@ class History(Mapping[str, "NDArray[np.float64]"]):
             missing = self.rows - len(column)
             return np.concatenate([column, np.full(missing, np.nan)]) if missing else column
 
-        return {name: filled(column) for name, column in self._columns.items()}
+        return {name: filled(column) for name, column in self.items()}
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A DataFrame; pandas must be installed."""
+        """A DataFrame, whose values are its own; pandas must be installed."""
         import pandas
 
-        return pandas.DataFrame(self._equal(), copy=False)
+        return pandas.DataFrame(self._equal(), copy=True)
 
     def to_polars(self) -> polars.DataFrame:
         """A DataFrame; polars must be installed."""
@@ -117,14 +127,21 @@ class History(Mapping[str, "NDArray[np.float64]"]):
 
         return pyarrow.table(self._equal())
 
+    def to_xarray(self) -> xarray.Dataset:
+        """A Dataset with the dimension "row", and the units as attributes; xarray must be installed."""
+        import xarray
+
+        columns = {name: ("row", values, {"units": self.units.get(name, "")}) for name, values in self._equal().items()}
+        return xarray.Dataset(columns)
+
     def __repr__(self) -> str:
-        return f"<History of {self.rows} rows: {', '.join(self._columns)}>"
+        return f"<History of {self.rows} rows: {', '.join(self)}>"
 
     def _repr_html_(self) -> str:
         most = 5
         head = "".join(
             f"<th>{html.escape(name)}{f' ({html.escape(unit)})' if (unit := self.units.get(name)) else ''}</th>"
-            for name in self._columns
+            for name in self
         )
         columns = list(self._equal().values())
         shown = list(range(self.rows)) if self.rows <= 2 * most else [*range(most), -1, *range(self.rows - most, self.rows)]
@@ -172,17 +189,26 @@ class Run:
         self.increments: dict[str, Any] | None = None
         self._trail: _core.Trail | None = None
         self._view: str | None = None
+        #: the folder of the fields, as long as the run is there
+        self._fields: tempfile.TemporaryDirectory[str] | None = None
+        #: what plugins printed in another process, or with ``out``; else they print where the interpreter does
+        self.prints: str = ""
+        self._is_done = is_done
         #: how and where it failed, if it did
         self.failure: Failure | None = None
         if not is_done and self.status == "failed":
             place = self.summary.get("failed_at") or {}
             self.failure = Failure(
-                place.get("kind", "failed"), place.get("step", 0), place.get("increment", 0), self.summary.get("message", "")
+                place.get("kind", "failed"),
+                place.get("step", 0),
+                place.get("increment", 0),
+                self.summary.get("message", ""),
+                self.summary.get("reached", {}),
             )
 
     def __getstate__(self) -> dict[str, Any]:
-        # the states of a specimen stay in their process; its increments go along
-        return {**self.__dict__, "_trail": None}
+        # the states of a specimen and its fields stay in their process; its increments go along
+        return {**self.__dict__, "_trail": None, "_fields": None}
 
     # read when it is asked for: that takes as long as fifty increments of a point
     @cached_property
@@ -215,9 +241,11 @@ class Run:
 
     @property
     def series(self) -> Series:
-        """All meshes with fields that the run wrote into its folder."""
+        """All meshes with fields: of a run with ``fields=True``, or those that it wrote into its folder."""
+        if self._fields is not None:
+            return Series(Path(self._fields.name))
         if self.folder is None:
-            raise PulloutError("fields are written into a folder: run the case with out=…")
+            raise PulloutError("the run kept no fields: run the case with fields=True, or with out=…")
         return Series(self.folder)
 
     def mesh(self, frame: int = -1) -> Mesh:
@@ -231,6 +259,23 @@ class Run:
         if name not in fields:
             raise KeyError(f"{name!r} is not one of {', '.join(fields)}")
         return fields[name]
+
+    def plot(self, y: str, x: str | None = None, *, ax: Axes | None = None, **options: Any) -> Axes:
+        """Draw a column over another one (default: the time, or the column after "increment") with matplotlib, which must be installed.
+
+        ``ax``: where; ``options`` are those of matplotlib's ``plot``. The result is the axes.
+        """
+        from matplotlib import pyplot
+
+        if x is None:
+            x = "time" if "time" in self.history else [*self.history][min(2, len(self.history) - 1)]
+        columns = [self.history[name] for name in (x, y)]
+        axes: Axes = pyplot.subplots()[1] if ax is None else ax
+        axes.plot(*columns, **options)
+        units = self.history.units
+        labels = [f"{name} ({units[name]})" if units.get(name) else name for name in (x, y)]
+        axes.set(xlabel=labels[0], ylabel=labels[1])
+        return axes
 
     def view(self, height: int = 900) -> View:
         """The viewer of ``report.html``: the deformed specimen with its fields over the run, and the load–slip curve."""
@@ -267,12 +312,13 @@ def run(
     threads: int = 1,
     progress: bool | Progress = False,
     in_process: bool = False,
-    on_failure: str = "raise",
+    on_failure: Literal["raise", "return"] = "raise",
     out: str | os.PathLike[str] | None = None,
     record: bool = False,
     along: Run | None = None,
     view: bool = True,
-    _stop: _core.Stop | None = None,
+    fields: bool = False,
+    stop: _core.Stop | None = None,
 ) -> Run:
     """Run a case: a file, a dictionary, or a :class:`Case`. Nothing is written.
 
@@ -288,6 +334,10 @@ def run(
     of the same specimen, one with nearly the same parameters takes an iteration or two in each increment, and the
     difference of both is that of the solutions whatever the tolerance: for derivatives. Those of points repeat the increments. A case
     whose steps choose other increments, are more or fewer, or end by another ``until``, runs as if it was not given.
+
+    ``fields`` keeps the fields of a specimen for :meth:`Run.mesh` although nothing is written: in a temporary folder, as long as the run is there.
+
+    ``stop`` ends the run when another thread sets it: with what it has reached, as one that fails, by :class:`Stopped`.
 
     Plugins that were not built with this package run in a process of their own, unless ``in_process=True`` says that you answer
     for those of this case.
@@ -309,12 +359,18 @@ def run(
         if along._trail is None and ends_alike:
             case = case.with_({"increments": along.increments})
     if out is not None:
-        return _ended(_run_into(case, Path(out).absolute(), threads, in_process, record), on_failure)
+        return _ended(_run_into(case, Path(out).absolute(), threads, in_process, record, stop), on_failure)
+    kept = None
+    if fields:
+        if case.document.get("kind") != "pullout":
+            raise CaseError([("fields", "are of specimens")])
+        kept = tempfile.TemporaryDirectory(prefix="pullout-")
+        case = case.with_({"output.vtu": case.document.get("output", {}).get("vtu") or True})
     bar = _Bar() if progress is True else None
     listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
     try:
-        columns, summary, is_done, replay, increments, states, page = _core.run(
-            case._parts(), threads, listener, in_process, trail, (record, view), _stop
+        columns, summary, is_done, replay, increments, states, page, prints = _core.run(
+            case._parts(), threads, listener, in_process, trail, (record, view), stop, None if kept is None else kept.name
         )
     finally:
         if bar is not None:
@@ -324,6 +380,7 @@ def run(
     made.increments = None if increments is None else {"recorded": json.loads(increments)}
     made._trail = states
     made._view = page
+    made._fields, made.prints = kept, prints
     return _ended(made, on_failure)
 
 
@@ -342,6 +399,8 @@ def _ended(made: Run, on_failure: str) -> Run:
     if made.failure is not None and on_failure != "return":
         kinds = {"crashed": PluginCrashed, "timeout": TimeLimit}
         raise kinds.get(made.failure.kind, RunFailed)(made.failure.message, made, made.replay)
+    if not made._is_done and on_failure != "return" and made.status == "interrupted":
+        raise Stopped(str(made.summary.get("message", "the run was told to end")), made)
     return made
 
 
@@ -354,7 +413,7 @@ def _is_on_file(case: Case) -> bool:
         return False
 
 
-def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: bool) -> Run:
+def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: bool, stop: _core.Stop | None) -> Run:
     """A run of the program."""
     case.check()
     file, document, folder, overrides, plugin_paths = case._parts()
@@ -371,7 +430,7 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
     # Ctrl-C of a terminal is for this process
     with subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as child:
         try:
-            _, words = child.communicate(document or "")
+            words = _words_of(child, document or "", stop)
         except BaseException:
             try:
                 # it writes what it has
@@ -380,11 +439,26 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
             finally:
                 child.kill()
             raise
-    if child.returncode not in (0, 1) or not (out / "summary.json").is_file():
+    is_stopped = stop is not None and stop.is_set()
+    if (child.returncode not in (0, 1) and not is_stopped) or not (out / "summary.json").is_file():
         raise PulloutError(words.strip() or f"the program ended with exit code {child.returncode}")
     made = read(out)
     made.case = case
     return made
+
+
+def _words_of(child: subprocess.Popen[str], document: str, stop: _core.Stop | None) -> str:
+    """What a child complains of; it is told to end when that is set."""
+    is_told = False
+    given: str | None = document
+    while True:
+        try:
+            return child.communicate(given, timeout=None if stop is None or is_told else LOOK)[1]
+        except subprocess.TimeoutExpired:
+            given = None
+            if stop is not None and stop.is_set():
+                is_told = True
+                child.terminate()
 
 
 def read(folder: str | os.PathLike[str]) -> Run:
@@ -403,6 +477,8 @@ def read(folder: str | os.PathLike[str]) -> Run:
         replay = folder / "replay.json"
         text = replay.read_text(encoding="utf-8") if replay.is_file() else None
         made = Run(None, History(columns, {name: _core.unit(name) for name in columns}), summary, text, folder)
+        printed = [folder / name for name in ("umat.log", "umat.msg")]
+        made.prints = "".join(file.read_text(encoding="utf-8", errors="replace") for file in printed if file.is_file())
         if (folder / "increments.json").is_file():
             made.increments = {"recorded": json.loads((folder / "increments.json").read_text(encoding="utf-8"))}
     except (OSError, ValueError) as error:

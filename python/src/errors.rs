@@ -13,6 +13,8 @@ pub enum Exception {
     Case,
     /// A library that cannot be used.
     Plugin,
+    /// A run that was told to end, and has no results.
+    Stopped,
     /// Anything else that the engine cannot go on with.
     Pullout,
 }
@@ -22,6 +24,7 @@ impl Exception {
         match self {
             Self::Case => "CaseError",
             Self::Plugin => "PluginError",
+            Self::Stopped => "Stopped",
             Self::Pullout => "PulloutError",
         }
     }

@@ -6,7 +6,6 @@ use pullout_case::CaseErrors;
 use pullout_engine::{Along, Error, Outcome, Settings, Source};
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
@@ -16,12 +15,14 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Time between two looks at signals and progress.
 const LOOK: Duration = Duration::from_millis(50);
 /// A run that was told to end has so long before it is left alone with that.
 const PATIENCE: Duration = Duration::from_millis(300);
+/// A run that another thread told to end is left alone after so long: a call of a library in this process may not come back.
+const LONGEST: Duration = Duration::from_secs(10);
 
 /// A case as Python has it: a file or a document or both, then what the file had; the folder, changes, folders of plugins.
 pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<PathBuf>);
@@ -29,9 +30,10 @@ pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<Pat
 /// A column with its unit.
 type Column<'py> = (String, &'static str, Bound<'py, PyArray1<f64>>);
 
-/// Columns, `summary.json`, whether the run came to its end, the replay case, the increments, the states of a specimen, and
-/// the page of the viewer.
-type Results<'py> = (Vec<Column<'py>>, String, bool, Option<String>, Option<String>, Option<Trail>, Option<String>);
+/// Columns, `summary.json`, whether the run came to its end, the replay case, the increments, the states of a specimen, the page of the
+/// viewer, and what plugins printed in a child.
+type Results<'py> =
+    (Vec<Column<'py>>, String, bool, Option<String>, Option<String>, Option<Trail>, Option<String>, String);
 
 /// The states of a specimen, along which a run with nearly the same parameters goes.
 #[pyclass(frozen, module = "pullout_fe._core")]
@@ -65,6 +67,11 @@ impl Stop {
     /// Ends the runs that have it, and those that will.
     fn set(&self) {
         self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Returns whether it was set.
+    fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
     }
 }
 
@@ -138,18 +145,20 @@ pub fn check(py: Python<'_>, case: Parts) -> PyResult<Vec<String>> {
         let source = source(case)?;
         let read = || match source.need() {
             Some(_) => source.columns().map(|_| Vec::new()),
-            None => source.clone().read().map(|prepared| {
-                prepared.case().map(|case| case.about().warnings.clone()).unwrap_or_default()
-            }),
+            None => source
+                .clone()
+                .read()
+                .map(|prepared| prepared.case().map(|case| case.about().warnings.clone()).unwrap_or_default()),
         };
         py.detach(|| with_stack(read))?.map_err(|errors| refusal(&errors))
     })
 }
 
 /// Runs a case. `listener` is called with the part that is done and the present row; `along`: states of another run, along which
-/// this one goes; `keeps`: the increments with the states, and the viewer of a specimen; `stop` ends it as Ctrl-C does.
+/// this one goes; `keeps`: the increments with the states, and the viewer of a specimen; `stop` ends it, with what it has reached;
+/// `fields`: the folder for those that the case asks for.
 #[pyfunction]
-#[pyo3(signature = (case, threads, listener, in_process, along, keeps, stop))]
+#[pyo3(signature = (case, threads, listener, in_process, along, keeps, stop, fields))]
 #[allow(clippy::too_many_arguments, reason = "Python names them")]
 pub fn run<'py>(
     py: Python<'py>,
@@ -160,6 +169,7 @@ pub fn run<'py>(
     along: Option<&Bound<'py, Trail>>,
     keeps: (bool, bool),
     stop: Option<&Bound<'py, Stop>>,
+    fields: Option<PathBuf>,
 ) -> PyResult<Results<'py>> {
     let (records, views) = keeps;
     without_panic(|| {
@@ -176,6 +186,10 @@ pub fn run<'py>(
             records,
             along: along.map(|trail| trail.get().0.clone()),
             views,
+            fields,
+            columns: Some(Box::new(move |names| {
+                let _ = columns.send(names);
+            })),
             listener: listener.as_ref().map(|_| {
                 let state = Arc::clone(&state);
                 let hear = move |part: f64, row: &pullout_run::path::Row<'_>| {
@@ -186,11 +200,7 @@ pub fn run<'py>(
                 Box::new(hear) as _
             }),
         };
-        let work = move || -> Result<Outcome, Error> {
-            let prepared = source.read()?;
-            let _ = columns.send(prepared.case().map(pullout_case::Case::columns).unwrap_or_default());
-            prepared.run(settings)
-        };
+        let work = move || -> Result<Outcome, Error> { source.read()?.run(settings) };
         let (answer, answered) = mpsc::channel();
         // a receiver is shared with no other thread, not even across the release of the GIL
         let answered = Mutex::new(answered);
@@ -200,10 +210,16 @@ pub fn run<'py>(
             let _ = answer.send(work());
         })?;
         let mut names = Vec::new();
+        let mut told_to_end = None;
         let outcome = loop {
             let heard = py.detach(|| wait(LOOK));
-            let is_over = stop.load(Ordering::Relaxed).then(|| PyKeyboardInterrupt::new_err(()));
-            let told = is_over.map_or_else(|| py.check_signals(), Err).and_then(|()| {
+            if heard.is_err()
+                && stop.load(Ordering::Relaxed)
+                && told_to_end.get_or_insert_with(Instant::now).elapsed() > LONGEST
+            {
+                return Err(Exception::Stopped.with("the run does not end although it was told to: it is left alone"));
+            }
+            let told = py.check_signals().and_then(|()| {
                 let Some(listener) = &listener else { return Ok(()) };
                 if names.is_empty() {
                     names = named.try_recv().unwrap_or_default();
@@ -231,6 +247,7 @@ pub fn run<'py>(
         match outcome {
             Ok(outcome) => results(py, outcome),
             Err(Error::Case(errors)) => Err(refusal(&errors)),
+            Err(error @ Error::Stopped) => Err(Exception::Stopped.with(error.to_string())),
             Err(error) => Err(Exception::Pullout.with(error.to_string())),
         }
     })
@@ -262,6 +279,7 @@ fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
         increments,
         outcome.trail.map(|trail| Trail(trail.into())),
         outcome.view,
+        outcome.prints,
     ))
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import pickle
@@ -10,12 +11,15 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import pullout_fe as po
+
+Compile = Callable[[str, Path], Path]
 
 CRUSHING = {
     "kind": "point",
@@ -100,6 +104,27 @@ def test_a_failure_has_what_was_reached_and_a_case_that_repeats_it() -> None:
     assert po.run(wrong, on_failure="return").status == "failed"
 
 
+@pytest.mark.parametrize("is_foreign", [False, True])
+def test_a_failure_has_the_state_in_which_an_increment_was_given_up(is_foreign: bool, umats: dict[str, Path]) -> None:
+    if is_foreign:
+        # asks for smaller increments where the strain passes 1, from 0.9: pieces lead up to it
+        case = umat(umats["refuses"], 3.6)
+    else:
+        case = po.Case(CRUSHING).with_({"steps": [{"increments": 1, "target": {"s11": -40.0}}]})
+    with pytest.raises(po.RunFailed) as caught:
+        po.run(case)
+    run = caught.value.run
+    assert run is not None and run.failure is not None
+    reached = run.failure.reached
+    if is_foreign:
+        assert 0.99 < reached["e11"] <= 1.0 and reached["s11"] == pytest.approx(3e4 * reached["e11"])
+        assert run.history["e11"][-1] == pytest.approx(0.9)
+    else:
+        # the peak of the curve that the driver makes under control of the strain
+        peak = po.run(CRUSHING).peak("s11").min
+        assert reached["s11"] == pytest.approx(peak, rel=2e-2) and run.history["s11"][-1] == 0.0
+
+
 def umat(library: Path, end: float) -> po.Case:
     material = {"plugin": str(library), "props": [3e4], "nstatv": 1, "call_time_limit_s": 1.0}
     steps = [{"increments": 4, "target": {"e11": end}}]
@@ -121,10 +146,13 @@ def test_a_umat_that_stops_or_hangs_does_not_end_python(umats: dict[str, Path]) 
         po.run(caught.value.replay.with_({"material.plugin": str(umats["stops"])}))
 
 
-def test_progress_is_heard_by_the_calling_thread() -> None:
+@pytest.mark.parametrize("is_foreign", [False, True])
+def test_progress_is_heard_by_the_calling_thread(is_foreign: bool, umats: dict[str, Path]) -> None:
     heard: list[tuple[float, dict[str, float], int]] = []
     start = time.monotonic()
     case = po.Case(LONG).with_({"steps[0].increments": 100_000})
+    if is_foreign:
+        case = umat(umats["stops"], -0.5).with_({"steps[0].increments": 200_000})
     po.run(case, progress=lambda part, row: heard.append((part, row, threading.get_ident())))
     took = time.monotonic() - start
     assert heard and {ident for _, _, ident in heard} == {threading.get_ident()}
@@ -134,13 +162,16 @@ def test_progress_is_heard_by_the_calling_thread() -> None:
     assert "s11" in heard[-1][1] and heard[-1][1]["e11"] < 0.0
 
 
-def test_an_error_in_progress_ends_the_run() -> None:
+@pytest.mark.parametrize("is_foreign", [False, True])
+def test_an_error_in_progress_ends_the_run(is_foreign: bool, umats: dict[str, Path]) -> None:
+    long = umat(umats["stops"], -0.5).with_({"steps[0].increments": 9_000_000}) if is_foreign else LONG
+
     def hear(part: float, row: dict[str, float]) -> None:
         raise ZeroDivisionError
 
     start = time.monotonic()
     with pytest.raises(ZeroDivisionError):
-        po.run(LONG, progress=hear)
+        po.run(long, progress=hear)
     assert time.monotonic() - start < 2.0
 
 
@@ -190,6 +221,44 @@ def test_other_tables() -> None:
     pandas = pytest.importorskip("pandas")
     frame = history.to_pandas()
     assert isinstance(frame, pandas.DataFrame) and frame["s11"].iloc[-1] == history["s11"][-1]
+    # what is in it is its own
+    frame.loc[0, "s11"] = 1.0
+    frame["s11"] += 1.0
+    assert history["s11"][0] == 0.0
+    direct = pandas.DataFrame(history)
+    assert direct.shape == (history.rows, len(history)) and list(direct) == list(history)
+    direct.iloc[0, 0] = 7.0
+    assert history["step"][0] == 0.0
+
+
+def test_a_history_is_a_dictionary_that_stays_as_it_is() -> None:
+    history = po.run(CRUSHING).history
+    assert isinstance(history, dict) and history == po.run(CRUSHING).history and not history != po.run(CRUSHING).history
+    for act in (lambda: history.update(x=1), lambda: history.pop("s11"), lambda: history.__setitem__("x", 1), history.clear):
+        with pytest.raises(TypeError, match="cannot be changed"):
+            act()
+    assert history.get("sigma") is None and "sigma" not in history
+    own = dict(history)
+    own["s11"] = -own["s11"]
+    assert own["s11"].max() > 0 and history["s11"].min() < 0
+
+
+def test_xarray_has_columns_and_units() -> None:
+    pytest.importorskip("xarray")
+    history = po.run(CRUSHING).history
+    made = history.to_xarray()
+    assert np.array_equal(made["s11"], history["s11"]) and made["s11"].attrs["units"] == "MPa" and made["s11"].dims == ("row",)
+
+
+def test_a_plot_has_the_curve() -> None:
+    pytest.importorskip("matplotlib").use("agg")
+    run = po.run(CRUSHING)
+    axes = run.plot("s11", "e11", color="k")
+    assert np.array_equal(axes.lines[0].get_xydata(), np.array([run.history["e11"], run.history["s11"]]).T)
+    assert axes.get_ylabel() == "s11 (MPa)" and axes.get_xlabel() == "e11"
+    assert run.plot("e11", ax=axes) is axes and axes.get_xlabel() == "time (s)"
+    with pytest.raises(KeyError, match="sigma"):
+        run.plot("sigma")
 
 
 FIBRE = Path(__file__).resolve().parents[2] / "cases/chapter-6/6.14-plane.json"
@@ -211,7 +280,7 @@ def test_a_fibre_with_its_fields(tmp_path: Path) -> None:
     assert po.read(tmp_path / "out").peak("load") == run.peak("load")
     with pytest.raises(po.PulloutError, match="no results"):
         po.read(tmp_path)
-    with pytest.raises(po.PulloutError, match="out="):
+    with pytest.raises(po.PulloutError, match="fields=True"):
         memory.mesh()
 
 
@@ -285,3 +354,80 @@ def test_a_run_is_pickled_with_its_increments() -> None:
     assert po.run(CRUSHING, along=run).history == run.history
     with pytest.raises(ValueError, match="read-only"):
         run.history["s11"][0] = 1.0
+
+
+PRINTING = """
+subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
+    predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
+    layer, kspt, jstep, kinc)
+  implicit real*8(a-h,o-z)
+  character*80 cmname
+  dimension stress(ntens), statev(nstatv), ddsdde(ntens,ntens), stran(ntens), dstran(ntens), time(2), predef(1), dpred(1), &
+    props(nprops), coords(3), drot(3,3), dfgrd0(3,3), dfgrd1(3,3), jstep(4)
+  ddsdde = 0.d0
+  do i = 1, ntens
+    ddsdde(i,i) = props(1)
+    stress(i) = stress(i) + props(1)*dstran(i)
+  end do
+  statev(1) = statev(1) + 1
+  if (dstran(1) > 0) write (6, *) "increment", kinc
+end subroutine
+"""
+
+
+def test_what_a_umat_prints_is_kept(tmp_path: Path, compile_fortran: Compile, capfd: pytest.CaptureFixture[str]) -> None:
+    case = umat(compile_fortran(PRINTING, tmp_path / "prints.f90"), 0.5)
+    for run in (po.run(case), po.run(case, out=tmp_path / "out"), po.read(tmp_path / "out")):
+        assert [int(line.split()[1]) for line in run.prints.splitlines()] == [1, 2, 3, 4]
+    assert capfd.readouterr().out == "" and po.run(CRUSHING).prints == ""
+
+
+@pytest.mark.parametrize("is_foreign", [False, True])
+def test_another_thread_stops_a_run(is_foreign: bool, umats: dict[str, Path], tmp_path: Path) -> None:
+    long = umat(umats["stops"], -0.5).with_({"steps[0].increments": 9_000_000}) if is_foreign else LONG
+    for out in (None, tmp_path / "out"):
+        stop = po.Stop()
+        threading.Timer(0.4, stop.set).start()
+        start = time.monotonic()
+        with pytest.raises(po.Stopped) as caught:
+            po.run({**po.Case(long).document, "output": {"plots": False}}, stop=stop, out=out)
+        assert time.monotonic() - start < 3.0 and stop.is_set()
+        run = caught.value.run
+        assert run is not None and run.status == "interrupted" and 10 < run.history.rows < 3_000_000
+    stop = po.Stop()
+    threading.Timer(0.3, stop.set).start()
+    assert po.run(long, stop=stop, on_failure="return").status == "interrupted"
+
+
+def test_a_task_of_asyncio_stops_its_run() -> None:
+    async def main() -> str:
+        stop = po.Stop()
+        task = asyncio.create_task(asyncio.to_thread(po.run, LONG, stop=stop, on_failure="return"))
+        await asyncio.sleep(0.2)
+        stop.set()
+        return (await task).status
+
+    assert asyncio.run(main()) == "interrupted"
+
+
+def test_a_folder_for_temporary_files_that_cannot_be_written_is_named(umats: dict[str, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMPDIR", "/proc/sys")
+    with pytest.raises(po.PulloutError, match="/proc/sys; TMPDIR names another one") as caught:
+        po.run(umat(umats["stops"], 0.5))
+    assert not isinstance(caught.value, po.CaseError)
+
+
+@pytest.mark.slow
+def test_a_run_in_memory_has_its_fields() -> None:
+    case = po.Case(FIBRE).with_({"steps.0.slip": 0.02, "output.plots": False})
+    run = po.run(case, fields=True)
+    mesh = run.mesh()
+    assert len(run.series.times) > 1 and mesh.points.shape == (len(mesh.point_data["node"]), 3)
+    # the far end is pulled
+    assert np.abs(run.fields("displacement")).max() == pytest.approx(0.02) and run.fields("von_mises").max() > 0.0
+    place = Path(run._fields.name)  # type: ignore[union-attr]
+    assert place.is_dir()
+    del run
+    assert not place.exists()
+    with pytest.raises(po.CaseError, match="fields: are of specimens"):
+        po.run(CRUSHING, fields=True)

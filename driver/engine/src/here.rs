@@ -63,14 +63,16 @@ fn view((program, outcome): &Specimen<'_>, history: &History, states: &States) -
 
 /// Runs a case; what it would write is left out.
 pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
-    let Settings { threads, stop, records, along, views, listener } = settings;
+    let Settings { threads, stop, records, along, views, columns, listener, fields } = settings;
     let threads = threads.unwrap_or(NonZeroUsize::MIN);
     let with_own;
     let case = match case {
         Case::Pullout(program) => {
             let mut program = program.clone();
             program.threads = Threads::new(threads).map_err(io::Error::other)?;
-            program.fields_every = None;
+            if fields.is_none() {
+                program.fields_every = None;
+            }
             // what is drawn is told of while the run goes on
             program.about.plots = views;
             program.keeps_trail = records;
@@ -86,6 +88,9 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
         _ => case,
     };
     case.announce();
+    if let Some(columns) = columns {
+        columns(case.columns());
+    }
     let progress = Progress::to(listener, extent(case));
     let mut record = RunRecorder::in_memory(case.columns(), progress, stop, threads == NonZeroUsize::MIN);
     record.recorded = records.then(Recorded::default);
@@ -93,7 +98,7 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
         record.keep_states();
     }
     let Followed { statistics, result, mut specimen } =
-        follow(case, &mut record, Path::new(""), &Checkpoints::default());
+        follow(case, &mut record, fields.as_deref().unwrap_or(Path::new("")), &Checkpoints::default());
     let (message, failed_at, replay) = match result {
         Ok(()) if record.was_ended() => (Some(format!("told to end after {}", record.place())), None, None),
         Ok(()) => (None, None, None),
@@ -116,5 +121,5 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
         Some(specimen) => view(&specimen, &history, &states)?,
         None => None,
     };
-    Ok(Outcome { history, summary, replay, increments, trail, view })
+    Ok(Outcome { history, summary, replay, increments, trail, view, prints: String::new() })
 }

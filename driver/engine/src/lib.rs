@@ -63,8 +63,12 @@ pub struct Settings {
     pub along: Option<Along>,
     /// Makes the viewer of a specimen; not of a run in a child.
     pub views: bool,
-    /// Receives progress on the thread of [`Prepared::run`]; never called for a run in a child.
+    /// Receives the columns of the rows that the listener will hear, before the first; on the thread of [`Prepared::run`].
+    pub columns: Option<Box<dyn FnOnce(Vec<String>) + Send>>,
+    /// Receives progress on the thread of [`Prepared::run`].
     pub listener: Option<Listener>,
+    /// Folder for the fields that the case asks for; without one they are left out.
+    pub fields: Option<PathBuf>,
 }
 
 /// Results of a run.
@@ -82,6 +86,8 @@ pub struct Outcome {
     pub trail: Option<Arc<Trail>>,
     /// A specimen over the run, as a page of HTML: the viewer of `report.html` by itself.
     pub view: Option<String>,
+    /// Text that plugins printed in a child.
+    pub prints: String,
 }
 
 impl Outcome {
@@ -182,7 +188,7 @@ impl Prepared {
     pub fn run(&self, settings: Settings) -> Result<Outcome, Error> {
         match self.case() {
             Some(case) => Ok(here::run(case, settings)?),
-            None => apart::run(&self.source, &settings),
+            None => apart::run(&self.source, settings),
         }
     }
 }

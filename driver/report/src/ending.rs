@@ -103,6 +103,7 @@ pub fn summarise(
     let mut summary = summary_of(case, aftermath)?;
     summary.peaks = record.peaks.peaks();
     summary.cpu_time_s = Some(cpu_time_s);
+    summary.reached = record.take_reached(case.columns());
     summary.warnings.append(&mut record.warnings);
     summary.specimen = specimen.map(|(_, outcome)| std::mem::take(&mut outcome.findings));
     let moved = summary.specimen.as_ref().and_then(|findings| findings.initial_displacement);

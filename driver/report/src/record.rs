@@ -6,6 +6,8 @@ use crate::summary::PeakRecorder;
 use crate::viewer::States;
 use fe_core::assembly::GREATEST_COUNT;
 use fe_core::stepping::{Recorded, Snapshot, Tried};
+use indexmap::IndexMap;
+use pullout_run::columns::LEADING;
 use pullout_run::isolation::worker;
 use pullout_run::path::{Observer, Row, Statistics};
 use pullout_run::pullout::checkpoint::Saved;
@@ -35,6 +37,8 @@ pub struct RunRecorder {
     done: u64,
     /// Increments, if they are kept for another run that repeats them.
     pub recorded: Option<Recorded>,
+    /// Values of the state in which a failing run gave up.
+    reached: Option<Vec<f64>>,
     /// Step and increment of the last row.
     place: [u32; 2],
     /// Whether the run was told to end.
@@ -98,6 +102,7 @@ impl RunRecorder {
             warnings: Vec::new(),
             done: 0,
             recorded: None,
+            reached: None,
             place: [0; 2],
             ended: Cell::new(false),
             start,
@@ -143,6 +148,13 @@ impl RunRecorder {
         }
     }
 
+    /// The state in which a failing run gave up, by columns, but for what is not finite; to be taken once.
+    pub fn take_reached(&mut self, columns: Vec<String>) -> Option<IndexMap<String, f64>> {
+        let values = self.reached.take()?;
+        let named = columns.into_iter().skip(LEADING.len()).zip(values);
+        Some(named.filter(|(_, value)| value.is_finite()).collect())
+    }
+
     /// The states that the report shows, to be taken once.
     pub fn take_states(&mut self) -> States {
         self.states.take().unwrap_or_default()
@@ -179,6 +191,10 @@ impl Observer for RunRecorder {
                 Ok(())
             }
         }
+    }
+
+    fn reached(&mut self, row: Row<'_>) {
+        self.reached = Some(row.values.to_vec());
     }
 
     fn ends_here(&self) -> bool {

@@ -79,6 +79,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
     let drawings = plots::draw(&mut directory, "plots", &history, &spec).unwrap();
     let mut summary = Summary {
         failed_at: None,
+        reached: None,
         status: Status::Done,
         message: None,
         title: spec.title.clone(),

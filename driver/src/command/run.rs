@@ -8,7 +8,7 @@ use pullout_engine::{Followed, extent, follow};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_report::ending::{conclude, summarise, summarise_rows};
 use pullout_report::outcome;
-use pullout_report::progress::Progress;
+use pullout_report::progress::{self, Progress};
 use pullout_report::record::{Kept, RunRecorder};
 use pullout_report::summary::{Status, Summary};
 use pullout_report::viewer::States;
@@ -61,6 +61,9 @@ pub(super) struct Arguments {
     /// End with this process; a study says so to its runs.
     #[arg(long, hide = true)]
     pub(super) parent: Option<u32>,
+    /// Write the columns, and now and then the part that is done with the present row, into this file, a line of JSON each.
+    #[arg(long, hide = true)]
+    progress_to: Option<PathBuf>,
     /// Aftermath of the run of a worker that was ended, as JSON: nothing is run, the results are made of its rows.
     #[arg(long, hide = true)]
     aftermath: Option<String>,
@@ -80,6 +83,7 @@ impl Arguments {
         line.extend(self.quiet.then(|| "--quiet".into()));
         line.extend(self.threads.map(|count| format!("--threads={count}").into()));
         line.extend(self.parent.map(|parent| format!("--parent={parent}").into()));
+        line.extend(self.progress_to.iter().map(|file| option("--progress-to", file)));
         line.extend(aftermath.map(|text| format!("--aftermath={text}").into()));
         line.extend(self.reading.command_line());
         line.extend(["--".into(), file.into()]);
@@ -138,13 +142,15 @@ enum Job<'f> {
 
 /// Amount of a run that the user wants to see.
 #[derive(Clone, Copy, Debug)]
-struct Telling {
+struct Telling<'f> {
     /// Errors alone.
     quiet: bool,
     /// Prints of the plugins as well.
     echo: bool,
     /// The increments in a file.
     records: bool,
+    /// File for the progress, if there is one.
+    progress_to: Option<&'f Path>,
 }
 
 impl Job<'_> {
@@ -232,7 +238,8 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
         return code;
     }
     // of a worker's run, the supervisor shows what is printed
-    let telling = Telling { quiet: *quiet, echo: *echo, records: arguments.record_increments };
+    let (records, progress_to) = (arguments.record_increments, arguments.progress_to.as_deref());
+    let telling = Telling { quiet: *quiet, echo: *echo, records, progress_to };
     let run = |(job, directory): (Job<'_>, ResultDirectory)| {
         if let Some(signal) = signals::received() {
             complain(format!("{}: not run: interrupted by {}", directory.path().display(), signal.words()));
@@ -314,7 +321,7 @@ fn run_into(
     case: &Case,
     mut directory: ResultDirectory,
     checkpoints: &Checkpoints,
-    telling: Telling,
+    telling: Telling<'_>,
     reading: &Reading,
 ) -> u8 {
     let concluded = match case {
@@ -328,7 +335,7 @@ fn run_case(
     case: &Case,
     directory: &mut ResultDirectory,
     checkpoints: &Checkpoints,
-    telling: Telling,
+    telling: Telling<'_>,
 ) -> io::Result<(Summary, io::Result<()>)> {
     let kept = checkpoints.from.as_deref().and_then(|saved| Kept::of(saved, &case.columns()));
     directory.begin(if kept.is_some() { &KEPT } else { &[] })?;
@@ -339,7 +346,10 @@ fn run_case(
     let columns = case.columns();
     let history_file = folder.join("history.csv");
     worker::note_start();
-    let progress = Progress::of(case, extent(case), telling.quiet);
+    let progress = match telling.progress_to {
+        Some(file) => Progress::to(Some(progress::writer(file, &columns)?), extent(case)),
+        None => Progress::of(case, extent(case), telling.quiet),
+    };
     let mut record = match kept {
         None => RunRecorder::new(&history_file, &columns, progress, checkpoints.every.is_some())?,
         Some(kept) => RunRecorder::resume(&history_file, &columns, progress, kept)?,

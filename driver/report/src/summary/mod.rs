@@ -43,6 +43,9 @@ pub struct Summary {
     /// Kind and place of the failure; absent if there was none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed_at: Option<FailedAt>,
+    /// State of a point in which the increment was given up, by columns; absent if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reached: Option<IndexMap<String, f64>>,
     /// The case's title.
     pub title: String,
     /// The plugin that was called.

@@ -13,6 +13,7 @@ pub(crate) fn summary() -> Summary {
     }
     Summary {
         failed_at: None,
+        reached: None,
         status: Status::Done,
         message: None,
         title: "A <title> & more".into(),

@@ -90,6 +90,9 @@ pub trait Observer {
     /// A specimen has reached a state with this slip and load; `is_last`: it is the last of the run, told before or not.
     fn state_reached(&mut self, _slip: f64, _load: f64, _snapshot: &Snapshot<'_>, _is_last: bool) {}
 
+    /// A run that fails has reached this state in the increment that it fails at, behind the last whole one.
+    fn reached(&mut self, _row: Row<'_>) {}
+
     /// Returns whether the run shall end with the present increment.
     fn ends_here(&self) -> bool {
         false
@@ -261,6 +264,12 @@ impl<'a> Recorder<'a> {
     fn initial(&mut self, fill: impl FnOnce(&mut [f64])) -> io::Result<()> {
         fill(&mut self.values);
         self.observer.row(Row { step: 0, increment: 0, values: &self.values, iterations: 0 })
+    }
+
+    /// Tells the state in which an increment is given up.
+    fn reached(&mut self, IncrementPosition { step, increment, .. }: IncrementPosition, fill: impl FnOnce(&mut [f64])) {
+        fill(&mut self.values);
+        self.observer.reached(Row { step, increment, values: &self.values, iterations: 0 });
     }
 
     /// Writes the row if it is due or the last of the step or run.

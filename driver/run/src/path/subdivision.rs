@@ -125,6 +125,7 @@ fn take_increment(
         }
         Err(GivenUp { reason, first }) => {
             let IncrementPosition { step, increment, .. } = position;
+            recorder.reached(position, |values| point.fill(values));
             let message = format!("plugin '{}', step {step}, increment {increment}: {reason}", program.plugin.name);
             Err(Stop::Failed(Failure { step, increment, message, replay: point.replay(program, first) }))
         }
