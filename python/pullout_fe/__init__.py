@@ -21,7 +21,7 @@ from .errors import (
 from .law import Law, Parameter, State, Update, plugins
 from .model import Fit, Model
 from .fields import Mesh
-from .run import Failure, History, Peak, Run, View, point, ramp, read, run
+from .run import Failure, History, Peak, Run, View, point, ramp, read, run, table
 from .sweep import Sweep, sweep
 
 __all__ = [
@@ -57,6 +57,7 @@ __all__ = [
     "run",
     "schema",
     "sweep",
+    "table",
 ]
 
 __version__: str = _core.VERSION

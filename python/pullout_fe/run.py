@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Dict, Literal, Mapping, NamedTuple, Sequence, Union
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .case import Case, CaseLike, whole
+from .case import Case, CaseLike, array_of, whole
 from .errors import CaseError, PluginCrashed, PulloutError, RunFailed, Stopped, TimeLimit
 from .fields import Mesh, Series
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from .law import Law, Props
 
-__all__ = ["Failure", "History", "Peak", "Progress", "Run", "View", "point", "ramp", "read", "run"]
+__all__ = ["Failure", "History", "Peak", "Progress", "Run", "View", "point", "ramp", "read", "run", "table"]
 
 #: hears which part is done, and the present row by columns; an exception ends the run
 Progress = Callable[[float, "dict[str, float]"], None]
@@ -492,6 +492,21 @@ def ramp(increments: int, time: float | None = None, **target: Union[float, str]
     if time is not None:
         step["time"] = time
     return step
+
+
+def table(
+    time: ArrayLike | None = None, **columns: ArrayLike
+) -> dict[str, Any]:
+    """A step of a case with an increment for each row: ``table(time, e11=strains, s22=stresses)``.
+
+    ``time``: at the end of each, from the beginning of the step (default: 1 s each).
+    """
+    given = columns if time is None else {"time": time, **columns}
+    arrays = {name: array_of(values, name) for name, values in given.items()}
+    wrong = [(name, f"has the shape {array.shape}, a column of numbers is needed") for name, array in arrays.items() if array.ndim != 1]
+    if wrong:
+        raise CaseError(wrong)
+    return {"table": {name: array.tolist() for name, array in arrays.items()}}
 
 
 def point(

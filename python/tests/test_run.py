@@ -340,6 +340,24 @@ def test_a_case_that_cannot_be_read_is_named(tmp_path: Path) -> None:
         po.run(CRUSHING, on_failure="ignore")
 
 
+def test_arrays_are_a_path(tmp_path: Path) -> None:
+    time = np.cumsum(np.random.default_rng(3).uniform(0.1, 1.0, 50))
+    strain = -2e-3 * np.sin(np.linspace(0, 3, 50))
+    np.savetxt(tmp_path / "path.csv", np.stack([strain, time, 0.1 * strain], axis=-1), "%.17g", ",", header="e11,time,s22", comments="")
+    arrays = po.point("concrete_damage", {"E": 31800.0}, "3d", [po.table(time, e11=strain, s22=0.1 * strain)])
+    file = po.Case({**arrays.document, "steps": [{"table": "path.csv"}]}, folder=tmp_path)
+    assert po.run(arrays).history == po.run(file).history and po.run(arrays).history.rows == 51
+    bond = {"kind": "interface", "material": {"plugin": "bond_slip", "props": {"law": "A", "k_e": 950.0, "a_1": 10.0, "b_1": 0.4}}}
+    made = po.run({**bond, "steps": [po.table(slip=[0.001, 0.002])]}).history
+    assert np.array_equal(made["slip"], [0.0, 0.001, 0.002])
+    for wrong, message in (({"e11": [1e-3], "s22": [0.0, 0.0]}, "the column 's22' has 2 values"), ({"e12": [0.0]}, "no component is called"), ({}, "no rows")):
+        with pytest.raises(po.CaseError, match=message) as caught:
+            po.run(arrays.with_({"steps": [{"table": wrong}]}))
+        assert caught.value.problems[0][0] == "$.steps[0].table"
+    with pytest.raises(po.CaseError, match="e11: has the shape"):
+        po.table(e11=np.zeros((2, 2)))
+
+
 def test_what_is_no_number_is_named() -> None:
     for number in (np.nan, np.inf):
         with pytest.raises(po.CaseError, match="material.props.E: is (nan|inf)"):

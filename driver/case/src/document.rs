@@ -21,6 +21,16 @@ pub mod study;
 pub mod sweep;
 pub use pullout::PulloutCase;
 
+/// Rows that drive a step: a file, or columns by name.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum TableSource {
+    /// CSV file.
+    File(String),
+    /// Numbers of each column, as many in each.
+    Columns(BTreeMap<String, Vec<f64>>),
+}
+
 /// A part of the document that was read, or the reason why not. Its schema is that of `T`.
 #[derive(Clone, Debug)]
 pub struct Piece<T>(pub Result<T, String>);

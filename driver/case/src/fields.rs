@@ -1,9 +1,9 @@
 //! Temperature and field variables: initial values, ends of steps, columns of tables.
 
-use crate::document::{Course, StepEnd};
+use crate::document::{Course, StepEnd, TableSource};
 use crate::problem::Place;
 use crate::reader::Reader;
-use crate::table::Table;
+use crate::table::{CsvFile, Table};
 use pullout_run::program::{FieldValues, StepFields};
 
 /// The column, and the key.
@@ -46,17 +46,24 @@ pub fn check_count(reader: &mut Reader<'_>, values: Option<&[f64]>, count: usize
 /// `count` field variables.
 pub fn read_table(
     reader: &mut Reader<'_>,
-    name: &str,
+    source: &TableSource,
     components: &[&str],
     count: usize,
     place: &Place,
 ) -> Option<(String, Table)> {
-    let path = reader.file(name, place)?;
+    let csv = match source {
+        TableSource::File(name) => {
+            let path = reader.file(name, place)?;
+            CsvFile::read(&path)
+        }
+        TableSource::Columns(columns) => CsvFile::of_columns(columns),
+    };
+    let csv = reader.without_problems(csv, place)?;
     let variables: Vec<String> = (1..=count).map(|number| format!("{PREDEF}{number}")).collect();
     let of_fields = [TEMPERATURE].into_iter().chain(variables.iter().map(String::as_str));
     let names: Vec<&str> = components.iter().copied().chain(of_fields).collect();
-    let table = reader.without_problems(Table::read(&path, &names), place)?;
-    let file = path.display().to_string();
+    let table = reader.without_problems(Table::of(&csv, &names), place)?;
+    let file = csv.name();
     if table.starts_at_zero {
         reader.warn(format!("{file}: the first row is at time 0: its increment takes no time"));
     }

@@ -1,7 +1,7 @@
 //! Kind "interface": slips, gap or pressure.
 
 use crate::document::{ContactArguments, EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
-use crate::document::{Cycles, InterfaceTable, Piece};
+use crate::document::{Cycles, InterfaceTable, Piece, TableSource};
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{Resolved, statev};
 use crate::problem::Place;
@@ -123,8 +123,15 @@ fn directions_of(reader: &Reader<'_>, documents: &[Piece<StepDocument>]) -> usiz
         }
         StepDocument::Ramp(ramp) => 1 + usize::from(ramp.target.slip2.is_some()),
         StepDocument::Table(table) => {
-            let csv = reader.named(&table.table).ok().and_then(|path| CsvFile::read(&path).ok());
-            1 + usize::from(csv.is_some_and(|csv| csv.column("slip2").is_ok()))
+            const SECOND: &str = "slip2";
+            let is_there = match &table.table {
+                TableSource::Columns(columns) => columns.contains_key(SECOND),
+                TableSource::File(name) => {
+                    let csv = reader.named(name).ok().and_then(|path| CsvFile::read(&path).ok());
+                    csv.is_some_and(|csv| csv.column(SECOND).is_ok())
+                }
+            };
+            1 + usize::from(is_there)
         }
     });
     directions.max().unwrap_or(1)

@@ -2,6 +2,8 @@
 
 use crate::problem::hint;
 use pullout_run::input::{self, Input};
+use pullout_run::number::exact;
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -62,6 +64,33 @@ impl CsvFile {
         }
         text.drain(..start);
         problems.or(Self { header, path: path.into(), text, lines })
+    }
+
+    /// The rows of columns that a case has itself.
+    ///
+    /// # Errors
+    /// One sentence for each that has not as many values as the first.
+    pub fn of_columns(columns: &BTreeMap<String, Vec<f64>>) -> Result<Self, Vec<String>> {
+        let mut problems = Problems::default();
+        let count = columns.values().next().map_or(0, Vec::len);
+        for (name, values) in columns.iter().filter(|(_, values)| values.len() != count) {
+            problems.add(|| format!("the column '{name}' has {} values, the first one {count}", values.len()));
+        }
+        if count == 0 {
+            problems.add(|| "the table has no rows".to_owned());
+        }
+        let line = |fields: Vec<String>| fields.join(",") + "\n";
+        let number =
+            |k: usize| columns.values().map(|values| values.get(k).copied().map_or_else(String::new, exact)).collect();
+        let header: Vec<String> = columns.keys().cloned().collect();
+        let rows: String = (0..count).map(|k| line(number(k))).collect();
+        let text = (line(header.clone()) + &rows).into_bytes();
+        problems.or(Self { header, path: "the table".into(), text, lines: (2..).take(count).collect() })
+    }
+
+    /// What messages call it.
+    pub fn name(&self) -> String {
+        self.path.display().to_string()
     }
 
     /// The finite numbers of some columns, row by row. Rows in which one of them is blank are left out if
@@ -155,13 +184,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a table whose columns are `time` (optional) and some of `names`.
+    /// The table of a file whose columns are `time` (optional) and some of `names`.
     ///
     /// # Errors
     /// A list of problems, one sentence each.
-    pub fn read(path: &Path, names: &[&str]) -> Result<Self, Vec<String>> {
-        let csv = CsvFile::read(path)?;
-        let file = path.display();
+    pub fn of(csv: &CsvFile, names: &[&str]) -> Result<Self, Vec<String>> {
+        let file = csv.name();
         let mut problems = Problems::default();
         for (k, name) in csv.header.iter().enumerate() {
             if csv.header[..k].contains(name) {

@@ -1,6 +1,9 @@
 //! Kind "interface".
 
-use super::{CaseHead, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Piece, Positive, StepEnd};
+use super::{
+    CaseHead, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Piece, Positive, StepEnd,
+    TableSource,
+};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -52,7 +55,7 @@ pub enum InterfaceStep {
     Cycles(Cycles<InterfaceStep>),
     /// Steps run several times.
     Cycle(Cycle<InterfaceStep>),
-    /// One increment per row of a CSV file.
+    /// One increment per row of a table.
     Table(InterfaceTable),
     /// Linear ramps to end values.
     Ramp(InterfaceRamp),
@@ -73,13 +76,13 @@ pub struct InterfaceRamp {
     pub end: StepEnd,
 }
 
-/// A step with one increment per row of a CSV file.
+/// A step with one increment per row of a table.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct InterfaceTable {
-    /// CSV file, relative to the case file: columns time (optional, s), slip, slip2 (mm), gap (mm) or p (MPa), temperature,
+    /// CSV file, relative to the case file, or its columns: time (optional, s), slip, slip2 (mm), gap (mm) or p (MPa), temperature,
     /// and predef1, predef2, … of the case's field variables.
-    pub table: String,
+    pub table: TableSource,
     /// Conditions that end it early, and fields at its end.
     #[serde(flatten)]
     pub end: StepEnd,

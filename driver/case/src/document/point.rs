@@ -1,7 +1,8 @@
 //! Kind "point".
 
 use super::{
-    CaseHead, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Piece, Positive, StepEnd, UmatArguments,
+    CaseHead, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Piece, Positive, StepEnd, TableSource,
+    UmatArguments,
 };
 use pullout_run::program::{Measure, Mode};
 use schemars::JsonSchema;
@@ -75,7 +76,7 @@ pub enum PointStep {
     Cycles(Cycles<PointStep>),
     /// Steps run several times.
     Cycle(Cycle<PointStep>),
-    /// One increment per row of a CSV file.
+    /// One increment per row of a table.
     Table(PointTable),
     /// Linear ramps to end values.
     Ramp(Box<PointRamp>),
@@ -101,13 +102,13 @@ pub struct PointRamp {
     pub end: StepEnd,
 }
 
-/// A step with one increment per row of a CSV file.
+/// A step with one increment per row of a table.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct PointTable {
-    /// CSV file, relative to the case file: columns time (optional, s), any components, as in target, temperature, and
+    /// CSV file, relative to the case file, or its columns: time (optional, s), any components, as in target, temperature, and
     /// predef1, predef2, … of the case's field variables.
-    pub table: String,
+    pub table: TableSource,
     /// Linear relations, each in place of one stress-free component.
     pub constraints: Option<Vec<Constraint>>,
     /// Conditions that end it early, and fields at its end.

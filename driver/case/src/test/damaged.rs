@@ -116,7 +116,7 @@ proptest! {
         FOLDER.with(|folder| {
             let file = folder.path().join("table.csv");
             std::fs::write(&file, damaged(table, &changes)).expect("a table");
-            match Table::read(&file, &["e11", "s22", "g12"]) {
+            match CsvFile::read(&file).and_then(|csv| Table::of(&csv, &["e11", "s22", "g12"])) {
                 Ok(table) => assert_eq!(table.rows.len(), table.time_increments.len()),
                 Err(problems) => assert!(!problems.is_empty() && problems.iter().all(|words| !words.is_empty())),
             }
