@@ -349,6 +349,7 @@ impl Plugin {
             cmname: self.cmname.clone(),
             props: props.to_vec(),
             nstatv,
+            frame: None,
             manner: Manner { as_three_d: Some(six), tangent: None },
         }
     }

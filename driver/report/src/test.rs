@@ -96,6 +96,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         specimen: None,
         bridging: None,
         warnings: vec![],
+        notes: vec![],
     };
     directory.write(crate::summary::FILE, summary.text().unwrap()).unwrap();
     let account = Account { law: spec.law.clone(), mode: "3-D".into(), ..Account::default() };
