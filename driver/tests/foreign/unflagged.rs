@@ -180,6 +180,45 @@ fn an_interface_that_knows_space_alone_is_called_so_in_a_plane() {
     assert!(row(&outcome, "consistent tangent").contains("UINTER, NDIR 3"));
 }
 
+/// The same in a specimen: as the law that obeys NDIR, to the last bit, and the summary says it.
+#[test]
+fn an_interface_that_knows_space_alone_holds_a_fibre() {
+    let desk = Desk::new();
+    if find(Tool::Fortran).is_none() {
+        return;
+    }
+    let text = std::fs::read_to_string(workspace("tests/umats/space_interface.for")).expect("a source");
+    desk.write("space.for", &text);
+    let obeys = [
+        ("STRESS(3),DDSDDR(3,3),RDISP(3)", "STRESS(NDIR),DDSDDR(NDIR,NDIR),RDISP(NDIR)"),
+        ("RDISP(2)**2+RDISP(3)**2", "RDISP(2)**2"),
+        ("=1,3\n", "=1,NDIR\n"),
+        ("      STRESS(3)=F*RDISP(3)\n", ""),
+    ];
+    desk.write("plane.for", &obeys.iter().fold(text, |text, (from, to)| text.replace(from, to)));
+    let runs = ["space", "plane"].map(|name| {
+        let source = desk.path(&format!("{name}.for"));
+        let library = desk.path(&format!("{name}.so"));
+        let arguments = ["plugin".as_ref(), "build".as_ref(), source.as_os_str(), "-o".as_ref(), library.as_os_str()];
+        desk.pullout(arguments).expect(0);
+        let elastic = json!({ "plugin": "linear_elastic", "props": { "E": 30e3, "nu": 0.2 } });
+        let law = json!({ "plugin": library, "props": [1e4, 100.0, 10.0], "nstatv": 0 });
+        let case = json!({
+            "kind": "pullout",
+            "mesh": { "specimen": crate::program::coarse_fibre() },
+            "parts": { "fibre": { "material": elastic }, "matrix": { "material": elastic } },
+            "contact": { "law": law, "enforcement": "penalty" },
+            "steps": [{ "slip": 0.02, "increments": { "initial": 0.1, "maximum": 0.5 } }],
+            "output": { "plots": false, "vtu": false },
+        });
+        run(&desk, name, &case)
+    });
+    let [space, plane] = runs.each_ref().map(|run| run.history.last("load"));
+    assert!(space > 1.0 && space.to_bits() == plane.to_bits(), "{space} instead of {plane}");
+    let [told, untold] = runs.map(|run| run.summary["warnings"].to_string().contains("two slip directions"));
+    assert!(told && !untold);
+}
+
 /// FRIC likewise: τ = k s.
 #[test]
 fn a_friction_that_knows_space_alone_is_called_so_in_a_plane() {

@@ -90,3 +90,33 @@ fn sources_are_ordered_by_their_modules() {
     let other = "module inner\nuse outer\nend module\n";
     assert_eq!(order(&[user, outer, other, "module alone\nend\n"]), Err(vec![1, 2]), "the circle alone");
 }
+
+/// What cases take for a source is what can be built.
+#[test]
+fn every_suffix_of_a_source_tells_a_language() {
+    for suffix in umat_abi::host::SOURCES {
+        assert_ne!(language(&format!("a.{suffix}"), "", None), Language::Object, "{suffix}");
+    }
+}
+
+#[test]
+fn structures_and_typed_units_are_seen() {
+    let has = |text: &str| scanned("a.f", text).1.has_structures;
+    assert!(has("      STRUCTURE /K/\n") && has("      RECORD /K/ L\n"));
+    assert!(!has("C     STRUCTURE /K/\n") && !has("      STRUCTURE=1/2\n      A=B.DD.C\n"));
+    let typed = "      SUBROUTINE A\n      IMPLICIT NONE\n      INCLUDE 'ABA_PARAM.INC'\n      END\n";
+    let other = "      SUBROUTINE B\n      INCLUDE 'ABA_PARAM.INC'\n      END\n";
+    let rewritten = |text: String| scanned("a.f", &text).1.rewritten;
+    assert!(rewritten(format!("{other}{typed}")).is_some_and(|text| text.matches("nprecd").count() == 2));
+    // what one unit says is not said of the next
+    assert!(rewritten(format!("{}{other}", typed.replace("INCLUDE", "!INCLUDE"))).is_none());
+}
+
+#[test]
+fn routines_of_lapack_are_known_by_their_names() {
+    for (symbol, expected) in
+        [("dgesv_", true), ("zheev_", true), ("idamax_", true), ("dgesv", true), ("kgesv_", false), ("dmat_", false)]
+    {
+        assert_eq!(lapack::has(symbol), expected, "{symbol}");
+    }
+}
