@@ -7,8 +7,8 @@ use crate::run::with_stack;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2};
 use pullout_case::{ALL_LAWS, hint, not_found, props_from_json};
 use pullout_run::PLUGIN_STACK;
-use pullout_run::isolation;
 use pullout_run::program::Mode;
+use pullout_run::{isolation, sources};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -41,7 +41,10 @@ pub fn find(name: &str) -> PyResult<PathBuf> {
     let refuse = |message: String| Err(Exception::Plugin.with(message));
     if host::names_a_file(name) {
         let path = std::path::absolute(name)?;
-        return if path.is_file() { Ok(path) } else { refuse(format!("there is no library file {}", path.display())) };
+        if !path.is_file() {
+            return refuse(format!("there is no library file {}", path.display()));
+        }
+        return sources::library_of(path).map_err(|message| Exception::Plugin.with(message));
     }
     let folders = host::search_paths(&[]);
     match Found::by_name(name, &folders) {
