@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// Elements of eight nodes on straight lines, as a Gmsh file.
 #[derive(Default)]
 pub struct Grids {
-    nodes: Vec<[f64; 2]>,
+    pub nodes: Vec<[f64; 2]>,
     /// Groups of points (dimension 0), lines (1) and elements (2) by name.
     pub groups: Vec<(usize, String, Vec<Vec<usize>>)>,
 }

@@ -216,14 +216,18 @@ impl Pair {
         let lost = |reason: &str| Setback { reason: reason.to_owned(), fraction: Some(FRACTION_AFTER_LOSS) };
         let projection = Projection { chain: &self.chain, position };
         let of = |foot: Foot| Kinematics::new(&self.chain, &self.points[index].slave, foot, position);
+        let last = self.state.committed.points[index].foot;
+        let near = projection.near(at, last);
         if self.walks
-            && let Some(foot) = projection.near(at, self.state.committed.points[index].foot)
+            && let Some(foot) = near
             && let Ok(kinematics) = of(foot)
         {
             return Ok((kinematics, foot, false));
         }
         let mut foot = projection.anywhere(at).ok_or_else(|| lost("the point has no foot on the master"))?;
-        foot.edge = self.same_round(foot.edge, self.state.committed.points[index].foot.edge);
+        foot.edge = self.same_round(foot.edge, last.edge);
+        // the same foot to the last bit, where the way from the last one ends at it too
+        foot = near.filter(|near| (near.edge, near.corner) == (foot.edge, foot.corner)).unwrap_or(foot);
         of(foot).map(|kinematics| (kinematics, foot, true)).map_err(lost)
     }
 

@@ -47,6 +47,9 @@ const LOAD_CHANGE: f64 = 0.02;
 const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
 /// if increments have grown to this part of the largest under the drives: shorter ones would only be cut again.
 const RECOVERED: f64 = 0.5;
+/// Where displacements grow so many times faster with the drives than they did in the step, and no equilibrium is found further on, the
+/// drives are at a limit point.
+const LIMIT_POINT: f64 = 10.0;
 /// Part of the greatest increment below which increments under the drives have no equilibrium near.
 const CRAWLING: f64 = 1e-5;
 /// Part of the usual increment that the drives go before drag leads, and by which it is more where the next equilibrium was no
@@ -173,6 +176,11 @@ pub(super) struct StepRun {
     largest_slip: f64,
     /// Load over slip of the last increments, N/mm.
     usual_stiffness: f64,
+    /// Growth of the displacement that grows fastest over that of the progress, mm: of the last increment under the drives, with its
+    /// freedom, and the least of the step.
+    flexibility: f64,
+    fastest: usize,
+    least_flexibility: Option<f64>,
     /// Leads that were tried since an increment stood.
     changes: u32,
     /// Equilibria that drag has led to since the drives led to one.
@@ -210,6 +218,7 @@ impl StepRun {
         let begun = Self::new(step, &self.start, model);
         let sizes = [self.progress, self.attempted, self.last_progress, self.largest_slip];
         let usual = [self.usual_progress, self.usual_slip, self.usual_dissipation, self.usual_stiffness];
+        let flexibilities = [self.flexibility, self.least_flexibility.unwrap_or_default()];
         let (of_lead, is_led) = match self.lead {
             Lead::Drives => ([0.0; 2], true),
             Lead::Other(Led { increment, first, advances, .. }) => {
@@ -217,11 +226,13 @@ impl StepRun {
             }
             Lead::Drag(Dragged { resistance, greatest, .. }) => ([resistance, greatest], resistance > 0.0),
         };
-        let numbers = self.start.iter().chain(&sizes).chain(&usual).chain(&of_lead).chain(self.missed.iter().flatten());
+        let numbers = self.start.iter().chain(&sizes).chain(&usual).chain(&flexibilities).chain(&of_lead);
+        let numbers = numbers.chain(self.missed.iter().flatten());
         let refused = [self.failures, self.jumps_refused, self.energy_refused];
         let others = [self.energy_looks, self.changes, self.nudges];
         is_led
             && self.progress < 1.0
+            && self.fastest < 2 * model.mesh.nodes().len()
             && numbers.copied().all(f64::is_finite)
             && refused.into_iter().chain(others).all(|count| u64::from(count) < MOST_COUNTED)
             && self.size.may_follow(&begun.size)
@@ -331,6 +342,7 @@ impl StepRun {
         match &mut self.lead {
             Lead::Drives => {
                 self.largest_slip = self.largest_slip.max(slip);
+                self.note_flexibility(start, &converged.end);
                 self.progress = self.aim();
                 self.size.accepted(iterations);
                 if self.locates_peak && !load.peaked && findings.slip_growth > 0.0 {
@@ -352,6 +364,21 @@ impl StepRun {
         if self.usual_slip > 0.0 {
             self.usual_stiffness = load.last / self.usual_slip;
         }
+    }
+
+    /// Takes note of how fast displacements grow with the drives.
+    fn note_flexibility(&mut self, start: &Committed, end: &Committed) {
+        let changes = end.displacements.iter().zip(&start.displacements).map(|(end, start)| (end - start).abs());
+        let Some((freedom, change)) = changes.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b)) else { return };
+        (self.fastest, self.flexibility) = (freedom, change / self.attempted);
+        self.least_flexibility = Some(self.least_flexibility.map_or(self.flexibility, |least| least.min(self.flexibility)));
+    }
+
+    /// The freedom whose displacement grows fastest with the drives, and how many times as fast as the fastest did in the step, if
+    /// this is a limit point.
+    pub(super) fn limit_point(&self) -> Option<(usize, f64)> {
+        let ratio = self.flexibility / self.least_flexibility?;
+        (ratio > LIMIT_POINT).then_some((self.fastest, ratio))
     }
 
     fn after_led_increment(&mut self, iterations: usize, load_change: f64) {

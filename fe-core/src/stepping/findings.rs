@@ -8,8 +8,6 @@ use super::{Analysis, Energies, Snapshot};
 const LEAST_DISSIPATION: f64 = 1e-2;
 /// The energy error is relative to at least this many times the rounding of the work: rounding is no error.
 const LEAST_ROUNDINGS: f64 = 1e3;
-/// The energy error is relative to at least this part of the greatest work so far.
-const LEAST_RELATIVE_WORK: f64 = 1e-3;
 
 impl Analysis<'_> {
     /// Returns the quantities that a converged increment is judged by.
@@ -94,9 +92,10 @@ impl Analysis<'_> {
         self.present.energies.external_work + Energies::work_between(equations, &self.present.committed, end)
     }
 
-    /// Returns what an imbalance of the energies is compared with, N mm.
+    /// Returns what an imbalance of the energies is compared with, N mm: the largest work so far, for that of a specimen which gives its
+    /// energy back passes through 0.
     pub(super) fn work_reference(&self, external_work: f64, state: &Committed) -> f64 {
         let rounding = self.equilibrium.memory.rounding * largest(&state.displacements);
-        external_work.abs().max(LEAST_RELATIVE_WORK * self.present.greatest_work).max(LEAST_ROUNDINGS * rounding)
+        external_work.abs().max(self.present.greatest_work).max(LEAST_ROUNDINGS * rounding)
     }
 }

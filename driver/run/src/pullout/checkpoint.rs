@@ -25,7 +25,7 @@ pub const FILE: &str = "checkpoint.bin";
 pub const PARTIAL: &str = "checkpoint.partial";
 const MAGIC: &[u8] = b"pullout checkpoint\n";
 /// Version of the file's layout; a program of another version does not read it either.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), ", layout 11");
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), ", layout 12");
 
 /// Use that a run makes of checkpoints.
 #[derive(Debug, Default)]

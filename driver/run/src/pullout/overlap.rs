@@ -65,14 +65,32 @@ pub fn measure(
         format!("part '{part}' lies in part '{inside}'")
     };
     let when = if when == "peak" { "greatest load" } else { "end" };
+    let why = match pair_between(&program.model, [part, inside]) {
+        Some(pair) => format!(
+            "contact pair '{pair}' keeps these parts apart, but not there: its surfaces end before, or an edge of one turned"
+        ),
+        None => "no contact pair keeps them apart".to_owned(),
+    };
     Some(format!(
-        "bodies overlap: at the {when} {what} by {} mm, {} % of {whose}, at ({}, {}): no contact pair keeps them apart \
-         there, or an edge of one turned",
+        "bodies overlap: at the {when} {what} by {} mm, {} % of {whose}, at ({}, {}): {why}",
         significant(*depth, 3),
         significant(100.0 * findings.overlap_relative, 3),
         significant(*x, 4),
         significant(*y, 4)
     ))
+}
+
+/// The name of a contact pair whose surfaces are on these parts.
+fn pair_between<'m>(model: &'m Model, [one, other]: [&str; 2]) -> Option<&'m str> {
+    let Model { mesh, contacts, .. } = model;
+    let is_on = |edges: &[ElementEdge], part: &str| {
+        edges.iter().any(|edge| mesh.parts()[mesh.elements()[edge.element].part()].name == part)
+    };
+    let mut pairs = contacts.iter();
+    let joins = |slave: &[ElementEdge], master: &[ElementEdge]| {
+        is_on(slave, one) && is_on(master, other) || is_on(slave, other) && is_on(master, one)
+    };
+    pairs.find(|pair| joins(&pair.slave, &pair.master)).map(|pair| pair.name.as_str())
 }
 
 /// The length that overlaps are compared with, mm, and its name.

@@ -563,3 +563,55 @@ fn a_point_that_closes_slides() {
         }
     }
 }
+
+/// Matter that was never on the master has no bond with it, whatever its law would give a virgin point: it presses and rubs.
+#[test]
+fn what_starts_beyond_an_end_has_no_bond() {
+    let row = |from: f64| Row { kind: Q4, from, to: from + 2.6, count: 3 };
+    let master = Row { kind: Q4, from: 1.0, to: 5.0, count: 4 };
+    for law in [uinter(&[]), hard(1000.0, 0.1, &[])] {
+        let tractions = |from: f64, depth: f64| {
+            let scene = Scene::new(master, row(from), |_| 0.0, PlaneModel::PlaneStrain);
+            let mut contact = scene.contact(ContactPair { release: true, ..scene.pair(law.clone()) });
+            let way = 1.5 - from;
+            for step in 1..=80 {
+                forces(&mut contact, &scene.moved(1, |_| [way * f64::from(step) / 80.0, 0.0]));
+                contact.commit();
+            }
+            forces(&mut contact, &scene.moved(1, |_| [way, -depth]));
+            assert!(contact.points().all(|point| point.weight == 1.0));
+            let points: Vec<[f64; 2]> = contact.points().map(|point| [point.pressure, point.shear]).collect();
+            (points, contact.penalties().next().unwrap())
+        };
+        // on the master from the start: the bond bears tension
+        assert!(tractions(1.6, -1e-3).0.iter().all(|[pressure, _]| *pressure < 0.0));
+        for start in [6.0, -3.0] {
+            assert!(tractions(start, -1e-3).0.iter().all(|[pressure, _]| *pressure == 0.0), "{start}");
+            let (pressed, penalty) = tractions(start, 1e-3);
+            for [pressure, _] in &pressed {
+                assert!((pressure / (1e-3 * penalty) - 1.0).abs() < 1e-9, "{start}: {pressure}");
+            }
+            // FRIC is not told that its bond is gone: it has the bond of its slip
+            if matches!(law, ContactLaw::Uinter(_)) {
+                let shears = || pressed.iter().map(|[_, shear]| shear.abs());
+                assert!(shears().all(|shear| shear < 0.1 * (1.0 + 1e-9)) && shears().any(|shear| shear > 0.0), "{start}");
+            }
+        }
+    }
+}
+
+/// The surface of torn matter does not come back.
+#[test]
+fn points_on_matter_that_is_gone_stay_out() {
+    let scene = Scene::straight(Q4);
+    let mut contact = scene.contact(ContactPair { release: true, ..scene.pair(uinter(&[("mu", 0.3)])) });
+    let point = contact.pairs[0].points[0].area;
+    contact.pairs[0].state.committed.points[0].release(point);
+    contact.restore();
+    for slide in [0.0, 5.0, 0.0] {
+        forces(&mut contact, &scene.moved(1, |_| [slide, -0.01]));
+        contact.commit();
+    }
+    let out: Vec<bool> = contact.points().map(|point| point.weight == 0.0).collect();
+    assert!(out[0] && !out[1..].contains(&true), "{out:?}");
+}
