@@ -201,8 +201,8 @@ pub(crate) static SPECIMEN: [Column<Record>; 33] = [
     column("stabilisation_energy", "N·mm", "stabilisation energy", Energy, |r| r.energies.stabilisation),
     // lost with concrete that was torn off and released
     column("spalled_energy", "N·mm", "spalled energy", Energy, |record| record.energies.spalled),
-    // external work less all of these, over the larger of the work so far and 0.001 of the work at the peak; NaN where
-    // temperature, fields or shrinkage change: what they do to a material is no work of the drives
+    // external work less all of these, over the largest work so far; NaN where temperature, fields or shrinkage change: what they
+    // do to a material is no work of the drives
     column("energy_error", "", "energy error", Other, |record| record.energy_error),
     // integration points whose damage grew
     column("damaged_points", "", "damaged points", Count, |record| record.counts.damaged as f64),

@@ -90,6 +90,19 @@ fn a_snap_back() {
     goes_on_to_the_same_bits(&cases().join("verification").join("fibre-dropping-bond.json"), &overrides);
 }
 
+/// Points of contact that left the fibre come back after the second kill.
+#[test]
+fn a_fibre_that_is_pushed_back() {
+    let case = cases().join("chapter-6").join("6.14-plane.json");
+    let specimen = r#"mesh.specimen={"type": "perpendicular_fibre", "embedded_elements": 8, "equal_sizes": true, "free_length": 1}"#;
+    let matrix = r#"parts.matrix.material={"plugin": "linear_elastic", "props": {"E": 30000, "nu": 0.2}}"#;
+    let steps = r#"steps=[{"slip": 6}, {"slip": 0.2}]"#;
+    goes_on_to_the_same_bits(
+        &case,
+        &[specimen, matrix, steps, "contact.law.props.tau_res=0.5", "contact.law.props.mu=0.1", "output.vtu=false"],
+    );
+}
+
 #[test]
 fn large_displacements_and_sliding() {
     goes_on_to_the_same_bits(&cases().join("verification").join("drag-out-strip.json"), &["output.vtu=false"]);

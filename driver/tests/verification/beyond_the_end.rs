@@ -86,12 +86,8 @@ fn a_block_that_starts_beside_its_base_stands_on_it() {
 fn a_block_slides_over_both_ends_and_back() {
     let press = json!({ "drives": { "press": PRESS }, "increments": 2 });
     let to = |x: f64| json!({ "drives": { "x": x } });
-    let model = moved(
-        &blocks(WIDTH, 0.0),
-        ["sole", "track"],
-        FRICTION,
-        json!([press, to(8.0), to(-8.0), to(8.0), to(0.0)]),
-    );
+    let model =
+        moved(&blocks(WIDTH, 0.0), ["sole", "track"], FRICTION, json!([press, to(8.0), to(-8.0), to(8.0), to(0.0)]));
     let (mut worst, mut apart, mut last) = (0.0_f64, 0, [f64::NAN; 2]);
     run_to_end(&model, |record, _| {
         worst = worst.max(record.energy_error.abs());

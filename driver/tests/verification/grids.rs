@@ -35,7 +35,14 @@ impl Grids {
     }
 
     /// The cells between these lines whose middle is wanted, as a part.
-    pub fn cells(&mut self, places: &mut Places, part: &str, xs: &[f64], ys: &[f64], wanted: impl Fn(f64, f64) -> bool) {
+    pub fn cells(
+        &mut self,
+        places: &mut Places,
+        part: &str,
+        xs: &[f64],
+        ys: &[f64],
+        wanted: impl Fn(f64, f64) -> bool,
+    ) {
         for x in xs.windows(2) {
             for y in ys.windows(2) {
                 let middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];

@@ -371,7 +371,8 @@ impl StepRun {
         let changes = end.displacements.iter().zip(&start.displacements).map(|(end, start)| (end - start).abs());
         let Some((freedom, change)) = changes.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b)) else { return };
         (self.fastest, self.flexibility) = (freedom, change / self.attempted);
-        self.least_flexibility = Some(self.least_flexibility.map_or(self.flexibility, |least| least.min(self.flexibility)));
+        self.least_flexibility =
+            Some(self.least_flexibility.map_or(self.flexibility, |least| least.min(self.flexibility)));
     }
 
     /// The freedom whose displacement grows fastest with the drives, and how many times as fast as the fastest did in the step, if

@@ -380,7 +380,8 @@ impl<'m> Analysis<'m> {
                     let too_many = cutbacks as usize > self.model.controls.max_cutbacks;
                     if too_many || run.reject(&trouble, has_failed) == Advance::Failed {
                         let progress = run.progress;
-                        let trouble = limit::at_limit_point(self.model, &self.present.committed, &run).unwrap_or(trouble);
+                        let trouble =
+                            limit::at_limit_point(self.model, &self.present.committed, &run).unwrap_or(trouble);
                         return Err(RunError::Failed { step: number, increment: increment + 1, progress, trouble });
                     }
                 }

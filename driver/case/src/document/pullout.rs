@@ -57,7 +57,7 @@ pub struct PulloutCase {
     pub output: Option<Piece<PulloutOutput>>,
     /// Tolerances and limits.
     pub controls: Option<Piece<PulloutControls>>,
-    /// Work that the solver skips where a scene does not need it (default "all"; no item changes the result).
+    /// Work that the solver skips where a scene does not need it (default "all"; results agree within the tolerance of equilibrium).
     pub skip: Option<Piece<Skip>>,
 }
 

@@ -594,7 +594,10 @@ fn what_starts_beyond_an_end_has_no_bond() {
             // FRIC is not told that its bond is gone: it has the bond of its slip
             if matches!(law, ContactLaw::Uinter(_)) {
                 let shears = || pressed.iter().map(|[_, shear]| shear.abs());
-                assert!(shears().all(|shear| shear < 0.1 * (1.0 + 1e-9)) && shears().any(|shear| shear > 0.0), "{start}");
+                assert!(
+                    shears().all(|shear| shear < 0.1 * (1.0 + 1e-9)) && shears().any(|shear| shear > 0.0),
+                    "{start}"
+                );
             }
         }
     }

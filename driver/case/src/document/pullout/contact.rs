@@ -50,8 +50,9 @@ pub struct Pair {
     pub enforcement: Option<Piece<Enforcement>>,
     /// Slip up to which the bond is elastic, mm: limits increments until the load has peaked (default: the law is asked).
     pub critical_slip: Option<Piece<Positive>>,
-    /// Whether contact fades as a point passes either end of the master (default true). With false the master goes on along
-    /// the tangent of its end, without end: what has passed it still presses and slides on nothing.
+    /// Whether the master has ends (default true): contact fades as a point passes one, and comes back with the point, with its friction
+    /// and pressure but without bond. A point may start past an end. With false the master goes on along the tangent of its end,
+    /// without end: what has passed it still presses and slides on nothing.
     pub release: Option<Piece<bool>>,
 }
 
