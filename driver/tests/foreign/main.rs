@@ -9,6 +9,7 @@ mod components;
 mod environment;
 mod finite_strain;
 mod first_errors;
+mod frame;
 mod habits;
 mod held;
 mod import;

@@ -194,12 +194,7 @@ impl UmatCall {
     }
 
     /// Does something with the law's arguments in the place of the host's, and turns its results back; `request`: those there are.
-    pub(super) fn in_frame<T>(
-        &mut self,
-        framed: &mut Framed,
-        request: Request,
-        act: impl FnOnce(&mut Self) -> T,
-    ) -> T {
+    pub(super) fn in_frame<T>(&mut self, framed: &mut Framed, request: Request, act: impl FnOnce(&mut Self) -> T) -> T {
         let at_start = || framed.frame.free_strain(self.temp, self.time[1]);
         let at_end = || framed.frame.free_strain(self.temp + self.dtemp, self.time[1] + self.dtime);
         let [start, end] = match framed.course {

@@ -1,6 +1,6 @@
 //! A law of a library with everything that its calls need.
 
-use super::{FricCall, Frame, LawDescription, Library, LoadError, Manner, UinterCall, UmatCall};
+use super::{Frame, FricCall, LawDescription, Library, LoadError, Manner, UinterCall, UmatCall};
 use crate::law::StressState;
 use std::sync::Arc;
 
