@@ -202,6 +202,11 @@ impl Fibre {
         };
         0.5 * diameter
     }
+
+    /// Half of the greatest width, mm.
+    fn largest_half_width(&self) -> f64 {
+        0.5 * self.profile.iter().map(|[_, width]| *width).fold(self.diameter, f64::max)
+    }
 }
 
 /// A fibre with the line of its axis.
@@ -326,7 +331,8 @@ impl Fibres {
             let (own, mut gaps) = (&laid[index], Vec::new());
             let others = || laid.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
             for s in own.samples([own.ends()[0], 0.0]) {
-                let gap = others().map(|other| own.gap_to(s, other, 0.0)).fold(f64::INFINITY, f64::min);
+                let gap =
+                    others().fold(f64::INFINITY, |least, other| own.gap_within(s, other, 0.0, least).unwrap_or(least));
                 if gap.is_finite() {
                     gaps.push([s, gap]);
                 }
@@ -388,9 +394,14 @@ impl<'a> Laid<'a> {
         Self { fibre, path, gaps: Vec::new() }
     }
 
-    /// The distance between the walls of two fibres at an arc length of this one, of the other's axis up to another, mm.
-    fn gap_to(&self, s: f64, other: &Self, end: f64) -> f64 {
-        let (at, distance) = other.path.nearest(self.path.point(s, 0.0), [other.ends()[0], end]);
-        distance - self.fibre.half_width(s) - other.fibre.half_width(at)
+    /// The distance between the walls of two fibres at an arc length of this one, of the other's axis up to another, mm, if
+    /// it is less than a limit.
+    fn gap_within(&self, s: f64, other: &Self, end: f64, limit: f64) -> Option<f64> {
+        let (point, own) = (self.path.point(s, 0.0), self.fibre.half_width(s));
+        let start = other.ends()[0];
+        let farthest = limit + own + other.fibre.largest_half_width();
+        let (at, distance) = other.path.nearest_within(point, [start, end], farthest)?;
+        let gap = distance - own - other.fibre.half_width(at);
+        (gap < limit).then_some(gap)
     }
 }

@@ -81,6 +81,8 @@ struct Piece {
     end_lean: f64,
     shape: Shape,
     least_radius: f64,
+    /// The point in its middle, from which no other is further away than half of its length.
+    middle: [f64; 2],
 }
 
 /// An axis: straight beyond both of its ends.
@@ -107,7 +109,16 @@ impl Path {
             if length > 0.0 {
                 let station = Station { point: [0.0; 2], lean };
                 let least_radius = segment.least_radius();
-                pieces.push(Piece { from: s, to: s + length, anchor: s, station, end_lean, shape, least_radius });
+                pieces.push(Piece {
+                    from: s,
+                    to: s + length,
+                    anchor: s,
+                    station,
+                    end_lean,
+                    shape,
+                    least_radius,
+                    middle: [0.0; 2],
+                });
                 s += length;
             }
             lean = end_lean;
@@ -134,6 +145,9 @@ impl Path {
         for piece in &mut self.pieces[at_exit + 1..] {
             piece.station.point = end;
             end = piece.end().point;
+        }
+        for piece in &mut self.pieces {
+            piece.middle = piece.at(0.5 * (piece.from + piece.to)).point;
         }
     }
 
@@ -174,9 +188,17 @@ impl Path {
     }
 
     /// Arc length and distance of the nearest point of the axis between two arc lengths.
-    pub(super) fn nearest(&self, [x, y]: [f64; 2], [from, to]: [f64; 2]) -> (f64, f64) {
-        let mut nearest = (from, f64::INFINITY);
+    pub(super) fn nearest(&self, point: [f64; 2], range: [f64; 2]) -> (f64, f64) {
+        self.nearest_within(point, range, f64::INFINITY).unwrap_or((range[0], f64::INFINITY))
+    }
+
+    /// The nearest point of the axis between two arc lengths if it is nearer than a limit.
+    pub(super) fn nearest_within(&self, [x, y]: [f64; 2], [from, to]: [f64; 2], limit: f64) -> Option<(f64, f64)> {
+        let mut nearest = (from, limit);
         for piece in self.pieces.iter().filter(|piece| piece.from < to && piece.to > from) {
+            if piece.least_distance([x, y]) > nearest.1 {
+                continue;
+            }
             let (from, to) = (piece.from.max(from), piece.to.min(to));
             let candidates = match piece.shape {
                 Shape::Line => {
@@ -193,7 +215,7 @@ impl Path {
                 }
             }
         }
-        nearest
+        (nearest.1 < limit).then_some(nearest)
     }
 
     /// The arc length at which an exit edge of this radius begins on the wall `offset` to the left of the axis (negative:
@@ -250,6 +272,11 @@ fn moved([x, y]: [f64; 2], [u, v]: [f64; 2], factor: f64) -> [f64; 2] {
 }
 
 impl Piece {
+    /// A distance from a point that none of its points is nearer than, mm.
+    fn least_distance(&self, point: [f64; 2]) -> f64 {
+        distance(point, self.middle) - 0.5 * (self.to - self.from) - ROUNDING
+    }
+
     fn at(&self, s: f64) -> Station {
         let along = s - self.anchor;
         match &self.shape {

@@ -76,3 +76,29 @@ fn the_nearest_point_is_found_on_lines_and_arcs() {
     }
     assert_eq!(path.nearest([0.0, 1.0], [-12.2, 0.0]).0, 0.0);
 }
+
+/// The nearest of a thousand places along each piece is never nearer.
+#[test]
+fn the_nearest_point_is_found_on_many_pieces() {
+    let mut segments = Vec::new();
+    for k in 0..40 {
+        let side = if k % 2 == 0 { 1.0 } else { -1.0 };
+        segments.push(Segment::Straight { length: 0.7 });
+        segments.push(Segment::Arc { radius: 0.8, to: side * 1.2 });
+        segments.push(Segment::Wave { amplitude: 0.1 * side, length: 1.0, count: 1.5 });
+    }
+    let path = Path::new(0.3, &segments, 60.0, 1.0);
+    let range = [-60.0, path.end()];
+    for k in 0..200 {
+        let s = range[0] + (range[1] - range[0]) * f64::from(k) / 199.0;
+        let point = path.point(s, 2.0 * (f64::from(k) * 0.7).sin());
+        let (found, nearest) = path.nearest(point, range);
+        assert_eq!(distance(point, path.point(found, 0.0)), nearest);
+        let places = (0..=60_000).map(|k| range[0] + (range[1] - range[0]) * f64::from(k) / 60_000.0);
+        let least = places.map(|s| distance(point, path.point(s, 0.0))).fold(f64::INFINITY, f64::min);
+        // curves are looked at in 64 places each
+        assert!(nearest - least < 2e-3 && least - nearest < 1e-3, "{s}: {nearest} {least}");
+        assert_eq!(path.nearest_within(point, range, nearest), None);
+        assert_eq!(path.nearest_within(point, range, nearest + 1e-9), Some((found, nearest)));
+    }
+}
