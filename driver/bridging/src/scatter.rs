@@ -75,7 +75,8 @@ pub struct Beams {
     pub residual: Vec<Residual>,
 }
 
-/// Makes the beams. `openings` rise from 0; `cmods` are those of [`Beams::loads`].
+/// Makes the beams. `openings` rise from 0; `cmods` are those of [`Beams::loads`]. `None`: before all beams were made,
+/// `is_stopped` said so.
 ///
 /// # Errors
 /// Numbers without sense.
@@ -85,7 +86,8 @@ pub fn scatter(
     openings: &[f64],
     cmods: &[f64],
     settings: &Scatter,
-) -> Result<Beams, Invalid> {
+    is_stopped: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Beams>, Invalid> {
     settings.check()?;
     geometry.check()?;
     let rising = openings.first() == Some(&0.0) && openings.windows(2).all(|pair| pair[1] > pair[0]);
@@ -100,9 +102,12 @@ pub fn scatter(
         let variance = (cv * cv).ln_1p();
         LogNormal::new(-0.5 * variance, variance.sqrt()).expect("the variance is finite")
     });
-    let made: Vec<_> = (0..settings.beams)
+    let made: Option<Vec<_>> = (0..settings.beams)
         .into_par_iter()
         .map(|beam| {
+            if is_stopped() {
+                return None;
+            }
             let mut random = Pcg64::new(u128::from(settings.seed), beam as u128);
             let fibres = number.sample(&mut random) as usize;
             let mut strips = vec![vec![0.0; openings.len()]; settings.strips];
@@ -123,9 +128,10 @@ pub fn scatter(
             let laws: Vec<SectionLaw> = strips.iter().map(law).collect();
             let tested = Beam::new(*geometry, &laws, &composite.matrix);
             let loads: Vec<Load> = cmods.iter().map(|&cmod| tested.at(cmod)).collect();
-            (fibres, bridging, loads, tested.residual())
+            Some((fibres, bridging, loads, tested.residual()))
         })
         .collect();
+    let Some(made) = made else { return Ok(None) };
     let mut beams = Beams::default();
     for (fibres, bridging, loads, residual) in made {
         beams.fibres.push(fibres);
@@ -133,7 +139,7 @@ pub fn scatter(
         beams.loads.push(loads);
         beams.residual.push(residual);
     }
-    Ok(beams)
+    Ok(Some(beams))
 }
 
 /// The value that a part of the values is below, straight between order statistics.

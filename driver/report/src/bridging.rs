@@ -12,6 +12,7 @@ use pullout_case::Case;
 use pullout_run::bridging::{BridgingProgram, Results};
 use pullout_run::columns::{self, BEAM, BRIDGING, Column, Group, SCATTER};
 use pullout_run::number;
+use pullout_run::signals;
 use std::f64::consts::FRAC_PI_2;
 use std::io;
 
@@ -53,7 +54,11 @@ pub fn conclude(
     let results = done.as_ref().ok().map(|(.., results)| *results);
     let own = case.about().warnings.iter();
     let summary = Summary {
-        status: if done.is_ok() { Status::Done } else { Status::Failed },
+        status: match (&done, signals::received()) {
+            (Ok(_), _) => Status::Done,
+            (Err(_), Some(_)) => Status::Interrupted,
+            (Err(_), None) => Status::Failed,
+        },
         message: done.as_ref().err().cloned(),
         title: case.about().title.clone(),
         wall_time_s,

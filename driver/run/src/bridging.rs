@@ -4,6 +4,7 @@ use crate::columns::{self, BEAM, BRIDGING, Group};
 use crate::columns::{BeamRow, BridgingRow, ScatterRow};
 use crate::number::significant;
 use crate::program::About;
+use crate::signals::{self, Interrupt};
 use pullout_bridging::{
     Average, Beam, Beams, Bond, BridgingFibre, Composite, Curve, Fibre, Inclination, Invalid, Load, Matrix,
     ModelCode2010, NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides, StrengthClass, Table,
@@ -496,7 +497,10 @@ fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<Results,
             },
         });
         if let Some(settings) = &program.scatter {
-            let beams = scatter(composite, geometry, &openings, &cmods, settings).map_err(told)?;
+            let is_stopped = || signals::received().is_some();
+            let beams = scatter(composite, geometry, &openings, &cmods, settings, &is_stopped).map_err(told)?;
+            let interrupted = || format!("interrupted by {}", signals::received().map_or("a signal", Interrupt::words));
+            let beams = beams.ok_or_else(interrupted)?;
             for row in &mut rows {
                 let k = openings.partition_point(|opening| *opening < row.fibres.opening);
                 let stresses: Vec<f64> = beams.bridging.iter().map(|beam| beam[k]).collect();

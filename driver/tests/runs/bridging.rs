@@ -288,3 +288,25 @@ fn the_claims_have_their_verdicts() {
 fn the_claims_about_tests_have_their_verdicts() {
     have_their_verdicts(&[("tests", 4)]);
 }
+
+/// A million beams take minutes; a signal ends them at once.
+#[test]
+fn scatter_heeds_signals() {
+    use crate::program::{command, send};
+    use rustix::process::Signal;
+    use std::time::{Duration, Instant};
+    let desk = Desk::new();
+    let case = cases().join("bridging/closed.json");
+    let mut process = command();
+    process.current_dir(desk.path("")).args(["run", "--quiet", "--out", "out", "--set", "scatter={\"beams\":1000000}"]);
+    let mut child = process.args(["--set", "beam={}"]).arg(case).spawn().expect("the program starts");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !desk.path("out").exists() {
+        assert!(Instant::now() < deadline && child.try_wait().expect("a child").is_none(), "no results");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    send(Signal::TERM, child.id());
+    assert_eq!(child.wait().expect("an end").code(), Some(143));
+    assert_eq!(json(&desk.path("out/summary.json"))["status"], "interrupted");
+}

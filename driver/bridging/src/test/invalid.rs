@@ -52,7 +52,8 @@ fn numbers_without_sense_are_refused_with_their_place() {
     assert_eq!(place(NotchedBeam { notch: 200.0, ..NotchedBeam::default() }.check()), "beam.notch");
     assert_eq!(place(Scatter { beams: 0, ..Scatter::default() }.check()), "scatter.beams");
     let plane = pulled_out(fibre(), &Orientation::Planar);
-    let openings = |openings: &[f64]| scatter(&plane, &NotchedBeam::default(), openings, &[], &Scatter::default());
+    let openings =
+        |openings: &[f64]| scatter(&plane, &NotchedBeam::default(), openings, &[], &Scatter::default(), &|| false);
     assert_eq!(place(openings(&[0.1, 1.0])), "openings");
     assert_eq!(place(openings(&[0.0, 1.0, 1.0])), "openings");
     assert_eq!(place(Matrix { softening: Softening::Hordijk, ..matrix() }.check()), "matrix.Gf");

@@ -24,7 +24,9 @@ fn scatter_of_the_first_load_is_that_of_a_compound_poisson_sum() {
         let g = |f: f64| 2.0 * (1.0 + (0.5 * std::f64::consts::PI * f).exp()) / (4.0 + f * f);
         let expected = (4.0 / 3.0 * g(2.0 * f) / (g(f) * g(f)) / number).sqrt();
         let settings = Scatter { beams: 4000, bond_cv: 0.0, strength_cv: 0.0, strips: 1, seed };
-        let beams = scatter(&composite, &NotchedBeam::default(), &openings(15.0, 10), &[], &settings).expect("beams");
+        let beams = scatter(&composite, &NotchedBeam::default(), &openings(15.0, 10), &[], &settings, &|| false)
+            .expect("sense")
+            .expect("beams");
         let loads: Vec<f64> = beams.bridging.iter().map(|beam| beam[0]).collect();
         let (mean, deviation) = mean_and_deviation(&loads);
         let of_mean = deviation / (4000.0_f64).sqrt();
@@ -45,7 +47,9 @@ fn means_are_those_of_the_quadrature_at_all_openings() {
     let composite = pulled_out(fibre, &Orientation::Random3d);
     let settings = Scatter { beams: 1000, bond_cv: 0.0, strength_cv: 0.0, strips: 5, seed: 11 };
     let openings = openings(15.0, 40);
-    let beams = scatter(&composite, &NotchedBeam::default(), &openings, &[], &settings).expect("beams");
+    let beams = scatter(&composite, &NotchedBeam::default(), &openings, &[], &settings, &|| false)
+        .expect("sense")
+        .expect("beams");
     for k in [0, 5, 15, 25] {
         let (mean, deviation) = mean_and_deviation(&beams.bridging.iter().map(|beam| beam[k]).collect::<Vec<_>>());
         let expected = composite.average(openings[k]).stress;
@@ -60,20 +64,30 @@ fn any_number_of_threads_makes_the_same_beams() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
-            scatter(&composite, &NotchedBeam::default(), &openings(4.0, 30), &[0.5, 2.5], &settings).expect("beams")
+            scatter(&composite, &NotchedBeam::default(), &openings(4.0, 30), &[0.5, 2.5], &settings, &|| false)
+                .expect("sense")
+                .expect("beams")
         })
     };
     assert_eq!(with(1), with(3));
-    let other =
-        scatter(&composite, &NotchedBeam::default(), &openings(4.0, 30), &[0.5, 2.5], &Scatter { seed: 2, ..settings });
-    assert_ne!(with(1), other.expect("beams"));
+    let other = scatter(
+        &composite,
+        &NotchedBeam::default(),
+        &openings(4.0, 30),
+        &[0.5, 2.5],
+        &Scatter { seed: 2, ..settings },
+        &|| false,
+    );
+    assert_ne!(with(1), other.expect("sense").expect("beams"));
 }
 
 #[test]
 fn strengths_of_beams_lie_about_that_of_the_mean_law() {
     let composite = pulled_out(fibre(), &Orientation::Random3d);
     let settings = Scatter { beams: 300, ..Scatter::default() };
-    let beams = scatter(&composite, &NotchedBeam::default(), &openings(4.0, 60), &[], &settings).expect("beams");
+    let beams = scatter(&composite, &NotchedBeam::default(), &openings(4.0, 60), &[], &settings, &|| false)
+        .expect("sense")
+        .expect("beams");
     let law = composite.law_to(4.0, 200);
     let section = [SectionLaw::new(&matrix(), &law, 62.5)];
     let mean = Beam::new(NotchedBeam::default(), &section, &matrix()).residual();
@@ -90,4 +104,16 @@ fn quantiles_lie_between_order_statistics() {
     assert_eq!(quantile(&[3.0, 1.0, 2.0], 0.5), 2.0);
     assert_eq!(quantile(&[1.0, 2.0], 0.25), 1.25);
     assert!(quantile(&[], 0.5).is_nan());
+}
+
+#[test]
+fn beams_are_not_made_any_more_once_that_is_wanted() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let composite = pulled_out(fibre(), &Orientation::Random3d);
+    let settings = Scatter { beams: 100_000, ..Scatter::default() };
+    let asked = AtomicUsize::new(0);
+    let is_stopped = || asked.fetch_add(1, Ordering::Relaxed) >= 3;
+    let beams = scatter(&composite, &NotchedBeam::default(), &openings(4.0, 10), &[], &settings, &is_stopped);
+    assert!(beams.expect("sense").is_none());
+    assert!(asked.load(Ordering::Relaxed) < 1000, "{asked:?}");
 }
