@@ -1,13 +1,15 @@
 //! Ctrl-C and SIGTERM: a run ends with its present increment, keeps what it has, and says so. And SIGXFSZ, which becomes
 //! an error of the write that met the limit.
 
-use rustix::process::{Pid, Signal, kill_process};
-use signal_hook::consts::{SIGINT, SIGTERM, SIGXFSZ};
+use rustix::process::{Pid, Signal, kill_process, kill_process_group};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGTSTP, SIGXFSZ};
 use signal_hook::flag;
+use signal_hook::low_level::emulate_default_handler;
+use std::collections::BTreeSet;
 use std::io;
 use std::process::Child;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 
 /// The number of the last signal; 0: none.
 static RECEIVED: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
@@ -40,11 +42,64 @@ impl Interrupt {
 
     /// Sends it to a child, which may have met it already: to hear of it twice is all the same to a child.
     pub fn pass_on_to(self, child: &Child) {
-        let signal = if self == Self::Terminal { Signal::INT } else { Signal::TERM };
         if let Some(pid) = i32::try_from(child.id()).ok().and_then(Pid::from_raw) {
-            // one that has ended needs none
-            let _ = kill_process(pid, signal);
+            self.send(pid);
         }
+    }
+
+    /// Sends it to a process.
+    pub(crate) fn send(self, process: Pid) {
+        let signal = if self == Self::Terminal { Signal::INT } else { Signal::TERM };
+        // one that has ended needs none
+        let _ = kill_process(process, signal);
+    }
+}
+
+/// Whether Ctrl-Z was pressed while there are companions.
+static PAUSED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+/// Whether there are none: Ctrl-Z does what it usually does.
+static IS_ALONE: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| Arc::new(AtomicBool::new(true)));
+static COMPANIONS: Mutex<BTreeSet<i32>> = Mutex::new(BTreeSet::new());
+
+fn companions() -> MutexGuard<'static, BTreeSet<i32>> {
+    COMPANIONS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A process group that the terminal does not know: it stops at Ctrl-Z with this process, and goes on with it.
+pub(crate) struct Companion(Pid);
+
+impl Companion {
+    pub fn new(group: Pid) -> Self {
+        let mut companions = companions();
+        if companions.is_empty() {
+            PAUSED.store(false, Ordering::Relaxed);
+        }
+        companions.insert(group.as_raw_nonzero().get());
+        IS_ALONE.store(false, Ordering::Relaxed);
+        Self(group)
+    }
+
+    /// Stops this process and all companions if Ctrl-Z was pressed, until it is continued.
+    pub fn pause_if_asked(&self) {
+        if PAUSED.swap(false, Ordering::Relaxed) {
+            let companions = companions();
+            let tell = |signal| {
+                for group in companions.iter().filter_map(|group| Pid::from_raw(*group)) {
+                    let _ = kill_process_group(group, signal);
+                }
+            };
+            tell(Signal::STOP);
+            let _ = emulate_default_handler(SIGTSTP);
+            tell(Signal::CONT);
+        }
+    }
+}
+
+impl Drop for Companion {
+    fn drop(&mut self) {
+        let mut companions = companions();
+        companions.remove(&self.0.as_raw_nonzero().get());
+        IS_ALONE.store(companions.is_empty(), Ordering::Relaxed);
     }
 }
 
@@ -74,6 +129,10 @@ pub fn listen(second_ends: bool) -> io::Result<()> {
             flag::register(signal, Arc::clone(&again))?;
         }
         flag::register_usize(signal, Arc::clone(&RECEIVED), signal as usize)?;
+    }
+    if !is_ignored(SIGTSTP) {
+        flag::register_conditional_default(SIGTSTP, Arc::clone(&IS_ALONE))?;
+        flag::register(SIGTSTP, Arc::clone(&PAUSED))?;
     }
     Ok(())
 }

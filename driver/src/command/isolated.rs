@@ -156,11 +156,11 @@ fn conclude(
     if failure.has_rows {
         let text = serde_json::to_string(&aftermath)?;
         let command = arguments.of_worker(file, directory.path(), Some(&text));
-        let expected = signals::received().map_or(FAILED, signals::Interrupt::exit_code);
-        let end = isolation::supervise(&Job { command: &command, ..Job::default() }, need)?;
-        // it has said why
-        if matches!(end, End::Done(code) if code == FAILED || code == expected) {
-            return Ok(expected);
+        // the worker hears of the signal too, before it tells of its end or after
+        let own = signals::received().map_or(FAILED, signals::Interrupt::exit_code);
+        match isolation::supervise(&Job { command: &command, ..Job::default() }, need)? {
+            End::Done(code) if code == FAILED || code == own => return Ok(own),
+            End::Done(_) | End::Failed(_) => {}
         }
         directory.reread()?;
     }
@@ -192,6 +192,9 @@ fn fail(file: &Path, failure: &Failure, message: &str) -> u8 {
 fn refuse_to_start(file: &Path, error: &io::Error) -> u8 {
     let file = file.display();
     complain(match error.kind() {
+        _ if isolation::is_out_of_descriptors(error) => format!(
+            "{file}: the system's limit of open files (ulimit -n) leaves no room for the process that calls the plugin: raise it"
+        ),
         io::ErrorKind::FileTooLarge => format!(
             "{file}: the system's limit of the size of files (ulimit -f) leaves no room for what two processes share: raise \
              it, as results may need more as well"
@@ -204,6 +207,6 @@ fn refuse_to_start(file: &Path, error: &io::Error) -> u8 {
 }
 
 /// Does what a worker is there for.
-pub(super) fn work(task: &Task) -> Result<u8, Refusal> {
-    worker::work(task, || super::act_on(&task.command)).map_err(Refusal::failed)
+pub(super) fn work(task: &Task) -> Refusal {
+    Refusal::failed(worker::work(task, || super::act_on(&task.command)))
 }

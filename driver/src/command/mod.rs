@@ -285,7 +285,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         Command::Fit(fit) => fit::act(&fit, line),
         Command::Bench(arguments) => Err(bench::run(&arguments)),
         Command::Props { law } => props::print(&law),
-        Command::Worker(task) => isolated::work(&task),
+        Command::Worker(task) => Err(isolated::work(&task)),
         Command::Pages { share } => pages::write(&share),
     };
     done.unwrap_or_else(Refusal::told)

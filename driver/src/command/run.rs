@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     #[arg(required = true, value_name = "CASE.json")]
     cases: Vec<PathBuf>,
     /// Result directory (of several cases: their parent).
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
     #[arg(long)]
@@ -46,7 +46,7 @@ pub(super) struct Arguments {
     pub(super) interruption: Interruption,
     /// Threads that share the work of a case of kind "pullout"; default: the number of processors. The results have the
     /// same bits with any number.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
     threads: Option<NonZeroUsize>,
     /// Write increments.json: what a case that repeats the increments of this run names as "increments": {"recorded": FILE}.
     #[arg(long, conflicts_with = "restart")]
@@ -67,6 +67,11 @@ pub(super) struct Arguments {
     /// Aftermath of the run of a worker that was ended, as JSON: nothing is run, the results are made of its rows.
     #[arg(long, hide = true)]
     aftermath: Option<String>,
+}
+
+/// Number of threads.
+fn at_least_one(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "a number from 1 on is needed".into())
 }
 
 impl Arguments {
@@ -356,6 +361,11 @@ fn run_case(
     };
     record.recorded = telling.records.then(Recorded::default);
     let Followed { statistics, result, mut specimen } = follow(case, &mut record, &folder, checkpoints);
+    match &result {
+        // it may be a plugin that took the right to write
+        Err(Stop::Write(_)) => worker::end_if_spoilt(),
+        _ => worker::look_after_plugins(),
+    }
     // those of a run that was not at its end would repeat a part of it
     if let Some(recorded) = record.recorded.take().filter(|_| result.is_ok() && !record.was_ended()) {
         directory.write("increments.json", serde_json::to_string(&recorded)?)?;

@@ -15,7 +15,6 @@ use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use wait_timeout::ChildExt;
 
 /// File in a result directory that says which case it is of.
 const MARK: &str = "run.json";
@@ -131,7 +130,7 @@ impl Execution<'_> {
         let mut child = isolation::spawn(command)?;
         let mut passed_on = false;
         let status = loop {
-            if let Some(status) = child.wait_timeout(POLL)? {
+            if let Some(status) = isolation::wait_for(&mut child, POLL)? {
                 break status;
             }
             if let Some(interrupt) = signals::received()

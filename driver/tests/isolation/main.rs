@@ -32,6 +32,15 @@ enum Fault {
     CloseStdout,
     Print,
     HangAtExit,
+    ForkMany,
+    ForkApart,
+    ForkAndHang,
+    TraceItself,
+    TraceAndCrash,
+    KillGroup,
+    ChangeUser,
+    FewDescriptors,
+    SmallFiles,
 }
 
 /// Young's modulus of the sources, MPa.

@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -26,6 +27,9 @@
 /* `Fault` in main.rs numbers the first ones; the suite of hostile plugins has them all, in this order */
 enum fault {
     NONE, EXIT_0, EXIT_7, ABORT, WILD_POINTER, ENDLESS_LOOP, STACK, TRAP, CLOSE_STDOUT, PRINT, HANG_AT_EXIT,
+    /* processes that would stay, users, limits */
+    FORK_MANY, FORK_APART, FORK_AND_HANG, TRACE_ITSELF, TRACE_AND_CRASH, KILL_GROUP, CHANGE_USER, FEW_DESCRIPTORS,
+    SMALL_FILES,
     /* ways to end */
     QUICK_EXIT, EXIT_AT_ONCE, THREAD_EXIT, KILL_ITSELF, RAISE_SEGV, RAISE_XFSZ, RAISE_ALARM, STACK_SMASHED, FREED_TWICE,
     ABORT_AT_EXIT, SEGV_AT_EXIT, EXIT_5_AT_EXIT,
@@ -138,6 +142,48 @@ static void end(enum fault fault)
     }
 }
 
+static void fork_many(void)
+{
+    for (int i = 0; i < 200; i++)
+        if (fork() == 0)
+            execl("/bin/sleep", "sleep", "300", NULL), _exit(1);
+}
+
+/* a daemon: of another session, and nobody's child */
+static void fork_apart(void)
+{
+    pid_t child = fork();
+    if (child == 0) {
+        setsid();
+        if (fork() == 0)
+            execl("/bin/sleep", "sleep", "300", NULL), _exit(1);
+        _exit(0);
+    }
+    waitpid(child, NULL, 0);
+}
+
+static void limit(int resource, rlim_t value)
+{
+    struct rlimit limits = { value, value };
+    setrlimit(resource, &limits);
+}
+
+static void spoil_run(enum fault fault)
+{
+    switch (fault) {
+    case FORK_MANY: fork_many(); break;
+    case FORK_APART: fork_apart(); break;
+    case FORK_AND_HANG: fork_many(), fork_apart(), hang(); break;
+    case TRACE_ITSELF: ptrace(PTRACE_TRACEME, 0, NULL, NULL); break;
+    case TRACE_AND_CRASH: ptrace(PTRACE_TRACEME, 0, NULL, NULL), segv(); break;
+    case KILL_GROUP: kill(0, SIGKILL); break;
+    case CHANGE_USER: if (setgid(65534) != 0 || setuid(65534) != 0) exit(77); break;
+    case FEW_DESCRIPTORS: limit(RLIMIT_NOFILE, 3); break;
+    case SMALL_FILES: limit(RLIMIT_FSIZE, 1); break;
+    default: break;
+    }
+}
+
 static void spoil_process(enum fault fault)
 {
     pid_t child;
@@ -231,6 +277,7 @@ static void misbehave(enum fault fault, const struct arguments *a)
     }
     (void)sink;
     end(fault);
+    spoil_run(fault);
     spoil_process(fault);
     if (a) {
         store(fault, a);

@@ -129,9 +129,7 @@ pub(super) fn worker(child: &mut Child, history: &Path) -> Option<u32> {
         assert!(Instant::now() < deadline && child.try_wait().expect("a child").is_none(), "no rows");
         std::thread::sleep(Duration::from_millis(2));
     }
-    let tasks = std::fs::read_dir(format!("/proc/{}/task", child.id())).expect("threads");
-    let children = tasks.flatten().filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
-    children.flat_map(|text| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>()).next()?.parse().ok()
+    worker_of(child.id())
 }
 
 fn long_run(desk: &Desk, isolate: bool) -> Child {
@@ -196,15 +194,27 @@ fn no_worker_outlives_its_supervisor() {
     }
 }
 
-/// The first Ctrl-C asks a run to end with its increment; one that hangs in a call ends at the second, with its worker.
-#[test]
-fn a_second_signal_ends_a_run_that_hangs() {
-    let desk = Desk::new();
-    if !compiled(&desk, "misbehaving.c", "misbehaving") {
-        return;
-    }
-    desk.case("case.json", &point(material("misbehaving", Fault::EndlessLoop as u32)));
+/// The worker of a supervisor: the child of its keeper.
+fn worker_of(supervisor: u32) -> Option<u32> {
+    let only_child = |process: u32| {
+        let tasks = std::fs::read_dir(format!("/proc/{process}/task")).ok()?.flatten();
+        let children = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+        children.collect::<String>().split_whitespace().next()?.parse().ok()
+    };
+    only_child(only_child(supervisor)?)
+}
+
+/// The state of a process as the kernel has it; `Z` if it is none.
+fn state(process: u32) -> char {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    stat.rsplit_once(") ").and_then(|(_, rest)| rest.chars().next()).unwrap_or('Z')
+}
+
+/// Starts a run whose plugin makes a fault that hangs, and waits until it does.
+fn hanging(desk: &Desk, fault: Fault) -> (Child, u32) {
+    desk.case("case.json", &point(material("misbehaving", fault as u32)));
     let mut process = command();
+    process.env("HANGING", desk.path("")).stderr(Stdio::piped());
     process.current_dir(desk.path("")).args(["run", "--quiet", "--out", "out", "case.json"]);
     let mut child = process.spawn().expect("the program starts");
     // a header and the seven states before the call that does not return
@@ -214,18 +224,180 @@ fn a_second_signal_ends_a_run_that_hangs() {
         assert!(Instant::now() < deadline && child.try_wait().expect("a child").is_none(), "no rows");
         std::thread::sleep(Duration::from_millis(2));
     }
-    let tasks = std::fs::read_dir(format!("/proc/{}/task", child.id())).expect("threads");
-    let children = tasks.flatten().filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
-    let worker: u32 = children.collect::<String>().trim().parse().expect("one worker");
-    // SIGINT may be ignored by what started the tests
-    send(Signal::TERM, child.id());
-    std::thread::sleep(Duration::from_millis(200));
-    assert!(Path::new(&format!("/proc/{worker}")).exists(), "the first signal is passed on, and waits for the call");
+    let worker = worker_of(child.id()).expect("a worker");
+    (child, worker)
+}
+
+/// Asserts that nothing of a run of this desk is alive two seconds later.
+fn nothing_is_left(desk: &Desk) {
+    let mark = format!("HANGING={}", desk.path("").display());
+    let deadline = Instant::now() + Duration::from_secs(2);
+    let is_of_it = |process: &std::fs::DirEntry| {
+        let variables = std::fs::read(process.path().join("environ")).unwrap_or_default();
+        variables.split(|byte| *byte == 0).any(|variable| variable == mark.as_bytes())
+    };
+    loop {
+        let left: Vec<_> = std::fs::read_dir("/proc").expect("processes").flatten().filter(is_of_it).collect();
+        if left.is_empty() {
+            return;
+        }
+        assert!(Instant::now() < deadline, "{left:?} live on");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// One SIGTERM is enough, also while a call hangs; what the plugin started ends with it.
+#[test]
+fn one_signal_ends_a_run_that_hangs() {
+    let desk = Desk::new();
+    if !compiled(&desk, "misbehaving.c", "misbehaving") {
+        return;
+    }
+    for fault in [Fault::EndlessLoop, Fault::ForkAndHang] {
+        let (child, worker) = hanging(&desk, fault);
+        std::thread::sleep(Duration::from_millis(100));
+        let start = Instant::now();
+        // SIGINT may be ignored by what started the tests
+        send(Signal::TERM, child.id());
+        std::thread::sleep(Duration::from_millis(200));
+        assert_ne!(state(worker), 'Z', "the signal is passed on, and waits for the call");
+        let output = child.wait_with_output().expect("an end");
+        let time = start.elapsed();
+        assert_eq!(output.status.code(), Some(143));
+        assert!(time < Duration::from_secs(if cfg!(debug_assertions) { 4 } else { 2 }), "{time:?}");
+        let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(stderr.lines().count(), 1, "{stderr}");
+        assert!(stderr.contains("interrupted by SIGTERM") && stderr.contains("'misbehaving'"), "{stderr}");
+        assert_eq!(json(&desk.path("out/summary.json"))["status"], "interrupted");
+        assert_eq!(Table::read(&desk.path("out/history.csv")).rows.len(), 8);
+        nothing_is_left(&desk);
+    }
+}
+
+/// The second signal ends all at once, and so does SIGKILL.
+#[test]
+fn what_a_plugin_started_ends_with_the_supervisor() {
+    let desk = Desk::new();
+    if !compiled(&desk, "misbehaving.c", "misbehaving") {
+        return;
+    }
+    for (signals, code) in [(&[Signal::TERM, Signal::TERM][..], Some(143)), (&[Signal::KILL], None)] {
+        let (child, worker) = hanging(&desk, Fault::ForkAndHang);
+        for signal in signals {
+            send(*signal, child.id());
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        assert_eq!(child.wait_with_output().expect("an end").status.code(), code);
+        nothing_is_left(&desk);
+        assert_eq!(state(worker), 'Z');
+        assert_eq!(Table::read(&desk.path("out/history.csv")).rows.len(), 8);
+    }
+}
+
+/// What a plugin started, as its child or as a daemon, ends with the run or at the limit of its call, and a thread that
+/// traces itself is no reason to wait.
+#[test]
+fn what_a_plugin_started_ends_with_the_run() {
+    let desk = Desk::new();
+    if !compiled(&desk, "misbehaving.c", "misbehaving") {
+        return;
+    }
+    for (fault, code, words) in [
+        (Fault::ForkMany, 0, ""),
+        (Fault::ForkApart, 0, ""),
+        (Fault::TraceItself, 0, ""),
+        (Fault::TraceAndCrash, 1, "SIGSEGV"),
+        (Fault::ForkAndHang, 1, "did not return within 0.5 s"),
+        (Fault::KillGroup, 1, "SIGKILL"),
+        (Fault::SmallFiles, 1, "it lowered the limit of the size of files"),
+    ] {
+        let mut material = material("misbehaving", fault as u32);
+        material["call_time_limit_s"] = json!(0.5);
+        desk.case("case.json", &point(material));
+        let mut process = command();
+        process.env("HANGING", desk.path("")).current_dir(desk.path("")).args(["run", "--quiet", "case.json"]);
+        let output = process.output().expect("an end");
+        let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(code), "{stderr}");
+        assert_eq!(stderr.lines().count(), usize::from(code > 0), "{stderr}");
+        assert!(
+            stderr.contains(words) && (code == 0 || stderr.contains("'misbehaving', step 2, increment 3")),
+            "{stderr}"
+        );
+        let status = json(&desk.path("out/case/summary.json"))["status"].clone();
+        assert_eq!(status, if code == 0 { "done" } else { "failed" });
+        nothing_is_left(&desk);
+    }
+}
+
+/// The capability of lifting limits.
+const CAP_SYS_RESOURCE: u32 = 24;
+
+/// Only the superuser can become somebody else, and only with a capability can limits be lifted again.
+#[test]
+fn a_plugin_that_changes_the_user_or_limits_is_named() {
+    let desk = Desk::new();
+    if !compiled(&desk, "misbehaving.c", "misbehaving") {
+        return;
+    }
+    let is_superuser = rustix::process::geteuid().is_root();
+    let user = if is_superuser { (1, "it changed the user") } else { (1, "exit code 77") };
+    let capabilities = std::fs::read_to_string("/proc/self/status").expect("a status");
+    let capabilities = capabilities.lines().find_map(|line| line.strip_prefix("CapEff:")).expect("capabilities");
+    let may_lift = u64::from_str_radix(capabilities.trim(), 16).expect("bits") >> CAP_SYS_RESOURCE & 1 == 1;
+    let limit = if may_lift { (0, "") } else { (1, "it lowered the limit of open files") };
+    for (fault, (code, words)) in [(Fault::ChangeUser, user), (Fault::FewDescriptors, limit)] {
+        let case = desk.case("case.json", &point(material("misbehaving", fault as u32)));
+        let run = desk.run(&case, &[], "out", code);
+        assert!(run.outcome.stderr.contains(words), "{}", run.outcome.stderr);
+        assert_eq!(run.outcome.stderr.lines().count(), usize::from(code > 0), "{}", run.outcome.stderr);
+        assert_eq!(run.summary["status"], if code == 0 { "done" } else { "failed" });
+    }
+}
+
+/// A run without descriptors says so.
+#[test]
+fn few_descriptors_are_named() {
+    let desk = Desk::new();
+    if !compiled(&desk, "misbehaving.c", "misbehaving") {
+        return;
+    }
+    desk.case("case.json", &point(material("misbehaving", Fault::None as u32)));
+    for count in 4..24 {
+        let mut shell = std::process::Command::new("sh");
+        let line = format!("ulimit -n {count}; exec \"$0\" run --quiet --overwrite case.json");
+        let output = shell.args(["-c", &line, env!("CARGO_BIN_EXE_pullout")]).current_dir(desk.path("")).output();
+        let output = output.expect("a shell");
+        let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+        // the loader itself needs some
+        let is_started = !stderr.contains("shared libraries");
+        let code = output.status.code();
+        assert!(
+            !is_started || code == Some(0) || (matches!(code, Some(1 | 2)) && !stderr.is_empty()),
+            "{count}: {code:?} {stderr}"
+        );
+        assert!(!stderr.contains("panicked"), "{count}: {stderr}");
+    }
+}
+
+/// Ctrl-Z stops the worker, which the terminal does not know, with its supervisor.
+#[test]
+fn a_run_is_stopped_and_goes_on() {
+    let desk = Desk::new();
+    let mut child = long_run(&desk, true);
+    worker(&mut child, &desk.path("out/history.csv"));
+    let worker = worker_of(child.id()).expect("a worker");
+    let until = |is_stopped: bool| {
+        let deadline = Instant::now() + Duration::from_secs(60);
+        while [worker, child.id()].iter().any(|process| (state(*process) == 'T') != is_stopped) {
+            assert!(Instant::now() < deadline, "{} {}", state(worker), state(child.id()));
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    send(Signal::TSTP, child.id());
+    until(true);
+    send(Signal::CONT, child.id());
+    until(false);
     send(Signal::TERM, child.id());
     assert_eq!(child.wait().expect("an end").code(), Some(143));
-    while std::fs::read_to_string(format!("/proc/{worker}/stat")).is_ok_and(|stat| !stat.contains(") Z ")) {
-        assert!(Instant::now() < deadline, "the worker lives on");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    assert_eq!(Table::read(&history).rows.len(), 8);
 }

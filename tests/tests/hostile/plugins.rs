@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 /// Attempts of the short form.
 const SHORT: u64 = 60;
@@ -56,7 +57,7 @@ enum Class {
 use Class::{Fails, Harmless, InWords, NotLoaded, Warned};
 
 /// Each fault by its name in the source, what comes of it in a call, and when the library is loaded.
-const TABLE: [(&str, Class, Class); 73] = [
+const TABLE: [(&str, Class, Class); 82] = [
     ("NONE", Harmless, Harmless),
     ("EXIT_0", Fails("exit code 0"), NotLoaded("exit code 0")),
     ("EXIT_7", Fails("exit code 7"), NotLoaded("exit code 7")),
@@ -68,6 +69,16 @@ const TABLE: [(&str, Class, Class); 73] = [
     ("CLOSE_STDOUT", Fails(CLOSED), Harmless),
     ("PRINT", Fails("SIGABRT"), NotLoaded("SIGABRT")),
     ("HANG_AT_EXIT", Warned(BEHIND), Warned(BEHIND)),
+    ("FORK_MANY", Harmless, Harmless),
+    ("FORK_APART", Harmless, Harmless),
+    ("FORK_AND_HANG", Fails("did not return within 1 s"), NotLoaded("longer than 1 s")),
+    ("TRACE_ITSELF", Harmless, Harmless),
+    ("TRACE_AND_CRASH", Fails("SIGSEGV"), NotLoaded("SIGSEGV")),
+    ("KILL_GROUP", Fails("SIGKILL"), NotLoaded("SIGKILL")),
+    // only the superuser may become another one, and may lift a limit again
+    ("CHANGE_USER", InWords, InWords),
+    ("FEW_DESCRIPTORS", InWords, InWords),
+    ("SMALL_FILES", Fails("lowered the limit of the size of files"), InWords),
     ("QUICK_EXIT", Fails("exit code 0"), NotLoaded("exit code 0")),
     ("EXIT_AT_ONCE", Fails("exit code 0"), NotLoaded("exit code 0")),
     ("THREAD_EXIT", Fails(""), NotLoaded("")),
@@ -220,6 +231,32 @@ fn case(host: Host, fault: usize) -> Value {
     case
 }
 
+/// Variable by which processes of an attempt are known.
+const MARK: &str = "HOSTILE_ATTEMPT";
+/// Time in which everything that a plugin started must have ended.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Looks for processes that outlive an attempt.
+fn survivors(folder: &Path) -> Result<(), String> {
+    let mark = format!("{MARK}={}", folder.display());
+    let is_marked = |process: &fs::DirEntry| {
+        let variables = fs::read(process.path().join("environ")).unwrap_or_default();
+        variables.split(|byte| *byte == 0).any(|variable| variable == mark.as_bytes())
+    };
+    let start = Instant::now();
+    loop {
+        let processes = fs::read_dir("/proc").expect("processes").flatten();
+        let left: Vec<_> = processes.filter(is_marked).map(|process| process.file_name()).collect();
+        if left.is_empty() {
+            return Ok(());
+        }
+        if start.elapsed() > PATIENCE {
+            return Err(format!("{} processes live on: {left:?}", left.len()));
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
 /// A run, and what it left behind.
 struct Attempt {
     outcome: Outcome,
@@ -243,7 +280,10 @@ impl Attempt {
         if host == Host::Constructor {
             command.env(AT_LOADING, fault.to_string());
         }
+        // what it starts has this in its environment
+        command.env(MARK, folder);
         let ended = outcome(command)?;
+        survivors(folder)?;
         let is_contained = inventory(folder, &results) == before && !Path::new("/out").exists();
         let replay = results.join("replay.json").exists().then(|| {
             let arguments = ["run", "out/replay.json", "--quiet", "--set", "output.plots=false", "--out", "again"];

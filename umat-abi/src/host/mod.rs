@@ -20,6 +20,7 @@ mod prints;
 mod probe;
 pub mod recorder;
 mod routines;
+mod split;
 mod utilities;
 mod verdict;
 
@@ -46,5 +47,6 @@ pub use plugin_call::PluginCall;
 pub use prints::{flush_prints, print_by_lines, write_messages_to};
 pub use probe::{Alignment, Probed};
 pub use routines::{Clock, ExternalDatabases};
+pub use split::split;
 pub use utilities::{UTILITIES, announce_job, utilities_path};
 pub use verdict::{CallFailure, judge};

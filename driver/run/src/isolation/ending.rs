@@ -1,6 +1,7 @@
 //! Causes of a worker's end, and their places, in words.
 
 use super::last_words::explanation;
+use super::spoilt::Spoilt;
 use super::{Need, trust};
 use crate::path::{FailedAt, FailureKind, Statistics};
 use crate::signals;
@@ -19,10 +20,10 @@ pub(super) enum Cause {
     Signal(i32),
     /// The supervisor: a call took longer than this, s.
     TimeLimit(f64),
-    /// The supervisor: a signal asked for the end, and the call did not come back.
-    Interrupted,
-    /// Itself: a plugin had closed what it writes to.
-    ClosedOutput,
+    /// The supervisor: a signal asked for the end, and a call did not come back in this time, s.
+    Interrupted(f64),
+    /// Itself: a plugin had changed the process.
+    Spoilt(Spoilt),
 }
 
 /// Findings about a worker's end.
@@ -66,15 +67,15 @@ impl Report {
         let unfinished = recording.unfinished_call();
         let trespass = recording.trespass().filter(|_| matches!(cause, Cause::Signal(_)));
         let happened = match (unfinished.is_some(), cause) {
-            (_, Cause::ClosedOutput) | (true, _) => cause.within_a_call(),
+            (_, Cause::Spoilt(_)) | (true, _) => cause.within_a_call(),
             (false, _) => format!("after this call, outside any other, {}", cause.outside_a_call()),
         };
         let call = unfinished.or_else(|| recording.last_call());
         let explanation = match cause {
             Cause::Exit(_) | Cause::Signal(_) => explanation(last_words, matches!(cause, Cause::Exit(_))),
-            Cause::TimeLimit(_) | Cause::Interrupted | Cause::ClosedOutput => None,
+            Cause::TimeLimit(_) | Cause::Interrupted(_) | Cause::Spoilt(_) => None,
         };
-        if let (Cause::ClosedOutput, Some(last)) = (cause, &call) {
+        if let (Cause::Spoilt(_), Some(last)) = (cause, &call) {
             // found behind the increment: any library may have done it that was not built with the program
             let suspects: Vec<_> = need.libraries.keys().filter(|library| !trust::is_shipped(library)).collect();
             if !suspects.contains(&&last.library) || suspects.len() > 1 {
@@ -163,7 +164,7 @@ fn occasion(lop: i32) -> &'static str {
 /// Returns the message about an end behind the done-mark, `None` if it was the usual one, or hurried by a signal: the results
 /// are complete.
 pub(super) fn behind_the_end(cause: Cause, code: u8, recording: &Recording) -> Option<String> {
-    let is_hurried = matches!(cause, Cause::TimeLimit(_)) && signals::received().is_some();
+    let is_hurried = matches!(cause, Cause::TimeLimit(_) | Cause::Interrupted(_)) && signals::received().is_some();
     if is_hurried || cause == Cause::Exit(code.into()) {
         return None;
     }
@@ -186,12 +187,8 @@ impl Cause {
             Self::TimeLimit(limit) => {
                 format!("it did not return within {limit} s and was ended (material.call_time_limit_s)")
             }
-            Self::Interrupted => "its call did not come back and was ended".into(),
-            Self::ClosedOutput => {
-                "it closed the standard output or another descriptor of the program's; the run was ended before a file of \
-                 results takes its place"
-                    .into()
-            }
+            Self::Interrupted(time) => format!("it did not return within {time} s after that and was ended"),
+            Self::Spoilt(spoilt) => spoilt.words(),
         }
     }
 
@@ -200,8 +197,8 @@ impl Cause {
             Self::Exit(code) => format!("the process ended with exit code {code}"),
             Self::Signal(signal) => format!("the process was ended by {}", signal_in_words(signal)),
             Self::TimeLimit(limit) => format!("the process did not end within {limit} s"),
-            Self::Interrupted => "the process did not end by itself".into(),
-            Self::ClosedOutput => "the standard output or another descriptor of the program's was closed".into(),
+            Self::Interrupted(time) => format!("the process did not end within {time} s after the signal"),
+            Self::Spoilt(spoilt) => format!("the process was ended: a plugin was called, and {}", spoilt.words()),
         }
     }
 

@@ -12,6 +12,8 @@
 //! supervisor   which cases need it? ── start worker ── watch ─────────────── message, replay, results ── exit code
 //!                (need, trust)           (supervisor)     │ exit, signal, time     (ending, replay)
 //!                                                         │
+//! keeper                    wait for worker and supervisor ─── end what plugins started, end like the worker
+//!                           (keeper)
 //! worker                    carry out a command line: rows, fields, plots; before each call its arguments … done-mark
 //!                           (worker)                       in shared memory (umat_abi::host::recorder)
 //! ```
@@ -24,6 +26,10 @@
 //! terminal: rows, progress and messages are its own. Its done-mark carries the exit code. Its end without the mark is a
 //! failure, with any exit code (Fortran's STOP gives 0). It dies with the supervisor.
 //!
+//! The **keeper** is the process that the supervisor starts; the worker is its copy, made before anything else is done. It
+//! is there so that nothing outlives a run: copies and programs that plugins start end with the worker, however that one or
+//! the supervisor ended.
+//!
 //! A run or a fit has one worker for all of it; `plugin check` has one for each group of checks, `plugin list` one for
 //! each library.
 //!
@@ -34,13 +40,16 @@
 //! # What is watched
 //!
 //! - the worker's end: exit code or signal;
+//! - signals: they are passed on, and what has not come back from a call a second later is ended;
 //! - the time of one call, `call_time_limit_s`: the recorder's sequence numbers are the heartbeat. Time in which the
 //!   supervisor was stopped itself does not count, nor in `plugin check` that in which the worker waited for a
 //!   processor; what the host computes between calls takes as long as it takes;
 //! - the standard output and the standard error, by the worker after each increment: if a plugin closes one, the next
 //!   file that is opened takes its number, and what is printed goes there;
 //! - copies of the worker that a plugin makes by `fork`: one that comes back from the call is ended there;
-//! - the folder in which the program works, and the mode of new files: restored behind what plugins do.
+//! - the folder in which the program works, the mode of new files and the limits of open files, their size, memory and
+//!   processes: restored behind what plugins do. Where the system does not let a limit be restored, or the user was changed,
+//!   the run ends.
 //!
 //! A library whose exit handlers end the worker after its done-mark takes nothing from the results, nor from the exit
 //! code: it is reported.
@@ -50,10 +59,19 @@
 //! one call does not have.
 
 mod ending;
+#[cfg(target_os = "linux")]
+mod keeper;
+#[cfg(not(target_os = "linux"))]
+mod keeper {
+    pub(super) fn work_below(_supervisor: u32) -> std::io::Result<()> {
+        Err(std::io::ErrorKind::Unsupported.into())
+    }
+}
 mod last_words;
 mod need;
 pub mod prints;
 pub(crate) mod replay;
+mod spoilt;
 mod supervisor;
 mod system;
 #[cfg(test)]
@@ -65,6 +83,9 @@ pub use ending::Aftermath;
 pub use last_words::Told;
 pub use need::{CALL_TIME_LIMIT, Need, locate, materials, need};
 pub use supervisor::{End, Failure, Job, supervise};
-pub use system::{die_with, identity, out_of_reach, program, set_program, shared_file, spawn, this_is_the_program};
+pub use system::{
+    die_with, identity, is_out_of_descriptors, out_of_reach, program, set_program, shared_file, spawn,
+    this_is_the_program, wait_for,
+};
 pub use trust::{all_are_let_in, is_shipped, let_all_in, let_in, load, look_where_it_was_built};
 pub use worker::Task;

@@ -3,11 +3,13 @@
 use super::ending::{Cause, Report, behind_the_end};
 use super::last_words::{LastWords, Told};
 use super::prints::{self, Echo};
+use super::spoilt::Spoilt;
 use super::worker::{COMMAND, Note};
 use super::{Need, replay, system};
 use crate::input;
 use crate::path::Statistics;
-use crate::signals;
+use crate::signals::{self, Companion};
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::cell::Cell;
 use std::ffi::OsString;
@@ -18,13 +20,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use umat_abi::host::recorder::{Beat, Recording};
-use wait_timeout::ChildExt;
-
-/// Longest time that a call may take on once a signal asks for the end.
-const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Time between two looks at the heartbeat.
 const POLL: Duration = Duration::from_millis(20);
+/// Time in which a call must come back once a signal has asked for the end.
+const GRACE: Duration = Duration::from_secs(1);
+/// Time in which a keeper must have ended what plugins started.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// Lets gfortran's runtime write each record at once: what a plugin printed is there if it then ends the process.
 const UNBUFFERED: &str = "GFORTRAN_UNBUFFERED_ALL";
@@ -81,7 +83,8 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let streams = streams()?;
     let handed_on = streams.iter().map(|(stream, _, content)| [stream, content]);
     let mut command = command(job, &path, handed_on)?;
-    command.stderr(Stdio::piped());
+    // signals of the terminal are passed on
+    command.stderr(Stdio::piped()).process_group(0);
     let mut child = system::spawn(command)?;
     let last_words = LastWords::of(&mut child, job.told);
     let mut echo = job.echo.map(Echo::of);
@@ -94,7 +97,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     tell();
     if ended.is_err() {
         // nothing watches it any more
-        let _ = child.kill();
+        let _ = end(&mut child, &recording);
     }
     let heard = last_words.heard();
     let ended = ended?;
@@ -102,7 +105,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let cause = match ended {
         Watched::Ended(status) => cause_of(status, &recording),
         Watched::Killed(limit) | Watched::OutOfTime(limit) => Cause::TimeLimit(limit),
-        Watched::Interrupted => Cause::Interrupted,
+        Watched::Interrupted => Cause::Interrupted(GRACE.as_secs_f64()),
     };
     if let Some(code) = recording.done() {
         if let Some(words) = behind_the_end(cause, code, &recording) {
@@ -164,10 +167,27 @@ enum Watched {
     Ended(ExitStatus),
     /// Was ended because one call took longer than this, s.
     Killed(f64),
-    /// Was ended because a signal asked for the end, and the call that was being made did not come back.
-    Interrupted,
     /// Was ended because all of it took longer than this, s.
     OutOfTime(f64),
+    /// Was ended because a call did not come back in [`GRACE`] after a signal.
+    Interrupted,
+}
+
+/// The process that calls the plugins, once it has said which it is.
+fn worker(recording: &Recording) -> Option<Pid> {
+    Pid::from_raw(i32::try_from(recording.note(Note::Process as usize)).ok()?)
+}
+
+/// Ends a worker, and with it its keeper and all that plugins started.
+fn end(child: &mut Child, recording: &Recording) -> io::Result<()> {
+    if let Some(worker) = worker(recording) {
+        let _ = kill_process(worker, Signal::KILL);
+        if system::wait_for(child, PATIENCE)?.is_some() {
+            return Ok(());
+        }
+    }
+    child.kill()?;
+    child.wait().map(drop)
 }
 
 fn watch(
@@ -179,39 +199,39 @@ fn watch(
 ) -> io::Result<Watched> {
     let mut heartbeat = Heartbeat::default();
     let (mut clock, mut last) = (Clock::default(), Instant::now());
-    let mut interrupted: Option<Instant> = None;
+    let mut companion = None;
+    let mut passed_on = None;
     loop {
-        if let Some(status) = child.wait_timeout(POLL)? {
+        if let Some(status) = system::wait_for(child, POLL)? {
             return Ok(Watched::Ended(status));
         }
         look();
-        if let Some(interrupt) = signals::received()
-            && interrupted.is_none()
-        {
-            interrupted = Some(Instant::now());
-            interrupt.pass_on_to(child);
+        if let Some(worker) = worker(recording) {
+            companion.get_or_insert_with(|| Companion::new(worker)).pause_if_asked();
+            if let Some(interrupt) = signals::received().filter(|_| passed_on.is_none()) {
+                passed_on = Some(Instant::now());
+                interrupt.send(worker);
+            }
         }
-        if interrupted.is_some_and(|since| since.elapsed() > PATIENCE) && heartbeat.longest() > PATIENCE {
-            child.kill()?;
-            child.wait()?;
-            return Ok(Watched::Interrupted);
-        }
-        let waited = job.time_limit.map_or(Duration::ZERO, |_| system::waiting_time(child.id()));
+        let waited =
+            job.time_limit.map_or(Duration::ZERO, |_| system::waiting_time(recording.note(Note::Process as usize)));
         let passed = clock.count(last.elapsed(), waited);
         last = Instant::now();
         if let Some(spent) = job.spent {
             spent.set(clock.counted);
         }
-        if let Some(limit) = heartbeat.overdue(recording, need, passed) {
-            child.kill()?;
-            child.wait()?;
-            return Ok(Watched::Killed(limit));
-        }
-        if let Some(limit) = job.time_limit.filter(|limit| clock.counted > *limit) {
-            child.kill()?;
-            child.wait()?;
-            return Ok(Watched::OutOfTime(limit.as_secs_f64()));
-        }
+        let overdue = heartbeat.overdue(recording, need, passed);
+        let watched = if let Some(limit) = overdue {
+            Watched::Killed(limit)
+        } else if passed_on.is_some_and(|since| since.elapsed() > GRACE) && heartbeat.longest() > GRACE {
+            Watched::Interrupted
+        } else if let Some(limit) = job.time_limit.filter(|limit| clock.counted > *limit) {
+            Watched::OutOfTime(limit.as_secs_f64())
+        } else {
+            continue;
+        };
+        end(child, recording)?;
+        return Ok(watched);
     }
 }
 
@@ -247,7 +267,7 @@ struct Heartbeat {
 }
 
 impl Heartbeat {
-    /// Time for which the call that has been pending longest was seen to be.
+    /// How long what has lasted longest has been pending.
     fn longest(&self) -> Duration {
         self.pending.iter().map(|(_, time)| *time).max().unwrap_or_default()
     }
@@ -278,9 +298,9 @@ impl Heartbeat {
 }
 
 fn cause_of(status: ExitStatus, recording: &Recording) -> Cause {
-    match status.signal() {
-        _ if recording.note(Note::ClosedOutput as usize) == 1 => Cause::ClosedOutput,
-        Some(signal) => Cause::Signal(signal),
-        None => Cause::Exit(status.code().unwrap_or_default()),
+    match (Spoilt::of_number(recording.note(Note::Spoilt as usize)), status.signal()) {
+        (Some(spoilt), _) => Cause::Spoilt(spoilt),
+        (None, Some(signal)) => Cause::Signal(signal),
+        (None, None) => Cause::Exit(status.code().unwrap_or_default()),
     }
 }

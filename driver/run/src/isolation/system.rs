@@ -2,14 +2,18 @@
 
 use crate::input::{self, Input};
 use rustix::event::{PollFd, PollFlags, Timespec};
+use rustix::io::Errno;
 use std::fs::{DirEntry, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command};
+use std::process::{Child, Command, ExitStatus};
 use std::sync::mpsc::{self, Sender};
 use std::sync::{Mutex, OnceLock, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use umat_abi::host;
+
+/// Time between two looks at a child where the system does not tell of its end.
+const MOMENT: Duration = Duration::from_millis(1);
 
 /// Whether this system has the means that isolation needs.
 pub const IS_SUPPORTED: bool = cfg!(target_os = "linux");
@@ -93,8 +97,50 @@ pub fn spawn(command: Command) -> io::Result<Child> {
     answered.recv().map_err(io::Error::other)?
 }
 
+/// Returns whether an error says that this process, or the system, has no descriptors left.
+pub fn is_out_of_descriptors(error: &io::Error) -> bool {
+    [Errno::MFILE, Errno::NFILE].contains(&Errno::from_io_error(error).unwrap_or(Errno::INVAL))
+}
+
+/// Waits for the end of a child, for so long at most.
+///
+/// # Errors
+/// The child cannot be waited for.
+pub fn wait_for(child: &mut Child, time: Duration) -> io::Result<Option<ExitStatus>> {
+    let start = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(Some(status));
+        }
+        let left = time.saturating_sub(start.elapsed());
+        if left.is_zero() {
+            return Ok(None);
+        }
+        wait_a_while(child.id(), left);
+    }
+}
+
+/// Waits for the end of a process, or where the system does not tell, a moment.
+#[cfg(target_os = "linux")]
+fn wait_a_while(process: u32, time: Duration) {
+    use rustix::process::{Pid, PidfdFlags, pidfd_open};
+    let process = i32::try_from(process).ok().and_then(Pid::from_raw);
+    match process.and_then(|process| pidfd_open(process, PidfdFlags::empty()).ok()) {
+        Some(ended) => {
+            let time = Timespec::try_from(time).ok();
+            let _ = rustix::event::poll(&mut [PollFd::new(&ended, PollFlags::IN)], time.as_ref());
+        }
+        None => std::thread::sleep(time.min(MOMENT)),
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn wait_a_while(_process: u32, time: Duration) {
+    std::thread::sleep(time.min(MOMENT));
+}
+
 /// Returns how long the thread of a process that waited most for a processor has done so; zero where the kernel does not tell.
-pub fn waiting_time(process: u32) -> Duration {
+pub fn waiting_time(process: u64) -> Duration {
     let of_thread = |thread: DirEntry| {
         let times = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
         times.split_whitespace().nth(1)?.parse::<u64>().ok()

@@ -46,7 +46,7 @@ fn a_busy_machine_is_seen() {
     let busy = || std::process::Command::new("sh").args(["-c", "while :; do :; done"]).spawn().expect("a shell");
     let mut children: Vec<_> = (0..count).map(|_| busy()).collect();
     std::thread::sleep(Duration::from_millis(500));
-    let waited: Duration = children.iter().map(|child| waiting_time(child.id())).sum();
+    let waited: Duration = children.iter().map(|child| waiting_time(child.id().into())).sum();
     for child in &mut children {
         child.kill().expect("it runs");
         child.wait().expect("its end");

@@ -1,13 +1,15 @@
 //! The process that calls the plugins.
 
 use super::prints::restore_mode_of_files;
-use super::system;
+use super::spoilt::{self, Spoilt};
+use super::{keeper, system};
 use crate::input;
 use crate::path::Statistics;
 use console::Term;
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -42,12 +44,16 @@ pub(super) enum Note {
     Increments,
     Iterations,
     Cutbacks,
-    /// 1: the standard output, or another descriptor that is not the plugin's, was closed.
-    ClosedOutput,
+    /// What a plugin spoilt: a number of [`Spoilt`].
+    Spoilt,
     /// Calls of the present check of a plugin.
     Calls,
+    /// The number of the process.
+    Process,
 }
 
+/// The exit code of a Rust program that panicked.
+const PANICKED: i32 = 101;
 /// Increments between two looks after the plugins.
 const LOOK_EVERY: u64 = 64;
 
@@ -85,16 +91,29 @@ fn terminal_of(supervisor: u32) -> Option<Term> {
     file.is_terminal().then(|| Term::read_write_pair(io::stdin(), file))
 }
 
-/// Ties this process to its supervisor, and does the work; the exit code goes into the done-mark.
-///
-/// # Errors
-/// Why there is no worker, in words.
-pub fn work(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
-    let alive = system::die_with(task.supervisor).map_err(|error| error.to_string())?;
-    if !alive {
-        return Err("the process that started this one is gone".into());
+/// Does the work below a keeper, and ends this process; the exit code goes into the done-mark. Returns only why there is no
+/// worker.
+pub fn work(task: &Task, work: impl FnOnce() -> u8) -> String {
+    if let Err(error) = keeper::work_below(task.supervisor) {
+        return error.to_string();
     }
+    // the thread that waits for this one and ends the process is the keeper's
+    let done = catch_unwind(AssertUnwindSafe(|| work_here(task, work)));
+    std::process::exit(match done {
+        Ok(Ok(code)) => code.into(),
+        Ok(Err(message)) => {
+            let _ = writeln!(io::stderr(), "{message}");
+            1
+        }
+        Err(_) => PANICKED,
+    })
+}
+
+/// Does the work.
+fn work_here(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
     let recorder = open(&task.recorder).map_err(|error| format!("{}: {error}", task.recorder.display()))?;
+    recorder.note(Note::Process as usize, std::process::id().into());
+    spoilt::keep();
     print_by_lines();
     recorder.fence_arrays(true);
     if let Some(terminal) = terminal_of(task.supervisor) {
@@ -105,9 +124,9 @@ pub fn work(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
         input::supply(&stream[0], content);
     }
     let code = work();
-    if code != 0 && !system::standard_streams_are_open() {
-        // why, nobody has heard
-        end_for_closed_output();
+    if code != 0 {
+        // why, nobody has heard, or it was the plugin
+        end_if_spoilt();
     }
     recorder.done(code);
     Ok(code)
@@ -145,11 +164,22 @@ pub fn note_increment(so_far: &Statistics) {
 }
 
 /// Undoes what plugins did to this process, before a file is opened and now and then. One that closed a standard stream ends
-/// the worker here: the next file to be opened would take its number, and what is printed would go into it.
-pub(crate) fn look_after_plugins() {
+/// the worker here: the next file to be opened would take its number, and what is printed would go into it. So does one that
+/// took the right to write results.
+pub fn look_after_plugins() {
     if is_this_process() {
         restore_mode_of_files();
         end_if_a_stream_is_closed();
+        end_for(Spoilt::undone());
+    }
+}
+
+/// Ends this worker if a plugin did to the process what makes the program itself fail: to be asked before a failure is
+/// reported that looks like one of files.
+pub fn end_if_spoilt() {
+    if is_this_process() {
+        end_if_a_stream_is_closed();
+        end_for(Spoilt::present());
     }
 }
 
@@ -161,8 +191,12 @@ fn end_if_a_stream_is_closed() {
 
 /// Ends this worker because a plugin closed what it writes to; does nothing elsewhere.
 pub fn end_for_closed_output() {
-    if let Some(recorder) = recorder::installed() {
-        recorder.note(Note::ClosedOutput as usize, 1);
+    end_for(Some(Spoilt::ClosedOutput));
+}
+
+fn end_for(spoilt: Option<Spoilt>) {
+    if let Some((recorder, spoilt)) = recorder::installed().zip(spoilt) {
+        recorder.note(Note::Spoilt as usize, spoilt as u64);
         std::process::exit(1);
     }
 }
