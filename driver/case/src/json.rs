@@ -22,6 +22,12 @@ pub fn parse(text: &str) -> Result<(Value, Vec<Problem>), Problem> {
         let position = format!(" at line {} column {}", error.line(), error.column());
         let what = message.strip_suffix(&position).unwrap_or(&message);
         let kind = if error.is_data() { "" } else { "not valid JSON: " };
+        // the error is told where a value or a name is missed: at the comment, or behind its first character
+        let line = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default().as_bytes();
+        let from = error.column().saturating_sub(2).min(line.len());
+        let here = line[from..].trim_ascii_start();
+        let is_comment = !error.is_data() && [&b"//"[..], b"/*", b"#"].iter().any(|mark| here.starts_with(mark));
+        let what = if is_comment { "it has no comments: \"description\" is for words" } else { what };
         Problem::unreadable(format!("line {}, column {}: {kind}{what}", error.line(), error.column()))
     })?;
     Ok((value, found.repeated))

@@ -78,13 +78,21 @@ pub fn kind_of(document: &Value) -> Result<&str, Problem> {
         None => format!("is missing; valid names: {}", valid.join(", ")),
         Some(Value::String(name)) => match name.as_str() {
             name if valid.contains(&name) => return Ok(name),
-            STUDY => "this is a study of several runs: `pullout study` runs it".to_owned(),
-            SWEEP => "this is a sweep of many runs: `pullout sweep plan` begins it".to_owned(),
+            STUDY | SWEEP => format!("this is {}", what_runs(name)),
             name => format!("no kind of case is called '{name}'{}", hint(name, valid)),
         },
         Some(other) => format!("expected one of {}, found {}", valid.join(", "), shown(other)),
     };
     Err(Problem::structure(place.key("kind"), message))
+}
+
+/// Says what a document of a kind is, and which command takes it.
+pub fn what_runs(kind: &str) -> String {
+    match kind {
+        STUDY => "a study of several runs: `pullout study` runs it".into(),
+        SWEEP => "a sweep of many runs: `pullout sweep plan` begins it".into(),
+        kind => format!("a case of kind '{kind}': `pullout run` runs it"),
+    }
 }
 
 /// Checks a document of a kind; removes unknown keys and sets to null what is missing and arrays that stand for

@@ -64,22 +64,22 @@ pub(super) struct Bond {
     #[arg(long, value_name = "COLUMN")]
     load: Option<String>,
     /// Diameter of the fibre, mm.
-    #[arg(long, value_name = "D", value_parser = positive)]
+    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     diameter: f64,
     /// Embedded length, mm.
-    #[arg(long, value_name = "L", value_parser = positive)]
+    #[arg(long, value_name = "L", value_parser = positive, allow_negative_numbers = true)]
     length: f64,
     /// Young's modulus of the fibre, MPa: its stretch is taken off the slip.
-    #[arg(long = "fibre-E", value_name = "E", default_value_t = 210e3, value_parser = positive)]
+    #[arg(long = "fibre-E", value_name = "E", default_value_t = 210e3, value_parser = positive, allow_negative_numbers = true)]
     fibre_modulus: f64,
     /// First yield of the fibre, MPa (it hardens by 1 % of E) [default: it stays elastic].
-    #[arg(long, value_name = "F_Y", value_parser = positive)]
+    #[arg(long, value_name = "F_Y", value_parser = positive, allow_negative_numbers = true)]
     fibre_yield: Option<f64>,
     /// Position at which the slip was measured.
     #[arg(long, value_enum, default_value = "grip")]
     slip_at: SlipAt,
     /// Length of the fibre between exit face and grip, mm; with --slip-at grip it stretches as well.
-    #[arg(long, value_name = "L_F", default_value_t = 3.0, value_parser = positive)]
+    #[arg(long, value_name = "L_F", default_value_t = 3.0, value_parser = positive, allow_negative_numbers = true)]
     free_length: f64,
     /// Forms to fit.
     #[arg(long, value_enum, default_value = "both")]
@@ -88,7 +88,7 @@ pub(super) struct Bond {
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(2..=12))]
     points: u8,
     /// Residual friction tau_res, MPa: given, not fitted [default: 0, or that of --specimen-case].
-    #[arg(long, value_name = "TAU", value_parser = not_negative)]
+    #[arg(long, value_name = "TAU", value_parser = not_negative, allow_negative_numbers = true)]
     tau_res: Option<f64>,
     /// Weighting of the curve's rows: both branches the same, or all rows.
     #[arg(long, value_enum, default_value = "balanced")]
@@ -97,7 +97,7 @@ pub(super) struct Bond {
     #[arg(long, value_enum, default_value = "elastic", conflicts_with = "specimen_case")]
     matrix: MatrixLaw,
     /// Young's modulus of the matrix, MPa.
-    #[arg(long = "matrix-E", value_name = "E", default_value_t = 23.7e3, value_parser = positive, conflicts_with = "specimen_case")]
+    #[arg(long = "matrix-E", value_name = "E", default_value_t = 23.7e3, value_parser = positive, allow_negative_numbers = true, conflicts_with = "specimen_case")]
     matrix_modulus: f64,
     /// A case of kind "pullout" with contact by bond_slip as the simulation; only the bond law of it changes. The slip
     /// and load of its history are compared with the curve.
@@ -107,7 +107,7 @@ pub(super) struct Bond {
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     max_runs: u32,
     /// Result directory [default: out/<curve file stem>/].
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
     #[arg(long)]

@@ -13,7 +13,7 @@ pub(super) struct Arguments {
     #[arg(required = true, value_name = "RESULT_DIR")]
     results: Vec<PathBuf>,
     /// Directory of the pictures; default: plots/ of the first.
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Make a PNG of every picture there as well, those of a specimen's fields among them.
     #[arg(long)]
@@ -48,7 +48,9 @@ pub(super) fn plot(arguments: &Arguments) -> Result<u8, Refusal> {
     let formats: [(bool, &str, Export); 2] = [(arguments.png, "png", export::png), (arguments.pdf, "pdf", export::pdf)];
     let formats = formats.iter().filter(|(is_wanted, ..)| *is_wanted).map(|&(_, name, export)| (name, export));
     let mut directory = ResultDirectory::open_to_add(root, kind).map_err(Refusal::input)?;
-    let redrawing = Redrawing::new(&runs, &directory, folder, &Vec::from_iter(formats));
+    let beside = first.join("plots");
+    let beside = (runs.len() == 1 && arguments.out.is_some()).then_some(beside.as_path());
+    let redrawing = Redrawing::new(&runs, &directory, folder, &Vec::from_iter(formats), beside);
     directory.admit(redrawing.names(), arguments.overwrite).map_err(Refusal::input)?;
     directory.notes().iter().for_each(complain);
     let drawings = redrawing.draw(&mut directory)?;

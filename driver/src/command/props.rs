@@ -13,27 +13,30 @@ pub(super) enum CalibratedLaw {
     #[command(name = "concrete_damage")]
     ConcreteDamage {
         /// Young's modulus, MPa.
-        #[arg(long = "E")]
+        #[arg(long = "E", allow_negative_numbers = true)]
         youngs_modulus: f64,
         /// Poisson's ratio.
-        #[arg(long = "nu")]
+        #[arg(long = "nu", allow_negative_numbers = true)]
         poisson_ratio: f64,
         /// Uniaxial tensile strength, MPa.
-        #[arg(long = "ft")]
+        #[arg(long = "ft", allow_negative_numbers = true)]
         tensile_strength: f64,
         /// Uniaxial compressive strength (positive), MPa.
-        #[arg(long = "fc")]
+        #[arg(long = "fc", allow_negative_numbers = true)]
         compressive_strength: f64,
         /// Fracture energy in tension, N/mm: switches the crack band on.
-        #[arg(long = "Gf")]
+        #[arg(long = "Gf", allow_negative_numbers = true)]
         fracture_energy: Option<f64>,
         /// Fracture energy in compression, N/mm.
-        #[arg(long = "Gc")]
+        #[arg(long = "Gc", allow_negative_numbers = true)]
         crushing_energy: Option<f64>,
         /// Exponent of compressive damage: smaller is more ductile, > 1 has a finite energy.
-        #[arg(long = "Bc", default_value_t = COMPRESSIVE_EXPONENT)]
+        #[arg(long = "Bc", allow_negative_numbers = true, default_value_t = COMPRESSIVE_EXPONENT)]
         compressive_exponent: f64,
     },
+    /// Another law.
+    #[command(external_subcommand)]
+    Other(Vec<String>),
 }
 
 /// Usual values of concretes, from aerated to ultra-high-performance ones, MPa.
@@ -48,7 +51,15 @@ pub(super) fn print(law: &CalibratedLaw) -> Result<u8, Refusal> {
         fracture_energy,
         crushing_energy,
         compressive_exponent,
-    } = *law;
+    } = *law
+    else {
+        let CalibratedLaw::Other(words) = law else { return Ok(DONE) };
+        let name = words.first().map_or("", String::as_str);
+        return Err(Refusal::input(format!(
+            "props {name}: parameters are found from strengths and fracture energies for concrete_damage alone; `pullout plugin \
+             info {name}` lists those of a law, and `pullout fit` finds them from a measured curve"
+        )));
+    };
     let concrete = Concrete {
         youngs_modulus,
         poisson_ratio,

@@ -19,7 +19,7 @@ pub(super) struct Arguments {
     #[arg(required = true, value_name = "FAMILY.json")]
     studies: Vec<PathBuf>,
     /// Directory of the results (of several studies: their parent); default out/<study>/.
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,

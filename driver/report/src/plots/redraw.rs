@@ -25,18 +25,20 @@ pub struct Redrawing<'a> {
     figures: Vec<Figure>,
     /// Names of the figures' files.
     drawn: Vec<String>,
-    /// Names of a drawing and of its picture in another format, and what makes that.
-    exports: Vec<(String, String, Export)>,
+    /// A drawing, the name of its picture in another format, and what makes that.
+    exports: Vec<(PathBuf, String, Export)>,
 }
 
 impl<'a> Redrawing<'a> {
     /// Plans the pictures of runs over each other in a folder (`""`: the directory itself), and of all drawings that are then
-    /// there the other formats, by their file name extensions.
+    /// there the other formats, by their file name extensions; and of the drawings of one run in `beside` as well, which are not
+    /// drawn again: those of fields.
     pub fn new(
         runs: &[(History, Spec)],
         directory: &ResultDirectory,
         folder: &'a str,
         formats: &[(&str, Export)],
+        beside: Option<&Path>,
     ) -> Self {
         let runs: Vec<_> = runs.iter().map(|(history, spec)| Run { history, spec }).collect();
         let figures = selection::figures(&runs);
@@ -47,13 +49,17 @@ impl<'a> Redrawing<'a> {
             drawings.sort();
             drawings.dedup();
         }
+        let own = drawings.iter().map(|name| (directory.path().join(name), name.clone()));
+        let others =
+            beside.into_iter().flat_map(|beside| present(beside).into_iter().map(|name| (beside.join(&name), name)));
+        let others = others.filter(|(_, name)| !drawings.contains(name));
         let named = |drawing: &str, extension: &str| {
             Path::new(drawing).with_extension(extension).to_string_lossy().into_owned()
         };
-        let exports = drawings
-            .iter()
-            .flat_map(|drawing| {
-                formats.iter().map(move |&(name, export)| (drawing.clone(), named(drawing, name), export))
+        let exports = own
+            .chain(others)
+            .flat_map(|(file, drawing)| {
+                formats.iter().map(move |&(name, export)| (file.clone(), named(&drawing, name), export))
             })
             .collect();
         Self { folder, figures, drawn, exports }
@@ -77,8 +83,8 @@ impl<'a> Redrawing<'a> {
     /// # Errors
     /// A drawing that cannot be read or exported, a file that cannot be written.
     pub fn export(&self, directory: &mut ResultDirectory) -> io::Result<Vec<PathBuf>> {
-        let export = |(drawing, name, export): &(String, String, Export)| {
-            let svg = input::text(&directory.path().join(drawing), Input::Result)?;
+        let export = |(drawing, name, export): &(PathBuf, String, Export)| {
+            let svg = input::text(drawing, Input::Result)?;
             directory.write(name, export(&svg)?)
         };
         self.exports.iter().map(export).collect()

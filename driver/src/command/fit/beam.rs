@@ -21,10 +21,10 @@ pub(in super::super) struct Beam {
     #[arg(long, value_name = "COLUMN")]
     load: Option<String>,
     /// Factor on the load: 1000 if it is in kN.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = super::positive)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = super::positive, allow_negative_numbers = true)]
     load_factor: f64,
     /// Result directory [default: out/<test file stem>/].
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
     #[arg(long)]

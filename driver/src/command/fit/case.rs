@@ -29,7 +29,7 @@ pub(in super::super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..))]
     max_runs: u32,
     /// Result directory [default: out/<case file stem>-fit/].
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
     #[arg(long)]
