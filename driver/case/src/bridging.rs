@@ -422,6 +422,7 @@ fn simulations(reader: &mut Reader<'_>, others: &Others, fe: &FeFibre) -> Option
     if reader.problems.len() > before {
         return None;
     }
+    let cache = reader.folder_to_write(fe.cache.as_deref().unwrap_or("out/fibres"), &place.key("cache"))?;
     let base = reader.file(&fe.base, &place.key("base"))?;
     if is_stream(&base) {
         reader.problem(&place.key("base"), "is a pipe or a device: each run reads its case from a file");
@@ -462,7 +463,7 @@ fn simulations(reader: &mut Reader<'_>, others: &Others, fe: &FeFibre) -> Option
         runs,
         lengths,
         cut_deg: fe.cut_deg.unwrap_or(USUAL_CUT.max(widest)),
-        cache: fe.cache.clone().unwrap_or("out/fibres".into()).into(),
+        cache,
     }))
 }
 

@@ -51,23 +51,24 @@ pub fn read_table(
     count: usize,
     place: &Place,
 ) -> Option<(String, Table)> {
-    let csv = match source {
-        TableSource::File(name) => {
-            let path = reader.file(name, place)?;
-            CsvFile::read(&path)
-        }
-        TableSource::Columns(columns) => CsvFile::of_columns(columns),
-    };
-    let csv = reader.without_problems(csv, place)?;
     let variables: Vec<String> = (1..=count).map(|number| format!("{PREDEF}{number}")).collect();
     let of_fields = [TEMPERATURE].into_iter().chain(variables.iter().map(String::as_str));
     let names: Vec<&str> = components.iter().copied().chain(of_fields).collect();
-    let table = reader.without_problems(Table::of(&csv, &names), place)?;
-    let file = csv.name();
+    let (file, table) = match source {
+        TableSource::File(name) => {
+            let path = reader.file(name, place)?;
+            (path.display().to_string(), reader.table(&path, &names))
+        }
+        TableSource::Columns(columns) => {
+            let csv = reader.without_problems(CsvFile::of_columns(columns), place)?;
+            (csv.name(), Table::of(&csv, &names).map(Rc::new))
+        }
+    };
+    let table = reader.without_problems(table, place)?;
     if table.starts_at_zero {
         reader.warn(format!("{file}: the first row is at time 0: its increment takes no time"));
     }
-    Some((file, table))
+    Some((file, Table::clone(&table)))
 }
 
 /// Takes the values of the fields, the first of which is number `first` of the table's columns. `file`: for messages.

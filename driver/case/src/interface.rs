@@ -7,7 +7,6 @@ use crate::point::{Resolved, statev};
 use crate::problem::Place;
 use crate::reader::Reader;
 use crate::steps::{self, Found};
-use crate::table::CsvFile;
 use crate::{fields, history};
 use pullout_run::columns;
 use pullout_run::program::{
@@ -115,7 +114,7 @@ fn close(open: Vec<Step<OpenGoal>>, entry: Entry) -> Vec<InterfaceStep> {
 }
 
 /// 2 if any step names `slip2`: `until` of an earlier step may then name its columns.
-fn directions_of(reader: &Reader<'_>, documents: &[Piece<StepDocument>]) -> usize {
+fn directions_of(reader: &mut Reader<'_>, documents: &[Piece<StepDocument>]) -> usize {
     let steps = documents.iter().filter_map(|piece| piece.0.as_ref().ok());
     let directions = steps.map(|step| match step {
         StepDocument::Cycle(cycle) | StepDocument::Cycles(Cycles { cycles: cycle }) => {
@@ -127,7 +126,7 @@ fn directions_of(reader: &Reader<'_>, documents: &[Piece<StepDocument>]) -> usiz
             let is_there = match &table.table {
                 TableSource::Columns(columns) => columns.contains_key(SECOND),
                 TableSource::File(name) => {
-                    let csv = reader.named(name).ok().and_then(|path| CsvFile::read(&path).ok());
+                    let csv = reader.named(name).ok().and_then(|path| reader.csv(&path).ok());
                     csv.is_some_and(|csv| csv.column(SECOND).is_ok())
                 }
             };

@@ -36,7 +36,7 @@ pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, Proble
 pub use props::props_from_json;
 pub use read::{
     Case, document, inputs, is_study, need, overridden, read, read_document, read_study, read_sweep, read_text,
-    read_untrusted,
+    read_untrusted, read_untrusted_document,
 };
 pub use reader::{Reader, outside_usual};
 pub use structure::schema;

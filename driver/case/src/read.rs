@@ -122,7 +122,18 @@ fn read_by(mut reader: Reader<'_>, path: &Path, overrides: &[String]) -> Result<
 /// # Errors
 /// Everything that is wrong with it.
 pub fn read_document(document: Value, path: &Path, plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
-    let mut reader = Reader::new(folder_of(path), plugin_paths);
+    read_document_by(Reader::new(folder_of(path), plugin_paths), document, path)
+}
+
+/// Reads a case from an unknown source that was made in memory as if it stood in the file `path`.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn read_untrusted_document(document: Value, path: &Path, plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
+    read_document_by(Reader::of_untrusted(folder_of(path), plugin_paths), document, path)
+}
+
+fn read_document_by(mut reader: Reader<'_>, document: Value, path: &Path) -> Result<Case, CaseErrors> {
     let case = read_with(&mut reader, path, document);
     finished(reader, path, case)
 }
@@ -263,8 +274,9 @@ fn read_family<D: DeserializeOwned, T>(
     resolve: impl FnOnce(&mut Reader<'_>, D) -> Option<T>,
 ) -> Option<T> {
     if document["kind"] != kind {
-        let what =
-            document["kind"].as_str().map_or_else(String::new, |kind| format!(", this is a case of kind '{kind}'"));
+        let what = document["kind"]
+            .as_str()
+            .map_or_else(String::new, |other| format!(", this is {}", structure::what_runs(other)));
         reader.problem(&Place::root().key("kind"), format!("a {kind} has the kind \"{kind}\"{what}"));
         return None;
     }
@@ -330,7 +342,8 @@ fn law(reader: &Reader<'_>, material: &Value, steps: &[Value]) -> bridging::Read
         let message = "runs in a process of its own, where no other case can ask it: give points [slip, traction]";
         return Err(Problem::new(bridging::law_place(), message));
     }
-    let mut own = Reader { is_untrusted: reader.is_untrusted, ..Reader::new(reader.folder, reader.plugin_paths) };
+    let new_reader = if reader.is_untrusted { Reader::of_untrusted } else { Reader::new };
+    let mut own = new_reader(reader.folder, reader.plugin_paths);
     let case = read_with(&mut own, &file, document);
     match finished(own, &file, case) {
         Ok(Case::Path(program)) => Ok(program),

@@ -3,9 +3,11 @@
 use crate::document::Piece;
 use crate::problem::{Place, Problem};
 use crate::structure::Structure;
+use crate::table::{CsvFile, Table};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use umat_abi::host::Library;
 
 /// Means and findings shared by all parts of a case while it is read.
@@ -17,6 +19,9 @@ pub struct Reader<'a> {
     pub(crate) is_untrusted: bool,
     /// The libraries that are loaded, by file.
     pub(crate) libraries: BTreeMap<PathBuf, Library>,
+    /// CSV files that were read, and tables of steps by the columns that they may have.
+    files: BTreeMap<PathBuf, Rc<CsvFile>>,
+    tables: BTreeMap<(PathBuf, Vec<String>), Rc<Table>>,
     pub(crate) problems: Vec<Problem>,
     pub(crate) warnings: Vec<String>,
     /// Facts of the model that need no attention.
@@ -33,6 +38,8 @@ impl<'a> Reader<'a> {
             plugin_paths,
             is_untrusted: false,
             libraries: BTreeMap::new(),
+            files: BTreeMap::new(),
+            tables: BTreeMap::new(),
             problems: Vec::new(),
             warnings: Vec::new(),
             notes: Vec::new(),
@@ -45,12 +52,50 @@ impl<'a> Reader<'a> {
         Self { is_untrusted: true, ..Self::new(folder, plugin_paths) }
     }
 
+    /// Folders where plugins are looked for first.
+    pub fn plugin_paths(&self) -> &[PathBuf] {
+        self.plugin_paths
+    }
+
     /// The file that a text of the case names.
     ///
     /// # Errors
     /// The case may not name it.
     pub fn named(&self, name: &str) -> Result<PathBuf, String> {
-        if self.is_untrusted { within(self.folder, name) } else { Ok(self.folder.join(name)) }
+        if self.is_untrusted { within(self.folder, name, "case's") } else { Ok(self.folder.join(name)) }
+    }
+
+    /// A CSV file, which is read once.
+    ///
+    /// # Errors
+    /// As of [`CsvFile::read`].
+    pub(crate) fn csv(&mut self, path: &Path) -> Result<Rc<CsvFile>, Vec<String>> {
+        if let Some(known) = self.files.get(path) {
+            return Ok(Rc::clone(known));
+        }
+        let read = Rc::new(CsvFile::read(path)?);
+        self.files.insert(path.to_owned(), Rc::clone(&read));
+        Ok(read)
+    }
+
+    /// The table of a step in a file that is read once.
+    ///
+    /// # Errors
+    /// As of [`Table::of`].
+    pub(crate) fn table(&mut self, path: &Path, names: &[&str]) -> Result<Rc<Table>, Vec<String>> {
+        let key = (path.to_owned(), names.iter().map(|name| (*name).to_owned()).collect());
+        if let Some(known) = self.tables.get(&key) {
+            return Ok(Rc::clone(known));
+        }
+        let read = Rc::new(Table::of(&*self.csv(path)?, names)?);
+        self.tables.insert(key, Rc::clone(&read));
+        Ok(read)
+    }
+
+    /// The folder that the text at a place names, relative to the current one, for files that are written, if it may.
+    pub(crate) fn folder_to_write(&mut self, name: &str, place: &Place) -> Option<PathBuf> {
+        let named = if self.is_untrusted { within(Path::new(""), name, "current") } else { Ok(name.into()) };
+        self.without_problem(named, place)
     }
 
     /// The file that the text at a place names, if it may.
@@ -184,16 +229,23 @@ pub fn outside_usual(what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2
     )
 }
 
-/// A file in a folder, links followed.
-fn within(folder: &Path, name: &str) -> Result<PathBuf, String> {
+/// A file in a folder, links followed; `whose`: the folder in words.
+fn within(folder: &Path, name: &str, whose: &str) -> Result<PathBuf, String> {
     use std::path::Component;
-    let leads_out = || format!("{name} leads out of the case's folder, which --untrusted does not allow");
+    let leads_out = || format!("{name} leads out of the {whose} folder, which --untrusted does not allow");
     if !Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
         return Err(leads_out());
     }
     let path = folder.join(name);
-    // what does not exist leads nowhere; whoever reads it says so
-    let Ok(place) = path.canonicalize() else { return Ok(path) };
-    let folder = Path::new(".").join(folder).canonicalize().map_err(|error| error.to_string())?;
-    if place.starts_with(folder) { Ok(path) } else { Err(leads_out()) }
+    let own = Path::new(".").join(folder).canonicalize().map_err(|error| error.to_string())?;
+    // what does not exist lies where the folders before it lie; a link to what does not exist leads anywhere
+    for part in path.ancestors().filter(|part| !part.as_os_str().is_empty()) {
+        match part.canonicalize() {
+            Ok(place) if place.starts_with(&own) => break,
+            Ok(_) => return Err(leads_out()),
+            Err(_) if part.is_symlink() => return Err(leads_out()),
+            Err(_) => {}
+        }
+    }
+    Ok(path)
 }

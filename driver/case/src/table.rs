@@ -184,7 +184,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table of a file whose columns are `time` (optional) and some of `names`.
+    /// Takes the table of a file whose columns are `time` (optional) and some of `names`.
     ///
     /// # Errors
     /// A list of problems, one sentence each.

@@ -19,6 +19,7 @@ mod parameters;
 mod random;
 mod shipped;
 mod specimen;
+mod untrusted;
 mod valid;
 
 /// A folder with the files that the cases below name.

@@ -109,6 +109,7 @@ fn in_words(code: Option<i32>, words: &str) -> Option<Vec<CaseProblem>> {
 /// Names a case in a command line; a document is read from a file that the child has as its standard input.
 fn name_case(command: &mut Command, source: &Source) -> io::Result<()> {
     command.args(all_are_let_in().then_some("--in-process"));
+    command.args(source.is_untrusted.then_some("--untrusted"));
     for folder in &source.plugin_paths {
         command.arg("--plugin-path").arg(std::path::absolute(folder)?);
     }

@@ -39,6 +39,8 @@ pub struct Source {
     pub overrides: Vec<String>,
     /// Folders where plugins are looked for first.
     pub plugin_paths: Vec<PathBuf>,
+    /// Whether it is from an unknown source (`--untrusted`).
+    pub is_untrusted: bool,
 }
 
 /// A case that was read.
@@ -119,7 +121,7 @@ pub enum Error {
 impl Source {
     /// A case file.
     pub fn file(file: &Path) -> Self {
-        Self { file: file.into(), document: None, overrides: Vec::new(), plugin_paths: Vec::new() }
+        Self { file: file.into(), document: None, overrides: Vec::new(), plugin_paths: Vec::new(), is_untrusted: false }
     }
 
     /// A document, which names other files relative to a folder.
@@ -152,9 +154,14 @@ impl Source {
             Some(document) => {
                 let wrong = |problems| CaseErrors { file: self.file.clone(), problems };
                 let document = pullout_case::overridden(document, &self.overrides).map_err(wrong)?;
-                pullout_case::read_document(document, &self.file, &self.plugin_paths)
+                let read =
+                    if self.is_untrusted { pullout_case::read_untrusted_document } else { pullout_case::read_document };
+                read(document, &self.file, &self.plugin_paths)
             }
-            None => pullout_case::read(&self.file, &self.overrides, &self.plugin_paths),
+            None => {
+                let read = if self.is_untrusted { pullout_case::read_untrusted } else { pullout_case::read };
+                read(&self.file, &self.overrides, &self.plugin_paths)
+            }
         }?;
         let runs_here = !matches!(case, Case::Bridging(_));
         Ok(Prepared { source: self, case: runs_here.then(|| Box::new(case)) })

@@ -107,10 +107,9 @@ impl Simulator<'_> {
     fn tried(&self, coordinates: &[f64], on: Option<&Increments>) -> Result<Tried, String> {
         let law = self.form.at(coordinates);
         let source = Source {
-            file: self.specimen.file.clone(),
             document: Some(self.specimen.computed(&law)),
-            overrides: Vec::new(),
             plugin_paths: self.plugin_paths.to_vec(),
+            ..Source::file(&self.specimen.file)
         };
         let (outcome, increments) = search::outcome(source, on)?;
         Ok(Tried { law, curve: SimulatedCurve::of(&outcome, self.slip_at), increments })

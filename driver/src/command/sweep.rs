@@ -3,7 +3,7 @@
 use super::{DONE, FAILED, Refusal, say};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
-use pullout_sweep::{Collection, Standing, Store, Work, Worked, batch, slurm};
+use pullout_sweep::{Collection, Planning, Standing, Store, Work, Worked, batch, slurm};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -17,7 +17,7 @@ pub(super) enum Action {
         #[arg(value_name = "SWEEP.json")]
         file: PathBuf,
         /// The folder of the sweep.
-        #[arg(long, value_name = "DIR")]
+        #[arg(short, long, value_name = "DIR")]
         out: PathBuf,
         /// The runs as a CSV table whose header has dotted paths of the case.
         #[arg(long, value_name = "TABLE.csv")]
@@ -25,6 +25,10 @@ pub(super) enum Action {
         /// Look for plugins here first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
+        /// Trust no file: plugins of the search path only, no symbol in them, and no reading outside
+        /// the files' folders.
+        #[arg(long)]
+        untrusted: bool,
     },
     /// Run what is left; a second process at the same time does no harm, and what is done is never run again.
     Work(Toil),
@@ -40,7 +44,7 @@ pub(super) enum Action {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
         /// The table, by its name .csv or .parquet; default: CSV to the standard output.
-        #[arg(long, value_name = "TABLE")]
+        #[arg(short, long, value_name = "TABLE")]
         out: Option<PathBuf>,
         /// Replace a file of that name also if it is no table that was collected of this sweep, or was changed since.
         #[arg(long, requires = "out")]
@@ -51,7 +55,7 @@ pub(super) enum Action {
         /// The folder of the sweep.
         #[arg(value_name = "DIR")]
         folder: PathBuf,
-        /// Write a script for SLURM and hand it to sbatch.
+        /// The script is one for SLURM: hand it to sbatch.
         #[arg(long, required = true)]
         slurm: bool,
         /// First and last number of the array, e.g. 0-99.
@@ -92,6 +96,9 @@ pub(super) struct Toil {
     /// Threads of this process instead of processes, if all runs call only libraries that were built with it.
     #[arg(long)]
     in_process: bool,
+    /// Trust no folder: plugins of the search path only, no symbol in them, and no reading outside the folders below files/.
+    #[arg(long)]
+    untrusted: bool,
     /// Say nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -112,10 +119,14 @@ fn array(text: &str) -> Result<(usize, usize), String> {
 /// Does it; the result is the exit code.
 pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
     let done = match action {
-        Action::Plan { file, out, design, plugin_paths } => {
+        Action::Plan { file, out, design, plugin_paths, untrusted } => {
             let _prints = Prints::discard();
             let store = Store::new(out);
-            pullout_sweep::plan(file, design.as_deref(), plugin_paths, &store)?;
+            let how = Planning { design: design.as_deref(), plugin_paths, is_untrusted: *untrusted };
+            pullout_sweep::plan(file, how, &store).map_err(|errors| {
+                let code = signals::received().map_or(errors.exit_code(), signals::Interrupt::exit_code);
+                Refusal { message: errors.to_string(), code }
+            })?;
             status(&store)
         }
         Action::Work(toil) => work(toil),
@@ -143,6 +154,7 @@ fn work(toil: &Toil) -> io::Result<u8> {
         chunk_runs: toil.chunk_runs.map(|count| count as usize),
         in_process: toil.in_process,
         again: toil.again,
+        is_untrusted: toil.untrusted,
     };
     let start = Instant::now();
     let told = |over: usize, of: usize| {

@@ -25,6 +25,8 @@ pub(crate) struct Batch {
     pub sweep: Sweep,
     /// Seconds after which it ends, behind the run that is over.
     pub seconds: f64,
+    /// Whether the cases are from an unknown source.
+    pub is_untrusted: bool,
 }
 
 /// Carries out a batch that a file describes; its rows go to another.
@@ -33,7 +35,7 @@ pub(crate) struct Batch {
 /// The files cannot be read or written.
 pub fn carry_out(batch: &Path, rows: &Path) -> io::Result<()> {
     let start = Instant::now();
-    let Batch { folder, sweep, seconds } = serde_json::from_slice(&fs::read(batch)?)?;
+    let Batch { folder, sweep, seconds, is_untrusted } = serde_json::from_slice(&fs::read(batch)?)?;
     let store = Store::new(&folder);
     let named = rows;
     let mut rows = out_of_reach(File::options().append(true).open(named).map_err(at(named))?);
@@ -42,7 +44,7 @@ pub fn carry_out(batch: &Path, rows: &Path) -> io::Result<()> {
     rows.write_all(&BEGINS).map_err(at(named))?;
     for run in 0..sweep.runs.len() {
         stop.store(signals::received().is_some(), Ordering::Relaxed);
-        let Some(measured) = measure(&store, &sweep, run, &stop) else { break };
+        let Some(measured) = measure(&store, &sweep, run, is_untrusted, &stop) else { break };
         let mut row = framed(&encoded(&measured)?)?;
         let is_last = run + 1 == sweep.runs.len() || start.elapsed() > Duration::from_secs_f64(seconds);
         if !is_last {

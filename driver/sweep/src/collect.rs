@@ -125,7 +125,7 @@ impl Known {
         let wanted = |name: &str| ["key", "status", "attempt", "time"].contains(&name);
         for path in store.parts()? {
             if !self.parts.contains(&path) {
-                self.add(self.parts.len(), &Table::read(&path, wanted)?);
+                self.add(self.parts.len(), &Store::part(&path, wanted)?);
                 self.parts.insert(path);
             }
         }
@@ -143,8 +143,9 @@ impl Known {
             let [is_done, is_lost] = [DONE, LOST].map(|word| status.as_deref() == Some(word));
             let (attempt, time) = (number("attempt") as u32, number("time"));
             let new = KnownRow { place: (index, row), is_done, is_lost, attempt, time };
-            // done before others, and the last
-            let is_better = |old: &KnownRow| (new.is_done, new.time) >= (old.is_done, old.time);
+            // done before others, then the last attempt: clocks of machines may be ahead
+            let rank = |row: &KnownRow| (row.is_done, row.attempt, row.time);
+            let is_better = |old: &KnownRow| rank(&new) >= rank(old);
             if self.rows.get(key).is_none_or(is_better) {
                 self.rows.insert(key.clone(), new);
             }
@@ -226,7 +227,7 @@ pub fn collect(store: &Store) -> io::Result<Table> {
 }
 
 fn gather(store: &Store, sweep: &Sweep, wants: impl Fn(&str) -> bool) -> io::Result<Table> {
-    let parts: io::Result<Vec<Table>> = store.parts()?.iter().map(|part| Table::read(part, &wants)).collect();
+    let parts: io::Result<Vec<Table>> = store.parts()?.iter().map(|part| Store::part(part, &wants)).collect();
     let (parts, mut known) = (parts?, Known::default());
     parts.iter().enumerate().for_each(|(index, part)| known.add(index, part));
     let mut keys = Keys::new(sweep, isolation::identity()?);
@@ -250,4 +251,34 @@ fn gather(store: &Store, sweep: &Sweep, wants: impl Fn(&str) -> bool) -> io::Res
     let numbers = runs.into_iter().map(|run| i64::try_from(run).ok()).collect();
     table.columns.insert(0, ("run".to_owned(), Column::Count(numbers)));
     Ok(table)
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    /// A worker whose clock is a day ahead fails; the attempts after it count nevertheless, whichever part is read first.
+    #[test]
+    fn the_last_attempt_counts_whatever_the_clocks_say() {
+        let row = |status: &str, attempt: i64, time: f64| Table {
+            columns: vec![
+                ("key".into(), Column::Text(vec![Some("k".into())])),
+                ("status".into(), Column::Text(vec![Some(status.into())])),
+                ("attempt".into(), Column::Count(vec![Some(attempt)])),
+                ("time".into(), Column::Number(vec![Some(time)])),
+            ],
+        };
+        let best = |rows: &[Table]| {
+            let mut known = Known::default();
+            rows.iter().enumerate().for_each(|(index, row)| known.add(index, row));
+            known.best("k").expect("a row").place.0
+        };
+        let rows = [row("failed", 1, 86_400.0), row("crashed", 2, 10.0)];
+        assert_eq!(best(&rows), 1);
+        let [ahead, later] = rows;
+        assert_eq!(best(&[later.clone(), ahead.clone()]), 0);
+        // of the same attempt the later one; what is done before all
+        assert_eq!(best(&[row("failed", 2, 9.0), later.clone()]), 1);
+        assert_eq!(best(&[row("done", 1, 0.0), later]), 0);
+    }
 }

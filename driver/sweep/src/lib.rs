@@ -17,6 +17,6 @@ mod work;
 
 pub use collect::{Standing, collect};
 pub use collection::Collection;
-pub use plan::plan;
+pub use plan::{Planning, plan};
 pub use store::Store;
 pub use work::{Work, Worked, work};

@@ -6,6 +6,7 @@ use pullout_case::sweep::{Base, SweepFile};
 use pullout_case::{CaseErrors, CaseProblem, JsonPlace, Reader};
 use pullout_engine::Source;
 use pullout_run::input::{self, Input};
+use pullout_run::signals;
 use pullout_study::{Demand, default_curve};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -15,14 +16,76 @@ use std::path::{Path, PathBuf};
 /// Most runs of a sweep.
 const MOST_RUNS: usize = 10_000_000;
 
-/// Variation: dotted paths, and their values run by run.
-type Design = (Vec<String>, Vec<Vec<Value>>);
+/// Runs between two looks at signals.
+const LOOK_EVERY: usize = 4096;
+
+/// Variation: dotted paths, and their values.
+type Design = (Vec<String>, Values);
+
+/// Values of what is varied.
+enum Values {
+    /// Run by run.
+    Rows(Vec<Vec<Value>>),
+    /// By paths: every combination, the last path first.
+    Lists(Vec<Vec<Value>>),
+}
+
+impl Values {
+    /// Number of runs.
+    fn count(&self) -> usize {
+        match self {
+            Self::Rows(rows) => rows.len(),
+            Self::Lists(lists) => lists.iter().map(Vec::len).fold(1, usize::saturating_mul),
+        }
+    }
+
+    /// The values of a run.
+    fn of(&self, run: usize) -> Vec<Value> {
+        match self {
+            Self::Rows(rows) => rows[run].clone(),
+            Self::Lists(lists) => {
+                let mut rest = run;
+                let mut values: Vec<Value> = lists
+                    .iter()
+                    .rev()
+                    .map(|list| {
+                        let value = list[rest % list.len()].clone();
+                        rest /= list.len();
+                        value
+                    })
+                    .collect();
+                values.reverse();
+                values
+            }
+        }
+    }
+}
+
+/// How a sweep is read.
+#[derive(Clone, Copy)]
+pub struct Planning<'p> {
+    /// The runs as a CSV table.
+    pub design: Option<&'p Path>,
+    /// Folders where plugins are looked for first.
+    pub plugin_paths: &'p [PathBuf],
+    /// Whether the sweep is from an unknown source.
+    pub is_untrusted: bool,
+}
+
+/// A sweep without its runs, which are made once nothing is wrong with it.
+struct Draft {
+    sweep: Sweep,
+    values: Values,
+    /// The folder of the case.
+    folder: PathBuf,
+}
 
 /// Plans a sweep that a file describes, and puts it into a store. With a table of the design, the file may be a case.
 ///
 /// # Errors
 /// Everything that is wrong with it.
-pub fn plan(file: &Path, design: Option<&Path>, plugin_paths: &[PathBuf], store: &Store) -> Result<Sweep, CaseErrors> {
+pub fn plan(file: &Path, how: Planning<'_>, store: &Store) -> Result<Sweep, CaseErrors> {
+    let Planning { design, plugin_paths, is_untrusted } = how;
     let refused = |message: String| CaseErrors { file: file.into(), problems: vec![CaseProblem::unreadable(message)] };
     let Some(mut document) = pullout_case::document(file, &[]) else {
         // reading it as a case says what is wrong
@@ -38,13 +101,20 @@ pub fn plan(file: &Path, design: Option<&Path>, plugin_paths: &[PathBuf], store:
         document["design"] = absolute.to_string_lossy().into();
     }
     store.may_plan().map_err(|error| refused(error.to_string()))?;
-    let mut reader = Reader::new(input::folder_of(file), plugin_paths);
-    let sweep = pullout_case::read_sweep(&mut reader, document, |reader, of_file: SweepFile| {
-        resolve(reader, &of_file, file, plugin_paths, store)
+    let new_reader = if is_untrusted { Reader::of_untrusted } else { Reader::new };
+    let mut reader = new_reader(input::folder_of(file), plugin_paths);
+    // the table of the command line may lie anywhere
+    let given = design.is_some();
+    let draft = pullout_case::read_sweep(&mut reader, document, |reader, of_file: SweepFile| {
+        resolve(reader, &of_file, file, given, how)
     });
     let problems = reader.into_problems();
-    match sweep {
-        Some(sweep) if problems.is_empty() => {
+    match draft {
+        Some(draft) if problems.is_empty() => {
+            let sweep = draft.finished(how, store).map_err(|error| {
+                let message = format!("its files cannot be put into the store: {error}");
+                refused(if error.kind() == io::ErrorKind::Interrupted { error.to_string() } else { message })
+            })?;
             store.plan(&sweep).map_err(|error| refused(error.to_string()))?;
             Ok(sweep)
         }
@@ -56,9 +126,9 @@ fn resolve(
     reader: &mut Reader<'_>,
     of_file: &SweepFile,
     file: &Path,
-    plugin_paths: &[PathBuf],
-    store: &Store,
-) -> Option<Sweep> {
+    is_given: bool,
+    how: Planning<'_>,
+) -> Option<Draft> {
     let root = JsonPlace::root();
     let folder = input::folder_of(file);
     let place = root.key("base");
@@ -76,21 +146,33 @@ fn resolve(
     let set = reader.optional(of_file.set.as_ref(), &root.key("set")).cloned().unwrap_or_default();
     let (paths, values): (Vec<String>, Vec<Value>) = set.into_iter().unzip();
     let base = overridden(reader, &base, &paths, &values, &root.key("set"))?;
-    let (parameters, runs) = design(reader, of_file)?;
+    let (parameters, values) = match of_file.design.as_ref().filter(|_| is_given) {
+        Some(_) => {
+            let path = how.design.unwrap_or(file);
+            let place = root.key("design");
+            let read = table(path).map_err(|message| reader.problem(&place, format!("{}: {message}", path.display())));
+            read.ok()?
+        }
+        None => design(reader, of_file)?,
+    };
     let parameters: Vec<String> = parameters.iter().map(|path| pullout_case::dotted(path)).collect();
     if let Some((_, path)) = parameters.iter().enumerate().find(|(k, path)| parameters[..*k].contains(path)) {
         reader.problem(&root, format!("the path {path} is given twice: give it once"));
         return None;
     }
-    if runs.len() > MOST_RUNS {
-        reader.problem(&root, format!("{} runs are more than the {MOST_RUNS} that a sweep may have", runs.len()));
+    if values.count() > MOST_RUNS {
+        reader.problem(&root, format!("{} runs are more than the {MOST_RUNS} that a sweep may have", values.count()));
         return None;
     }
-    overridden(reader, &base, &parameters, &runs[0], &root)?;
+    let first = values.of(0);
+    overridden(reader, &base, &parameters, &first, &root)?;
     let keep = keep(reader, of_file, &base);
     // the first run tells what is wrong with all
-    let first =
-        Source { plugin_paths: plugin_paths.to_vec(), ..Source::document(with(&base, &parameters, &runs[0]), &folder) };
+    let first = Source {
+        plugin_paths: how.plugin_paths.to_vec(),
+        is_untrusted: how.is_untrusted,
+        ..Source::document(with(&base, &parameters, &first), &folder)
+    };
     match first.columns() {
         Ok(columns) => {
             let demands = demands(of_file, &keep);
@@ -110,23 +192,45 @@ fn resolve(
     }
     let title = reader.optional(of_file.head.title.as_ref(), &root.key("title")).cloned();
     let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let mut sweep = Sweep {
+    let sweep = Sweep {
         version: VERSION,
         title: title.unwrap_or_else(stem),
         base,
         parameters,
-        runs,
+        runs: Vec::new(),
         written: BTreeMap::new(),
         bundles: Vec::new(),
         bundle_of: Vec::new(),
         keep,
     };
-    match bundle(&mut sweep, &folder, plugin_paths, store) {
-        Ok(()) => Some(sweep),
-        Err(error) => {
-            reader.problem(&root, format!("its files cannot be put into the store: {error}"));
-            None
+    Some(Draft { sweep, values, folder })
+}
+
+impl Draft {
+    /// Makes the runs, and puts their files into a store.
+    fn finished(self, how: Planning<'_>, store: &Store) -> io::Result<Sweep> {
+        let Self { mut sweep, values, folder } = self;
+        let count = values.count();
+        sweep.runs = match values {
+            Values::Rows(rows) => rows,
+            Values::Lists(_) => {
+                let runs = (0..count).map(|run| heed_signals(run).map(|()| values.of(run)));
+                runs.collect::<io::Result<_>>()?
+            }
+        };
+        bundle(&mut sweep, &folder, how, store)?;
+        Ok(sweep)
+    }
+}
+
+/// Ends what goes through all runs when a signal asks for the end.
+fn heed_signals(run: usize) -> io::Result<()> {
+    match signals::received() {
+        Some(signal) if run.is_multiple_of(LOOK_EVERY) => {
+            let message = format!("interrupted by {}: nothing is planned", signal.words());
+            Err(io::Error::new(io::ErrorKind::Interrupted, message))
         }
+        _ => Ok(()),
     }
 }
 
@@ -236,7 +340,7 @@ fn design(reader: &mut Reader<'_>, of_file: &SweepFile) -> Option<Design> {
                 }
             }
         }
-        return Some((paths, runs));
+        return Some((paths, Values::Rows(runs)));
     }
     let place = root.key("design");
     let name = reader.optional(of_file.design.as_ref(), &place)?;
@@ -246,23 +350,20 @@ fn design(reader: &mut Reader<'_>, of_file: &SweepFile) -> Option<Design> {
 
 /// Every combination.
 fn product(reader: &mut Reader<'_>, parameters: &Map<String, Value>, place: &JsonPlace) -> Option<Design> {
-    let mut runs: Vec<Vec<Value>> = vec![Vec::new()];
+    let mut lists = Vec::new();
     for (path, values) in parameters {
         let Some(values) = values.as_array().filter(|values| !values.is_empty()) else {
             reader.problem(&place.key(path), "must be a list of values");
             return None;
         };
-        if runs.len().saturating_mul(values.len()) > MOST_RUNS {
-            reader.problem(place, format!("more than the {MOST_RUNS} runs that a sweep may have"));
-            return None;
-        }
-        // the last path varies first
-        runs = runs
-            .iter()
-            .flat_map(|run| values.iter().map(|value| run.iter().cloned().chain([value.clone()]).collect()))
-            .collect();
+        lists.push(values.clone());
     }
-    Some((parameters.keys().cloned().collect(), runs))
+    let values = Values::Lists(lists);
+    if values.count() > MOST_RUNS {
+        reader.problem(place, format!("more than the {MOST_RUNS} runs that a sweep may have"));
+        return None;
+    }
+    Some((parameters.keys().cloned().collect(), values))
 }
 
 /// A CSV table whose header has the paths; fields are JSON, else texts.
@@ -275,23 +376,25 @@ fn table(path: &Path) -> Result<Design, String> {
     for record in reader.records() {
         runs.push(record.map_err(|error| error.to_string())?.iter().map(value).collect());
     }
-    if runs.is_empty() { Err("has no rows".into()) } else { Ok((paths, runs)) }
+    if runs.is_empty() { Err("has no rows".into()) } else { Ok((paths, Values::Rows(runs))) }
 }
 
 /// Puts the files that the cases name into the store, and their names there into the sweep.
-fn bundle(sweep: &mut Sweep, folder: &Path, plugin_paths: &[PathBuf], store: &Store) -> io::Result<()> {
+fn bundle(sweep: &mut Sweep, folder: &Path, how: Planning<'_>, store: &Store) -> io::Result<()> {
     let original = sweep.base.clone();
+    let reader = if how.is_untrusted { Reader::of_untrusted } else { Reader::new }(folder, how.plugin_paths);
     let mut bundle = Bundle::default();
-    bundle.take(&mut sweep.base, folder, plugin_paths)?;
+    bundle.take(&mut sweep.base, folder, &reader)?;
     sweep.bundles.push(bundle.put_into(store)?);
     for (number, run) in sweep.runs.iter_mut().enumerate() {
+        heed_signals(number)?;
         let names_files = run.iter().any(|value| !(value.is_number() || value.is_boolean()));
         let mut index = 0;
         if names_files {
             // a value may replace a name of the base
             let mut bundle = Bundle::default();
             let mut document = with(&original, &sweep.parameters, run);
-            bundle.take(&mut document, folder, plugin_paths)?;
+            bundle.take(&mut document, folder, &reader)?;
             let stored: Vec<Value> =
                 sweep.parameters.iter().map(|path| at(&document, path).cloned().unwrap_or_default()).collect();
             let written = std::mem::replace(run, stored);
@@ -318,4 +421,28 @@ fn at<'v>(document: &'v Value, path: &str) -> Option<&'v Value> {
         Value::Array(entries) => entries.get(part.parse::<usize>().ok()?),
         other => other.get(part),
     })
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    /// As loops within loops, the last path innermost.
+    #[test]
+    fn every_combination_is_a_run() {
+        let lists =
+            [&["a", "b"][..], &["c"], &["d", "e", "f"]].map(|list| list.iter().copied().map(Value::from).collect());
+        let mut expected: Vec<Vec<Value>> = vec![Vec::new()];
+        for list in &lists {
+            let longer = |run: &Vec<Value>| {
+                let run = run.clone();
+                Vec::from_iter(Vec::iter(list).map(move |value| [&run[..], std::slice::from_ref(value)].concat()))
+            };
+            expected = expected.iter().flat_map(longer).collect();
+        }
+        let values = Values::Lists(lists.into());
+        assert_eq!(values.count(), 6);
+        assert_eq!(Vec::from_iter((0..6).map(|run| values.of(run))), expected);
+        assert_eq!(Values::Lists(vec![vec![Value::Null; 3]; 60]).count(), usize::MAX);
+    }
 }

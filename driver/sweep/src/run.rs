@@ -32,11 +32,17 @@ pub struct Measured {
     pub replay: Option<String>,
 }
 
-/// Runs a case; `None`: it was told to end.
-pub fn measure(store: &Store, sweep: &Sweep, run: usize, stop: &Arc<AtomicBool>) -> Option<Measured> {
+/// Runs a case, from an unknown source perhaps; `None`: it was told to end.
+pub fn measure(
+    store: &Store,
+    sweep: &Sweep,
+    run: usize,
+    is_untrusted: bool,
+    stop: &Arc<AtomicBool>,
+) -> Option<Measured> {
     let start = Instant::now();
     let settings = Settings { stop: Arc::clone(stop), ..Settings::default() };
-    let source = Source::document(sweep.document(run), &store.bundle(sweep, run));
+    let source = Source { is_untrusted, ..Source::document(sweep.document(run), &store.bundle(sweep, run)) };
     // nobody knows the document by this name
     let name = format!("{}: ", source.file.display());
     let outcome = source.read().map_err(pullout_engine::Error::from).and_then(|prepared| prepared.run(settings));

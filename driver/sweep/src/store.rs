@@ -11,6 +11,7 @@
 //! ```
 
 use crate::table::{Column, Table, replace};
+use pullout_case::Reader;
 use pullout_case::study::{Columns, QuantityOfFile};
 use pullout_report::{at, directory::refuse_file};
 use pullout_run::input::{self, Input};
@@ -101,6 +102,9 @@ impl Store {
         let text = fs::read(&path).map_err(|error| wrong(format!("{error}: `pullout sweep plan` begins a sweep")))?;
         let sweep: Sweep = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
         let runs = sweep.runs.len();
+        if !sweep.bundles.iter().all(|bundle| is_hash(bundle)) {
+            return Err(wrong("bundles: are not names that this program gives to folders below files/".into()));
+        }
         let is_sound = sweep.version == VERSION
             && sweep.runs.iter().chain(sweep.written.values()).all(|run| run.len() == sweep.parameters.len())
             && (sweep.bundle_of.is_empty() || sweep.bundle_of.len() == runs)
@@ -155,15 +159,57 @@ impl Store {
         Ok(parts)
     }
 
-    /// Adds rows.
+    /// Adds rows. The name of their file has the hash of its content.
     ///
     /// # Errors
     /// They cannot be written.
     pub fn add(&self, rows: &Table, first: usize) -> io::Result<()> {
         let folder = self.folder.join("parts");
         fs::create_dir_all(&folder)?;
-        let name = format!("{first:07}-{}.parquet", unique()?);
-        rows.write(&folder.join(name))
+        let new = folder.join(format!(".part{}", unique()?));
+        rows.write(&new)?;
+        let hash = input::digits(input::hash(&new, Input::Mesh)?);
+        let part = folder.join(format!("{first:07}-{hash}.parquet"));
+        fs::rename(&new, &part).map_err(at(&part))
+    }
+
+    /// Reads columns of a part, if its content is what its name says; names of earlier versions say nothing of it.
+    ///
+    /// # Errors
+    /// It cannot be read, or is damaged.
+    pub(crate) fn part(path: &Path, wants: impl Fn(&str) -> bool) -> io::Result<Table> {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let hash = name.split_once('-').map(|(_, hash)| hash).filter(|hash| is_hash(hash));
+        match hash {
+            Some(hash) if input::digits(input::hash(path, Input::Mesh)?) != hash => Err(io::Error::new(
+                io::ErrorKind::InvalidData,
+                format!("{}: is damaged: remove it, and its runs are run again", path.display()),
+            )),
+            _ => Table::read(path, wants),
+        }
+    }
+
+    /// Checks the files that cases name against the hashes that their folders have as names.
+    ///
+    /// # Errors
+    /// A folder has other files than those that were planned.
+    pub(crate) fn check_bundles(&self, sweep: &Sweep) -> io::Result<()> {
+        for bundle in &sweep.bundles {
+            let folder = self.folder.join("files").join(bundle);
+            let mut files = BTreeMap::new();
+            collect_files(&folder, "", &mut files)?;
+            // of a plan of an earlier version
+            let before = files.iter().map(|(name, file)| {
+                let is_plugin = name.starts_with("plugins/");
+                (if is_plugin { format!("./{name}") } else { name.clone() }, file.clone())
+            });
+            let before = Bundle { files: before.collect() };
+            if (Bundle { files }).digest()? != *bundle && before.digest()? != *bundle {
+                let message = "has not the files that were planned: remove it, and plan the sweep again";
+                return Err(io::Error::new(io::ErrorKind::InvalidData, format!("{}: {message}", folder.display())));
+            }
+        }
+        Ok(())
     }
 
     /// Waits for the turn to take runs, which one worker has at a time, as long as it keeps the file. On a file system without locks
@@ -244,6 +290,25 @@ impl Store {
 /// Returns whether a file is not in its place yet.
 fn is_hidden(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
+}
+
+/// Returns whether a text is a SHA-256.
+fn is_hash(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'))
+}
+
+/// Collects all files below a folder by their names in it; links to folders are files that cannot be read.
+fn collect_files(folder: &Path, inside: &str, files: &mut BTreeMap<String, PathBuf>) -> io::Result<()> {
+    for entry in fs::read_dir(folder).map_err(at(folder))? {
+        let entry = entry?;
+        let name = format!("{inside}{}", entry.file_name().to_string_lossy());
+        if entry.file_type()?.is_dir() {
+            collect_files(&entry.path(), &format!("{name}/"), files)?;
+        } else {
+            files.insert(name, entry.path());
+        }
+    }
+    Ok(())
 }
 
 /// Characters of a name that no other process takes.
@@ -395,15 +460,15 @@ pub struct Bundle {
 }
 
 impl Bundle {
-    /// Takes in what a case that stands in `folder` names, and writes the names in the bundle into it.
+    /// Takes in what a case that stands in `folder` names, as far as `reader` lets it, and writes the names in the bundle into it.
     ///
     /// # Errors
     /// Two files with one name.
-    pub fn take(&mut self, document: &mut Value, folder: &Path, plugin_paths: &[PathBuf]) -> io::Result<()> {
+    pub fn take(&mut self, document: &mut Value, folder: &Path, reader: &Reader<'_>) -> io::Result<()> {
         match document {
-            Value::Object(members) => self.take_members(members, folder, plugin_paths),
-            Value::Array(entries) => entries.iter_mut().try_for_each(|entry| self.take(entry, folder, plugin_paths)),
-            Value::String(text) if !text.is_empty() && folder.join(&*text).is_file() => {
+            Value::Object(members) => self.take_members(members, folder, reader),
+            Value::Array(entries) => entries.iter_mut().try_for_each(|entry| self.take(entry, folder, reader)),
+            Value::String(text) if !text.is_empty() && reader.named(text).is_ok_and(|file| file.is_file()) => {
                 let name = inside(text);
                 self.add(name.clone(), folder.join(&*text))?;
                 *text = name;
@@ -413,24 +478,19 @@ impl Bundle {
         }
     }
 
-    fn take_members(
-        &mut self,
-        members: &mut Map<String, Value>,
-        folder: &Path,
-        plugin_paths: &[PathBuf],
-    ) -> io::Result<()> {
+    fn take_members(&mut self, members: &mut Map<String, Value>, folder: &Path, reader: &Reader<'_>) -> io::Result<()> {
         for (key, member) in members {
             match member.as_str().filter(|_| key == "plugin") {
                 Some(name) => {
-                    let path = isolation::locate(name, folder, plugin_paths);
+                    let path = isolation::locate(name, folder, reader.plugin_paths());
                     if let Some(path) = path.filter(|path| host::names_a_file(name) || !isolation::is_shipped(path)) {
                         let file = path.file_name().unwrap_or_default().to_string_lossy();
-                        let name = format!("./plugins/{file}");
+                        let name = format!("plugins/{file}");
                         self.add(name.clone(), path.clone())?;
-                        *member = name.into();
+                        *member = format!("./{name}").into();
                     }
                 }
-                None => self.take(member, folder, plugin_paths)?,
+                None => self.take(member, folder, reader)?,
             }
         }
         Ok(())
@@ -446,18 +506,23 @@ impl Bundle {
         }
     }
 
-    /// Copies the files into a store; the name of their folder.
-    ///
-    /// # Errors
-    /// They cannot be read or written.
-    pub(crate) fn put_into(&self, store: &Store) -> io::Result<String> {
+    /// The hash of names and contents.
+    fn digest(&self) -> io::Result<String> {
         let mut digest = Sha256::new();
         for (name, file) in &self.files {
             digest.update(name);
             digest.update([0]);
             digest.update(input::hash(file, Input::Mesh)?);
         }
-        let bundle = input::hexadecimal(digest);
+        Ok(input::hexadecimal(digest))
+    }
+
+    /// Copies the files into a store; the name of their folder.
+    ///
+    /// # Errors
+    /// They cannot be read or written.
+    pub(crate) fn put_into(&self, store: &Store) -> io::Result<String> {
+        let bundle = self.digest()?;
         let folder = store.folder.join("files").join(&bundle);
         if !folder.exists() {
             // whole, or not there

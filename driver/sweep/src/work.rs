@@ -17,6 +17,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
+use umat_abi::host;
 
 /// Interval between writes, s: the work lost at most when a machine fails.
 const CHUNK: f64 = 30.0;
@@ -39,6 +40,8 @@ pub struct Work {
     pub in_process: bool,
     /// Run again what failed, crashed or took too long.
     pub again: bool,
+    /// Whether the folder is from an unknown source: its cases may name plugins of the search path alone.
+    pub is_untrusted: bool,
 }
 
 /// Outcome of a sweep's work.
@@ -86,6 +89,10 @@ struct Queue {
 /// The store cannot be read or written, processes cannot be started. What is done is kept.
 pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) -> io::Result<Worked> {
     let sweep = store.sweep()?;
+    store.check_bundles(&sweep)?;
+    if work.is_untrusted {
+        refuse_libraries(store, &sweep)?;
+    }
     let identity = isolation::identity()?;
     let queue = Queue {
         due: VecDeque::new(),
@@ -120,6 +127,26 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
     let others = queue.due.iter().filter(|due| queue.is_taken(due) || queue.known.is_over_since(due)).count();
     let elsewhere = queue.elsewhere + others;
     Ok(Worked { kept, ran, elsewhere, left: office.count - ran - elsewhere })
+}
+
+/// Refuses a sweep whose cases choose what is called.
+fn refuse_libraries(store: &Store, sweep: &Sweep) -> io::Result<()> {
+    for run in 0..sweep.runs.len() {
+        let document = sweep.document(run);
+        for material in isolation::materials(&document) {
+            let names_a_file = material["plugin"].as_str().is_some_and(host::names_a_file);
+            let what = match (names_a_file, material["symbol"].is_null()) {
+                (true, _) => &material["plugin"],
+                (false, false) => &material["symbol"],
+                (false, true) => continue,
+            };
+            let message = "--untrusted allows plugins of the search path, by their names, and no symbol in them";
+            let file = store.folder().join("sweep.json");
+            let message = format!("{}: run {run} calls {what}: {message}", file.display());
+            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+        }
+    }
+    Ok(())
 }
 
 impl Queue {
@@ -288,7 +315,9 @@ impl Office<'_> {
                 break;
             }
             claim.begin()?;
-            let measured = catch_unwind(AssertUnwindSafe(|| measure(self.store, self.sweep, due.run, &stop)));
+            let measured = catch_unwind(AssertUnwindSafe(|| {
+                measure(self.store, self.sweep, due.run, self.work.is_untrusted, &stop)
+            }));
             let measured = measured.unwrap_or_else(|_| {
                 Some(Measured {
                     failed_at: Some(FailedAt { kind: FailureKind::Crashed, step: 0, increment: 0 }),
@@ -328,7 +357,7 @@ impl Office<'_> {
         let sweep = self.sweep.part(&numbers);
         let need = self.need(&numbers);
         let folder = fs::canonicalize(self.store.folder())?;
-        let batch = Batch { folder, sweep, seconds: seconds.clamp(0.0, 1e9) };
+        let batch = Batch { folder, sweep, seconds: seconds.clamp(0.0, 1e9), is_untrusted: self.work.is_untrusted };
         let (mut told, told_path) = shared_file()?;
         told.write_all(&serde_json::to_vec(&batch)?)?;
         let heard: OsString = fs::canonicalize(&claim.path)?.into();

@@ -136,3 +136,51 @@ fn what_a_study_may_name() {
         }
     }
 }
+
+#[test]
+fn what_a_sweep_may_name() {
+    let desk = desk();
+    let sweep = |base: Value| {
+        desk.case("job/sweep.json", &json!({ "kind": "sweep", "base": base, "parameters": { "title": ["a", "b"] } }));
+    };
+    let plan = |flags: &[&str], code: i32| {
+        desk.pullout(["sweep", "plan", "job/sweep.json", "--out", "store"].iter().chain(flags)).expect(code)
+    };
+    let work = |code: i32| desk.pullout(["sweep", "work", "store", "--untrusted", "--quiet"]).expect(code);
+    for table in ["../secret.csv", "out.csv"] {
+        sweep(with_table(table));
+        let refused = plan(&["--untrusted"], 2);
+        assert!(
+            refused.stderr.contains("steps[0].table") && refused.stderr.contains("--untrusted"),
+            "{}",
+            refused.stderr
+        );
+    }
+    sweep(with_table("tables/own.csv"));
+    plan(&["--untrusted"], 0);
+    work(0);
+    // a library that the plan brought along
+    sweep(point(json!({ "plugin": plugin("sound_damage").to_string_lossy(), "props": [] })));
+    plan(&["--untrusted"], 2);
+    sweep(point(json!({ "plugin": "linear_elastic", "symbol": "linear_elastic_umat_" })));
+    plan(&["--untrusted"], 2);
+    plan(&[], 0);
+    let refused = work(2);
+    assert!(refused.stderr.contains("linear_elastic_umat_"), "{}", refused.stderr);
+    // a plan that leads out of its own folder, and other files than were planned
+    sweep(with_table("tables/own.csv"));
+    plan(&[], 0);
+    let file = desk.path("store/sweep.json");
+    let whole = std::fs::read_to_string(&file).expect("a plan");
+    let bundle = crate::program::json(&file)["bundles"][0].as_str().expect("a name").to_owned();
+    for forged in ["../../job", "..", "/", "files"] {
+        std::fs::write(&file, whole.replace(&bundle, forged)).expect("a plan");
+        for flags in [&["--untrusted"][..], &[]] {
+            desk.pullout(["sweep", "work", "store"].iter().chain(flags)).expect(2);
+        }
+    }
+    std::fs::write(&file, &whole).expect("a plan");
+    desk.write(&format!("store/files/{bundle}/tables/own.csv"), "time,e11\n1,0.5\n2,0.6\n");
+    let refused = work(2);
+    assert!(refused.stderr.contains(&bundle), "{}", refused.stderr);
+}

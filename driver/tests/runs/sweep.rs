@@ -702,3 +702,33 @@ fn the_work_of_a_cycle_is_what_it_dissipates() {
     assert!((number("q.work") - path).abs() < 1e-12 * path && path > 0.0, "{} {path}", number("q.work"));
     assert!(number("q.back") < 0.0, "{}", number("q.back"));
 }
+
+/// A design of ten million runs: what is wrong with it is said before they are made, and a signal ends the planning.
+#[test]
+fn a_large_plan_is_checked_first_and_heeds_signals() {
+    let desk = Desk::new();
+    let values: Vec<u32> = (1..=200).collect();
+    let paths = ["material.props.k_e", "material.props.a_1", "material.props.tau_res"]
+        .map(|path| (path.to_owned(), json!(values)));
+    let parameters: serde_json::Map<String, Value> = paths.into_iter().collect();
+    let mut sweep = json!({ "kind": "sweep", "base": bond(2), "parameters": parameters });
+    sweep["titel"] = json!("wrong");
+    desk.case("wrong.json", &sweep);
+    // 8 million runs take more memory than this, KB
+    let line = "ulimit -v 3000000; exec \"$0\" sweep plan wrong.json --out store";
+    let mut shell = std::process::Command::new("sh");
+    let output = shell.args(["-c", line, env!("CARGO_BIN_EXE_pullout")]).current_dir(desk.path("")).output();
+    let output = output.expect("a shell");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && stderr.contains("$.titel"), "{stderr}");
+    sweep.as_object_mut().expect("an object").remove("titel");
+    desk.case("right.json", &sweep);
+    let mut process = command();
+    process.current_dir(desk.path("")).args(["sweep", "plan", "right.json", "--out", "store"]);
+    let child = process.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    std::thread::sleep(Duration::from_millis(700));
+    send(Signal::TERM, child.id());
+    let output = child.wait_with_output().expect("an end");
+    assert_eq!(output.status.code(), Some(143), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(!desk.path("store/sweep.json").exists());
+}

@@ -1,4 +1,4 @@
-//! Hostile input, thrown at the program in numbers: damaged cases, meshes and checkpoints, and kills.
+//! Hostile input, thrown at the program in numbers: damaged cases, meshes, checkpoints and sweeps, plugins that misbehave, and kills.
 //!
 //! ```text
 //! cargo test -p end-to-end-tests --test hostile                     # a part of each, for every build
@@ -20,6 +20,7 @@ mod plugins;
 mod process;
 mod specimen;
 mod suite;
+mod sweeps;
 
 use std::process::ExitCode;
 use suite::{Form, Tally};
@@ -27,12 +28,13 @@ use suite::{Form, Tally};
 /// A kind of hostile input.
 type Module = (&'static str, fn(&Form) -> Tally);
 
-const MODULES: [Module; 5] = [
+const MODULES: [Module; 6] = [
     ("cases", cases::run),
     ("meshes", meshes::run),
     ("checkpoints", checkpoints::run),
     ("kills", kills::run),
     ("plugins", plugins::run),
+    ("sweeps", sweeps::run),
 ];
 
 fn main() -> ExitCode {
