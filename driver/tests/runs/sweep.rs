@@ -707,10 +707,10 @@ fn the_work_of_a_cycle_is_what_it_dissipates() {
 #[test]
 fn a_large_plan_is_checked_first_and_heeds_signals() {
     let desk = Desk::new();
-    let values: Vec<u32> = (1..=200).collect();
-    let paths = ["material.props.k_e", "material.props.a_1", "material.props.tau_res"]
-        .map(|path| (path.to_owned(), json!(values)));
-    let parameters: serde_json::Map<String, Value> = paths.into_iter().collect();
+    let values = |from: u32| json!(Vec::from_iter(from..from + 200));
+    let parameters = json!({
+        "material.props.k_e": values(900), "steps.0.increments": values(1), "steps.0.target.slip": values(1),
+    });
     let mut sweep = json!({ "kind": "sweep", "base": bond(2), "parameters": parameters });
     sweep["titel"] = json!("wrong");
     desk.case("wrong.json", &sweep);
