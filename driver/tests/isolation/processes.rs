@@ -212,6 +212,8 @@ fn state(process: u32) -> char {
 
 /// Starts a run whose plugin makes a fault that hangs, and waits until it does.
 fn hanging(desk: &Desk, fault: Fault) -> (Child, u32) {
+    // rows of a run before are not waited for
+    let _ = std::fs::remove_dir_all(desk.path("out"));
     desk.case("case.json", &point(material("misbehaving", fault as u32)));
     let mut process = command();
     process.env("HANGING", desk.path("")).stderr(Stdio::piped());
