@@ -5,6 +5,7 @@ use crate::problem::Place;
 use crate::reader::Reader;
 use crate::table::{CsvFile, Table};
 use pullout_run::program::{FieldValues, StepFields};
+use std::rc::Rc;
 
 /// The column, and the key.
 const TEMPERATURE: &str = "temperature";
