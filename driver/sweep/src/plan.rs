@@ -430,13 +430,13 @@ mod test {
     /// As loops within loops, the last path innermost.
     #[test]
     fn every_combination_is_a_run() {
-        let lists =
+        let lists: [Vec<Value>; 3] =
             [&["a", "b"][..], &["c"], &["d", "e", "f"]].map(|list| list.iter().copied().map(Value::from).collect());
         let mut expected: Vec<Vec<Value>> = vec![Vec::new()];
         for list in &lists {
             let longer = |run: &Vec<Value>| {
                 let run = run.clone();
-                Vec::from_iter(Vec::iter(list).map(move |value| [&run[..], std::slice::from_ref(value)].concat()))
+                Vec::from_iter(list.iter().map(move |value| [&run[..], std::slice::from_ref(value)].concat()))
             };
             expected = expected.iter().flat_map(longer).collect();
         }

@@ -66,7 +66,7 @@ impl Spoilt {
     pub(super) fn undone() -> Option<Self> {
         Self::present()?;
         for ((resource, _), given) in LIMITS.iter().zip(&GIVEN.get()?.limits) {
-            if is_lowered(*resource, given) && setrlimit(*resource, given.clone()).is_err() {
+            if is_lowered(*resource, given) && setrlimit(*resource, *given).is_err() {
                 let present = getrlimit(*resource);
                 let _ = setrlimit(*resource, Rlimit { current: given.current, maximum: present.maximum });
             }
