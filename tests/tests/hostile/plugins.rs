@@ -132,7 +132,7 @@ const TABLE: [(&str, Class, Class); 82] = [
     ("WRITE_NAME", Warned("writes C"), Harmless),
     ("WRITE_POINT", Warned("writes NO"), Harmless),
     ("WRITE_KINC", Warned("writes K"), Harmless),
-    ("WRITE_TEMP", Warned("writes TEMP, which"), Harmless),
+    ("WRITE_TEMP", Warned("writes TEMP"), Harmless),
     ("NAN_STRESS", Fails("= NaN"), Harmless),
     ("INFINITE_STRESS", Fails("= inf"), Harmless),
     ("NAN_STATEV", Fails("returned STATEV(2) = NaN"), Harmless),
