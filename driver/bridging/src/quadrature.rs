@@ -111,7 +111,8 @@ pub fn root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64) -> f64 {
         let nearest = if f_1.abs() < f_2.abs() { x_1 } else { x_2 };
         let smallest = ROOT * nearest.abs() + f64::MIN_POSITIVE;
         let least_part = smallest / (x_2 - x_1).abs();
-        if least_part > 0.5 || f_1 == 0.0 {
+        // ends that are no numbers have nothing between them
+        if least_part.is_nan() || least_part > 0.5 || f_1 == 0.0 {
             return nearest;
         }
         let (xi, phi) = ((x_1 - x_2) / (x_3 - x_2), (f_1 - f_2) / (f_3 - f_2));
