@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import json
 import os
 import shutil
 import subprocess
@@ -30,6 +31,41 @@ const timer = setInterval(() => {
   const slider = viewer.querySelector(".state");
   slider.value = %s;
   slider.oninput();
+}, 20);
+</script>"""
+
+
+#: what the viewer says when it is there, after keys, after a pinch of two fingers, and where the wheel and one finger go
+TRY = """<script>
+const timer = setInterval(() => {
+  const viewer = document.getElementById("viewer"), part = (name) => viewer.querySelector("." + name);
+  if (!viewer || part("stage").hidden || !part("told").textContent) return;
+  clearInterval(timer);
+  const canvas = part("mesh"), found = { opened: part("told").textContent, touchAction: getComputedStyle(canvas).touchAction };
+  const key = (target, name) => !target.dispatchEvent(new KeyboardEvent("keydown", { key: name, cancelable: true }));
+  const wheel = (ctrlKey) => !canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -100, ctrlKey, cancelable: true }));
+  const touch = (kind, ...xs) => {
+    const box = canvas.getBoundingClientRect();
+    const touches = xs.map((x, identifier) => new Touch({ identifier, target: canvas, clientX: box.left + x, clientY: box.top + 50 }));
+    return !canvas.dispatchEvent(new TouchEvent(kind, { touches, cancelable: true }));
+  };
+  found.keys = [key(canvas, "+"), key(canvas, "ArrowLeft"), key(canvas, "Tab")];
+  found.wheel = [wheel(false), wheel(true)];
+  found.touch = [touch("touchstart", 50), touch("touchmove", 60), touch("touchstart", 50, 100), touch("touchmove", 40, 120)];
+  found.bar = ["least", "most"].map((name) => part(name).textContent);
+  part("parts").value = [...part("parts").options].find((option) => option.text.includes("matrix")).value;
+  part("parts").onchange();
+  key(part("curve"), "End");
+  found.names = [...viewer.querySelectorAll("canvas, button, select, input")].filter((control) =>
+    !(control.getAttribute("aria-label") || control.textContent.trim() && control.tagName === "BUTTON" || control.closest("label")));
+  found.names = found.names.map((control) => control.outerHTML);
+  setTimeout(() => {
+    [found.end, found.clipped] = [part("told").textContent, part("most").textContent];
+    const result = document.createElement("pre");
+    result.id = "found";
+    result.textContent = JSON.stringify(found);
+    document.body.replaceChildren(result);
+  }, 500);
 }, 20);
 </script>"""
 
@@ -88,6 +124,33 @@ def test_it_is_drawn_and_follows_the_slider(fibre: po.Run, tmp_path: Path) -> No
         assert len(end) > 1.5 * len(begin), (place, len(begin), len(end))
 
 
+def test_it_opens_at_the_peak_and_hears_keys_and_fingers(fibre: po.Run, tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    page.write_text((fibre.folder / "report.html").read_text(encoding="utf-8") + TRY, encoding="utf-8")
+    document = chromium(page, tmp_path, "--dump-dom", size=(390, 800))
+    found = json.loads(html.unescape(document.split('<pre id="found">')[1].split("</pre>")[0]))
+    load = np.asarray(fibre.history["load"])
+    assert found["opened"].startswith("peak: ") and f"load {load.max():.4g} N" in found["opened"], found
+    assert found["end"].startswith("end: "), found
+    # one finger and the wheel alone are the page's; two fingers, Ctrl + wheel and keys but Tab the viewer's
+    assert found["touchAction"] == "pan-x pan-y"
+    assert (found["keys"], found["wheel"], found["touch"]) == ([True, True, False], [False, True], [False, False, True, True])
+    # each part has its range in the key; in that of the matrix the fibre lies beyond, which the bar says
+    assert all("fibre" in end and "matrix" in end for end in found["bar"]), found["bar"]
+    assert found["clipped"].startswith("≥ "), found["clipped"]
+    assert found["names"] == [], "controls without a name"
+
+
+def test_pictures_keep_the_colours_of_their_data_in_the_dark(fibre: po.Run, tmp_path: Path) -> None:
+    report = (fibre.folder / "report.html").read_text(encoding="utf-8")
+    style = report.split("<style>")[1].split("</style>")[0]
+    picture = (fibre.folder / "plots/principal_stress_max_peak.svg").read_text(encoding="utf-8")
+    page = tmp_path / "page.html"
+    page.write_text(f'<!DOCTYPE html><meta name="color-scheme" content="light dark"><style>{style}</style><div class="pictures"><figure>{picture}</figure></div>', encoding="utf-8")
+    light, dark = (coloured(screenshot(page, 700, 700, tmp_path, f"--blink-settings=preferredColorScheme={scheme}")) for scheme in (1, 0))
+    assert len(light) > 5 and light == dark
+
+
 def test_labels_of_pictures_stand_where_the_program_draws_them(tmp_path: Path) -> None:
     case = ROOT / "cases/chapter-5/5.3-compression-concrete-damage.json"
     program = Path(sys.executable).with_name("pullout")
@@ -113,22 +176,29 @@ def pixels(picture: Path) -> NDArray[np.uint8]:
     return np.asarray(Image.open(picture).convert("RGB"))
 
 
-def screenshot(page: Path, width: int, height: int, place: Path) -> NDArray[np.uint8]:
+def screenshot(page: Path, width: int, height: int, place: Path, *more: str) -> NDArray[np.uint8]:
     """What Chromium shows of a page."""
-    chromium = shutil.which("chromium")
-    if not os.environ.get("PULLOUT_REQUIRE_CHROMIUM"):
-        pytest.importorskip("PIL")
-        if chromium is None:
-            pytest.skip("no chromium")
-    assert chromium is not None
     shot = place / "shot.png"
-    options = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"]
-    options += [f"--user-data-dir={place / 'profile'}", f"--window-size={width},{height}", "--virtual-time-budget=20000"]
-    ended = subprocess.run([chromium, *options, f"--screenshot={shot}", page.as_uri()], capture_output=True, text=True, timeout=120)
-    assert shot.is_file(), ended.stderr
+    shot.unlink(missing_ok=True)
+    chromium(page, place, f"--screenshot={shot}", "--hide-scrollbars", *more, size=(width, height))
     if kept := os.environ.get("PULLOUT_KEEP_SCREENSHOT"):
         shutil.copy(shot, kept)
     return pixels(shot)
+
+
+def chromium(page: Path, place: Path, *options: str, size: tuple[int, int]) -> str:
+    """What Chromium prints of a page."""
+    program = shutil.which("chromium")
+    if not os.environ.get("PULLOUT_REQUIRE_CHROMIUM"):
+        pytest.importorskip("PIL")
+        if program is None:
+            pytest.skip("no chromium")
+    assert program is not None
+    own = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--virtual-time-budget=20000"]
+    own += [f"--user-data-dir={place / 'profile'}", f"--window-size={size[0]},{size[1]}"]
+    ended = subprocess.run([program, *own, *options, page.as_uri()], capture_output=True, text=True, timeout=120)
+    assert ended.returncode == 0, ended.stderr
+    return ended.stdout
 
 
 def coloured(image: NDArray[np.uint8]) -> dict[int, int]:

@@ -4,7 +4,7 @@
 //! by what is sought instead of the numbers: z with x = lo + (hi − lo)(1 + sin z)/2.
 
 use super::doubt::doubts;
-use super::output::{rows_of, standard_error, table};
+use super::output::{MOST_MARKS, rows_of, standard_error, table};
 use super::search::{self, Best, Increments, STEP, Search, Simulation, root_mean_square};
 use super::specimen::make_absolute;
 use levenberg_marquardt::LevenbergMarquardt;
@@ -14,12 +14,18 @@ use pullout_case::CsvFile;
 use pullout_engine::{Outcome, Source};
 use pullout_report::compare::Turns;
 use pullout_report::directory::ResultDirectory;
+use pullout_report::plots;
+use pullout_report::plots::figure::{Figure, Line, Marks};
+use pullout_report::plots::quantity::Quantity;
 use pullout_run::input::folder_of;
 use pullout_run::number::significant;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io;
 use std::path::PathBuf;
+
+mod report;
 
 /// The search ends when the sum of squares would fall, or what is sought would move, by less than this part.
 const SMALLEST: f64 = 1e-10;
@@ -486,11 +492,12 @@ impl CaseFit {
         text
     }
 
-    /// Writes fit.json, fitted-case.json and fitted-curve.csv.
+    /// Writes fit.json, fitted-case.json, fitted-curve.csv, and the curves as a picture with a report. The result is what could
+    /// not be drawn.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write(&self, directory: &mut ResultDirectory, request: &CaseRequest) -> io::Result<()> {
+    pub fn write(&self, directory: &mut ResultDirectory, request: &CaseRequest) -> io::Result<Vec<String>> {
         let number = |k: usize| {
             let (free, estimate) = (&self.free[k], &self.estimates[k]);
             json!({
@@ -524,6 +531,26 @@ impl CaseFit {
         directory.write("fitted-case.json", format!("{:#}\n", self.case))?;
         let [x, y] = &request.curve;
         directory.write("fitted-curve.csv", table(&format!("{x},{y},computed"), self.rows.iter().copied()))?;
-        Ok(())
+        let drawings = plots::write_all(directory, "plots", &[self.figure(request)])?;
+        directory.write("report.html", report::page(self, request, &drawings.pictures).into_string())?;
+        Ok(drawings.warnings)
+    }
+
+    /// The measured points and the curve that was computed.
+    fn figure(&self, request: &CaseRequest) -> Figure {
+        let [x, y] = &request.curve;
+        let units = BTreeMap::new();
+        let points = |column: usize| self.rows.iter().map(move |row| (row[0], row[column]));
+        let computed = Line { columns: (x.clone(), y.clone()), ..Line::numbered("computed", points(2).collect(), 0) };
+        let every = self.rows.len().div_ceil(MOST_MARKS).max(1);
+        Figure {
+            name: "fitted-curve".into(),
+            title: "Measured and computed curve".into(),
+            x: Quantity::of(x, &units),
+            y: Quantity::of(y, &units),
+            lines: vec![computed],
+            marks: vec![Marks { label: "measured".into(), points: points(1).step_by(every).collect(), line: None }],
+            ..Figure::default()
+        }
     }
 }

@@ -120,7 +120,7 @@ fn untold(law: &FittedLaw) -> Vec<String> {
     numbers(law).into_iter().filter_map(untold).collect()
 }
 
-fn percent(part: f64) -> String {
+pub(crate) fn percent(part: f64) -> String {
     if part.is_finite() { format!("{} %", significant(100.0 * part, 2)) } else { "infinite".into() }
 }
 
@@ -251,7 +251,7 @@ fn law_line(k: usize, law: &FittedLaw, end: f64) -> Line {
 }
 
 /// Returns what an error is worth, for readers of the report.
-fn explanation() -> String {
+pub(crate) fn explanation() -> String {
     format!(
         "Errors are standard errors to first order, from the derivatives of the computed curve and the scatter that is \
          left; they hold if this scatter is noise. A number whose standard error is above {} % of its value is not \

@@ -3,6 +3,7 @@
 use crate::directory::ResultDirectory;
 use crate::ending;
 use crate::history::{BRIDGING_TABLES, History};
+use crate::page::Account;
 use crate::plots::figure::{Figure, Line, Style};
 use crate::plots::quantity::Quantity;
 use crate::plots::{self, Drawings, Spec};
@@ -123,7 +124,7 @@ fn draw(
     history: &History,
     (program, composite, _): &Done<'_>,
 ) -> io::Result<Drawings> {
-    let mut drawings = plots::draw(directory, plots::FOLDER, history, &Spec::of(case))?;
+    let mut drawings = plots::draw(directory, plots::FOLDER, history, &Spec::of(case, Account::of(case).inputs()))?;
     let figures = [family(program, composite), directions(composite)];
     drawings.append(plots::write_all(directory, plots::FOLDER, &figures)?);
     Ok(drawings)

@@ -80,7 +80,7 @@ fn draw(
         return Ok(Default::default());
     }
     let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
-    let mut drawings = plots::draw(directory, plots::FOLDER, &history, &Spec::of(case))?;
+    let mut drawings = plots::draw(directory, plots::FOLDER, &history, &Spec::of(case, Account::of(case).inputs()))?;
     let Some((program, outcome)) = specimen else { return Ok((drawings, None)) };
     drawings.append(pictures::draw(directory, program, outcome)?);
     Ok((drawings, states.page(program, &history, outcome.peak.as_ref())?))

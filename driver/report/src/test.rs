@@ -75,6 +75,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         subject: CaseKind::Point { controlled: vec![0] },
         units: Default::default(),
         curves: vec![Curve { label: measured.label.clone(), x: "e11".into(), y: "s11".into(), points }],
+        inputs: Default::default(),
     };
     let drawings = plots::draw(&mut directory, "plots", &history, &spec).unwrap();
     let mut summary = Summary {

@@ -98,7 +98,7 @@ enum Command {
     ///
     /// `fit CASE` seeks numbers of any case by which a curve of its history is nearest to a measured one (Levenberg and
     /// Marquardt). Written to the result directory: fitted-case.json (runs with what was found), fitted-curve.csv, fit.json
-    /// (values with standard errors and correlations).
+    /// (values with standard errors and correlations), plots/, report.html.
     Fit(Box<fit::Fit>),
     /// Measure run time against error, the cost of the plugin ABI, throughput.
     Bench(bench::Arguments),

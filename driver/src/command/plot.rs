@@ -3,7 +3,7 @@
 use super::{DONE, Refusal, complain, say};
 use pullout_report::directory::{Kind, ResultDirectory};
 use pullout_report::plots::export::{self, Export};
-use pullout_report::plots::redraw::{self, Redrawing};
+use pullout_report::plots::redraw::{DrawnRun, Redrawing};
 use std::path::PathBuf;
 
 /// Settings for drawing pictures again.
@@ -12,7 +12,8 @@ pub(super) struct Arguments {
     /// Result directories of runs; or that of one study, with --png or --pdf.
     #[arg(required = true, value_name = "RESULT_DIR")]
     results: Vec<PathBuf>,
-    /// Directory of the pictures; default: plots/ of the first.
+    /// Directory of the pictures, to which those of a single run's fields come along; default: plots/ of the run, of several
+    /// compared/ of the first.
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Make a PNG of every picture there as well, those of a specimen's fields among them.
@@ -32,25 +33,27 @@ pub(super) fn plot(arguments: &Arguments) -> Result<u8, Refusal> {
     }
     let mut runs = Vec::new();
     let first = &arguments.results[0];
-    let is_study = arguments.results.len() == 1 && arguments.out.is_none() && first.join("study.json").is_file();
+    let is_single = arguments.results.len() == 1;
+    let is_study = is_single && first.join("study.json").is_file();
     if is_study && !arguments.png && !arguments.pdf {
         let message = "`pullout study` draws the pictures of a study: --png or --pdf?";
         return Err(Refusal::input(format!("{}: {message}", first.display())));
     }
     for folder in arguments.results.iter().filter(|_| !is_study) {
         let refused = |error| Refusal::input(format!("{error}: is it the result directory of a run with pictures?"));
-        runs.push(redraw::read(folder).map_err(refused)?);
+        runs.push(DrawnRun::read(folder).map_err(refused)?);
     }
     let (root, kind, folder) = match &arguments.out {
         Some(out) => (out, Kind::Pictures, ""),
-        None => (first, if is_study { Kind::Study } else { Kind::Run }, "plots"),
+        None if is_single => (first, if is_study { Kind::Study } else { Kind::Run }, "plots"),
+        // the pictures of a run stay its own
+        None => (first, Kind::Run, "compared"),
     };
     let formats: [(bool, &str, Export); 2] = [(arguments.png, "png", export::png), (arguments.pdf, "pdf", export::pdf)];
     let formats = formats.iter().filter(|(is_wanted, ..)| *is_wanted).map(|&(_, name, export)| (name, export));
     let mut directory = ResultDirectory::open_to_add(root, kind).map_err(Refusal::input)?;
-    let beside = first.join("plots");
-    let beside = (runs.len() == 1 && arguments.out.is_some()).then_some(beside.as_path());
-    let redrawing = Redrawing::new(&runs, &directory, folder, &Vec::from_iter(formats), beside);
+    let source = is_single.then_some(first.as_path());
+    let redrawing = Redrawing::new(&runs, &directory, folder, source, &Vec::from_iter(formats));
     directory.admit(redrawing.names(), arguments.overwrite).map_err(Refusal::input)?;
     directory.notes().iter().for_each(complain);
     let drawings = redrawing.draw(&mut directory)?;

@@ -51,6 +51,9 @@ fn found(case: &Value, sought: &[(&str, f64, [f64; 2])], curve: &str, relative: 
         assert!(number["standard_error"].is_number() == (number["identifiable"] == json!(true)), "{number}");
     }
     desk.run(&folder.join("fitted-case.json"), &[], "again", 0);
+    let report = fs::read_to_string(folder.join("report.html")).unwrap();
+    assert!(folder.join("plots/fitted-curve.svg").is_file() && report.contains("<svg"));
+    sought.iter().for_each(|(path, ..)| assert!(report.contains(path), "{path}"));
     result
 }
 

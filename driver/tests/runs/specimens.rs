@@ -162,6 +162,17 @@ fn a_pull_out_leaves_fields_pictures_summary_and_report() {
     }
     let drawn = desk.pullout(["plot", "out"]).expect(0).stdout;
     assert!(drawn.contains("load_slip.svg"), "{drawn}");
+    // into another folder the fields come along
+    desk.pullout(["plot", "out", "--pdf", "--out", "paper"]).expect(0);
+    for picture in ["load_slip", "deformed_mesh_peak", "principal_stress_max_peak"] {
+        let pdf = std::fs::read(desk.path(&format!("paper/{picture}.pdf"))).expect(picture);
+        assert!(pdf.starts_with(b"%PDF-"), "{picture}");
+    }
+    // runs that are overlaid leave the pictures of the first as they are
+    let own = |name: &str| std::fs::read(run.folder.join(name)).expect("a picture");
+    let before = own("plots/load_slip.svg");
+    desk.pullout(["plot", "out", "out"]).expect(0);
+    assert!(own("plots/load_slip.svg") == before && own("compared/load_slip.svg") != before);
 }
 
 /// The viewer's states are rows of the history, from the first to the last, and its numbers are as many as its head says.
@@ -178,12 +189,25 @@ fn the_report_shows_states_over_the_run() {
     let count = |key: &str| head[key].as_u64().expect("a count") as usize;
     let frames = head["frames"].as_array().expect("frames");
     let (slips, loads) = (run.history.column("slip"), run.history.column("load"));
-    assert!((10..=24).contains(&frames.len()), "{}", frames.len());
+    // a peak that was not kept anyway comes besides
+    assert!((10..=25).contains(&frames.len()), "{}", frames.len());
     let told = |frame: &Value| [&frame["slip"], &frame["load"]].map(|value| value.as_f64().expect("a number"));
     assert_eq!(told(&frames[0]), [slips[0], loads[0]]);
     assert_eq!(told(&frames[frames.len() - 1]), [*slips.last().expect("rows"), *loads.last().expect("rows")]);
     let is_row = |frame: &Value| slips.iter().zip(&loads).any(|(slip, load)| told(frame) == [*slip, *load]);
     assert!(frames.iter().all(is_row));
+    // it opens at the greatest load of the run, and says so
+    let peak = loads.iter().copied().fold(0.0, f64::max);
+    let opened = &frames[count("opensAt")];
+    assert_eq!((told(opened)[1], opened["name"].as_str()), (peak, Some("peak")));
+    assert_eq!((frames[0]["name"].as_str(), frames[frames.len() - 1]["name"].as_str()), (Some("start"), Some("end")));
+    // steel and concrete each have their range: one is stressed at least ten times as much
+    let parts: Vec<&str> = head["parts"].as_array().expect("parts").iter().filter_map(Value::as_str).collect();
+    let greatest = |name: &str| {
+        let part = parts.iter().position(|part| *part == name).expect("the part");
+        head["fields"][0]["ranges"][part][1].as_f64().expect("a number")
+    };
+    assert!(greatest("fibre") > 10.0 * greatest("matrix"), "{} {}", greatest("fibre"), greatest("matrix"));
     let packed = base64::Engine::decode(&base64::engine::general_purpose::STANDARD, part("data")).expect("base64");
     let mut data = Vec::new();
     flate2::read::DeflateDecoder::new(packed.as_slice()).read_to_end(&mut data).expect("deflated");
@@ -192,7 +216,7 @@ fn the_report_shows_states_over_the_run() {
     assert_eq!(fields, 2, "the concrete is elastic");
     let (nodes, states) = (count("nodes"), frames.len());
     let words = 2 * nodes + 3 * count("triangles") + 2 * count("edges") + 6 * contacts;
-    assert_eq!(data.len(), 4 * words + 2 * states * nodes * (2 + fields));
+    assert_eq!(data.len(), 4 * words + 2 * nodes + 2 * states * nodes * (2 + fields));
 }
 
 #[test]

@@ -7,6 +7,7 @@ use pullout_run::program::{
     About, Constraint, Control, InterfaceEntry, InterfaceGoal, InterfaceProgram, Kind, Measure, Mode, NormalControl,
     Pace, PointDrive, PointGoal, PointProgram, Program, STRAIN_NAMES, STRESS_NAMES, Step, StepFields, Until,
 };
+use std::collections::BTreeMap;
 use umat_abi::host::{LawDescription, Manner, TangentSource};
 
 mod specimen;
@@ -72,6 +73,22 @@ impl Account {
             defaults: about.defaults.clone(),
             ..of_kind
         }
+    }
+
+    /// Returns all of it that tells runs apart, by name.
+    pub fn inputs(&self) -> BTreeMap<String, String> {
+        let of = |owner: &str, parameters: &[Parameter]| -> Vec<(String, String)> {
+            let named = |parameter: &Parameter| (format!("{owner}{}", parameter.name), parameter.value.clone());
+            parameters.iter().map(named).collect()
+        };
+        let laws = self.laws.iter().flat_map(|law| {
+            let name = (format!("law of {}", law.subject), law.law.clone());
+            std::iter::once(name).chain(of(&format!("{}: ", law.subject), &law.parameters))
+        });
+        let steps = self.steps.iter().enumerate().map(|(k, step)| (format!("step {}", k + 1), step.clone()));
+        let own = [("law".to_owned(), self.law.clone()), ("mode".to_owned(), self.mode.clone())];
+        let settings = self.settings.iter().cloned();
+        of("", &self.parameters).into_iter().chain(laws).chain(steps).chain(own).chain(settings).collect()
     }
 
     /// Makes an account of fibres across a crack: the parts of the case as it has them.

@@ -9,6 +9,7 @@ use pullout_run::number::{rounded, significant};
 use std::io;
 
 mod account;
+mod answer;
 mod bridging;
 mod specimen;
 pub(crate) use account::Account;
@@ -43,20 +44,40 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
     if let Some(findings) = &summary.bridging {
         return page(title, &bridging::body(account, summary, findings, pictures));
     }
+    let (solver, telling): (Vec<&Picture>, Vec<&Picture>) = pictures.iter().partition(|picture| is_of_solver(picture));
+    let (first, others) = telling.split_first().map_or((None, &[][..]), |(first, others)| (Some(*first), others));
     let body = html! {
-        (status(summary, &format!("{} increments in", summary.increments)))
-        @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
-        @if !account.description.is_empty() { p.description { (account.description) } }
-        (warnings(&summary.warnings))
+        div.answer {
+            (status(summary, &format!("{} increments in", summary.increments)))
+            div.pictures {
+                @if let Some(first) = first { figure { (PreEscaped(&first.svg)) } }
+                (answer::numbers(summary))
+            }
+            @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
+            (warnings(&summary.warnings))
+            @if !account.description.is_empty() { p.description { (account.description) } }
+        }
         @if let Some(viewer) = viewer { h2 { "Over the run" } (viewer) }
-        (what_was_run(account, summary))
-        @if !pictures.is_empty() { (self::pictures(pictures)) }
+        @if !others.is_empty() { h2 { "Pictures" } (gallery(others)) }
         (comparison(summary))
-        @if let Some(findings) = &summary.specimen { (specimen::findings(findings)) }
-        (effort(summary))
+        @if let Some(findings) = &summary.specimen { (specimen::energies(findings)) }
+        (what_was_run(account, summary))
         (peaks(summary))
+        details {
+            summary { "Solver" }
+            (effort(summary))
+            @if let Some(findings) = &summary.specimen { (specimen::work(findings)) }
+            (gallery(&solver))
+        }
+        (provenance(account, summary))
     };
     page(title, &body)
+}
+
+/// Returns whether a picture is of the solver's work, not of the result.
+fn is_of_solver(picture: &Picture) -> bool {
+    let stem = picture.path.file_stem().unwrap_or_default().to_string_lossy();
+    ["iterations", "points", "active_zone"].iter().any(|name| stem.starts_with(name))
 }
 
 /// A page with this title as its heading.
@@ -102,8 +123,12 @@ fn status(summary: &Summary, effort: &str) -> Markup {
 pub fn pictures(pictures: &[Picture]) -> Markup {
     html! {
         h2 { "Pictures" }
-        div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
+        (gallery(&pictures.iter().collect::<Vec<_>>()))
     }
+}
+
+fn gallery(pictures: &[&Picture]) -> Markup {
+    html! { div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } } }
 }
 
 /// Warnings as a list, if there are any.
@@ -122,19 +147,12 @@ fn what_was_run(account: &Account, summary: &Summary) -> Markup {
         h2 { "What was run" }
         table {
             (row("Case", html! { code { (account.case_file) } }))
-            @for plugin in &summary.plugins {
-                (row(&capital(&plugin.subject), html! { (plugin.law) " " (plugin.file.version) br;
-                    code { (plugin.file.path) } br; code { (plugin.file.sha256) } }))
-            }
-            @if summary.plugins.is_empty() {
-            (row("Law", html! { (account.law) " " (summary.plugin.version)
-                @if !account.law_description.is_empty() { " – " (account.law_description) } }))
-            (row("Plugin", html! { code { (summary.plugin.path) } }))
-            (row("SHA-256", html! { code { (summary.plugin.sha256) } }))
+            @if !account.law.is_empty() && account.laws.is_empty() {
+                (row("Law", html! { (account.law) " " (summary.plugin.version)
+                    @if !account.law_description.is_empty() { " – " (account.law_description) } }))
             }
             (row("Mode", html! { (account.mode) }))
             @for (key, value) in &account.settings { (row(key, html! { (value) })) }
-            (row("Program", html! { "pullout " (env!("CARGO_PKG_VERSION")) }))
         }
         @if !account.parameters.is_empty() {
             h2 { "Parameters" }
@@ -149,13 +167,35 @@ fn what_was_run(account: &Account, summary: &Summary) -> Markup {
             h2 { "Notes" }
             ul { @for note in &summary.notes { li { (note) } } }
         }
-        @if !account.defaults.is_empty() {
-            h2 { "Taken by default" }
-            ul { @for line in &account.defaults { li { code { (line) } } } }
-        }
         h2 { "Path" }
         ol { @for step in &account.steps { li { (step) } } }
         @if account.steps_left_out > 0 { p { "… and " (account.steps_left_out) " more steps." } }
+        @if !account.defaults.is_empty() {
+            details {
+                summary { "Taken by default" }
+                ul { @for line in &account.defaults { li { code { (line) } } } }
+            }
+        }
+    }
+}
+
+/// Program, machine and the files of the plugins.
+fn provenance(account: &Account, summary: &Summary) -> Markup {
+    let row = |key: &str, value: Markup| html! { tr { td.key { (key) } td { (value) } } };
+    let machine = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
+    html! {
+        h2 { "Program and files" }
+        table {
+            (row("Program", html! { "pullout " (env!("CARGO_PKG_VERSION")) ", " (machine) }))
+            @for plugin in &summary.plugins {
+                (row(&capital(&plugin.subject), html! { (plugin.law) " " (plugin.file.version) br;
+                    code { (plugin.file.path) } br; code { (plugin.file.sha256) } }))
+            }
+            @if summary.plugins.is_empty() && !account.law.is_empty() {
+                (row("Plugin", html! { code { (summary.plugin.path) } }))
+                (row("SHA-256", html! { code { (summary.plugin.sha256) } }))
+            }
+        }
     }
 }
 
@@ -218,7 +258,8 @@ fn peaks(summary: &Summary) -> Markup {
     let peaks = summary.peaks_without_rounding();
     let still: Vec<&str> = peaks.iter().filter(|(_, peak)| !moves(peak)).map(|(name, _)| *name).collect();
     html! {
-        h2 { "Peaks" }
+        details {
+        summary { "Peaks of all columns" }
         div.scroll { table {
             tr {
                 th { "Column" } th.number { "Greatest" } th.number { "step / increment" }
@@ -235,5 +276,6 @@ fn peaks(summary: &Summary) -> Markup {
             }
         } }
         @if !still.is_empty() { p { "Zero throughout or not known: " code { (still.join(", ")) } } }
+        }
     }
 }

@@ -27,10 +27,9 @@ pub fn load(findings: &Findings) -> Markup {
     }
 }
 
-/// The energies with their balance, what was done how often and how long it took.
-pub fn findings(findings: &Findings) -> Markup {
+/// What the solver did how often, how long it took, and its penalties.
+pub fn work(findings: &Findings) -> Markup {
     html! {
-        (energies(findings))
         @if !findings.penalties.is_empty() {
             h2 { "Penalties of contact" }
             table {
@@ -53,7 +52,7 @@ pub fn findings(findings: &Findings) -> Markup {
 }
 
 /// The work of the drives, and where it went.
-fn energies(findings: &Findings) -> Markup {
+pub fn energies(findings: &Findings) -> Markup {
     let greatest = crate::extremes(findings.energies.values().map(|energy| energy.abs())).1;
     let shown = |energy: f64| without_rounding(energy, greatest);
     let work = shown(findings.energies.get(WORK).copied().unwrap_or(0.0));

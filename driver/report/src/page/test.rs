@@ -61,6 +61,52 @@ fn tells_everything() {
 }
 
 #[test]
+fn what_rounding_leaves_is_no_peak() {
+    let mut summary = summary::test::summary();
+    let noise = Peak { max: Some(2.6645e-15), min: Some(-1e-16), ..summary.peaks["s11"] };
+    summary.peaks.insert("s22".into(), noise);
+    let page = page_of(&summary);
+    assert!(page.contains("Zero throughout or not known: <code>e33, s22</code>") && !page.contains("10⁻¹⁵"), "{page}");
+    // alone it is the greatest of its kind
+    summary.peaks.shift_remove("s11");
+    assert!(page_of(&summary).contains("2.6645·10⁻¹⁵"));
+}
+
+#[test]
+fn no_wall_time_is_told_as_that_of_a_call() {
+    assert!(!page_of(&summary::test::summary()).contains("per plugin call"));
+}
+
+/// The answer, the pictures, the inputs, and what the solver did: in this order.
+#[test]
+fn the_answer_comes_first_and_the_solver_folded() {
+    let account = account();
+    let svg =
+        |name: &str| Picture { path: format!("plots/{name}.svg").into(), svg: format!("<svg id=\"{name}\"></svg>") };
+    let pictures = [svg("stress_strain"), svg("iterations"), svg("damage")];
+    let page = super::page_of(&account, &summary::test::summary(), &pictures, None).into_string();
+    let places = [
+        "stress_strain",
+        "RMS difference from measured.csv",
+        "Greatest σ<sub>11</sub>",
+        "strains beyond 5 %",
+        "id=\"damage\"",
+        "What was run",
+        "<summary>Solver",
+        "id=\"iterations\"",
+        "SHA-256",
+    ];
+    let found = places.map(|text| page.find(text).unwrap_or_else(|| panic!("{text}\n{page}")));
+    assert!(found.is_sorted(), "{found:?}");
+}
+
+/// Inverted pictures show compression as tension.
+#[test]
+fn colours_of_data_are_the_same_in_the_dark() {
+    assert!(!STYLE.contains("filter") && !STYLE.contains("invert"));
+}
+
+#[test]
 fn needs_nothing_but_itself() {
     let page = page_of(&summary::test::summary());
     for reference in ["href", "src=", "url(", "@import", "<script", "<link", "https:"] {

@@ -50,6 +50,9 @@ pub struct Spec {
     pub units: BTreeMap<String, String>,
     /// Measured curves.
     pub curves: Vec<Curve>,
+    /// What the run was given, in words: overlaid runs are named by what differs.
+    #[serde(default)]
+    pub inputs: BTreeMap<String, String>,
 }
 
 /// Kind of case.
@@ -89,6 +92,8 @@ pub struct Run<'a> {
     pub history: &'a History,
     /// Meaning of the history.
     pub spec: &'a Spec,
+    /// Name of its result directory; may be empty.
+    pub name: &'a str,
 }
 
 /// A drawn picture.
@@ -151,7 +156,7 @@ fn guarded<T>(draw: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
 /// # Errors
 /// A file that cannot be written.
 pub fn draw(directory: &mut ResultDirectory, folder: &str, history: &History, spec: &Spec) -> io::Result<Drawings> {
-    let drawings = write_all(directory, folder, &selection::figures(&[Run { history, spec }]))?;
+    let drawings = write_all(directory, folder, &selection::figures(&[Run { history, spec, name: "" }]))?;
     let text = serde_json::to_string(spec).map_err(io::Error::other)?;
     directory.write(&within(folder, SPEC_FILE), text)?;
     Ok(drawings)
@@ -175,8 +180,8 @@ pub fn within(folder: &str, file: &str) -> String {
 }
 
 impl Spec {
-    /// Says what pictures a case has.
-    pub fn of(case: &Case) -> Self {
+    /// Says what pictures a case has that was given these inputs.
+    pub fn of(case: &Case, inputs: BTreeMap<String, String>) -> Self {
         let columns = case.columns();
         let curves = case.about().compare.iter().filter_map(|compare| Curve::of(compare, &columns)).collect();
         let (law, subject, units) = match case {
@@ -187,7 +192,7 @@ impl Spec {
             }
             Case::Bridging(_) => ("computed".into(), CaseKind::Bridging, BTreeMap::new()),
         };
-        Self { title: case.about().title.to_owned(), law, subject, units, curves }
+        Self { title: case.about().title.to_owned(), law, subject, units, curves, inputs }
     }
 
     /// Reads what [`draw`] left in a folder.

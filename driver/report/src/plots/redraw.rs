@@ -2,21 +2,33 @@
 
 use super::export::Export;
 use super::figure::Figure;
-use super::{Drawings, FOLDER, Run, SPEC_FILE, Spec, selection, within, write_all};
+use super::{Drawings, FOLDER, Picture, Run, SPEC_FILE, Spec, selection, within, write_all};
 use crate::directory::ResultDirectory;
 use crate::history::History;
 use pullout_run::input::{self, Input};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Reads what pictures need of a run, by its result directory.
-///
-/// # Errors
-/// The directory has no history, or no pictures.
-pub fn read(folder: &Path) -> io::Result<(History, Spec)> {
-    let history = History::of_run(folder, |table| table.for_pictures())?;
-    let spec = Spec::read(&folder.join(FOLDER).join(SPEC_FILE))?;
-    Ok((history, spec))
+/// What pictures need of a run.
+pub struct DrawnRun {
+    history: History,
+    spec: Spec,
+    /// Name of its result directory.
+    name: String,
+}
+
+impl DrawnRun {
+    /// Reads it from its result directory.
+    ///
+    /// # Errors
+    /// The directory has no history, or no pictures.
+    pub fn read(folder: &Path) -> io::Result<Self> {
+        let history = History::of_run(folder, |table| table.for_pictures())?;
+        let spec = Spec::read(&folder.join(FOLDER).join(SPEC_FILE))?;
+        let whole = folder.canonicalize();
+        let name = whole.as_deref().unwrap_or(folder).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Self { history, spec, name })
+    }
 }
 
 /// Pictures that are to be drawn into a folder of a result directory.
@@ -25,49 +37,59 @@ pub struct Redrawing<'a> {
     figures: Vec<Figure>,
     /// Names of the figures' files.
     drawn: Vec<String>,
-    /// A drawing, the name of its picture in another format, and what makes that.
-    exports: Vec<(PathBuf, String, Export)>,
+    /// Drawings that come along from elsewhere: the file, and its name here.
+    taken: Vec<(PathBuf, String)>,
+    /// Names of a drawing and of its picture in another format, and what makes that.
+    exports: Vec<(String, String, Export)>,
 }
 
 impl<'a> Redrawing<'a> {
     /// Plans the pictures of runs over each other in a folder (`""`: the directory itself), and of all drawings that are then
-    /// there the other formats, by their file name extensions; and of the drawings of one run in `beside` as well, which are not
-    /// drawn again: those of fields.
+    /// there the other formats, by their file name extensions. `source`: the result directory whose other drawings, those of
+    /// fields among them, come along.
     pub fn new(
-        runs: &[(History, Spec)],
+        runs: &[DrawnRun],
         directory: &ResultDirectory,
         folder: &'a str,
+        source: Option<&Path>,
         formats: &[(&str, Export)],
-        beside: Option<&Path>,
     ) -> Self {
-        let runs: Vec<_> = runs.iter().map(|(history, spec)| Run { history, spec }).collect();
+        let runs: Vec<_> = runs.iter().map(|DrawnRun { history, spec, name }| Run { history, spec, name }).collect();
         let figures = selection::figures(&runs);
         let drawn: Vec<String> = figures.iter().map(|figure| within(folder, &format!("{}.svg", figure.name))).collect();
-        let mut drawings = drawn.clone();
+        let source = source.map(|source| source.join(FOLDER));
+        let is_elsewhere =
+            |source: &PathBuf| source.canonicalize().ok() != directory.path().join(folder).canonicalize().ok();
+        let others = source
+            .filter(is_elsewhere)
+            .into_iter()
+            .flat_map(|source| present(&source).into_iter().map(move |name| (source.join(&name), name)));
+        let taken: Vec<(PathBuf, String)> = others
+            .map(|(file, name)| (file, within(folder, &name)))
+            .filter(|(_, name)| !drawn.contains(name))
+            .collect();
+        let mut drawings: Vec<String> = drawn.iter().chain(taken.iter().map(|(_, name)| name)).cloned().collect();
         if !formats.is_empty() {
             drawings.extend(present(&directory.path().join(folder)).into_iter().map(|name| within(folder, &name)));
             drawings.sort();
             drawings.dedup();
         }
-        let own = drawings.iter().map(|name| (directory.path().join(name), name.clone()));
-        let others =
-            beside.into_iter().flat_map(|beside| present(beside).into_iter().map(|name| (beside.join(&name), name)));
-        let others = others.filter(|(_, name)| !drawings.contains(name));
         let named = |drawing: &str, extension: &str| {
             Path::new(drawing).with_extension(extension).to_string_lossy().into_owned()
         };
-        let exports = own
-            .chain(others)
-            .flat_map(|(file, drawing)| {
-                formats.iter().map(move |&(name, export)| (file.clone(), named(&drawing, name), export))
+        let exports = drawings
+            .iter()
+            .flat_map(|drawing| {
+                formats.iter().map(move |&(name, export)| (drawing.clone(), named(drawing, name), export))
             })
             .collect();
-        Self { folder, figures, drawn, exports }
+        Self { folder, figures, drawn, taken, exports }
     }
 
     /// The names of all files that are written, as seen from the directory.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.drawn.iter().chain(self.exports.iter().map(|(_, name, _)| name)).map(String::as_str)
+        let taken = self.taken.iter().map(|(_, name)| name);
+        self.drawn.iter().chain(taken).chain(self.exports.iter().map(|(_, name, _)| name)).map(String::as_str)
     }
 
     /// Draws.
@@ -75,7 +97,13 @@ impl<'a> Redrawing<'a> {
     /// # Errors
     /// A file that cannot be written.
     pub fn draw(&self, directory: &mut ResultDirectory) -> io::Result<Drawings> {
-        write_all(directory, self.folder, &self.figures)
+        let mut drawings = write_all(directory, self.folder, &self.figures)?;
+        for (file, name) in &self.taken {
+            let svg = input::text(file, Input::Result)?;
+            let path = directory.write(name, &svg)?;
+            drawings.pictures.push(Picture { path, svg });
+        }
+        Ok(drawings)
     }
 
     /// Makes the other formats of what is drawn, and returns their files.
@@ -83,8 +111,8 @@ impl<'a> Redrawing<'a> {
     /// # Errors
     /// A drawing that cannot be read or exported, a file that cannot be written.
     pub fn export(&self, directory: &mut ResultDirectory) -> io::Result<Vec<PathBuf>> {
-        let export = |(drawing, name, export): &(PathBuf, String, Export)| {
-            let svg = input::text(drawing, Input::Result)?;
+        let export = |(drawing, name, export): &(String, String, Export)| {
+            let svg = input::text(&directory.path().join(drawing), Input::Result)?;
             directory.write(name, export(&svg)?)
         };
         self.exports.iter().map(export).collect()

@@ -1,6 +1,6 @@
 //! Choice of the pictures of a run, and their contents.
 
-use super::figure::{Figure, Line, Marks, PALETTE, Style};
+use super::figure::{Figure, Key, Line, Marks, PALETTE, Style};
 use super::quantity::{Quantity, capital, group_of};
 use super::{CaseKind, Curve, Run};
 use crate::{ROUNDING, extremes};
@@ -20,8 +20,9 @@ pub fn figures(runs: &[Run<'_>]) -> Vec<Figure> {
         CaseKind::Bridging => bridging(first),
     };
     place_curves(&mut layouts, runs);
+    let names = names(runs);
     let mut figures: Vec<Figure> =
-        (layouts.iter().enumerate()).filter_map(|(k, layout)| layout.figure(runs, k == 0)).collect();
+        (layouts.iter().enumerate()).filter_map(|(k, layout)| layout.figure(runs, &names, k == 0)).collect();
     for figure in figures.iter_mut().skip(1).filter(|figure| !figure.title.is_empty()) {
         figure.title = title(&figure.name);
     }
@@ -73,7 +74,7 @@ impl Layout {
     }
 
     /// `is_first`: it is shown as long as anything moves; others say something only where y does.
-    fn figure(&self, runs: &[Run<'_>], is_first: bool) -> Option<Figure> {
+    fn figure(&self, runs: &[Run<'_>], names: &[String], is_first: bool) -> Option<Figure> {
         let several = runs.len() > 1;
         let is_measured = !self.curves.is_empty();
         let mut lines = Vec::new();
@@ -82,7 +83,7 @@ impl Layout {
                 let (Some(xs), Some(ys)) = (run.history.column(x), run.history.column(y)) else { continue };
                 let points: Vec<_> = xs.iter().copied().zip(ys.iter().copied()).collect();
                 if is_measured || moves(run, y) || (is_first && moves(run, x)) {
-                    let label = self.label(run, several.then_some(k), x, y);
+                    let label = self.label(run, names.get(k).filter(|_| several), x, y);
                     // one run: a colour a column, and dashes where colours come again; several: a colour a run, a dash a column
                     let (color, dash) = if several { (k, pair) } else { (pair, pair / PALETTE.len()) };
                     let style = Style { color, dash };
@@ -96,8 +97,20 @@ impl Layout {
             Marks { label: curve.label.clone(), points: curve.points.clone(), line: owner }
         };
         let mut marks: Vec<Marks> = self.curves.iter().map(mark).collect();
-        let places = merge(&mut lines);
-        marks.iter_mut().for_each(|marks| marks.line = marks.line.map(|line| places[line]));
+        // several columns of several runs: a colour a run, a dash a column, instead of a name for each of all
+        let columns: Vec<&(String, String)> =
+            self.pairs.iter().filter(|pair| lines.iter().any(|line| line.columns == **pair)).collect();
+        let key = (several && columns.len() > 1).then(|| {
+            for line in &mut lines {
+                line.style.dash = columns.iter().position(|pair| line.columns == **pair).unwrap_or(0);
+            }
+            let dashes = columns.iter().filter_map(|(x, y)| self.name_of_pair(first, x, y)).collect();
+            Key { colors: names.to_vec(), dashes, shaded: false }
+        });
+        if key.is_none() {
+            let places = merge(&mut lines);
+            marks.iter_mut().for_each(|marks| marks.line = marks.line.map(|line| places[line]));
+        }
         let (x, y) = (self.axis(first, |pair| &pair.0), self.axis(first, |pair| &pair.1));
         let title = if several { String::new() } else { first.spec.title.clone() };
         let figure = Figure {
@@ -108,29 +121,30 @@ impl Layout {
             lines,
             marks,
             equal_units: self.equal_units,
+            key,
             ..Figure::default()
         };
         (!figure.lines.is_empty()).then_some(figure)
     }
 
-    /// The name of a line: what tells it from the others.
-    fn label(&self, run: &Run<'_>, number: Option<usize>, x: &str, y: &str) -> String {
-        let title = |number: usize| match run.spec.title.as_str() {
-            "" => format!("run {}", number + 1),
-            title => title.to_string(),
-        };
+    /// The name of two columns; `None`: there are no others.
+    fn name_of_pair(&self, run: &Run<'_>, x: &str, y: &str) -> Option<String> {
         let one_x = self.pairs.iter().all(|pair| pair.0 == self.pairs[0].0);
         let one_y = self.pairs.iter().all(|pair| pair.1 == self.pairs[0].1);
         let name = |column: &str| Quantity::of(column, &run.spec.units).name;
-        let pair = match (one_x, one_y) {
+        match (one_x, one_y) {
             (true, true) => None,
             (true, false) => Some(name(y)),
             (false, true) => Some(name(x)),
             (false, false) => Some(format!("{}, {}", name(x), name(y))),
-        };
-        match (number, pair) {
-            (Some(number), Some(pair)) => format!("{}: {pair}", title(number)),
-            (Some(number), None) => title(number),
+        }
+    }
+
+    /// The name of a line: what tells it from the others. `own`: that of its run, if there are several.
+    fn label(&self, run: &Run<'_>, own: Option<&String>, x: &str, y: &str) -> String {
+        match (own, self.name_of_pair(run, x, y)) {
+            (Some(own), Some(pair)) => format!("{own}: {pair}"),
+            (Some(own), None) => own.clone(),
             (None, Some(pair)) if self.curves.is_empty() => pair,
             (None, Some(pair)) => format!("{}, {pair}", run.spec.law.replace('_', " ")),
             (None, None) => run.spec.law.replace('_', " "),
@@ -144,6 +158,40 @@ impl Layout {
         let own = Quantity::of(first, &run.spec.units);
         if single { own } else { Quantity::common(group_of(first)).unwrap_or(own) }
     }
+}
+
+/// Inputs in the name of a run at most.
+const MOST_INPUTS: usize = 2;
+
+/// Names of runs: their titles, or of equal ones the inputs that differ, if these are few, or their folders.
+fn names(runs: &[Run<'_>]) -> Vec<String> {
+    let differ =
+        |names: &[String]| names.iter().enumerate().all(|(k, name)| !name.is_empty() && !names[..k].contains(name));
+    let titles: Vec<String> = runs.iter().map(|run| run.spec.title.clone()).collect();
+    if differ(&titles) {
+        return titles;
+    }
+    let mut keys: Vec<&String> = runs.iter().flat_map(|run| run.spec.inputs.keys()).collect();
+    keys.sort_unstable();
+    keys.dedup();
+    keys.retain(|key| runs.iter().any(|run| run.spec.inputs.get(*key) != runs[0].spec.inputs.get(*key)));
+    if keys.len() <= MOST_INPUTS {
+        let value = |run: &Run<'_>, key: &String| {
+            let value = run.spec.inputs.get(key).map_or("–", String::as_str);
+            // a step is told in words
+            if value.contains(": ") { format!("{key}: {value}") } else { format!("{key} = {value}") }
+        };
+        let named = |run: &Run<'_>| keys.iter().map(|key| value(run, key)).collect::<Vec<_>>().join(", ");
+        let inputs: Vec<String> = runs.iter().map(named).collect();
+        if differ(&inputs) {
+            return inputs;
+        }
+    }
+    let folders: Vec<String> = runs.iter().map(|run| run.name.to_owned()).collect();
+    if differ(&folders) {
+        return folders;
+    }
+    (1..=runs.len()).map(|number| format!("run {number}")).collect()
 }
 
 /// Makes one line of those that lie on each other, with all their names, and returns the new place of each.

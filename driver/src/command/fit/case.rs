@@ -86,13 +86,13 @@ impl Arguments {
         };
         let fit = found.map_err(|problems| Refusal::input(problems.join("\n")))?;
         directory.begin(&[])?;
-        fit.write(&mut directory, &request)?;
+        let undrawn = fit.write(&mut directory, &request)?;
         directory.remove_earlier()?;
         directory.finish()?;
         if !self.quiet {
             say(&(fit.describe() + &format!("-> {}\n", folder.display())));
         }
-        for warning in fit.warnings.iter().filter(|_| !self.quiet) {
+        for warning in fit.warnings.iter().chain(&undrawn).filter(|_| !self.quiet) {
             complain(format!("{}: warning: {warning}", data.display()));
         }
         match &fit.trouble {

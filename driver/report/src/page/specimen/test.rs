@@ -8,7 +8,7 @@ fn energies_are_told_with_their_shares_and_what_is_missing() {
     found.energies = energies.into_iter().map(|(name, energy)| (name.to_owned(), energy)).collect();
     found.statistics.insert("umat_calls".into(), 1234);
     found.penalties.insert("left".into(), 51_724_137.931);
-    let page = findings(&found).into_string();
+    let page = energies(&found).into_string() + &work(&found).into_string();
     let row = |key: &str, cells: &str| format!("<td class=\"key\">{key}</td>{cells}");
     let number = |text: &str| format!("<td class=\"number\">{text}</td>");
     for expected in [

@@ -7,7 +7,14 @@ fn history(columns: &[(&str, &[f64])]) -> History {
 }
 
 fn spec(subject: CaseKind) -> Spec {
-    Spec { title: "case".into(), law: "a_law".into(), subject, units: Default::default(), curves: vec![] }
+    Spec {
+        title: "case".into(),
+        law: "a_law".into(),
+        subject,
+        units: Default::default(),
+        curves: vec![],
+        inputs: Default::default(),
+    }
 }
 
 fn curve(x: &str, y: &str) -> Curve {
@@ -35,7 +42,7 @@ fn biaxial() -> History {
 fn a_point_is_drawn_along_the_controlled_component_with_the_largest_strain() {
     let history = biaxial();
     let spec = spec(CaseKind::Point { controlled: vec![0, 1] });
-    let figures = figures(&[Run { history: &history, spec: &spec }]);
+    let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
     assert_eq!(names(&figures), ["stress_strain", "damage_strain", "stress_path"]);
     assert_eq!(figures[0].lines[0].columns, ("e22".into(), "s22".into()));
     assert_eq!((figures[0].x.name.as_str(), figures[0].y.label(0).as_str()), ("ε_{22}", "σ_{22} [MPa]"));
@@ -45,7 +52,7 @@ fn a_point_is_drawn_along_the_controlled_component_with_the_largest_strain() {
     assert_eq!(figures[2].lines[0].columns, ("s11".into(), "s22".into()));
     // a component that no step controls is not driven, however far it moves
     let spec = Spec { subject: CaseKind::Point { controlled: vec![0] }, ..spec };
-    let figures = super::figures(&[Run { history: &history, spec: &spec }]);
+    let figures = super::figures(&[Run { history: &history, spec: &spec, name: "" }]);
     assert_eq!(figures[0].lines[0].columns, ("e11".into(), "s11".into()));
 }
 
@@ -59,7 +66,7 @@ fn shear_turns_the_stress_path() {
         ("peeq", &[0.0, 1e-3]),
     ]);
     let spec = spec(CaseKind::Point { controlled: vec![3] });
-    let figures = figures(&[Run { history: &history, spec: &spec }]);
+    let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
     assert_eq!(names(&figures), ["stress_strain", "plastic_strain", "stress_path"]);
     assert_eq!(figures[0].lines[0].columns, ("g12".into(), "s12".into()));
     assert_eq!(figures[2].lines[0].columns, ("s11".into(), "s12".into()));
@@ -71,7 +78,7 @@ fn every_measured_curve_is_in_a_picture() {
     let mut spec = spec(CaseKind::Point { controlled: vec![1] });
     // its own, another pair of strain and stress, a damage, and something else
     spec.curves = vec![curve("e22", "s22"), curve("e11", "s22"), curve("e22", "D_c"), curve("D_t", "s11")];
-    let figures = figures(&[Run { history: &history, spec: &spec }]);
+    let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
     assert_eq!(names(&figures), ["stress_strain", "damage_strain", "stress_path", "s11_D_t"]);
     let stress = &figures[0];
     assert_eq!(stress.marks.len(), 2);
@@ -83,13 +90,63 @@ fn every_measured_curve_is_in_a_picture() {
     assert_eq!(figures[3].marks.len(), 1);
 }
 
+/// A constant says nothing, nor does what rounding leaves of one: the load of 30 N is of its group.
+#[test]
+fn nothing_is_drawn_of_what_does_not_move() {
+    let history = history(&[
+        ("time", &[0.0, 1.0, 2.0]),
+        ("slip", &[0.0, 0.1, 0.2]),
+        ("load", &[0.0, 30.0, 20.0]),
+        ("load_lateral", &[0.0, 1e-11, -2e-11]),
+        ("slip_exit", &[0.0, 0.05, 0.15]),
+        ("slip_tail", &[0.0, 0.0, 0.1]),
+        ("sticking_points", &[160.0, 160.0, 160.0]),
+        ("iterations", &[3.0, 3.0, 3.0]),
+    ]);
+    let spec = spec(CaseKind::Pullout);
+    let run = Run { history: &history, spec: &spec, name: "" };
+    assert_eq!(names(&figures(&[run])), ["load_slip", "load_local_slip"]);
+    assert!(moves(&run, "load") && !moves(&run, "load_lateral"));
+}
+
+#[test]
+fn lines_that_lie_on_each_other_are_one_with_both_names() {
+    let line =
+        |label: &str, end: f64| Line { label: label.into(), points: vec![(0.0, 0.0), (1.0, end)], ..Line::default() };
+    // 0.1 % of the axis is less than a line is wide, 1 % is not
+    let mut lines = vec![line("a", 1.0), line("b", 0.999), line("c", 0.99), line("d", 0.5)];
+    assert_eq!(merge(&mut lines), [0, 0, 1, 2]);
+    let labels: Vec<&str> = lines.iter().map(|line| line.label.as_str()).collect();
+    assert_eq!(labels, ["a = b", "c", "d"]);
+}
+
+#[test]
+fn runs_of_one_title_are_named_by_what_differs() {
+    let history = biaxial();
+    let with = |inputs: &[(&str, &str)]| {
+        let inputs = inputs.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect();
+        Spec { inputs, ..spec(CaseKind::Point { controlled: vec![1] }) }
+    };
+    let named = |specs: [Spec; 2]| {
+        let [first, second] = &specs;
+        let runs = [(first, "case"), (second, "steeper")].map(|(spec, name)| Run { history: &history, spec, name });
+        super::names(&runs)
+    };
+    let alike = [("E", "31800"), ("B_c", "1.05")];
+    assert_eq!(named([with(&alike), with(&[("E", "31800"), ("B_c", "1.2")])]), ["B_c = 1.05", "B_c = 1.2"]);
+    assert_eq!(named([with(&alike), with(&alike)]), ["case", "steeper"]);
+}
+
 #[test]
 fn runs_are_told_apart_by_title_and_share_a_measured_curve() {
     let history = biaxial();
     let mut first = spec(CaseKind::Point { controlled: vec![1] });
     first.curves = vec![curve("e22", "s22")];
     let second = Spec { title: "other".into(), ..first.clone() };
-    let figures = figures(&[Run { history: &history, spec: &first }, Run { history: &history, spec: &second }]);
+    let figures = figures(&[
+        Run { history: &history, spec: &first, name: "" },
+        Run { history: &history, spec: &second, name: "" },
+    ]);
     let labels: Vec<&str> = figures[0].lines.iter().map(|line| line.label.as_str()).collect();
     assert_eq!(labels, ["case", "other"]);
     assert_eq!(figures[0].marks.len(), 1);
@@ -109,16 +166,16 @@ fn an_interface_gets_tractions_and_states() {
         ("d", &[0.0, 0.5, 0.9]),
     ];
     let spec = spec(CaseKind::Interface);
-    let all = figures(&[Run { history: &history(&columns), spec: &spec }]);
+    let all = figures(&[Run { history: &history(&columns), spec: &spec, name: "" }]);
     assert_eq!(names(&all), ["traction_slip", "pressure_gap", "traction_path", "damage_slip", "kappa_slip"]);
     // FRIC knows no gap
     let friction = history(&[("slip", &[0.0, 0.1]), ("gap", &[f64::NAN; 2]), ("tau", &[0.0, 1.0]), ("p", &[2.0, 2.0])]);
-    assert_eq!(names(&figures(&[Run { history: &friction, spec: &spec }])), ["traction_slip"]);
+    assert_eq!(names(&figures(&[Run { history: &friction, spec: &spec, name: "" }])), ["traction_slip"]);
 }
 
 #[test]
 fn a_history_without_the_columns_gives_no_picture() {
     let spec = spec(CaseKind::Point { controlled: vec![] });
-    assert!(figures(&[Run { history: &History::default(), spec: &spec }]).is_empty());
+    assert!(figures(&[Run { history: &History::default(), spec: &spec, name: "" }]).is_empty());
     assert!(figures(&[]).is_empty());
 }

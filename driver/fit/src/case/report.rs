@@ -1,0 +1,69 @@
+//! `report.html` of the fit of a case.
+
+use super::{CaseFit, CaseRequest};
+use crate::output::{explanation, percent, standard_error};
+use maud::{Markup, html};
+use pullout_report::page;
+use pullout_report::plots::Picture;
+use pullout_run::number::significant;
+
+pub(super) fn page(fit: &CaseFit, request: &CaseRequest, pictures: &[Picture]) -> Markup {
+    let scale = fit.rows.iter().fold(0.0_f64, |greatest, row| greatest.max(row[1].abs()));
+    let [made, here] = fit.searches;
+    let [x, y] = &request.curve;
+    let row = |key: &str, value: String| html! { tr { td.key { (key) } td { (value) } } };
+    page::page(
+        "Parameters of a case from a measured curve",
+        &html! {
+            p {
+                @match fit.trouble { None => span.done { "done" }, Some(_) => span.failed { "failed" } }
+                " RMS difference " (significant(fit.rms, 4)) ", " (percent(fit.rms / scale)) " of the greatest measured " code { (y) }
+                "; " (here) " of " (made) " searches ended here."
+            }
+            @if let Some(message) = &fit.trouble { div.message { (message) } }
+            (page::warnings(&fit.warnings))
+            (page::pictures(pictures))
+            h2 { "Parameters" }
+            div.scroll { table {
+                tr {
+                    th { "Parameter" } th.number { "Value" } th.number { "Standard error" } th.number { "of the value" }
+                    th.number { "Start" } th.number { "Bounds" } th {}
+                }
+                @for ((free, estimate), start) in fit.free.iter().zip(&fit.estimates).zip(&fit.starts) {
+                    tr {
+                        td { code { (free.path) } }
+                        td.number { (significant(estimate.value, 6)) }
+                        td.number { (standard_error(estimate)) }
+                        td.number { (percent(estimate.relative())) }
+                        td.number { (significant(*start, 6)) }
+                        td.number { (significant(free.bounds[0], 6)) " … " (significant(free.bounds[1], 6)) }
+                        td {
+                            @if !estimate.is_identifiable() { "not identifiable" }
+                            @if let Some(bound) = free.bound(estimate.value) { " on its bound " (significant(bound, 6)) }
+                        }
+                    }
+                }
+            } }
+            @if fit.free.len() > 1 {
+                h2 { "Correlation" }
+                div.scroll { table {
+                    tr { th {} @for free in &fit.free { th.number { code { (free.path) } } } }
+                    @for (free, row) in fit.free.iter().zip(fit.correlation.row_iter()) {
+                        tr {
+                            td.key { code { (free.path) } }
+                            @for value in row.iter() { td.number { (significant(*value, 2)) } }
+                        }
+                    }
+                } }
+            }
+            p { (explanation()) }
+            h2 { "What was fitted" }
+            table {
+                (row("Case", request.source.file.display().to_string()))
+                (row("Data", format!("{}, {} points of {y} over {x}", request.data.display(), fit.rows.len())))
+                (row("Runs", fit.runs.to_string()))
+                (row("Program", format!("pullout {}", env!("CARGO_PKG_VERSION"))))
+            }
+        },
+    )
+}
