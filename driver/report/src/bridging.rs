@@ -66,6 +66,7 @@ pub fn conclude(
         cpu_time_s: Some(cpu_time_s),
         bridging: results.map(|results| results.findings.clone()),
         warnings: own.chain(results.into_iter().flat_map(|results| &results.warnings)).cloned().collect(),
+        notes: case.about().notes.clone(),
         ..Summary::default()
     };
     let (history, compared) = match &done {

@@ -6,6 +6,7 @@ use maud::{Markup, PreEscaped, html};
 use pullout_run::columns::Group;
 use pullout_run::number::significant;
 use pullout_run::program::STRESS_NAMES;
+use std::path::Path;
 
 /// Rows at most.
 const MOST_ROWS: usize = 5;
@@ -66,7 +67,8 @@ fn compared(summary: &Summary) -> Vec<Row> {
     let first = summary.compare.first().and_then(|first| Some((first, first.rms?)));
     let row = |(first, rms): (&crate::compare::Comparison, f64)| {
         let unit = Quantity::of(&first.y, &Default::default()).unit;
-        (format!("RMS difference from {}", first.file), rms, unit)
+        let file = Path::new(&first.file).file_name().unwrap_or_default().to_string_lossy();
+        (format!("RMS difference from {file}"), rms, unit)
     };
     first.map(row).into_iter().collect()
 }

@@ -17,13 +17,6 @@ pub fn load(findings: &Findings) -> Markup {
                 None => "No load was measured.",
             }
         }
-        @for (when, Overlap { depth, position: [x, y], part, inside }) in &findings.overlaps {
-            p {
-                "Overlap of deformed bodies at the " (if when == "peak" { "greatest load" } else { "end" }) ": "
-                (significant(*depth, 3)) " mm, " (part) " in " (inside) ", at ("
-                (significant(*x, 4)) ", " (significant(*y, 4)) ")."
-            }
-        }
     }
 }
 
@@ -37,6 +30,13 @@ pub fn work(findings: &Findings) -> Markup {
                 @for (pair, penalty) in &findings.penalties {
                     tr { td.key { (pair) } td.number { (significant(*penalty, 4)) } }
                 }
+            }
+        }
+        @for (when, Overlap { depth, position: [x, y], part, inside }) in &findings.overlaps {
+            p {
+                "Overlap of deformed bodies at the " (if when == "peak" { "greatest load" } else { "end" }) ": "
+                (significant(*depth, 3)) " mm, " (part) " in " (inside) ", at ("
+                (significant(*x, 4)) ", " (significant(*y, 4)) ")."
             }
         }
         h2 { "Work done" }

@@ -226,8 +226,8 @@ fn merge(lines: &mut Vec<Line>) -> Vec<usize> {
     places
 }
 
-/// Lines that are nowhere further apart than this part of the axes are one to the eye: a line is 2 of 540 px wide.
-const SAME_LINE: f64 = 2e-3;
+/// Lines that are nowhere further apart than this part of the axes are one to the eye: a line is 2 px wide, of 370 and 540.
+const SAME_LINE: f64 = 5e-3;
 
 /// Every measured curve goes into a picture: the first that fits, or one of its own.
 fn place_curves(layouts: &mut Vec<Layout>, runs: &[Run<'_>]) {

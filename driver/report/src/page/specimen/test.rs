@@ -8,7 +8,7 @@ fn energies_are_told_with_their_shares_and_what_is_missing() {
     found.energies = energies.into_iter().map(|(name, energy)| (name.to_owned(), energy)).collect();
     found.statistics.insert("umat_calls".into(), 1234);
     found.penalties.insert("left".into(), 51_724_137.931);
-    let page = energies(&found).into_string() + &work(&found).into_string();
+    let page = super::energies(&found).into_string() + &work(&found).into_string();
     let row = |key: &str, cells: &str| format!("<td class=\"key\">{key}</td>{cells}");
     let number = |text: &str| format!("<td class=\"number\">{text}</td>");
     for expected in [
@@ -24,10 +24,10 @@ fn energies_are_told_with_their_shares_and_what_is_missing() {
     found.peak_load = Some(PeakLoad { load: 31.25, slip: 0.0625, step: 1, increment: 7, time: 0.1 });
     let page = load(&found).into_string();
     assert!(page.contains("Greatest load 31.25 N at a slip of 0.0625 mm (step 1, increment 7)"), "{page}");
-    assert!(!page.contains("Overlap"), "{page}");
+    assert!(!work(&found).into_string().contains("Overlap"));
     let (part, inside) = ("fibre".to_owned(), "matrix".to_owned());
     found.overlaps.insert("end".into(), Overlap { depth: 0.0703125, position: [0.25, -0.5], part, inside });
-    let page = load(&found).into_string();
+    let page = work(&found).into_string();
     let expected = "Overlap of deformed bodies at the end: 0.0703 mm, fibre in matrix, at (0.25, −0.5).";
     assert!(page.contains(expected), "{page}");
 }
