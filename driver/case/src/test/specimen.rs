@@ -364,7 +364,7 @@ fn notes_on_fibres_and_lines_tell_each_of_them() {
     case["steps"] = json!([{ "slip": 1 }]);
     let notes = |overrides: &[&str], of: &str| -> Vec<String> {
         let about = accepted(&case, overrides).about;
-        let notes = about.warnings.into_iter().chain(about.notes);
+        let notes = about.notes.into_iter().chain(about.warnings);
         notes
             .filter(|note| note.starts_with(of))
             .map(|note| note.split(';').next().unwrap_or_default().into())
