@@ -107,7 +107,8 @@ impl Layout {
             let dashes = columns.iter().filter_map(|(x, y)| self.name_of_pair(first, x, y)).collect();
             Key { colors: names.to_vec(), dashes, shaded: false }
         });
-        if key.is_none() {
+        // runs keep their colours, alike or not
+        if !several {
             let places = merge(&mut lines);
             marks.iter_mut().for_each(|marks| marks.line = marks.line.map(|line| places[line]));
         }
