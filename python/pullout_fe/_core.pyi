@@ -3,7 +3,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, final
 
-from numpy import float64
+from numpy import float64, int64
 from numpy.typing import NDArray
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "UTILITIES",
     "VERSION",
     "check",
+    "collect",
     "document",
     "dotted",
     "find",
@@ -67,6 +68,9 @@ def dotted(path: str) -> str: ...
 def place_between(bounds: list[list[float]], number: int) -> list[float]: ...
 def document(case: _Parts) -> str: ...
 def check(case: _Parts) -> list[str]: ...
+def collect(
+    folder: str | PathLike[str],
+) -> list[tuple[str, NDArray[float64] | NDArray[int64] | list[str] | list[NDArray[float64]]]]: ...
 @final
 class Stop:
     def __new__(cls) -> Stop: ...

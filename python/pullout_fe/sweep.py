@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
 import re
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import Any, Mapping, Protocol, Sequence, Union
+from typing import Any, Literal, Mapping, Protocol, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import _core
 from .case import Case, CaseLike, _text, array_of, whole
 from .errors import CaseError, PulloutError
 
@@ -24,8 +23,8 @@ __all__ = ["Sweep", "sweep"]
 ROUNDS = 3
 #: parts of the runs for each worker: what one that is slow, or lost, holds up
 PARTS_PER_WORKER = 4
-#: columns that hold no numbers, whatever stands there
-WORDS = ("key", "status", "message", "host", "cpu", "engine")
+#: what names of columns with curves begin with
+CURVE = "curve."
 #: the sweep file, as the program reads it
 STREAM = "/dev/stdin"
 
@@ -45,7 +44,7 @@ class Submits(Protocol):
 
 
 #: by name, or an object with ``submit``; "dask": the present client of Dask Distributed, or one on this machine
-Executor = Union[str, Submits]
+Executor = Union[Literal["processes", "threads", "dask"], Submits]
 Design = Union[Mapping[str, Sequence[Any]], Sequence[Mapping[str, Any]], Any]
 
 
@@ -98,6 +97,7 @@ class Sweep:
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder).absolute()
+        self._read: tuple[Any, list[tuple[str, Any]]] | None = None
         if not (self.folder / "sweep.json").is_file():
             raise CaseError(f"{self.folder} is no folder of a sweep")
 
@@ -153,13 +153,21 @@ class Sweep:
 
     @property
     def table(self) -> dict[str, NDArray[Any]]:
-        """One row a run of the present plan, in their order, by column; numbers as floats, NaN where there is none.
+        """One row a run of the present plan, in their order, by column: words as objects, whole numbers as integers where all rows have
+        one, other numbers as floats, NaN where there is none. A run that is left has the ``status`` "left" and its parameters.
+        """
+        return {name: np.array(values, dtype=object if isinstance(values, list) else None) for name, values in self._columns()
+                if not name.startswith(CURVE)}
 
-        A run that is left has the ``status`` "left" and its parameters."""
-        rows = list(csv.reader(io.StringIO(_call("collect", os.fspath(self.folder)), newline="")))
-        if not rows:
-            return {}
-        return {name: _column(name, [row[k] for row in rows[1:]]) for k, name in enumerate(rows[0])}
+    def _columns(self) -> list[tuple[str, Any]]:
+        """All columns, read again when something was added to the folder."""
+        plan = (self.folder / "sweep.json").stat()
+        # parts are written once
+        parts = sorted(entry.name for entry in os.scandir(self.folder / "parts")) if (self.folder / "parts").is_dir() else []
+        stamp = (plan.st_mtime_ns, plan.st_size, parts)
+        if self._read is None or self._read[0] != stamp:
+            self._read = (stamp, _core.collect(self.folder))
+        return self._read[1]
 
     def to_pandas(self) -> Any:
         """The table as a ``pandas.DataFrame``."""
@@ -177,14 +185,12 @@ class Sweep:
             return parquet.read_table(file)
 
     def curves(self, name: str) -> NDArray[np.float64]:
-        """A kept column of all runs: a row a run, filled up with NaN where runs have different lengths (needs pyarrow)."""
-        table = self.to_arrow()
-        kept = [column.removeprefix("curve.") for column in table.column_names if column.startswith("curve.")]
+        """A kept column of all runs: a row a run, filled up with NaN where runs have different lengths."""
+        kept = {column.removeprefix(CURVE): lists for column, lists in self._columns() if column.startswith(CURVE)}
         if name not in kept:
             raise KeyError(f"{name!r} is not one of the curves that were kept: {', '.join(kept) or 'none'}")
-        lists = [values or [] for values in table.column(f"curve.{name}").to_pylist()]
-        filled = np.full((len(lists), max(map(len, lists), default=0)), np.nan)
-        for row, values in zip(filled, lists):
+        filled = np.full((len(kept[name]), max(map(len, kept[name]), default=0)), np.nan)
+        for row, values in zip(filled, kept[name]):
             row[: len(values)] = values
         return filled
 
@@ -230,15 +236,6 @@ def _document(
     if work_to is not None:
         document["work_to"] = work_to
     return document
-
-
-def _column(name: str, cells: list[str]) -> NDArray[Any]:
-    try:
-        if name not in WORDS:
-            return np.array([float(cell) if cell else np.nan for cell in cells])
-    except ValueError:
-        pass
-    return np.array(cells, dtype=object)
 
 
 def _values(values: Any) -> list[Any]:

@@ -6,6 +6,7 @@ mod errors;
 mod law;
 mod points;
 mod run;
+mod sweep;
 
 /// The module `pullout_fe._core`.
 #[pyo3::pymodule]
@@ -16,6 +17,9 @@ mod _core {
     use super::run::{
         Stop, Trail, check, document, dotted, main, place_between, program, run, schema, set_program, unit,
     };
+
+    #[pymodule_export]
+    use super::sweep::collect;
 
     /// The package's version.
     #[pymodule_export]

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import pullout_fe as po
+from pullout_fe import _core
 
 BASE = po.point("concrete_damage", {"E": 31800.0}, "3d", [po.ramp(20, e11=2e-3)])
 DESIGN = {"material.props.E": [28000.0, 30000.0, 32000.0], "material.props.nu": [0.15, 0.2]}
@@ -27,6 +28,35 @@ def test_rows_are_those_of_single_runs(tmp_path: Path) -> None:
     for modulus, ratio, peak in zip(table["par.material.props.E"], table["par.material.props.nu"], table["q.peak"]):
         alone = po.run(BASE.with_({"material.props.E": modulus, "material.props.nu": ratio}))
         assert peak == alone.history["s11"].max()
+
+
+def test_a_table_is_read_when_something_is_new_and_has_types(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    reads: list[Path] = []
+    collect = _core.collect
+
+    def counted(folder: Path) -> object:
+        reads.append(folder)
+        return collect(folder)
+
+    monkeypatch.setattr(_core, "collect", counted)
+    design = {"material.props.E": np.linspace(2e4, 3e4, 2), "steps[0].increments": [10, 20]}
+    made = po.sweep(BASE, design, out=tmp_path / "sweep", quantities=["peak"], executor=None, curves=["s11"])
+    left = made.table
+    assert left["increments"].dtype == float and np.isnan(left["increments"]).all() and left["run"].dtype == np.int64
+    made.work(workers=1)
+    reads.clear()
+    table = made.table
+    whole = {name for name, column in table.items() if column.dtype == np.int64}
+    assert whole == {"run", "par.steps.0.increments", "increments", "iterations", "cutbacks", "attempt"}
+    assert table["par.material.props.E"].dtype == float and table["q.peak"].dtype == float and table["status"].dtype == object
+    assert np.array_equal(table["increments"], table["par.steps.0.increments"]) and not any(name.startswith("curve") for name in table)
+    # what is done with it stays there
+    table["q.peak"][:] = 0.0
+    del table["run"]
+    assert made.table["q.peak"].min() > 0.0 and "run" in made.table and made.curves("s11").shape == (4, 21)
+    assert len(reads) == 1
+    po.sweep(BASE, {**design, "material.props.E": [1e4]}, out=tmp_path / "sweep", quantities=["peak"], curves=["s11"])
+    assert made.table["par.material.props.E"].tolist() == [1e4, 1e4] and len(reads) == 2
 
 
 def test_a_plan_refuses_what_is_wrong_with_it(tmp_path: Path) -> None:
@@ -166,7 +196,6 @@ def test_dask(tmp_path: Path) -> None:
 
 
 def test_curves(tmp_path: Path) -> None:
-    pytest.importorskip("pyarrow")
     grid = [0.0, 5e-4, 1e-3]
     made = po.sweep(BASE, {"material.props.E": [3e4, 3.2e4]}, out=tmp_path / "sweep", curves=["s11"], grid=grid)
     curves = made.curves("s11")

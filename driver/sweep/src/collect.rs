@@ -238,7 +238,8 @@ fn gather(store: &Store, sweep: &Sweep, wants: impl Fn(&str) -> bool) -> io::Res
     table.columns.retain(|(name, _)| wants(name));
     table.gather(&parts, &rows);
     // a row of an earlier plan has what that one varied, and runs that are alike but for their titles have one row
-    let varied = sweep.varied(&runs).into_iter();
+    let varied = sweep.varied(&runs).into_iter().enumerate();
+    let varied = varied.map(|(k, (name, column))| (name, if sweep.is_whole(k) { column.whole() } else { column }));
     for (name, column) in varied.chain([("key".to_owned(), Column::Text(keys.into_iter().map(Some).collect()))]) {
         if let Some((_, own)) = table.columns.iter_mut().find(|(other, _)| *other == name) {
             *own = column;

@@ -346,6 +346,11 @@ impl Sweep {
         self.parameters.iter().enumerate().map(column).collect()
     }
 
+    /// Returns whether a parameter has whole numbers alone, written as such.
+    pub(crate) fn is_whole(&self, parameter: usize) -> bool {
+        self.runs.iter().all(|run| run[parameter].is_i64())
+    }
+
     /// Returns the sweep of these runs alone.
     pub fn part(&self, runs: &[usize]) -> Self {
         let bundle = |&run: &usize| self.bundle_of.get(run).copied().unwrap_or_default();

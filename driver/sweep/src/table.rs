@@ -43,6 +43,16 @@ impl Column {
         }
     }
 
+    /// Numbers that are whole, as such.
+    pub(crate) fn whole(self) -> Self {
+        match self {
+            Self::Number(numbers) => {
+                Self::Count(numbers.into_iter().map(|number| number.map(|number| number as i64)).collect())
+            }
+            other => other,
+        }
+    }
+
     fn rows(&self) -> usize {
         match self {
             Self::Text(values) => values.len(),
