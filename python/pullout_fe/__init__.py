@@ -63,15 +63,18 @@ __all__ = [
 __version__: str = _core.VERSION
 
 
-def program() -> Path | None:
-    """The program ``pullout`` that was installed with this package; ``None``: it is not there."""
+def program() -> Path:
+    """The program ``pullout`` that was installed with this package."""
     # lib/python3.*/site-packages/pullout_fe, or a folder that pip was told to install into
     package = Path(__file__).resolve().parent
     for prefix in (*package.parents[3:4], Path(sys.prefix), package.parent):
         if _core.is_shipped(prefix / "lib" / "pullout" / _core.UTILITIES):
             return prefix / "bin" / "pullout"
-    return None
+    raise PulloutError("the program pullout is not installed beside this package")
 
 
-if (_program := program()) is not None:
-    _core.set_program(_program, _core.__file__)
+try:
+    _core.set_program(program(), _core.__file__)
+except PulloutError:
+    # laws are called and runs made without it
+    pass

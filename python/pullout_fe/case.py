@@ -18,6 +18,10 @@ from .errors import CaseError
 __all__ = ["Case", "CaseLike", "schema"]
 
 
+#: what arrays hold, as they have it
+FLOAT = np.dtype(np.float64)
+
+
 def schema() -> dict[str, Any]:
     """The JSON schema of cases and studies."""
     made: dict[str, Any] = json.loads(_core.schema())
@@ -26,7 +30,7 @@ def schema() -> dict[str, Any]:
 
 def array_of(values: Any, name: str) -> NDArray[np.float64]:
     """Numbers as an array. What would lose something on the way is refused: masks, imaginary parts, texts."""
-    if type(values) is np.ndarray and values.dtype == np.float64:
+    if type(values) is np.ndarray and values.dtype is FLOAT:
         return values
     if np.ma.isMaskedArray(values):
         raise CaseError([(name, "is a masked array: give what counts, or NaN in its place, by filled()")])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Sequence
+from typing import TYPE_CHECKING, Any, Sequence, cast
 
 if TYPE_CHECKING:
     from .case import Case
@@ -52,12 +52,15 @@ class PluginError(PulloutError, OSError):
 class RunFailed(PulloutError, RuntimeError):
     """A run that came to no end of its own.
 
-    ``run`` has the rows so far, ``replay`` is a case that repeats the failed increment or call; both may be ``None``.
+    ``run`` has what was reached, and is ``None`` where there is no run, in errors of :meth:`Law.evaluate` alone; ``replay`` is a case that
+    repeats the failed increment or call, if it can be repeated.
     """
+
+    run: Run
 
     def __init__(self, message: str, run: Run | None = None, replay: Case | None = None) -> None:
         super().__init__(message)
-        self.run = run
+        self.run = cast("Run", run)
         self.replay = replay
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -92,7 +92,7 @@ class SmallStrainModel:
         return 3 if self._name == "FULL" else 2
 
     @property
-    def history_dim(self) -> dict[str, int | tuple[int, int]] | None:
+    def history_dim(self) -> dict[str, int | tuple[int, int]]:
         """Values of each point that the caller keeps."""
         dimensions: dict[str, int | tuple[int, int]] = {"strain": len(self._components)}
         if self.law.nstatv > 0:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import html
 import json
 import math
+import operator
 import os
 import warnings
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, Mapping, NamedTuple, Sequence, TypeVar, Union, overload
 
@@ -16,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._worker import RemotePlugin
 from .case import _text, array_of, whole
-from .errors import CaseError, PluginError, UpdateFailed
+from .errors import CaseError, PluginError, PulloutError, UpdateFailed
 
 __all__ = ["Law", "Parameter", "State", "Update", "plugins"]
 
@@ -26,6 +28,22 @@ Mode = Literal["3d", "plane_strain", "axisymmetric", "plane_stress"]
 
 #: Components of each mode, in the order 11, 22, 33, 12, 13, 23 (plane stress: 11, 22, 12); shear strains are engineering's.
 COMPONENTS: dict[str, int] = {"3d": 6, "plane_strain": 4, "axisymmetric": 4, "plane_stress": 3}
+
+
+#: what a point may be given beside its strains, and a row of it; -1: as long as there are
+OTHERS: list[tuple[str, tuple[int, ...]]] = [
+    ("length", ()),
+    ("temperature", ()),
+    ("dtemperature", ()),
+    ("fields", (-1,)),
+    ("dfields", (-1,)),
+    ("dfgrd0", (3, 3)),
+    ("dfgrd1", (3, 3)),
+    ("drot", (3, 3)),
+    ("coords", (3,)),
+]
+#: whether a value is None
+NOTHING = partial(operator.is_, None)
 
 
 def plugins() -> list[str]:
@@ -66,12 +84,11 @@ T = TypeVar("T", bound="Array | None", covariant=True)
 class Update(tuple[Array, Array, T]):
     """What :meth:`Law.evaluate` returns: ``stress, state, tangent``. The shapes begin with that of the points."""
 
-    #: (…, 3): stored, plastic and creep energy, if they were asked for
-    energies: Array | None
+    _energies: Array | None
 
     def __new__(cls, stress: Array, state: Array, tangent: T, energies: Array | None = None) -> Update[T]:
         made = super().__new__(cls, (stress, state, tangent))
-        made.energies = energies
+        made._energies = energies
         return made
 
     @property
@@ -89,8 +106,15 @@ class Update(tuple[Array, Array, T]):
         """(…, components, components), if it was asked for"""
         return self[2]
 
+    @property
+    def energies(self) -> Array:
+        """(…, 3): stored, plastic and creep energy; an error if they were not asked for"""
+        if self._energies is None:
+            raise PulloutError("the energies were not asked for: energies=True, or those at the start")
+        return self._energies
+
     def __reduce__(self) -> tuple[Any, ...]:
-        return Update, (*self, self.energies)
+        return Update, (*self, self._energies)
 
     def __repr__(self) -> str:
         return f"<Update of points {self.stress.shape[:-1]}: {self.stress.shape[-1]} components, {self.state.shape[-1]} states>"
@@ -304,12 +328,14 @@ class Law:
         if out is not None and len(out) not in (2, 3):
             raise CaseError([("out", "has the arrays for stress and state, and one for the tangent")])
         both = [array_of(strain, "strain"), array_of(dstrain, "dstrain")]
-        shapes = {array.shape[:-1] for array in both} - {()} or {(1,)}
+        shape, other = (array.shape[:-1] for array in both)
         try:
-            shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
+            if shape != other:
+                shape = np.broadcast_shapes(shape, other)
         except ValueError:
             message = f"has the shape {both[0].shape}, dstrain {both[1].shape}: both are of the same points"
             raise CaseError([("strain", message)]) from None
+        shape = shape or (1,)
         arrays = {
             "props": _rows(props, shape, (-1,), "props"),
             "strain": _rows(both[0], shape, (components,), "strain"),
@@ -319,20 +345,11 @@ class Law:
             raise CaseError([("dfgrd1", "is needed where dfgrd0 is given: the gradient at the end")])
         if dfgrd0 is None and dfgrd1 is not None:
             dfgrd0 = np.eye(3)
-        others: tuple[tuple[str, ArrayLike | None, tuple[int, ...]], ...] = (
-            ("length", length, ()),
-            ("temperature", temperature, ()),
-            ("dtemperature", dtemperature, ()),
-            ("fields", fields, (-1,)),
-            ("dfields", dfields, (-1,)),
-            ("dfgrd0", dfgrd0, (3, 3)),
-            ("dfgrd1", dfgrd1, (3, 3)),
-            ("drot", drot, (3, 3)),
-            ("coords", coords, (3,)),
-        )
-        for name, values, row in others:
-            if values is not None:
-                arrays[name] = _rows(values, shape, row, name)
+        others = (length, temperature, dtemperature, fields, dfields, dfgrd0, dfgrd1, drot, coords)
+        if not all(map(NOTHING, others)):
+            for (name, row), values in zip(OTHERS, others):
+                if values is not None:
+                    arrays[name] = _rows(values, shape, row, name)
         widths = {"stress": components, "state": self.nstatv, "tangent": components**2, "energies": 3}
         start: dict[str, ArrayLike | None] = {"stress": stress, "state": state}
         if not isinstance(energies, (bool, np.bool_)):
@@ -427,10 +444,8 @@ class Law:
 def _rows(values: ArrayLike, shape: tuple[int, ...], row: tuple[int, ...], name: str) -> Array:
     """What points of a shape are given, a row a point, or one row for all; -1: a row of any length."""
     array = array_of(values, name)
-    width = row[0] if len(row) == 1 else math.prod(row)
-    count = math.prod(shape)
     # as it is in a loop over increments
-    if array.shape == (count, width) and array.flags.c_contiguous:
+    if len(row) == 1 and array.ndim == 2 and array.shape == shape + row and array.flags.c_contiguous:
         return array
     if array.ndim == 0 and row not in ((), (1,)):
         if array != 0.0:
@@ -442,7 +457,7 @@ def _rows(values: ArrayLike, shape: tuple[int, ...], row: tuple[int, ...], name:
     wanted = tuple(given if length < 0 else length for given, length in zip(array.shape[max(split, 0) :], row))
     if split < 0 or array.shape[split:] != wanted:
         raise CaseError([(name, f"has the shape {array.shape}, {(*shape, *row)} is needed".replace("-1", "…"))])
-    width = math.prod(wanted)
+    width, count = math.prod(wanted), math.prod(shape)
     if math.prod(array.shape[:split]) == 1:
         return np.ascontiguousarray(array).reshape(1, width)
     try:

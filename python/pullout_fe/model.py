@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import warnings
 from concurrent.futures import Executor, ThreadPoolExecutor
-from typing import Any, Callable, Iterable, Mapping, NamedTuple, Union
+from typing import Any, Callable, Iterable, Literal, Mapping, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -76,7 +76,7 @@ class Model:
         curve: tuple[str, str],
         grid: ArrayLike | None = None,
         *,
-        on_failure: str | float = "raise",
+        on_failure: Literal["raise"] | float = "raise",
         bounds: Mapping[str, tuple[float, float]] | None = None,
         in_process: bool = False,
     ) -> None:

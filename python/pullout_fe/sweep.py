@@ -265,11 +265,8 @@ def _call(*arguments: str, shown: bool = False, document: str = "", of: Case | N
     """What `pullout sweep` says; a document, ``of`` a case, is what it reads from :data:`STREAM`, in the case's folder."""
     from . import program
 
-    executable = program()
-    if executable is None:
-        raise PulloutError("the program pullout is not installed beside this package")
     done = subprocess.run(
-        [executable, "sweep", *arguments],
+        [program(), "sweep", *arguments],
         input=document,
         cwd=None if of is None else of._folder,
         stdout=None if shown else subprocess.PIPE,

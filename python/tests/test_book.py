@@ -31,6 +31,16 @@ def test_a_page(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert blocks > 0
 
 
+def test_the_idioms_of_the_pages_have_types(tmp_path: Path) -> None:
+    mypy = pytest.importorskip("mypy.api")
+    for number, page in enumerate(["README.md", "python/README.md", "docs/using/python.md"]):
+        pieces = PIECE.finditer((ROOT / page).read_text(encoding="utf-8"))
+        text = "\n".join(piece["text"] for piece in pieces if piece["language"] == "python")
+        (tmp_path / f"page_{number}.py").write_text(text)
+    words, errors, code = mypy.run(["--strict", "--cache-dir", str(tmp_path / "cache"), *map(str, tmp_path.glob("*.py"))])
+    assert code == 0, words + errors
+
+
 RECIPES = re.split(r"^## (.+)$", (ROOT / "docs/using/recipes.md").read_text(encoding="utf-8"), flags=re.M)[1:]
 #: a recipe of the book, and what it imports
 PACKAGES = {"scipy": "scipy", "lmfit": "lmfit", "SALib": "SALib", "emcee": "emcee", "Optuna": "optuna", "UM-Bridge": "umbridge"}

@@ -167,13 +167,14 @@ def test_points_are_given_what_a_umat_can_be_given(told: po.Law) -> None:
     }
     for name, values in expected.items():
         assert np.allclose(update.state[..., GIVEN[name]], values), name
-    assert update.energies is not None
     assert np.allclose(update.energies, np.stack([np.full(shape, 0.25 + 0.5 * E * 1e-6), numbers, 10.0 + numbers], axis=-1))
     # three things come out, as ever
     stress, _, _ = pickle.loads(pickle.dumps(update))
     assert np.array_equal(stress, update.stress)
     flat = told.evaluate(0.0, np.full((6, 6), 1e-3), props=[1.0, 1.0])
-    assert flat.energies is None and np.array_equal(flat.state[:, GIVEN["noel"]], range(1, 7))
+    assert np.array_equal(flat.state[:, GIVEN["noel"]], range(1, 7))
+    with pytest.raises(po.PulloutError, match="energies=True"):
+        flat.energies
     with pytest.raises(po.CaseError, match="dfgrd1: is needed"):
         told.evaluate(0.0, np.zeros(6), props=[1.0, 1.0], dfgrd0=np.eye(3))
 

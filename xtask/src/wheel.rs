@@ -27,6 +27,10 @@ const BYTES: u64 = 12_000_000;
 /// # Errors
 /// In words; what a tool has said about it is on the standard error.
 pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: &[String]) -> Result<PathBuf, String> {
+    if !has(python, "maturin") {
+        let python = python.display();
+        return Err(format!("{python} has no maturin, which makes the wheel: {python} -m pip install maturin"));
+    }
     let folder = workspace.join(FOLDER);
     if folder.exists() {
         fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;

@@ -1,5 +1,16 @@
-use super::{linker, tag_is_kept};
+use super::{FOLDER, linker, make, tag_is_kept};
 use std::path::Path;
+
+#[test]
+fn maturin_is_looked_for_before_anything_is_built() {
+    let workspace = tempfile::tempdir().expect("a folder");
+    let earlier = workspace.path().join(FOLDER);
+    std::fs::create_dir_all(&earlier).expect("a folder");
+    // has no module at all
+    let refused = make(workspace.path(), "dev", false, Path::new("false"), &[]).expect_err("no maturin");
+    assert!(refused.contains("pip install maturin"), "{refused}");
+    assert!(earlier.is_dir());
+}
 
 /// The builds may have another folder than that of the workspace.
 #[test]
