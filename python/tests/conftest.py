@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import signal
 import subprocess
@@ -43,11 +44,21 @@ ACTS = {
 }
 
 
+#: begins a UMAT in free form, with arrays for so many components: what a source has as "@umat ntens"
+UMAT = """subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
+    predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
+    layer, kspt, jstep, kinc)
+  implicit real*8(a-h,o-z)
+  character*80 cmname
+  dimension stress({n}), statev(nstatv), ddsdde({n},{n}), stran({n}), dstran({n}), time(2), predef(*), dpred(*), props(nprops), &
+    coords(3), drot(3,3), dfgrd0(3,3), dfgrd1(3,3), jstep(4)"""
+
+
 def _compile(text: str, source: Path) -> Path:
     compiler = shutil.which("gfortran")
     if compiler is None:
         pytest.skip("no gfortran")
-    source.write_text(text)
+    source.write_text(re.sub(r"^@umat (\w+)$", lambda found: UMAT.format(n=found[1]), text, flags=re.M))
     library = source.with_name(f"lib{source.stem}.so")
     subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-w", "-o", library, source], check=True, cwd=source.parent)
     return library

@@ -40,13 +40,7 @@ subroutine sigini(sigma, coords, ntens, ncrds, noel, npt, layer, kspt, lrebar, n
   character*80 names(2)
   sigma(2) = 7.d0
 end subroutine
-subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
-    predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
-    layer, kspt, jstep, kinc)
-  implicit real*8(a-h,o-z)
-  character*80 cmname
-  dimension stress(ntens), statev(nstatv), ddsdde(ntens, ntens), stran(ntens), dstran(ntens), time(2), predef(2), dpred(2), &
-    props(nprops), coords(3), drot(3,3), dfgrd0(3,3), dfgrd1(3,3), jstep(4)
+@umat ntens
   common /table/ young, calls(0:6), clock(3)
   ddsdde = 0.d0
   do i = 1, ntens
@@ -264,13 +258,7 @@ def test_what_is_refused_leaves_out_as_it_was(umats: dict[str, Path]) -> None:
 
 #: knows six components only
 SOLID = """
-subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
-    predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
-    layer, kspt, jstep, kinc)
-  implicit real*8(a-h,o-z)
-  character*80 cmname
-  dimension stress(6), statev(nstatv), ddsdde(6,6), stran(6), dstran(6), time(2), predef(1), dpred(1), &
-    props(nprops), coords(3), drot(3,3), dfgrd0(3,3), dfgrd1(3,3), jstep(4)
+@umat 6
   ddsdde = 0.d0
   do i = 1, 6
     ddsdde(i,i) = props(1)

@@ -375,13 +375,7 @@ def test_a_run_is_pickled_with_its_increments() -> None:
 
 
 PRINTING = """
-subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
-    predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
-    layer, kspt, jstep, kinc)
-  implicit real*8(a-h,o-z)
-  character*80 cmname
-  dimension stress(ntens), statev(nstatv), ddsdde(ntens,ntens), stran(ntens), dstran(ntens), time(2), predef(1), dpred(1), &
-    props(nprops), coords(3), drot(3,3), dfgrd0(3,3), dfgrd1(3,3), jstep(4)
+@umat ntens
   ddsdde = 0.d0
   do i = 1, ntens
     ddsdde(i,i) = props(1)
