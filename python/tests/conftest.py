@@ -45,13 +45,13 @@ ACTS = {
 
 
 #: begins a UMAT in free form, with arrays for so many components: what a source has as "@umat ntens"
-UMAT = """subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
-    predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
-    layer, kspt, jstep, kinc)
+UMAT = """subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, &
+    temp, dtemp, predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, &
+    dfgrd1, noel, npt, layer, kspt, jstep, kinc)
   implicit real*8(a-h,o-z)
   character*80 cmname
-  dimension stress({n}), statev(nstatv), ddsdde({n},{n}), stran({n}), dstran({n}), time(2), predef(*), dpred(*), props(nprops), &
-    coords(3), drot(3,3), dfgrd0(3,3), dfgrd1(3,3), jstep(4)"""
+  dimension stress({n}), statev(nstatv), ddsdde({n},{n}), stran({n}), dstran({n}), time(2), predef(*), dpred(*), &
+    props(nprops), coords(3), drot(3,3), dfgrd0(3,3), dfgrd1(3,3), jstep(4)"""
 
 
 def _compile(text: str, source: Path) -> Path:
