@@ -5,6 +5,7 @@ mod program;
 
 use end_to_end_tests::{Tool, find, run as compile, workspace};
 use program::{Desk, cases, command};
+use pullout_case::{JsonPlace, ProblemKind};
 use pullout_engine::{Error, Outcome, Settings, Source, set_program};
 use pullout_report::history::History;
 use pullout_report::summary::Status;
@@ -241,7 +242,9 @@ fn what_a_child_refuses_is_wrong_with_the_case() {
     assert!(refused.to_string().contains("$.steps[0].increments"), "{refused}");
     match source.read().expect("a case").run(Settings::default()) {
         Err(Error::Case(errors)) => {
-            assert!(errors.problems[0].message.starts_with("$.steps[0].increments"), "{errors}");
+            let [problem] = &errors.problems[..] else { panic!("{errors}") };
+            assert_eq!(problem.place.as_ref().map(JsonPlace::as_str), Some("$.steps[0].increments"));
+            assert_eq!(problem.kind, ProblemKind::Input);
         }
         other => panic!("{other:?}"),
     }
