@@ -79,6 +79,7 @@ fn model(case: &Case, nlgeom: bool) -> Model {
         measured: Measured::default(),
         steps: Vec::new(),
         controls: Controls::default(),
+        initial_drives: Vec::new(),
         skipping: Skipping::NONE,
     }
 }

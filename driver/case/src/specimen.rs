@@ -48,6 +48,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let mut loose = checked.as_ref().map(Mesh::free_nodes).unwrap_or_default();
     loose.retain(|&node| !couplings.iter().any(|coupling| coupling.nodes().any(|coupled| coupled == node)));
     let mut boundary = boundary::resolve(reader, case, Scene { loose: &loose, ..scene });
+    let initial_drives = initial_drives(reader, case, &mut boundary);
     let steps = steps::resolve(reader, case, &mut boundary);
     let fields = steps::fields(reader, case, &steps);
     let columns = columns::of_specimen(&boundary.measured.fibres);
@@ -117,6 +118,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         nlgeom,
         contacts,
         drives: drives.names(),
+        initial_drives,
         supports,
         couplings,
         loads,
@@ -172,6 +174,25 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         keeps_trail: false,
         along: None,
     })
+}
+
+/// Values of the drives at the start; none: all are 0.
+fn initial_drives(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Boundary) -> Vec<f64> {
+    let place = Place::root().key("initial");
+    let Some(given) = reader.optional(case.initial.as_ref(), &place) else { return Vec::new() };
+    let mut values = vec![0.0; boundary.drives.len()];
+    for (name, value) in &given.drives {
+        let place = place.key("drives").key(name);
+        match boundary.drives.moved(name) {
+            Some(index) if boundary.supports.iter().any(|support| support.drive == Some(index)) => {
+                reader
+                    .problem(&place, "is the displacement of a support, which starts at 0; loads may start at others");
+            }
+            Some(index) => values[index] = *value,
+            None => boundary.drives.tell_unknown(reader, name, &place),
+        }
+    }
+    values
 }
 
 /// The mesh that names of the case refer to, as far as it is known.

@@ -109,7 +109,7 @@ pub fn summarise(
     let moved = summary.specimen.as_ref().and_then(|findings| findings.initial_displacement);
     summary.warnings.extend(moved.map(|moved| {
         format!(
-            "the initial stress was not in equilibrium with the supports and all drives at 0: before the first step nodes \
+            "the initial stress was not in equilibrium with the supports and the loads at the start: before the first step nodes \
              moved by up to {moved:.3e} mm until it was"
         )
     }));

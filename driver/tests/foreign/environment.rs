@@ -170,6 +170,38 @@ fn a_plate_starts_in_equilibrium_with_the_stress_of_sigini() {
     assert!(warned(&moved, "not in equilibrium"), "{}", moved.summary);
 }
 
+#[test]
+fn a_part_with_an_initial_stress_starts_with_its_load_on() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "elastic.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [E, NU], "nstatv": 0 });
+    let supports = json!({
+        "left": { "direction": "x" }, "right": { "direction": "x" }, "bottom": { "direction": "y" },
+    });
+    let steps = json!([{ "drives": { "weight": 25 }, "increments": 3 }]);
+    let mut case = rectangle(material, "plane_strain", supports, Value::Null, steps);
+    case.as_object_mut().expect("an object").remove("grip");
+    case["parts"]["beam"]["initial"] = json!({ "stress": { "s11": -4.0, "s22": -10.0, "s33": -4.0 } });
+    case["loads"] = json!({ "weight": { "edges": "top", "pressure": 1 } });
+    case["measure"] = json!({ "exit": [4, 1], "direction": [0, 1] });
+    case["initial"] = json!({ "drives": { "weight": 10 } });
+    let at_rest = run(&desk, "at_rest", &case);
+    let settled = at_rest.history.column("slip_exit");
+    assert!(settled[0].abs() < 1e-12, "{settled:?}");
+    assert!(!warned(&at_rest, "not in equilibrium"), "{}", at_rest.summary);
+    // 15 MPa more on 2 mm
+    close(at_rest.history.last("slip_exit") * confined(), -15.0 * 2.0);
+    // without its load it moves first
+    case.as_object_mut().expect("an object").remove("initial");
+    let moved = run(&desk, "moved", &case);
+    close(moved.history.column("slip_exit")[0] * confined(), 10.0 * 2.0);
+    assert!(warned(&moved, "not in equilibrium"), "{}", moved.summary);
+    case["initial"] = json!({ "drives": { "none": 1.0 } });
+    let refused = desk.case("refused.json", &case);
+    let outcome = desk.pullout(["check", refused.to_str().expect("UTF-8")]).expect(2);
+    assert!(outcome.stderr.contains("$.initial.drives.none"), "{}", outcome.stderr);
+}
+
 /// LOP, KSTEP, KINC, TIME(1), TIME(2), DTIME of each call of UEXTERNALDB.
 fn occasions(run: &Run) -> Vec<Vec<f64>> {
     let numbers = |line: &str| line.split_whitespace().skip(1).map(|word| word.parse().expect("a number")).collect();

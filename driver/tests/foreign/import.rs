@@ -333,3 +333,24 @@ fn a_temperature_of_some_nodes_is_refused() {
         }
     }
 }
+
+#[test]
+fn expansion_and_orientation_of_a_job_become_those_of_the_case() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "lamina.f90", &[]) else { return };
+    let cube = CUBE.replace("MATERIAL=STEEL", "MATERIAL=PLY, ORIENTATION=ORI");
+    let job = format!(
+        "{cube}*ORIENTATION, NAME=ORI\n0., 1., 0., -1., 0., 0.\n*MATERIAL, NAME=PLY\n*DEPVAR\n1,\n*EXPANSION, TYPE=ORTHO, \
+         ZERO=20.\n1.E-6, 3.E-5, 3.E-5, 0.\n3.E-6, 4.E-5, 4.E-5, 100.\n*USER MATERIAL, CONSTANTS=9\n140.E3, 10.E3, 10.E3, 0.3, 0.3, \
+         0.45, 5.E3, 5.E3\n3.5E3\n*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 50.\n{ROLLERS}*STEP\n*STATIC, DIRECT\n0.5, \
+         1.\n*TEMPERATURE\nALL, 100.\n*END STEP\n"
+    );
+    let (mut case, left_out) = imported(&desk, &job);
+    assert!(!left_out.contains("EXPANSION") && !left_out.contains("ORIENTATION"), "{left_out}");
+    case["material"]["plugin"] = library;
+    let history = super::run(&desk, "job", &case).history;
+    // local axis 1 is along 2: α₁(100) 80 − α₁(50) 30
+    close(history.last("e22"), 3e-6 * 80.0 - 2e-6 * 30.0);
+    close(history.last("e11"), 4e-5 * 80.0 - 3.5e-5 * 30.0);
+    close(history.last("s11"), 0.0);
+}

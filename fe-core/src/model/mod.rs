@@ -207,6 +207,8 @@ pub struct Model {
     pub contacts: Vec<ContactPair>,
     /// Names of the drives.
     pub drives: Vec<String>,
+    /// Values of the drives at the start; empty: all 0. Initial stresses are in equilibrium with them.
+    pub initial_drives: Vec<f64>,
     /// Supports.
     pub supports: Vec<Support>,
     /// Multi-point constraints.

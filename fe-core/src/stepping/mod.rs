@@ -144,7 +144,10 @@ impl<'m> Analysis<'m> {
         let freedoms = equations.freedom_count();
         let committed = Committed {
             displacements: vec![0.0; freedoms],
-            drives: vec![0.0; model.drives.len()],
+            drives: match &model.initial_drives[..] {
+                [] => vec![0.0; model.drives.len()],
+                initial => initial.to_vec(),
+            },
             reactions: vec![0.0; freedoms],
             external: vec![0.0; freedoms],
             ..Committed::default()
@@ -292,7 +295,7 @@ impl<'m> Analysis<'m> {
         Snapshot { model: self.model, solids, contact, equations: system.equations(), committed, time: *time }
     }
 
-    /// Equilibrium at zero drives: contact that repels at gap 0 finds its place.
+    /// Equilibrium at the drives of the start: contact that repels at gap 0 finds its place.
     fn find_datum(&mut self) -> Result<(), RunError> {
         let target = Target::Drives(self.present.committed.drives.clone());
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };

@@ -88,6 +88,7 @@ fn chain(laws: Vec<PluginLaw>, model: PlaneModel, end: f64, control: StepControl
         measured: Measured { slip: vec![0], supports: vec![2], direction: [1.0, 0.0], ..Measured::default() },
         steps: vec![Step { time: 1.0, targets: vec![Some(end)], control }],
         controls: Controls::default(),
+        initial_drives: Vec::new(),
         skipping: Skipping::ALL,
     }
 }

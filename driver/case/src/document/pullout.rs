@@ -50,6 +50,8 @@ pub struct PulloutCase {
     /// Fields, and how the run ends.
     #[serde(flatten)]
     pub course: Course,
+    /// The state before the first step.
+    pub initial: Option<Piece<PulloutInitial>>,
     /// Steps that the specimen is taken through.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<PulloutStep>>>,
@@ -100,13 +102,22 @@ pub struct Part {
     pub average_dilatation: Option<Piece<bool>>,
 }
 
+/// Initial state of a specimen.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PulloutInitial {
+    /// Values of the drives of loads at the start (default 0): the loads that the parts' initial stresses are in equilibrium
+    /// with.
+    pub drives: BTreeMap<String, f64>,
+}
+
 /// Initial state of the points of a part.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PartInitial {
     /// Stress, MPa, the same at all points: in order (11, 22, 33, 12; without 33 in plane stress) or by name (s11, …).
     /// Default: the stress that the library's SIGINI sets, or 0. Whatever the supports do not hold moves before the
-    /// first increment, until it is in equilibrium with all drives at 0.
+    /// first increment, until it is in equilibrium with the drives at their initial values.
     pub stress: Option<Components>,
 }
 

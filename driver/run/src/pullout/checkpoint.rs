@@ -138,6 +138,7 @@ fn fingerprint(program: &PulloutProgram) -> io::Result<String> {
         average_dilatation,
         contacts,
         drives,
+        initial_drives,
         supports,
         couplings,
         loads,
@@ -150,6 +151,7 @@ fn fingerprint(program: &PulloutProgram) -> io::Result<String> {
     } = &program.model;
     // Debug prints the shortest text that reads back to the same double
     hash.update(format!("{:?}", (mesh, average_dilatation, drives, supports, couplings, loads, nlgeom)));
+    hash.update(format!("{initial_drives:?}"));
     hash.update(format!("{:?}", (measured, fields, steps, controls, skipping)));
     let about = &program.about;
     let written = (about.every, about.plots, program.fields_every, &program.pictures_at, program.rupture_strain);
@@ -189,7 +191,7 @@ fn add_law(hash: &mut Sha256, law: &PluginLaw) -> io::Result<()> {
     hash.update(library);
     hash.update(format!(
         "{:?}",
-        (&law.name, &law.cmname, &law.symbol, &law.props, law.nstatv, &law.statev0, &law.stress0)
+        (&law.name, &law.cmname, &law.symbol, &law.props, law.nstatv, &law.statev0, &law.stress0, &law.frame)
     ));
     Ok(())
 }

@@ -28,6 +28,7 @@ fn model(supports: Vec<Support>, couplings: Vec<Coupling>) -> Model {
         measured: Measured::default(),
         steps: Vec::new(),
         controls: Controls::default(),
+        initial_drives: Vec::new(),
         skipping: Skipping::ALL,
     }
 }

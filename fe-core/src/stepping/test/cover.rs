@@ -114,6 +114,7 @@ fn model(definition: MeshDefinition, supports: Vec<Support>, drives: usize) -> M
         measured: Measured::default(),
         steps: Vec::new(),
         controls: Controls { force_tolerance: 1e-12, displacement_tolerance: 1e-11, ..Controls::default() },
+        initial_drives: Vec::new(),
         skipping: Skipping::ALL,
         mesh,
     }

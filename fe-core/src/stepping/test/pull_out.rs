@@ -141,6 +141,7 @@ pub(super) fn fibre(
         },
         steps: vec![Step { time: 1.0, targets: vec![Some(slip)], control }],
         controls: Controls::default(),
+        initial_drives: Vec::new(),
         skipping: Skipping::ALL,
         mesh,
     }

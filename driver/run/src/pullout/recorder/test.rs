@@ -40,6 +40,7 @@ fn program(every: usize) -> PulloutProgram {
             measured: Measured::default(),
             steps: vec![step(1.0), step(2.0)],
             controls: Controls::default(),
+            initial_drives: Vec::new(),
             skipping: Skipping::ALL,
         },
         step_untils: vec![None, None],

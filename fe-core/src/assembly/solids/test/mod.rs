@@ -110,6 +110,7 @@ fn model(mesh: Mesh, law: &PluginLaw, average: bool, nlgeom: bool) -> Model {
         measured: Measured::default(),
         steps: Vec::new(),
         controls: Controls::default(),
+        initial_drives: Vec::new(),
         skipping: Skipping::ALL,
     }
 }
