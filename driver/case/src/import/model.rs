@@ -410,6 +410,10 @@ impl Model {
         };
         let points = (0..9).map(|field| line.number(field)).collect::<Result<Vec<_>, _>>()?;
         let from_origin = |first: usize| (0..3).map(|k| points[first + k] - points[6 + k]).collect::<Vec<_>>();
+        if [0, 3].into_iter().any(|first| from_origin(first).iter().all(|component| *component == 0.0)) {
+            self.left_out.push(format!("{place}: *ORIENTATION without both of its points"));
+            return Ok(());
+        }
         let turn = keyword.data.get(1).map_or(Ok(0.0), |line| line.number(1))?;
         if turn != 0.0 {
             self.left_out.push(format!("{place}: the further rotation of the *ORIENTATION"));
