@@ -29,8 +29,8 @@ pub fn of(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: 
         .and_then(|given| self::expansion(reader, given, purpose.initial_temperature, &place.key("expansion")));
     let shrinkage = shrinkage.as_ref().and_then(|given| self::shrinkage(reader, given, &place.key("shrinkage")));
     let mut frame = Frame { axes, expansion, shrinkage };
-    let courses = frame.expansion.iter().map(|expansion| &expansion.coefficients).chain(&frame.shrinkage);
-    if frame.axes.is_none() && !courses.map(Course::is_isotropic).all(|is_isotropic| is_isotropic) {
+    let mut courses = frame.expansion.iter().map(|expansion| &expansion.coefficients).chain(&frame.shrinkage);
+    if frame.axes.is_none() && !courses.all(Course::is_isotropic) {
         // directions of the material, which follow it
         frame.axes = Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     }
@@ -71,7 +71,8 @@ fn axes(reader: &mut Reader<'_>, given: &Orientation, mode: Option<Mode>, place:
     let first = unit(a);
     let along = dot(&b, &first);
     let across: [f64; 3] = std::array::from_fn(|k| b[k] - along * first[k]);
-    if !(dot(&across, &across) > 1e-12 * dot(&b, &b)) || !first[0].is_finite() {
+    let is_plane = first[0].is_finite() && dot(&across, &across) > 1e-12 * dot(&b, &b);
+    if !is_plane {
         reader.problem(place, "the two vectors must not be 0, and not along one line");
         return None;
     }
