@@ -24,10 +24,10 @@ __all__ = ["Law", "Parameter", "State", "Update", "plugins"]
 
 Array = NDArray[np.float64]
 Props = Union[Mapping[str, Any], Sequence[float], Array, None]
-Mode = Literal["3d", "plane_strain", "axisymmetric", "plane_stress"]
+Mode = Literal["3d", "plane_strain", "axisymmetric", "plane_stress", "1d", "beam"]
 
-#: Components of each mode, in the order 11, 22, 33, 12, 13, 23 (plane stress: 11, 22, 12); shear strains are engineering's.
-COMPONENTS: dict[str, int] = {"3d": 6, "plane_strain": 4, "axisymmetric": 4, "plane_stress": 3}
+#: Components of each mode, in the order 11, 22, 33, 12, 13, 23 (plane stress: 11, 22, 12; beam: 11, 12); shear strains are engineering's.
+COMPONENTS: dict[str, int] = {"3d": 6, "plane_strain": 4, "axisymmetric": 4, "plane_stress": 3, "1d": 1, "beam": 2}
 
 
 #: what a point may be given beside its strains, and a row of it; -1: as long as there are

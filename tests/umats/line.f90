@@ -1,5 +1,5 @@
 ! Laws of one or two stresses, as UMATs of trusses, wires and beams are: E, G, yield stress, hardening modulus. The shear of a
-! beam is elastic. Nothing else is set, whatever NTENS is.
+! beam is elastic. No other stress is set, whatever NTENS is.
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, &
     dtemp, predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, &
     noel, npt, layer, kspt, jstep, kinc)
@@ -12,6 +12,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   double precision :: trial, beyond
   trial = stress(1) + props(1)*dstran(1)
   beyond = abs(trial) - props(3) - props(4)*statev(1)
+  ddsdde = 0
   ddsdde(1,1) = props(1)
   if (beyond > 0) then
     statev(1) = statev(1) + beyond/(props(1) + props(4))

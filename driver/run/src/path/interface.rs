@@ -220,7 +220,8 @@ impl<'p> Runner<'p> {
         self.call.fields().set([before.temperature, trial.temperature], [&before.variables, &trial.variables]);
     }
 
-    /// A soft contact carries pressure at gap 0: the history's first line shows the traction at the initial place.
+    /// A soft contact carries pressure at gap 0: the history's first line shows the traction at the initial place, and the energy
+    /// that is stored with it.
     fn find_initial_traction(&mut self) -> Result<(), String> {
         if matches!(self.call, Call::Uinter(_)) && self.arguments.traction.is_none() {
             let place = [self.committed.slip[0], self.committed.slip[1], -self.committed.gap];
@@ -229,7 +230,8 @@ impl<'p> Runner<'p> {
             self.committed.shear = self.trial.shear;
             self.committed.pressure = self.trial.pressure;
             if self.arguments.energies.is_none() {
-                self.committed.energies = self.trial.energies;
+                // what is stored; nothing is dissipated on no way
+                self.committed.energies[0] = self.trial.energies[0];
             }
         }
         Ok(())

@@ -91,9 +91,15 @@ impl Targets<'_> {
     }
 
     /// The strain among those that are sought that has changed most, and by how much.
-    pub(super) fn largest_change(&self, end: &[f64; 6], start: &[f64; 6]) -> Option<(usize, f64)> {
-        let sought = self.components.iter().filter(|&&i| !matches!(self.controls[i], Control::Strain(_)));
-        sought.map(|&i| (i, end[i] - start[i])).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    pub(super) fn largest_change(&self, end: &[f64; 6], start: &[f64; 6]) -> (usize, f64) {
+        let mut largest = (0, 0.0_f64);
+        for &i in self.components {
+            let change = end[i] - start[i];
+            if change.abs() > largest.1.abs() && !matches!(self.controls[i], Control::Strain(_)) {
+                largest = (i, change);
+            }
+        }
+        largest
     }
 
     /// Measure of the strains that are sought.
@@ -101,28 +107,24 @@ impl Targets<'_> {
         self.measure.map(|measure| self.strain.iter().fold(measure, |size, strain| size.max(strain.abs())))
     }
 
-    /// Refuses an equilibrium that may not be the next one.
-    fn is_near<E>(
+    /// Returns what is to be looked at closely in an equilibrium that was found with these iterations, if it may not be the next one.
+    fn far<E>(
         &self,
         increment: &[f64; 6],
         tangent: &[[f64; 6]; 6],
-        residual: &Vector,
-        tolerance: &Vector,
+        residuals: [&Vector; 2],
         iterations: u32,
-    ) -> Result<u32, Divergence<E>> {
-        let Some(size) = self.size() else { return Ok(iterations) };
-        match self.largest_change(increment, &[0.0; 6]) {
-            Some((component, change)) if change.abs() > LARGEST_CHANGE * size => {
-                let undetermined =
-                    |inverse: Matrix| (inverse.abs() * tolerance.map(|t| if t.is_finite() { t } else { 0.0 })).amax();
-                let is_determined = self
-                    .matrix(tangent, residual)
-                    .try_inverse()
-                    .is_some_and(|inverse| undetermined(inverse) < DETERMINED * change.abs());
-                Err(Divergence::Far { component, change, is_determined, iterations })
-            }
-            _ => Ok(iterations),
+    ) -> Option<Divergence<E>> {
+        let (component, change) = self.largest_change(increment, &[0.0; 6]);
+        if change.abs() <= LARGEST_CHANGE * self.measure? || change.abs() <= LARGEST_CHANGE * self.size()? {
+            return None;
         }
+        let [residual, tolerance] = residuals;
+        let tolerance = tolerance.map(|t| if t.is_finite() { t } else { 0.0 });
+        let undetermined =
+            self.matrix(tangent, residual).try_inverse().map(|inverse| (inverse.abs() * tolerance).amax());
+        let is_determined = undetermined.is_some_and(|undetermined| undetermined < DETERMINED * change.abs());
+        Some(Divergence::Far { component, change, is_determined, iterations })
     }
 
     /// The strain at the end: exactly the prescribed values, not the sums of their increments.
@@ -267,7 +269,9 @@ impl Targets<'_> {
         for iteration in 1..=max_iterations {
             let tolerance = self.tolerance(increment, &here.stress);
             if residual.iter().zip(&tolerance).all(|(r, t)| r.abs() <= *t) {
-                return self.is_near(increment, &here.tangent, &residual, &tolerance, iteration);
+                return self
+                    .far(increment, &here.tangent, [&residual, &tolerance], iteration)
+                    .map_or(Ok(iteration), Err);
             }
             if !residual.iter().all(|r| r.is_finite()) {
                 return Err(not_converged(&residual));

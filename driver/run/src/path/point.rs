@@ -21,17 +21,21 @@ use umat_abi::host::{
 };
 use umat_abi::law::{Request, StressState};
 
-/// A sought strain that moves on continuously changes less and less in parts of an increment that get smaller; a jump does not: the
-/// largest share of the first change that was refused which is no jump.
-const CONTINUOUS: f64 = 0.25;
-
-/// Strains that were sought and have grown large are taken back for a trial; what is not torn makes at least this part of the change
-/// of stress of the step by that.
-const RESISTANCE: f64 = 0.5;
-/// Growth of such strains until they are tried again.
-const GROWN: f64 = 1.5;
+/// A sought strain that moves on continuously changes less in half of an increment, and by the same factor from half to half; a
+/// jump does not: the largest factor, its tolerance, and how often it must come again.
+const FALLING: f64 = 0.95;
+const STEADY: f64 = 0.05;
+const AGAIN: u32 = 2;
+/// Strains that were sought and have grown large are taken back for a trial: torn matter comes back with less than this part of the
+/// largest stress of the step. A stiffness that is a secant leaves a quarter of it at most.
+const RESISTANCE: f64 = 0.35;
+/// Torn matter also has less than this part of the stiffness that it began with, where a small share of those strains is taken back.
+const STIFFNESS: f64 = 0.05;
+const SMALL_SHARE: f64 = 1e-4;
 /// The part of the time increment that such a trial takes.
 const INSTANT: f64 = 1e-9;
+/// Growth of such strains until they are tried again.
+const GROWN: f64 = 1.5;
 /// The part of DDSDDE times the strain that rounding makes of a stress that does not answer.
 const ROUNDING: f64 = 1e-9;
 
@@ -173,6 +177,8 @@ struct Runner<'p> {
     committed: Committed,
     /// The largest component of stress at the end of any increment so far.
     largest_stress: f64,
+    /// The same since the start of the step.
+    largest_stress_of_step: f64,
     /// Tangent at the last committed state, for the first guess.
     tangent: Option<[[f64; 6]; 6]>,
     plan: Plan,
@@ -184,12 +190,36 @@ struct Runner<'p> {
     moduli_not_finite: Option<NotFinite>,
     /// Whether it is known that the stress follows the strains.
     follows_strain: bool,
+    /// The largest modulus of the first tangent.
+    stiffness: Option<f64>,
     /// Components that the law has known nothing of whenever they were sought, once any was.
     unknown: Option<[bool; 6]>,
     /// Change of the sought strains in the step at which the matter was last tried for being torn.
     tried_change: f64,
-    /// The largest change of a strain in the first attempt from the committed state that was refused as a jump.
-    refused_change: Option<f64>,
+    /// Attempts from the committed state that were refused as jumps.
+    refused: Refused,
+}
+
+/// The largest changes of a strain in attempts that were refused as jumps, each for half of the increment of the one before.
+#[derive(Clone, Copy, Debug, Default)]
+struct Refused {
+    change: Option<f64>,
+    factor: Option<f64>,
+    steady: u32,
+}
+
+impl Refused {
+    fn push(&mut self, change: f64) {
+        let factor = self.change.map(|last| change / last);
+        let is_steady = |(factor, last): (f64, f64)| factor < FALLING && (factor - last).abs() <= STEADY * last;
+        self.steady = if factor.zip(self.factor).is_some_and(is_steady) { self.steady + 1 } else { 0 };
+        (self.change, self.factor) = (Some(change), factor);
+    }
+
+    /// Returns whether the change falls with the increment, as that of a continuous solution does.
+    fn falls_steadily(&self) -> bool {
+        self.steady >= AGAIN
+    }
 }
 
 /// The end of the last attempt.
@@ -275,15 +305,17 @@ impl<'p> Runner<'p> {
                 fields: initial.fields.clone(),
             },
             largest_stress: committed.stress.iter().fold(0.0, |largest, s| s.abs().max(largest)),
+            largest_stress_of_step: 0.0,
             committed,
             tangent: None,
             plan: Plan { time: initial.time, ..Plan::default() },
             goal,
             is_first_attempt: true,
             moduli_not_finite: None,
-            refused_change: None,
+            refused: Refused::default(),
             tried_change: 0.0,
             unknown: None,
+            stiffness: None,
             follows_strain: plugin.law.is_some() || point.nlgeom || point.arguments.dfgrd1.is_some(),
         };
         Ok((runner, reason))
@@ -581,8 +613,17 @@ impl Divisible for Runner<'_> {
         let Committed { total_time: time, deformation_gradient: gradient, ref fields, .. } = self.committed;
         let measure = self.measure(step, &start);
         self.tried_change = 0.0;
-        let from = (*self.strain(), *self.stress());
-        self.plan = Plan { start, from, measure, relations, constraints, time, gradient, fields: fields.clone() };
+        self.largest_stress_of_step = self.stress().iter().fold(0.0, |largest, s| s.abs().max(largest));
+        self.plan = Plan {
+            start,
+            strain: *self.strain(),
+            measure,
+            relations,
+            constraints,
+            time,
+            gradient,
+            fields: fields.clone(),
+        };
         Ok(())
     }
 
@@ -690,8 +731,8 @@ impl Divisible for Runner<'_> {
                 return Err(Trouble::CutBack { fraction: 0.5, reason: self.not_converged(&residual) });
             }
             Err(Divergence::Far { component, change, is_determined, iterations }) => {
-                let first = *self.refused_change.get_or_insert(change.abs());
-                if !is_determined || change.abs() > CONTINUOUS * first {
+                self.refused.push(change.abs());
+                if !is_determined || !self.refused.falls_steadily() {
                     return Err(Trouble::CutBack { fraction: 0.5, reason: far(component, change) });
                 }
                 iterations
@@ -703,13 +744,18 @@ impl Divisible for Runner<'_> {
         }
         self.trial.strain = targets.end(&increment);
         if let Some(size) = targets.measure.filter(|_| !strain_only)
-            && let Some((component, change)) = targets.largest_change(&self.trial.strain, &self.plan.from.0)
+            && let (component, change) = targets.largest_change(&self.trial.strain, &self.plan.strain)
             && change.abs() > (LARGEST_CHANGE * size).max(GROWN * self.tried_change)
         {
             if !self.resists(&targets.controls, statistics) {
                 return Err(Trouble::CutBack { fraction: 0.5, reason: torn(component, change) });
             }
             self.tried_change = change.abs();
+        }
+        if let Some(tangent) = last_tangent
+            && self.stiffness.is_none()
+        {
+            self.stiffness = Some((0..6).fold(0.0, |most, i| tangent[i][i].abs().max(most)));
         }
         if let Some(tangent) = last_tangent
             && self.unknown != Some([false; 6])
@@ -736,11 +782,12 @@ impl Divisible for Runner<'_> {
     fn commit(&mut self, observer: &mut dyn Observer) {
         observer.accepted(Accepted::Umat(&self.committed, &self.call));
         let state = &mut self.committed;
-        take_over(&self.call, self.components, &self.trial, self.strain_33, state, self.finite.as_mut());
-        let stresses = self.components.iter().map(|&i| state.stress[i].abs());
-        self.largest_stress = stresses.fold(self.largest_stress, f64::max);
+        take_over(&self.call, self.components, &self.trial.strain, self.strain_33, state, self.finite.as_mut());
+        let largest = self.components.iter().fold(0.0_f64, |largest, &i| largest.max(state.stress[i].abs()));
+        self.largest_stress = self.largest_stress.max(largest);
+        self.largest_stress_of_step = self.largest_stress_of_step.max(largest);
         self.moduli_not_finite = self.moduli_not_finite.or(self.trial.moduli_not_finite);
-        self.refused_change = None;
+        self.refused = Refused::default();
         state.step_time = self.trial.step_time;
         state.total_time = self.trial.total_time;
         state.fields.clone_from(&self.trial.fields);
@@ -833,28 +880,48 @@ impl Runner<'_> {
         })
     }
 
-    /// Returns whether the matter at the end of the last call resists: taking the sought strains of the step back at once makes
-    /// stress. It does not where it is torn, however large they are; where it creeps, flows or swells it does.
+    /// Returns whether the matter at the end of the last call resists: taking the sought strains of the step back at once leads to
+    /// stresses such as it has borne in the step, and the way back begins with some stiffness. What is elastic comes back to them; what creeps, flows or swells is pressed the
+    /// other way; what is torn comes back with little.
     fn resists(&mut self, controls: &[Control; 6], statistics: &mut Statistics) -> bool {
         let (mut end, mut finite) = (self.committed.clone(), self.finite.clone());
-        take_over(&self.call, self.components, &self.trial, self.strain_33, &mut end, finite.as_mut());
+        take_over(&self.call, self.components, &self.trial.strain, self.strain_33, &mut end, finite.as_mut());
         let (strain, stress) = (self.trial.strain, finite.as_ref().map_or(end.stress, |finite| finite.stress));
-        let (start, stress_at_start) = self.plan.from;
         let mut back = [0.0; 6];
         for &i in self.components.iter().filter(|&&i| !matches!(controls[i], Control::Strain(_))) {
-            back[i] = start[i] - strain[i];
+            back[i] = self.plan.strain[i] - strain[i];
         }
         let (components, strain_33) = (self.components, self.strain_33);
-        let answer = aside(&mut self.call, |call| {
+        let largest = |values: &[f64; 6]| components.iter().fold(0.0_f64, |most, &i| most.max(values[i].abs()));
+        let a_little = back.map(|strain| SMALL_SHARE * strain);
+        let mut a_little_stress = stress;
+        let mut here = strain;
+        let mut answer = [0.0; 6];
+        let result: Result<(), Trouble> = aside(&mut self.call, |call| {
+            // at once, so that nothing relaxes; then nothing moves, so that no resistance of a rate counts
             call.dtime *= INSTANT;
-            let mut point = Point { call, committed: &end, finite: finite.as_mut(), strain_33, components, statistics };
-            point.evaluate(&back, || std::array::from_fn(|i| strain[i] + back[i]), Request::Stress)
+            let (committed, finite_now) = (&end, finite.as_mut());
+            let mut point =
+                Point { call, committed, finite: finite_now, strain_33, components, statistics: &mut *statistics };
+            let end_of_it = || std::array::from_fn(|i| strain[i] + a_little[i]);
+            a_little_stress = point.evaluate(&a_little, end_of_it, Request::Stress)?.stress;
+            for by in [back, [0.0; 6]] {
+                here = std::array::from_fn(|i| here[i] + by[i]);
+                let (committed, finite_now) = (&end, finite.as_mut());
+                let mut point =
+                    Point { call, committed, finite: finite_now, strain_33, components, statistics: &mut *statistics };
+                answer = point.evaluate(&by, || here, Request::Stress)?.stress;
+                take_over(call, components, &here, strain_33, &mut end, finite.as_mut());
+            }
+            Ok(())
         });
-        let Ok(answer) = answer else { return true };
-        let far =
-            |a: &[f64; 6], b: &[f64; 6]| self.components.iter().fold(0.0_f64, |most, &i| most.max((a[i] - b[i]).abs()));
-        let change = far(&stress, &stress_at_start);
-        change <= STRESS_TOLERANCE * self.largest_stress.max(1.0) || far(&answer.stress, &stress) >= RESISTANCE * change
+        if result.is_err() {
+            return true;
+        }
+        let unloading: [f64; 6] = std::array::from_fn(|i| a_little_stress[i] - stress[i]);
+        let is_soft = largest(&unloading) < STIFFNESS * self.stiffness.unwrap_or_default() * largest(&a_little);
+        let borne = self.largest_stress_of_step.max(largest(&stress));
+        borne <= STRESS_TOLERANCE * self.largest_stress.max(1.0) || (!is_soft && largest(&answer) >= RESISTANCE * borne)
     }
 
     /// Makes the last call of a plugin that nobody vouches for again, to see whether it leaves its arrays.
@@ -974,7 +1041,7 @@ fn is_far(from: f64, to: f64) -> bool {
 fn take_over(
     call: &UmatCall,
     components: &[usize],
-    trial: &Trial,
+    strain: &[f64; 6],
     strain_33: Option<usize>,
     state: &mut Committed,
     finite: Option<&mut Finite>,
@@ -982,11 +1049,11 @@ fn take_over(
     components.iter().zip(call.stress()).for_each(|(&i, stress)| state.stress[i] = *stress);
     state.statev.copy_from_slice(call.statev());
     match finite {
-        None => state.strain = trial.strain,
+        None => state.strain = *strain,
         Some(finite) => {
             let free = call.free_strain_33_at_end();
             let thickness = thickness_at(call, call.strain_33, strain_33, &state.statev, free);
-            finite.commit(trial.strain, state, thickness);
+            finite.commit(*strain, state, thickness);
         }
     }
     if call.is_through_solid() && call.stress_state() == StressState::PlaneStress {
@@ -1033,8 +1100,8 @@ fn far(component: usize, change: f64) -> String {
 struct Plan {
     /// Values of the controlled quantity, by component.
     start: [f64; 6],
-    /// The case's strain and stress.
-    from: ([f64; 6], [f64; 6]),
+    /// The case's strain.
+    strain: [f64; 6],
     /// Measure of the strains that are sought ([`Targets::measure`]).
     measure: Option<f64>,
     /// Left sides of the relations.

@@ -305,3 +305,53 @@ fn free_sides_do_not_jump_to_where_all_is_torn() {
         }
     }
 }
+
+/// Where the stress falls, brittle matter must not be led along its softening to strains without end; where it holds none, rounding
+/// is no jump.
+#[test]
+fn falling_stresses_do_not_lead_to_where_all_is_torn() {
+    let damage = [31_800.0, 0.18, 5e3, 1.3, 1.905_077e-4, 31.474_79, 1.05, 3e-4, 0.172_27, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let law = |name: &str, props: &[f64]| {
+        let mut plugin = plugin(name, props);
+        if props.is_empty() {
+            let parameters = plugin.law.iter().flat_map(|law| &law.parameters);
+            plugin.props = parameters.map(|parameter| parameter.default_value).collect();
+        }
+        plugin
+    };
+    let pulled = |to: f64| [Control::Strain(to), FREE, FREE, FREE, FREE, FREE];
+    let falling = |to: f64| [Control::Stress(to), FREE, FREE, FREE, FREE, FREE];
+    let sheared = |to: f64| [FREE, FREE, FREE, Control::Strain(to), FREE, FREE];
+    let run = |law: Plugin, mode: Mode, steps: Vec<PointStep>| {
+        let mut rows = Rows::default();
+        let (_, result) = run(&program(law, mode, false, steps), &mut rows);
+        let strains = rows.0.iter().flat_map(|row| &row[STRAIN..STRAIN + 6]).filter(|strain| !strain.is_nan());
+        (result, strains.fold(0.0_f64, |most, strain| most.max(strain.abs())))
+    };
+    for mode in [Mode::ThreeD, Mode::PlaneStrain, Mode::PlaneStress] {
+        for n in [3, 8, 20, 100, 400] {
+            for steps in [
+                vec![ramp(n, pulled(2e-4)), ramp(n, falling(0.2)), ramp(n, falling(0.05))],
+                vec![ramp(n, pulled(1e-3)), ramp(n, falling(0.0))],
+                vec![ramp(n, sheared(6e-4))],
+                vec![ramp(n, sheared(3e-3))],
+            ] {
+                for (name, props) in
+                    [("concrete_damage_implex", &damage[..]), ("inelastic_damage", &[]), ("biaxial_damage", &[])]
+                {
+                    let (_, largest) = run(law(name, props), mode, steps.clone());
+                    assert!(largest < 2e-2, "{name}, {mode:?}, {n} increments: a strain of {largest}");
+                }
+            }
+        }
+    }
+    for n in [2, 20] {
+        let steps = vec![
+            ramp(n, pulled(1e-3)),
+            ramp(n, falling(0.0)),
+            ramp(n, [Control::HoldStrain, FREE, FREE, FREE, FREE, FREE]),
+        ];
+        let (result, _) = run(law("reverse_cyclic_damage", &[]), Mode::ThreeD, steps);
+        assert!(result.is_ok(), "{n} increments: {result:?}");
+    }
+}

@@ -25,7 +25,8 @@ fn uinter_at_a_point() {
     let expected: &[Argument<'_>] = &[
         ("stress", &[2.0, 2.0]),
         ("statev", &[1.0]),
-        ("sed", &[1.0]),
+        // what the call at the initial place stored, and one more
+        ("sed", &[2.0]),
         ("sfd", &[2.0]),
         ("spd", &[3.0]),
         ("svd", &[4.0]),
