@@ -33,7 +33,7 @@ const RESISTANCE: f64 = 0.35;
 const STIFFNESS: f64 = 0.05;
 const SMALL_SHARE: f64 = 1e-4;
 /// The part of the time increment that such a trial takes.
-const INSTANT: f64 = 1e-9;
+const INSTANT: f64 = 1e-3;
 /// Growth of such strains until they are tried again.
 const GROWN: f64 = 1.5;
 /// The part of DDSDDE times the strain that rounding makes of a stress that does not answer.
