@@ -79,6 +79,7 @@ pub(super) enum Divergence<E> {
 
 /// Returns whether a law knows nothing of a component: neither does its stress depend on any strain nor any stress on its
 /// strain.
+#[inline]
 pub(super) fn is_unknown(components: &[usize], component: usize, tangent: &[[f64; 6]; 6]) -> bool {
     tangent[component][component] == 0.0
         && components.iter().all(|&j| tangent[component][j] == 0.0 && tangent[j][component] == 0.0)
@@ -194,7 +195,7 @@ impl Targets<'_> {
         for &i in self.components {
             match self.controls[i] {
                 Control::Stress(_)
-                    if residual[i].abs() <= STRESS_TOLERANCE && is_unknown(self.components, i, tangent) => {}
+                    if is_unknown(self.components, i, tangent) && residual[i].abs() <= STRESS_TOLERANCE => {}
                 Control::Stress(_) => {
                     for &j in self.components {
                         matrix[(i, j)] = tangent[i][j];

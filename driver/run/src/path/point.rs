@@ -893,24 +893,20 @@ impl Runner<'_> {
         }
         let (components, strain_33) = (self.components, self.strain_33);
         let largest = |values: &[f64; 6]| components.iter().fold(0.0_f64, |most, &i| most.max(values[i].abs()));
+        // at once, so that nothing relaxes; each time nothing moves then, so that no resistance of a rate counts
+        let none = [0.0; 6];
         let a_little = back.map(|strain| SMALL_SHARE * strain);
-        let mut a_little_stress = stress;
+        let rest = std::array::from_fn(|i| back[i] - a_little[i]);
         let mut here = strain;
-        let mut answer = [0.0; 6];
+        let mut stresses = [[0.0; 6]; 5];
         let result: Result<(), Trouble> = aside(&mut self.call, |call| {
-            // at once, so that nothing relaxes; then nothing moves, so that no resistance of a rate counts
             call.dtime *= INSTANT;
-            let (committed, finite_now) = (&end, finite.as_mut());
-            let mut point =
-                Point { call, committed, finite: finite_now, strain_33, components, statistics: &mut *statistics };
-            let end_of_it = || std::array::from_fn(|i| strain[i] + a_little[i]);
-            a_little_stress = point.evaluate(&a_little, end_of_it, Request::Stress)?.stress;
-            for by in [back, [0.0; 6]] {
+            for (by, stress) in [none, a_little, none, rest, none].iter().zip(&mut stresses) {
                 here = std::array::from_fn(|i| here[i] + by[i]);
                 let (committed, finite_now) = (&end, finite.as_mut());
                 let mut point =
                     Point { call, committed, finite: finite_now, strain_33, components, statistics: &mut *statistics };
-                answer = point.evaluate(&by, || here, Request::Stress)?.stress;
+                *stress = point.evaluate(by, || here, Request::Stress)?.stress;
                 take_over(call, components, &here, strain_33, &mut end, finite.as_mut());
             }
             Ok(())
@@ -918,7 +914,8 @@ impl Runner<'_> {
         if result.is_err() {
             return true;
         }
-        let unloading: [f64; 6] = std::array::from_fn(|i| a_little_stress[i] - stress[i]);
+        let [before, _, after, _, answer] = stresses;
+        let unloading = std::array::from_fn(|i| after[i] - before[i]);
         let is_soft = largest(&unloading) < STIFFNESS * self.stiffness.unwrap_or_default() * largest(&a_little);
         let borne = self.largest_stress_of_step.max(largest(&stress));
         borne <= STRESS_TOLERANCE * self.largest_stress.max(1.0) || (!is_soft && largest(&answer) >= RESISTANCE * borne)

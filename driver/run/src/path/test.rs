@@ -322,6 +322,7 @@ fn falling_stresses_do_not_lead_to_where_all_is_torn() {
     let pulled = |to: f64| [Control::Strain(to), FREE, FREE, FREE, FREE, FREE];
     let falling = |to: f64| [Control::Stress(to), FREE, FREE, FREE, FREE, FREE];
     let sheared = |to: f64| [FREE, FREE, FREE, Control::Strain(to), FREE, FREE];
+    let falling_and_sheared = [Control::Stress(0.05), FREE, FREE, Control::Strain(1e-3), FREE, FREE];
     let run = |law: Plugin, mode: Mode, steps: Vec<PointStep>| {
         let mut rows = Rows::default();
         let (_, result) = run(&program(law, mode, false, steps), &mut rows);
@@ -333,6 +334,7 @@ fn falling_stresses_do_not_lead_to_where_all_is_torn() {
             for steps in [
                 vec![ramp(n, pulled(2e-4)), ramp(n, falling(0.2)), ramp(n, falling(0.05))],
                 vec![ramp(n, pulled(1e-3)), ramp(n, falling(0.0))],
+                vec![ramp(n, pulled(2e-4)), ramp(n, falling(0.2)), ramp(n, falling_and_sheared)],
                 vec![ramp(n, sheared(6e-4))],
                 vec![ramp(n, sheared(3e-3))],
             ] {
