@@ -38,7 +38,7 @@ enum FitTarget {
     /// measured one (Levenberg and Marquardt, smoothed by the corner of the L-curve). With fibre and dosage of the case
     /// friction and snubbing follow, where its model is "closed". Written to the result directory: sigma.csv, curve.csv,
     /// fit.json (all numbers with their standard errors), bond-case.json (the case with the bond), plots/, report.html.
-    Beam(beam::Beam),
+    Beam(Box<beam::Beam>),
 }
 
 /// Forms to be fitted.

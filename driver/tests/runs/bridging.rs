@@ -76,7 +76,9 @@ fn every_shipped_case_of_bridging_runs() {
         let report = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");
         assert!(report.contains("<svg") && report.trim_end().ends_with("</html>"), "{name}");
         for picture in ["sigma_w", "shares_w", "load_of_a_fibre", "orientation"] {
-            assert!(run.folder.join(format!("plots/{picture}.svg")).is_file(), "{name}: {picture}");
+            // the shares of fibres that all pull out by one law are the same at every opening: nothing to draw
+            let is_drawn = (name, picture) != ("shear-lag", "shares_w");
+            assert_eq!(run.folder.join(format!("plots/{picture}.svg")).is_file(), is_drawn, "{name}: {picture}");
         }
     }
 }
