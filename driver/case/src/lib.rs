@@ -28,6 +28,7 @@ mod structure;
 mod table;
 #[cfg(test)]
 mod test;
+mod validation;
 
 pub use document::{Piece, Positive, study, sweep};
 pub use json::dotted;

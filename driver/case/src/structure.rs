@@ -1,21 +1,19 @@
 //! The schema of the case format, and what a document disagrees with it in, in words.
 //!
-//! [`validation`] decides; this module chooses among the branches of a union the one that was meant,
+//! [`crate::validation`] decides; this module chooses among the branches of a union the one that was meant,
 //! so that "neither this nor that nor that" does not reach the user.
-
-pub mod validation;
 
 use crate::document::bridging::BridgingCase;
 use crate::document::study::StudyFile;
 use crate::document::sweep::SweepFile;
 use crate::document::{InterfaceCase, PointCase, PulloutCase};
 use crate::problem::{MOST_SHOWN, Place, Problem, hint, nearest, shown, suggestion};
+use crate::validation::{JsonType, Keyword, Location, Violation, violations};
 use schemars::generate::SchemaSettings;
 use schemars::{Schema, SchemaGenerator};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
-use validation::{JsonType, Keyword, Location, Violation, violations};
 
 /// A kind of file: its name and its part of the schema.
 type KindSchema = (&'static str, fn(&mut SchemaGenerator) -> Schema);

@@ -1,7 +1,7 @@
 //! Cases as users write them: valid ones against the program that they mean, malformed ones against the words,
 //! the place and the exit code of each problem.
 
-use super::structure::validation::{Keyword, Violation, violations};
+use super::validation::{Keyword, Violation, violations};
 use super::{Case, CaseErrors, read, schema, structure};
 use jsonschema::error::ValidationErrorKind as Kind;
 use pullout_run::program::Program;

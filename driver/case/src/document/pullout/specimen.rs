@@ -1,7 +1,7 @@
 //! Meshes: specimens by their parameters, or a file.
 
 use super::super::{Piece, Positive, Whole};
-use crate::structure::validation::NAME_PATTERN;
+use crate::validation::NAME_PATTERN;
 use fe_core::element::ElementKind;
 use schemars::JsonSchema;
 use serde::Deserialize;
