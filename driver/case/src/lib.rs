@@ -9,7 +9,6 @@ mod bridging;
 mod constraints;
 mod document;
 mod fields;
-mod frame;
 mod history;
 mod host_normal;
 pub mod import;

@@ -1,7 +1,8 @@
 //! The plugin of a case: found, loaded, its law chosen, its parameters filled in and checked.
 
+mod frame;
+
 use crate::document::{CalledAs, Entry, Material, Piece, Positive, Props, Tangent};
-use crate::frame;
 use crate::host_normal;
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;

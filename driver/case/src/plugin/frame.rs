@@ -1,7 +1,7 @@
 //! Local axes, thermal expansion and shrinkage of a material.
 
+use super::Use;
 use crate::document::{AxialValues, Expansion, ExpansionTable, Material, Orientation, Shrinkage, TabularValues};
-use crate::plugin::Use;
 use crate::problem::Place;
 use crate::reader::Reader;
 use pullout_run::program::Mode;
