@@ -76,8 +76,9 @@ fn every_shipped_case_of_bridging_runs() {
         let report = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");
         assert!(report.contains("<svg") && report.trim_end().ends_with("</html>"), "{name}");
         let shares = run.bridging.columns.iter().filter(|column| column.starts_with("share_"));
-        let shares_vary = shares.map(|column| &run.bridging.column(column)[1..]).any(|shares| {
-            let [least, greatest] = [f64::min, f64::max].map(|of| shares.iter().copied().reduce(of).expect("openings"));
+        let shares_vary = shares.map(|column| run.bridging.column(column)).any(|shares| {
+            let of = |least: fn(f64, f64) -> f64| shares[1..].iter().copied().reduce(least).expect("openings");
+            let [least, greatest] = [of(f64::min), of(f64::max)];
             greatest - least > 1e-9
         });
         for picture in ["sigma_w", "shares_w", "load_of_a_fibre", "orientation"] {
