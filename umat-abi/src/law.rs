@@ -50,6 +50,13 @@ impl StressState {
         }
     }
 
+    /// Six components of a tensor from those that the state has, in its order; 0 for the others.
+    pub fn six(self, values: &[f64]) -> [f64; 6] {
+        let mut six = [0.0; 6];
+        self.components().iter().zip(values).for_each(|(&component, value)| six[component] = *value);
+        six
+    }
+
     /// Returns whether it is one of a plane, whose calls may go through six components.
     pub fn is_plane(self) -> bool {
         matches!(self, Self::PlaneStrainOrAxisymmetric | Self::PlaneStress)

@@ -51,7 +51,7 @@ pub fn read_table(
     components: &[&str],
     count: usize,
     place: &Place,
-) -> Option<(String, Table)> {
+) -> Option<(String, Rc<Table>)> {
     let variables: Vec<String> = (1..=count).map(|number| format!("{PREDEF}{number}")).collect();
     let of_fields = [TEMPERATURE].into_iter().chain(variables.iter().map(String::as_str));
     let names: Vec<&str> = components.iter().copied().chain(of_fields).collect();
@@ -69,7 +69,7 @@ pub fn read_table(
     if table.starts_at_zero {
         reader.warn(format!("{file}: the first row is at time 0: its increment takes no time"));
     }
-    Some((file, Table::clone(&table)))
+    Some((file, table))
 }
 
 /// Takes the values of the fields, the first of which is number `first` of the table's columns. `file`: for messages.

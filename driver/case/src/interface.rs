@@ -191,5 +191,5 @@ fn table_step(
     let normal = normal_control(reader, gap.is_some(), p.is_some(), setting.entry, |_| place_of_table.clone());
     let ends = table.rows.iter().map(|row| [slip, slip2, gap.or(p)].map(|column| column.map(|column| row[column])));
     let goal = OpenGoal { normal, ends: ends.collect() };
-    Some(Step { pace: Pace::Rows(table.time_increments), goal, until, fields })
+    Some(Step { pace: Pace::Rows(table.time_increments.clone()), goal, until, fields })
 }

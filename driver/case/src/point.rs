@@ -272,7 +272,7 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
     fields::take_columns(reader, &mut fields, &table, components.len(), &file, place);
     let rows = table.rows.iter().map(|row| columns.map(|column| column.map_or(0.0, |column| row[column]))).collect();
     let goal = PointGoal { drive: PointDrive::Components { controls, rows }, constraints };
-    Some(PointStep { pace: Pace::Rows(table.time_increments), goal, until, fields })
+    Some(PointStep { pace: Pace::Rows(table.time_increments.clone()), goal, until, fields })
 }
 
 /// The steps at finite strain tell what turns; the increments of the first call must be as many as the mode and the case have.

@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use wait_timeout::ChildExt;
 
 /// Time between two looks at the flag.
 const POLL: Duration = Duration::from_millis(20);
@@ -189,7 +188,7 @@ impl Hearer {
 fn wait(child: &mut Child, stop: &AtomicBool, meanwhile: &mut dyn FnMut()) -> io::Result<ExitStatus> {
     let mut told: Option<(Instant, u32)> = None;
     loop {
-        let ended = child.wait_timeout(POLL)?;
+        let ended = isolation::wait_for(child, POLL)?;
         meanwhile();
         if let Some(status) = ended {
             return Ok(status);

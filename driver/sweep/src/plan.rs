@@ -103,10 +103,8 @@ pub fn plan(file: &Path, how: Planning<'_>, store: &Store) -> Result<Sweep, Case
     store.may_plan().map_err(|error| refused(error.to_string()))?;
     let new_reader = if is_untrusted { Reader::of_untrusted } else { Reader::new };
     let mut reader = new_reader(input::folder_of(file), plugin_paths);
-    // the table of the command line may lie anywhere
-    let given = design.is_some();
     let draft = pullout_case::read_sweep(&mut reader, document, |reader, of_file: SweepFile| {
-        resolve(reader, &of_file, file, given, how)
+        resolve(reader, &of_file, file, how)
     });
     let problems = reader.into_problems();
     match draft {
@@ -122,13 +120,7 @@ pub fn plan(file: &Path, how: Planning<'_>, store: &Store) -> Result<Sweep, Case
     }
 }
 
-fn resolve(
-    reader: &mut Reader<'_>,
-    of_file: &SweepFile,
-    file: &Path,
-    is_given: bool,
-    how: Planning<'_>,
-) -> Option<Draft> {
+fn resolve(reader: &mut Reader<'_>, of_file: &SweepFile, file: &Path, how: Planning<'_>) -> Option<Draft> {
     let root = JsonPlace::root();
     let folder = input::folder_of(file);
     let place = root.key("base");
@@ -146,9 +138,9 @@ fn resolve(
     let set = reader.optional(of_file.set.as_ref(), &root.key("set")).cloned().unwrap_or_default();
     let (paths, values): (Vec<String>, Vec<Value>) = set.into_iter().unzip();
     let base = overridden(reader, &base, &paths, &values, &root.key("set"))?;
-    let (parameters, values) = match of_file.design.as_ref().filter(|_| is_given) {
-        Some(_) => {
-            let path = how.design.unwrap_or(file);
+    let (parameters, values) = match how.design {
+        // the table of the command line may lie anywhere
+        Some(path) => {
             let place = root.key("design");
             let read = table(path).map_err(|message| reader.problem(&place, format!("{}: {message}", path.display())));
             read.ok()?

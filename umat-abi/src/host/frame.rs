@@ -110,7 +110,7 @@ impl Frame {
     /// Components of a stress in the host's axes, of one in the local axes; both have the components of the state.
     pub fn stress_outside(&self, stress: &mut [f64], state: StressState) {
         let Some(axes) = &self.axes else { return };
-        let outside = of_components(&turned_back(&strain_turn(axes), &six(stress, state)), state);
+        let outside = of_components(&turned_back(&strain_turn(axes), &state.six(stress)), state);
         let count = stress.len();
         stress.copy_from_slice(&outside[..count]);
     }
@@ -238,9 +238,9 @@ impl UmatCall {
             }
             let of_strain = strain_turn(&axes_at_end);
             let of_stress = stress_turn(&axes_at_end);
-            self.stran = of_components(&turned(&of_strain, &six(&strains[0], state)), state);
-            self.dstran = of_components(&turned(&of_strain, &six(&strains[1], state)), state);
-            let stress = of_components(&turned(&of_stress, &six(self.stress(), state)), state);
+            self.stran = of_components(&turned(&of_strain, &state.six(&strains[0])), state);
+            self.dstran = of_components(&turned(&of_strain, &state.six(&strains[1])), state);
+            let stress = of_components(&turned(&of_stress, &state.six(self.stress())), state);
             let count = self.ntens();
             self.stress_mut().copy_from_slice(&stress[..count]);
             turn = Some(of_strain);
@@ -271,7 +271,7 @@ impl UmatCall {
         [self.dfgrd0, self.dfgrd1] = outside.gradients;
         let Some(turn) = &outside.turn else { return };
         let state = self.stress_state();
-        let stress = of_components(&turned_back(turn, &six(self.stress(), state)), state);
+        let stress = of_components(&turned_back(turn, &state.six(self.stress())), state);
         let ntens = self.ntens();
         self.stress_mut().copy_from_slice(&stress[..ntens]);
         if !request.wants_tangent() {
@@ -293,13 +293,6 @@ impl UmatCall {
             }
         }
     }
-}
-
-/// A tensor's components of a stress state, among all six.
-fn six(values: &[f64], state: StressState) -> [f64; 6] {
-    let mut six = [0.0; 6];
-    state.components().iter().zip(values).for_each(|(&component, value)| six[component] = *value);
-    six
 }
 
 /// The components of a stress state, in its order; 0 behind them.

@@ -40,7 +40,7 @@ pub use guard::WrittenInput;
 pub use initial::{InitialPoint, InitialStates, InitialStresses};
 pub use interface_call::{FricAnswer, FricCall, FricInputs, SurfaceFields, UinterCall, UinterInputs};
 pub use library::{Library, LoadError, Routine, Stamp, binds_deeply, stamp};
-pub use manner::{FOLLOWS_GRADIENT, Manner, TangentDeviation, TangentSource};
+pub use manner::{FOLLOWS_GRADIENT, Manner, TangentDeviation, TangentSource, WRITTEN_FOR_SIX};
 pub use memory::{NotFinite, Overrun, Trespass, same_bits};
 pub use plugin::Plugin;
 pub use plugin_call::PluginCall;

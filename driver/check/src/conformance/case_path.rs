@@ -249,7 +249,7 @@ fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
     if let Some(view) = call.law_view() {
         // the law is checked in its own axes, without the strains that it does not see
         if call.is_through_solid() {
-            point = [called.stran.to_vec(), view_of_six(call, &view.stress_before)];
+            point = [called.stran.to_vec(), call.stress_state().six(&view.stress_before).to_vec()];
         } else {
             let count = call.ntens();
             point = [view.strain[..count].to_vec(), view.stress_before[..count].to_vec()];
@@ -276,13 +276,6 @@ fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
     };
     let answer = [&stress, called.statev(), &called.energies].concat();
     Increment { from, step, answer }
-}
-
-/// Six components of values that a call has in its own order.
-fn view_of_six(call: &UmatCall, values: &[f64; 6]) -> Vec<f64> {
-    let mut six = vec![0.0; 6];
-    call.stress_state().components().iter().zip(values).for_each(|(&component, value)| six[component] = *value);
-    six
 }
 
 fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {

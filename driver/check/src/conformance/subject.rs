@@ -72,11 +72,7 @@ impl Entry {
 
     /// Six components of a tensor of a UMAT from those that it has; 0 for contact.
     pub(super) fn six(self, values: &[f64]) -> [f64; 6] {
-        let mut six = [0.0; 6];
-        if let Self::Umat(stress_state) = self {
-            stress_state.components().iter().zip(values).for_each(|(&i, value)| six[i] = *value);
-        }
-        six
+        if let Self::Umat(stress_state) = self { stress_state.six(values) } else { [0.0; 6] }
     }
 
     /// The components that a UMAT has of a tensor; none for contact.

@@ -15,11 +15,13 @@ pub type Export = fn(&str) -> io::Result<Vec<u8>>;
 /// # Errors
 /// This build lacks the feature.
 pub fn can_export() -> io::Result<()> {
-    if cfg!(feature = "pictures") {
-        return Ok(());
-    }
+    if cfg!(feature = "pictures") { Ok(()) } else { Err(missing()) }
+}
+
+/// The error of a build that lacks the feature.
+fn missing() -> io::Error {
     let message = "PNG and PDF need the feature `pictures`: cargo build --release --features pictures";
-    Err(io::Error::new(io::ErrorKind::Unsupported, message))
+    io::Error::new(io::ErrorKind::Unsupported, message)
 }
 
 /// Refuses to make a PNG.
@@ -28,7 +30,7 @@ pub fn can_export() -> io::Result<()> {
 /// Always: this build lacks the feature `pictures`.
 #[cfg(not(feature = "pictures"))]
 pub fn png(_svg: &str) -> io::Result<Vec<u8>> {
-    can_export().map(|()| Vec::new())
+    Err(missing())
 }
 
 /// Refuses to make a PDF.
@@ -36,6 +38,6 @@ pub fn png(_svg: &str) -> io::Result<Vec<u8>> {
 /// # Errors
 /// Always: this build lacks the feature `pictures`.
 #[cfg(not(feature = "pictures"))]
-pub fn pdf(svg: &str) -> io::Result<Vec<u8>> {
-    png(svg)
+pub fn pdf(_svg: &str) -> io::Result<Vec<u8>> {
+    Err(missing())
 }

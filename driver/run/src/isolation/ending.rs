@@ -8,8 +8,8 @@ use crate::signals;
 use rustix::process::Signal;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use umat_abi::host::library_name;
 use umat_abi::host::recorder::{Arguments, CallRecord, Recording};
+use umat_abi::host::{WRITTEN_FOR_SIX, library_name};
 
 /// Cause of a worker's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,10 +116,6 @@ impl Report {
         self.call.as_ref().map(|call| &call.library)
     }
 }
-
-/// What to try with a UMAT that ends itself in a plane.
-const WRITTEN_FOR_SIX: &str =
-    "a law that is written for six components leaves its own arrays in a plane: \"as\": \"3d\" calls it with six";
 
 /// Returns whether a signal is one that such a law may end by.
 fn leaves_own_arrays(call: &CallRecord, signal: i32) -> bool {

@@ -117,7 +117,7 @@ impl Targets<'_> {
         iterations: u32,
     ) -> Option<Divergence<E>> {
         let (component, change) = self.largest_change(increment, &[0.0; 6]);
-        if change.abs() <= LARGEST_CHANGE * self.measure? || change.abs() <= LARGEST_CHANGE * self.size()? {
+        if change.abs() <= LARGEST_CHANGE * self.size()? {
             return None;
         }
         let [residual, tolerance] = residuals;

@@ -505,15 +505,13 @@ fn initial_point(call: &UmatCall) -> InitialPoint {
 fn initial_stress(program: &Program, point: &PointProgram, call: &UmatCall) -> Result<[f64; 6], String> {
     let components = call.stress_state().components();
     let given = point.initial.stress.as_ref().map(|stress| components.iter().map(|&i| stress[i]).collect::<Vec<_>>());
-    let mut stress = [0.0; 6];
     let mut values = InitialStresses::new(&program.plugin.library, given.as_deref(), components.len())
         .of_point(&initial_point(call), point.mode.element_type())?;
     if let (None, Some(frame)) = (&given, call.frame()) {
         // SIGINI speaks of the local axes
         frame.stress_outside(&mut values, call.stress_state());
     }
-    components.iter().zip(values).for_each(|(&i, value)| stress[i] = value);
-    Ok(stress)
+    Ok(call.stress_state().six(&values))
 }
 
 /// Returns what UEXTERNALDB is told of the increment of a call.

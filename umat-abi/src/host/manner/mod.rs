@@ -13,7 +13,7 @@ use super::frame::Framed;
 use super::memory::Overrun;
 use crate::law::{Request, StressState};
 pub(super) use directions::Wide;
-pub use probing::FOLLOWS_GRADIENT;
+pub use probing::{FOLLOWS_GRADIENT, WRITTEN_FOR_SIX};
 use std::fmt;
 
 /// Source of a call's DDSDDE.

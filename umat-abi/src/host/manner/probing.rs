@@ -22,6 +22,10 @@ const UNREAD: f64 = 1e-6;
 pub const FOLLOWS_GRADIENT: &str =
     "its stress follows DFGRD1 and not the strains, as that of a law of finite strain does: set \"nlgeom\": true";
 
+/// What to try with a UMAT that leaves its own arrays in a plane.
+pub const WRITTEN_FOR_SIX: &str =
+    "a law that is written for six components leaves its own arrays in a plane: \"as\": \"3d\" calls it with six";
+
 impl Plugin {
     /// Calls of its UMAT with these components, through one with six if the manner or the metadata require it.
     ///
@@ -67,9 +71,7 @@ impl Plugin {
         call.fence();
         Ok(reason)
     }
-}
 
-impl Plugin {
     /// Returns what speaks for six components in a call of plane strain of which nothing is known, beyond what [`Self::probe`]
     /// finds: trial calls in child processes with large strains.
     ///
@@ -105,9 +107,7 @@ impl Plugin {
             Ok(None) => "does not come back where strains are large, with 6 it does",
             _ => return Ok(None),
         };
-        Ok(Some(format!(
-            "with NTENS = 4 it {what}: a law that is written for six components leaves its own arrays; \"as\": \"3d\" calls it with six"
-        )))
+        Ok(Some(format!("with NTENS = 4 it {what}; {WRITTEN_FOR_SIX}")))
     }
 }
 
