@@ -1,7 +1,7 @@
 //! The utility routines, called from Fortran. (Called directly, on random tensors: `tests/tests/utilities.rs`.)
 
 use super::{built, point, run};
-use crate::program::Desk;
+use crate::program::{Desk, copy_program_to};
 use end_to_end_tests::plugin;
 use serde_json::json;
 use std::process::Command;
@@ -100,7 +100,7 @@ fn they_are_found_in_an_installation() {
     let installed = desk.write("prefix/lib/pullout/place", "").with_file_name(utilities.file_name().expect("a name"));
     std::fs::copy(&utilities, &installed).expect("a copy");
     let program = desk.write("prefix/bin/place", "").with_file_name("pullout");
-    std::fs::copy(env!("CARGO_BIN_EXE_pullout"), &program).expect("a copy");
+    copy_program_to(&program);
     let run = || {
         let mut command = Command::new(&program);
         command.env_remove("PULLOUT_PLUGIN_PATH").current_dir(desk.path(".")).args(["run", "--quiet"]).arg(&case);

@@ -43,6 +43,13 @@ pub fn command() -> Command {
     command
 }
 
+/// Copies the program by another process: a file that a fork of another test has open for writing cannot be started ("text file
+/// busy").
+pub fn copy_program_to(place: &Path) {
+    let copied = Command::new("cp").arg(env!("CARGO_BIN_EXE_pullout")).arg(place).status();
+    assert!(copied.expect("cp starts").success());
+}
+
 /// Runs `pullout ARGUMENTS` in a folder.
 pub fn pullout_in<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = S>) -> Outcome {
     let output = command().current_dir(folder).args(arguments).output().expect("the program starts");

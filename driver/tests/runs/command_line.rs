@@ -1,6 +1,6 @@
 //! The command line's contract with scripts: exit codes, messages, files (docs/reference/command-line.md).
 
-use crate::program::{Desk, Outcome, case_files, cases, command, json, pullout_in};
+use crate::program::{Desk, Outcome, case_files, cases, command, copy_program_to, json, pullout_in};
 use end_to_end_tests::shipped_laws;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -428,9 +428,7 @@ fn a_program_that_was_copied_without_its_laws_finds_them_where_they_were_built()
     desk.case("case.json", &elastic());
     let program = desk.path("bin").join("pullout");
     std::fs::create_dir(desk.path("bin")).expect("a folder");
-    // by another process: what a fork of another test has open for writing cannot be started ("text file busy")
-    let copied = std::process::Command::new("cp").arg(env!("CARGO_BIN_EXE_pullout")).arg(&program).status();
-    assert!(copied.expect("cp starts").success());
+    copy_program_to(&program);
     let told = |arguments: &[&str]| {
         let mut process = std::process::Command::new(&program);
         let process = process.env_remove("PULLOUT_PLUGIN_PATH").current_dir(desk.path("")).args(arguments);
@@ -453,7 +451,7 @@ fn a_program_that_was_copied_without_its_laws_finds_them_where_they_were_built()
 fn measurements_are_a_program_of_their_own() {
     let desk = Desk::new();
     let program = desk.path("pullout");
-    std::fs::copy(env!("CARGO_BIN_EXE_pullout"), &program).expect("a copy");
+    copy_program_to(&program);
     let bench = || {
         let output = std::process::Command::new(&program).args(["bench", "laws", "--quick"]).output();
         output.expect("the program starts")
