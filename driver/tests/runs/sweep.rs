@@ -130,7 +130,7 @@ fn the_table_has_the_columns_of_the_present_plan() {
     sweep["parameters"] = json!({ "steps.0.increments": [sweep["base"]["steps"][0]["increments"], 7] });
     sweep["base"]["material"]["props"]["k_e"] = stiffness;
     plan(&sweep);
-    assert!(work().contains("1 were there"));
+    assert!(work().contains("1 finished before"));
     let table = collected(&desk, &store);
     assert_eq!(names(&table), ["par.steps.0.increments", "q.first", "q.peak", "curve.slip", "curve.tau"]);
     let varied = table.column("par.steps.0.increments").expect("a column");
