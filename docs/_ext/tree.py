@@ -1,8 +1,8 @@
 """Makes pages of the source tree part of the book: the laws' and modules' `doc.md`, which rustdoc shows as well.
 
 - Links to items of Rust become code; fences without a language are Rust, as in rustdoc, and lines that rustdoc hides go.
-- A link to a file outside of the book leads to the page that includes this file; if none does, it is its path. A file that is not there
-  is a warning.
+- A link to a file outside of the book leads to the page that includes this file; on that page, or if no page does, it is its path. A
+  file that is not there is a warning.
 - Files of tutorials show their names.
 - A letter with an index, `D_t` or `η_{n+1}`, is typeset in running text too.
 """
@@ -59,6 +59,9 @@ def linked(match, folder, page):
     if not file.exists():
         LOG.warning("no such file: %s", target, location=str(page.relative_to(BOOK).with_suffix("")))
         return match.group()
+    if PAGES.get(file) == page:
+        # the file that this page shows
+        return f"`{file.relative_to(ROOT)}`"
     if file in PAGES:
         book = Path("/") / PAGES[file].relative_to(BOOK)
         return f"[{text}]({book}{'#' + anchor if anchor else ''})"
