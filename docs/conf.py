@@ -2,6 +2,7 @@
 
 import importlib.util
 import sys
+import tomllib
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
@@ -9,7 +10,8 @@ sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 project = "Pullout"
 author = "The Pullout developers"
 copyright = author
-extensions = ["myst_nb", "formulas", "tree"]
+version = release = tomllib.loads((Path(__file__).parent.parent / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+extensions = ["myst_nb", "sphinx_copybutton", "formulas", "tree"]
 exclude_patterns = ["_build", ".venv", "requirements.txt"]
 
 # a prime is a prime
@@ -31,8 +33,11 @@ if not is_there:
     suppress_warnings = ["myst-nb.lexer"]
     print("pullout_fe is not installed in this environment: notebooks/ is shown without results")
 
+# outputs and formulas are not for copying
+copybutton_selector = "div:not(.highlight-text):not(.output) > div.highlight pre"
+
 html_theme = "furo"
-html_title = "Pullout"
+html_title = f"Pullout {version}"
 html_static_path = ["_static"]
 html_css_files = ["book.css"]
 html_math_renderer = "katex"
