@@ -20,7 +20,7 @@ fn comment(line: &str) -> &str {
 }
 
 /// All files below a folder but those passed over.
-fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+pub(super) fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a folder").flatten() {
         let path = entry.path();
         if PASSED_OVER.iter().any(|name| path.ends_with(name)) {
@@ -107,9 +107,9 @@ fn every_document_that_is_cited_is_in_the_tree() {
 fn a_citation_of_what_is_not_there_is_found() {
     let root = workspace("");
     let file = root.join("models/src/lib.rs");
-    let told = |line: &str| lost(&root, &top_of(&root), &file, line).len();
-    assert_eq!(told("//! as nowhere.md §3 has it, and docs/nowhere.md"), 2);
-    assert_eq!(told("//! the law in `models/src/nowhere/`"), 1);
-    assert_eq!(told("//! (doc.md, docs/index.md, `models/src/lib.rs`), https://example.org/nowhere.md"), 0);
-    assert_eq!(told("let page = \"nowhere.md\";"), 0);
+    let count = |line: &str| lost(&root, &top_of(&root), &file, line).len();
+    assert_eq!(count("//! as nowhere.md §3 has it, and docs/nowhere.md"), 2);
+    assert_eq!(count("//! the law in `models/src/nowhere/`"), 1);
+    assert_eq!(count("//! (doc.md, docs/index.md, `models/src/lib.rs`), https://example.org/nowhere.md"), 0);
+    assert_eq!(count("let page = \"nowhere.md\";"), 0);
 }

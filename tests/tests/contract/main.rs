@@ -1,5 +1,5 @@
-//! The C header and the Fortran module say what the Rust source of the contract says; documents cite what is there; crates and
-//! modules stand in an order.
+//! The C header and the Fortran module say what the Rust source of the contract says; documents cite what is there and use the
+//! words of the glossary; crates and modules stand in an order.
 //!
 //! Header and module are generated from `umat-abi/src`; these tests compare the committed files with the source, and
 //! `PULLOUT_REGENERATE=1 cargo test -p end-to-end-tests --test contract` writes them anew.
@@ -9,6 +9,7 @@ mod fortran;
 mod header;
 mod rooms;
 mod source;
+mod words;
 
 use end_to_end_tests::{Tool, find, run, workspace};
 use source::EntryPoint;
