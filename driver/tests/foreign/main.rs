@@ -14,6 +14,7 @@ mod habits;
 mod held;
 mod import;
 mod kept;
+mod lab;
 mod parts;
 mod prints;
 #[path = "../program/mod.rs"]
