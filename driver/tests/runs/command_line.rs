@@ -503,3 +503,49 @@ fn slips_of_units_and_defaults_are_told_by_check() {
     let outcome = desk.pullout(["props", "concrete_damage"].iter().chain(&calibrated));
     assert!(outcome.stderr.contains("--ft 3500 is outside the usual range"), "{}", outcome.stderr);
 }
+
+#[test]
+fn nothing_to_do_names_what_to_type_and_a_lone_file_its_command() {
+    let desk = Desk::new();
+    let alone = desk.pullout([""; 0]).expect(0);
+    assert!(["pullout lab", "pullout new", "pullout examples"].iter().all(|command| alone.stdout.contains(command)));
+    desk.case("case.json", &elastic());
+    desk.case("family.json", &json!({ "kind": "study", "base": "case.json", "members": [{ "label": "a" }] }));
+    desk.write("umat.f", "      END\n");
+    for (file, command) in [("case.json", "pullout run case.json"), ("family.json", "pullout study family.json"), ("umat.f", "pullout lab umat.f")] {
+        let outcome = desk.pullout([file]).expect(2);
+        assert!(outcome.stderr.contains(command), "{}", outcome.stderr);
+    }
+    assert!(!desk.pullout(["nothing.json"]).expect(2).stderr.contains("pullout run"));
+    assert!(!desk.has_results());
+}
+
+#[test]
+fn new_files_are_those_of_the_book_and_never_replace_others() {
+    let desk = Desk::new();
+    let kinds = ["point", "umat", "umat-c", "law", "bond", "fibre", "beam", "study", "sweep"];
+    for kind in kinds {
+        let outcome = desk.pullout(["new", kind, kind]).expect(0);
+        let files: Vec<&str> = outcome.stdout.lines().take_while(|line| !line.is_empty()).collect();
+        assert!(!files.is_empty() && files.iter().all(|file| desk.path(file).is_file()), "{}", outcome.stdout);
+        // their libraries are not built yet, and sweeps are checked by their plan
+        for case in files.iter().filter(|file| file.ends_with(".json") && !file.contains("umat") && !file.ends_with("bonds.json")) {
+            desk.pullout(["check", "--quiet", case]).expect(0);
+        }
+    }
+    desk.write("kept/umat.json", "mine");
+    let refused = desk.pullout(["new", "umat", "kept"]).expect(2);
+    assert!(refused.stderr.contains("umat.json") && !desk.path("kept/my_umat.f").exists());
+    assert_eq!(std::fs::read_to_string(desk.path("kept/umat.json")).expect("a file"), "mine");
+}
+
+#[test]
+fn examples_are_listed_with_what_they_show() {
+    let desk = Desk::new();
+    let all = desk.pullout(["examples"]).expect(0).stdout;
+    let listed = all.lines().filter(|line| line.contains(".json")).count();
+    assert!(listed > 100 && all.contains("6.16-full-pull-out.json"), "{all}");
+    let some = desk.pullout(["examples", "AXISYMMETRIC", "fig. 6.14"]).expect(0).stdout;
+    assert!(some.contains("6.14-axisymmetric.json") && some.lines().count() < 12, "{some}");
+    desk.pullout(["examples", "no such word"]).expect(2);
+}
