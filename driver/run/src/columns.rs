@@ -88,33 +88,55 @@ pub struct PointRow {
 
 /// Columns of a material point.
 pub static POINT: [Column<PointRow>; 25] = [
+    // Total time at the end of the increment.
     column("time", "s", "time", Other, |row| row.time),
+    // Normal strain along axis 1.
     column("e11", "", "ε_{11}", Strain, |row| row.strain[0]),
+    // Normal strain along axis 2.
     column("e22", "", "ε_{22}", Strain, |row| row.strain[1]),
+    // Normal strain along axis 3.
     column("e33", "", "ε_{33}", Strain, |row| row.strain[2]),
+    // Engineering shear strain in the plane 12.
     column("g12", "", "γ_{12}", Strain, |row| row.strain[3]),
+    // Engineering shear strain in the plane 13.
     column("g13", "", "γ_{13}", Strain, |row| row.strain[4]),
+    // Engineering shear strain in the plane 23.
     column("g23", "", "γ_{23}", Strain, |row| row.strain[5]),
+    // Normal stress along axis 1, positive in tension.
     column("s11", "MPa", "σ_{11}", Stress, |row| row.stress[0]),
+    // Normal stress along axis 2, positive in tension.
     column("s22", "MPa", "σ_{22}", Stress, |row| row.stress[1]),
+    // Normal stress along axis 3, positive in tension.
     column("s33", "MPa", "σ_{33}", Stress, |row| row.stress[2]),
+    // Shear stress in the plane 12.
     column("s12", "MPa", "σ_{12}", Stress, |row| row.stress[3]),
+    // Shear stress in the plane 13.
     column("s13", "MPa", "σ_{13}", Stress, |row| row.stress[4]),
+    // Shear stress in the plane 23.
     column("s23", "MPa", "σ_{23}", Stress, |row| row.stress[5]),
+    // Deformation gradient, row 1, column 1.
     column("F11", "", "F11", Gradient, |row| row.gradient[0][0]),
+    // Deformation gradient, row 1, column 2.
     column("F12", "", "F12", Gradient, |row| row.gradient[0][1]),
+    // Deformation gradient, row 1, column 3.
     column("F13", "", "F13", Gradient, |row| row.gradient[0][2]),
+    // Deformation gradient, row 2, column 1.
     column("F21", "", "F21", Gradient, |row| row.gradient[1][0]),
+    // Deformation gradient, row 2, column 2.
     column("F22", "", "F22", Gradient, |row| row.gradient[1][1]),
+    // Deformation gradient, row 2, column 3.
     column("F23", "", "F23", Gradient, |row| row.gradient[1][2]),
+    // Deformation gradient, row 3, column 1.
     column("F31", "", "F31", Gradient, |row| row.gradient[2][0]),
+    // Deformation gradient, row 3, column 2.
     column("F32", "", "F32", Gradient, |row| row.gradient[2][1]),
+    // Deformation gradient, row 3, column 3.
     column("F33", "", "F33", Gradient, |row| row.gradient[2][2]),
-    // stored energy, as the law reports it
+    // Stored energy, as the law reports it.
     column("sse", "N·mm/mm³", "sse", Density, |row| row.energies[0]),
-    // dissipated by plasticity and damage, likewise
+    // Energy dissipated by plasticity and damage, as the law reports it.
     column("spd", "N·mm/mm³", "spd", Density, |row| row.energies[1]),
-    // creep, likewise
+    // Energy dissipated by creep, as the law reports it.
     column("scd", "N·mm/mm³", "scd", Density, |row| row.energies[2]),
 ];
 
@@ -147,109 +169,122 @@ pub struct ContactPoint {
 
 /// Columns of a contact point.
 pub static CONTACT: [Column<ContactPoint>; 12] = [
+    // Total time at the end of the increment.
     column("time", "s", "time", Other, |row| row.total_time),
+    // Tangential slip, in the first direction.
     column("slip", "mm", "slip", Other, |row| row.slip[0]),
+    // Tangential slip in the second direction.
     column("slip2", "mm", "slip_{2}", Second, |row| row.slip[1]),
-    // positive: open
+    // Gap, positive if open. NaN with FRIC.
     column("gap", "mm", "gap", Other, |row| row.gap),
+    // Tangential traction, in the first direction.
     column("tau", "MPa", "τ", Other, |row| row.shear[0]),
+    // Tangential traction in the second direction.
     column("tau2", "MPa", "τ_{2}", Second, |row| row.shear[1]),
-    // positive: compression
+    // Normal traction, positive in compression.
     column("p", "MPa", "p", Other, |row| row.pressure),
-    // energies as UINTER (FRIC: the first two) reports them
+    // Stored elastic energy, as UINTER or FRIC reports it.
     column("sed", "N·mm/mm²", "sed", Density, |row| row.energies[0]),
+    // Energy dissipated by friction, as UINTER or FRIC reports it.
     column("sfd", "N·mm/mm²", "sfd", Density, |row| row.energies[1]),
+    // Energy dissipated by plasticity, as UINTER reports it.
     column("spd", "N·mm/mm²", "spd", Density, |row| row.energies[2]),
+    // Energy dissipated by viscosity, as UINTER reports it.
     column("svd", "N·mm/mm²", "svd", Density, |row| row.energies[3]),
+    // Energy dissipated by creep, as UINTER reports it.
     column("scd", "N·mm/mm²", "scd", Density, |row| row.energies[4]),
 ];
 
 /// Columns of a specimen.
 pub(crate) static SPECIMEN: [Column<Record>; 33] = [
+    // Total time at the end of the increment.
     column("time", "s", "time", Other, |record| record.time),
-    // displacement of the grip along the pull direction
+    // Displacement of the grip along the pull direction.
     column("slip", "mm", "slip", Other, |record| record.slip),
-    // total reaction along the pull direction; positive when the support pulls; nan without grip and measure.load
+    // Total reaction along the pull direction, positive if the support pulls. NaN without a grip and `measure.load`.
     column("load", "N", "load", Load, |record| record.load),
-    // the same across it
+    // Total reaction across the pull direction.
     column("load_lateral", "N", "lateral load", Load, |record| record.load_lateral),
-    // the load along the embedded fibre
+    // Component of the load along the embedded fibre, positive if it is pulled out.
     column("load_axial", "N", "axial component of the load", Load, |record| record.load_axial),
-    // and across it, positive: bent towards the pull
+    // Component of the load across the embedded fibre, positive if it is bent towards the pull.
     column("load_shear", "N", "shear component of the load", Load, |record| record.load_shear),
-    // slip of the fibre's exit along its axis
+    // Slip of the fibre's exit along its axis.
     column("slip_exit", "mm", "slip at the exit", Slip, |record| record.slip_exit),
-    // and of its tail
+    // Slip of the fibre's tail along its axis.
     column("slip_tail", "mm", "slip of the tail", Slip, |record| record.slip_tail),
-    // work of grips and loads
+    // Work of grips and loads.
     column("external_work", "N·mm", "external work", Energy, |record| record.energies.external_work),
-    // stored in the solids
+    // Elastic energy stored in the solids.
     column("elastic_energy", "N·mm", "elastic energy", Energy, |record| record.energies.elastic),
-    // dissipated by plasticity
+    // Energy dissipated by plasticity.
     column("plastic_energy", "N·mm", "plastic energy", Energy, |record| record.energies.plastic),
-    // dissipated by damage
+    // Energy dissipated by damage.
     column("damage_energy", "N·mm", "damage energy", Energy, |record| record.energies.damage),
-    // work of the interface, the sum of the next two
+    // Work of the interface: `interface_stored_energy` plus `interface_dissipation`.
     column("interface_energy", "N·mm", "interface energy", Energy, |record| record.energies.interface),
-    // what can be had back of it
+    // Recoverable part of the work of the interface.
     column("interface_stored_energy", "N·mm", "interface stored energy", Energy, |r| r.energies.interface_stored),
-    // what cannot
+    // Dissipated part of the work of the interface.
     column("interface_dissipation", "N·mm", "interface dissipation", Energy, |r| r.energies.interface_dissipation()),
-    // of normal bonds that broke
+    // Energy of normal bonds that broke.
     column("opening_energy", "N·mm", "opening energy", Energy, |record| record.energies.opening),
-    // of viscous stresses, what laws that extrapolate (IMPL-EX) take by their lag, and drag on contact where a specimen snaps
+    // Energy of viscous stresses, of the lag of laws that extrapolate (IMPL-EX), and of drag on contact where a specimen snaps.
     column("stabilisation_energy", "N·mm", "stabilisation energy", Energy, |r| r.energies.stabilisation),
-    // lost with concrete that was torn off and released
+    // Energy lost with concrete that was torn off and released.
     column("spalled_energy", "N·mm", "spalled energy", Energy, |record| record.energies.spalled),
-    // external work less all of these, over the largest work so far; NaN where temperature, fields or shrinkage change: what they
-    // do to a material is no work of the drives
+    // External work less all energies, divided by the largest work so far. NaN where temperature, fields or shrinkage change, because
+    // the drives do not perform that work.
     column("energy_error", "", "energy error", Other, |record| record.energy_error),
-    // integration points whose damage grew
+    // Number of integration points whose damage has grown so far.
     column("damaged_points", "", "damaged points", Count, |record| record.counts.damaged as f64),
-    // integration points whose plastic strain grew
+    // Number of integration points that have dissipated so far, in parts whose law has no damage.
     column("yielding_points", "", "yielding points", Count, |record| record.counts.yielding as f64),
-    // contact points
+    // Number of contact points that carry shear and have not slid.
     column("sticking_points", "", "sticking points", Count, |record| record.counts.sticking as f64),
+    // Number of contact points that have slid.
     column("slipping_points", "", "slipping points", Count, |record| record.counts.slipping as f64),
+    // Number of contact points that are open.
     column("open_points", "", "open points", Count, |record| record.counts.open as f64),
+    // Number of contact points that have left their master.
     column("released_points", "", "released points", Count, |record| record.counts.released as f64),
-    // of the block
+    // Damaged volume of the block.
     column("damaged_volume", "mm³", "damaged volume", Other, |record| record.damaged_volume),
-    // of concrete that was torn off and released
+    // Volume of concrete that was torn off and released.
     column("spalled_volume", "mm³", "volume of torn matter", Other, |record| record.spalled_volume),
-    // how far it reaches below the exit
+    // Depth below the exit to which concrete was torn off and released.
     column("spalled_depth", "mm", "depth of torn matter", Other, |record| record.spalled_depth),
-    // how much of the side that opened most is open
+    // Open length of the side that opened most.
     column("separation_length", "mm", "open length of the interface", Other, |record| record.separation_length),
-    // greatest t_N/(φ L)
+    // Largest bearing pressure t_N/(φ L).
     column("bearing_pressure_max", "MPa", "greatest bearing pressure", Other, |r| r.greatest_bearing_pressure),
-    // attempts given up before the increment
+    // Number of attempts given up before the increment.
     column("cutbacks", "", "cutbacks", Other, |record| f64::from(record.cutbacks)),
-    // greatest equivalent plastic strain of the fibre, if its law's metadata have that state (`peeq`)
+    // Largest equivalent plastic strain of the fibre, if its law's metadata have that state (`peeq`).
     column("plastic_strain_max", "", "greatest plastic strain of the fibre", Other, |record| record.plastic_strain),
-    // greatest principal stress of the fibre: along it, by tension and bending
+    // Largest principal stress of the fibre, from tension and bending.
     column("stress_max", "MPa", "greatest stress of the fibre", Other, |record| record.principal_stress),
 ];
 
 /// Columns of each of several fibres of a specimen, behind those of the specimen: `load.NAME`.
 pub static FIBRE: [Column<FibreRecord>; 9] = [
-    // its drive
+    // Drive of this fibre's grip.
     column("slip", "mm", "slip", Other, |fibre| fibre.slip),
-    // its reaction along the pull direction
+    // Reaction of this fibre along the pull direction.
     column("load", "N", "load", Load, |fibre| fibre.load),
-    // along its own axis
+    // Component of the load along this fibre.
     column("load_axial", "N", "axial component of the load", Load, |fibre| fibre.load_axial),
-    // across it
+    // Component of the load across this fibre.
     column("load_shear", "N", "shear component of the load", Load, |fibre| fibre.load_shear),
-    // of its exit along its axis
+    // Slip of this fibre's exit along its axis.
     column("slip_exit", "mm", "slip at the exit", Slip, |fibre| fibre.slip_exit),
-    // of its tail
+    // Slip of this fibre's tail along its axis.
     column("slip_tail", "mm", "slip of the tail", Slip, |fibre| fibre.slip_tail),
-    // how much of its side that opened most is open
+    // Open length of the side of this fibre that opened most.
     column("separation_length", "mm", "open length of the interface", Other, |fibre| fibre.separation_length),
-    // greatest equivalent plastic strain of its points
+    // Largest equivalent plastic strain of this fibre.
     column("plastic_strain_max", "", "greatest plastic strain of the fibre", Other, |fibre| fibre.plastic_strain),
-    // greatest principal stress of its points
+    // Largest principal stress of this fibre.
     column("stress_max", "MPa", "greatest stress of the fibre", Other, |fibre| fibre.principal_stress),
 ];
 
@@ -268,35 +303,45 @@ pub struct BridgingRow {
 
 /// Columns of `bridging.csv`.
 pub static BRIDGING: [Column<BridgingRow>; 20] = [
-    // opening of the crack
+    // Crack opening.
     column("w", "mm", "w", Other, |row| row.fibres.opening),
-    // of fibres and matrix
+    // Stress carried by fibres and matrix.
     column("sigma", "MPa", "σ", Stress, |row| row.fibres.stress + row.matrix),
-    // of the fibres
+    // Stress carried by the fibres.
     column("sigma_fibre", "MPa", "σ_{f}", Stress, |row| row.fibres.stress),
-    // of the matrix, by its part of the section
+    // Stress carried by the matrix, multiplied by its share of the section.
     column("sigma_matrix", "MPa", "σ_{m}", Stress, |row| row.matrix),
-    // part of the fibres across the crack that carry load
+    // Fraction of the fibres across the crack that carry load.
     column("active", "", "part of fibres that carry", Other, |row| row.fibres.active),
-    // part that has broken
+    // Fraction of the fibres across the crack that have broken.
     column("ruptured", "", "part of fibres broken", Other, |row| row.fibres.ruptured),
-    // mean of the lengths that have spalled off
+    // Mean length that has spalled off.
     column("spalled_mean", "mm", "mean length spalled", Other, |row| row.fibres.spalled_mean),
-    // estimate of the error of sigma_fibre by quadrature
+    // Estimated quadrature error of `sigma_fibre`.
     column("error", "MPa", "error of σ_{f}", Other, |row| row.fibres.error),
-    // part of sigma_fibre that fibres at these angles carry; nan where there is none
+    // Fraction of `sigma_fibre` carried by fibres at 0 to 10°. NaN if there is none.
     column("share_0_10", "", "0–10°", Share, |row| row.shares[0]),
+    // Fraction of `sigma_fibre` carried by fibres at 10 to 20°. NaN if there is none.
     column("share_10_20", "", "10–20°", Share, |row| row.shares[1]),
+    // Fraction of `sigma_fibre` carried by fibres at 20 to 30°. NaN if there is none.
     column("share_20_30", "", "20–30°", Share, |row| row.shares[2]),
+    // Fraction of `sigma_fibre` carried by fibres at 30 to 40°. NaN if there is none.
     column("share_30_40", "", "30–40°", Share, |row| row.shares[3]),
+    // Fraction of `sigma_fibre` carried by fibres at 40 to 50°. NaN if there is none.
     column("share_40_50", "", "40–50°", Share, |row| row.shares[4]),
+    // Fraction of `sigma_fibre` carried by fibres at 50 to 60°. NaN if there is none.
     column("share_50_60", "", "50–60°", Share, |row| row.shares[5]),
+    // Fraction of `sigma_fibre` carried by fibres at 60 to 70°. NaN if there is none.
     column("share_60_70", "", "60–70°", Share, |row| row.shares[6]),
+    // Fraction of `sigma_fibre` carried by fibres at 70 to 80°. NaN if there is none.
     column("share_70_80", "", "70–80°", Share, |row| row.shares[7]),
+    // Fraction of `sigma_fibre` carried by fibres at 80 to 90°. NaN if there is none.
     column("share_80_90", "", "80–90°", Share, |row| row.shares[8]),
-    // quantiles of sigma over beams made at random
+    // 5 % quantile of `sigma` over random beams.
     column("sigma_05", "MPa", "5 % of beams", Band, |row| row.quantiles[0] + row.matrix),
+    // Median of `sigma` over random beams.
     column("sigma_50", "MPa", "50 %", Band, |row| row.quantiles[1] + row.matrix),
+    // 95 % quantile of `sigma` over random beams.
     column("sigma_95", "MPa", "95 %", Band, |row| row.quantiles[2] + row.matrix),
 ];
 
@@ -313,19 +358,21 @@ pub struct BeamRow {
 
 /// Columns of `beam.csv`, of a notched beam.
 pub static BEAM: [Column<BeamRow>; 8] = [
-    // opening at the mouth of the notch
+    // Opening at the mouth of the notch.
     column("cmod", "mm", "CMOD", Other, |row| row.load.cmod),
-    // of midspan, 0.85 CMOD + 0.04 (EN 14651)
+    // Deflection at midspan, 0.85 CMOD + 0.04 mm (EN 14651).
     column("deflection", "mm", "deflection", Other, |row| row.load.deflection),
-    // at midspan
+    // Load at midspan.
     column("load", "N", "load", Load, |row| row.load.force),
-    // flexural strength 3Fl/(2bh_sp²)
+    // Flexural strength 3Fl/(2bh_sp²).
     column("f_R", "MPa", "f_{R}", Other, |row| row.strength),
-    // depth of the neutral axis below the top
+    // Depth of the neutral axis below the top.
     column("y0", "mm", "y_{0}", Other, |row| row.load.neutral_axis),
-    // quantiles of load over beams made at random
+    // 5 % quantile of the load over random beams.
     column("load_05", "N", "5 % of beams", Band, |row| row.quantiles[0]),
+    // Median of the load over random beams.
     column("load_50", "N", "50 %", Band, |row| row.quantiles[1]),
+    // 95 % quantile of the load over random beams.
     column("load_95", "N", "95 %", Band, |row| row.quantiles[2]),
 ];
 
@@ -342,15 +389,19 @@ pub struct ScatterRow {
 
 /// Columns of `scatter.csv`, of beams made at random.
 pub static SCATTER: [Column<ScatterRow>; 7] = [
+    // Number of the beam.
     column("beam", "", "beam", Other, |row| row.beam as f64),
-    // across the ligament
+    // Number of fibres across the ligament.
     column("fibres", "", "fibres", Other, |row| row.fibres as f64),
-    // greatest flexural strength up to CMOD 0.05 mm
+    // Largest flexural strength up to CMOD 0.05 mm.
     column("f_L", "MPa", "f_{L}", Other, |row| row.residual.limit),
-    // at CMOD 0.5, 1.5, 2.5 and 3.5 mm
+    // Flexural strength at CMOD 0.5 mm.
     column("f_R1", "MPa", "f_{R1}", Other, |row| row.residual.residual[0]),
+    // Flexural strength at CMOD 1.5 mm.
     column("f_R2", "MPa", "f_{R2}", Other, |row| row.residual.residual[1]),
+    // Flexural strength at CMOD 2.5 mm.
     column("f_R3", "MPa", "f_{R3}", Other, |row| row.residual.residual[2]),
+    // Flexural strength at CMOD 3.5 mm.
     column("f_R4", "MPa", "f_{R4}", Other, |row| row.residual.residual[3]),
 ];
 
