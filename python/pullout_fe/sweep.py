@@ -142,7 +142,7 @@ class Sweep:
     def status(self) -> dict[str, int]:
         """How many runs there are (``runs``), how many ended how, and how many are ``left``."""
         told = _call("status", os.fspath(self.folder))
-        found = re.search(r": (\d+) runs, \d+ over(?: \((.*?)\))?, (\d+) left", told)
+        found = re.search(r": (\d+) runs, \d+ finished(?: \((.*?)\))?, (\d+) to do", told)
         if found is None:
             raise PulloutError(told.strip())
         counts = {"runs": int(found[1]), "left": int(found[3])}

@@ -167,9 +167,9 @@ fn work(toil: &Toil) -> io::Result<u8> {
     let Worked { kept, ran, elsewhere, left } = pullout_sweep::work(&Store::new(&toil.folder), &how, &told)?;
     if !toil.quiet {
         let seconds = start.elapsed().as_secs_f64();
-        let others = if elsewhere > 0 { format!(", {elsewhere} are other workers'") } else { String::new() };
+        let others = if elsewhere > 0 { format!(", {elsewhere} claimed by other workers") } else { String::new() };
         let folder = toil.folder.display();
-        say(&format!("{folder}: {ran} runs in {seconds:.3} s, {kept} were there{others}, {left} are left\n"));
+        say(&format!("{folder}: {ran} runs in {seconds:.3} s, {kept} finished before{others}, {left} to do\n"));
     }
     Ok(match signals::received() {
         Some(signal) if left > 0 => signal.exit_code(),

@@ -1,4 +1,4 @@
-//! Claims: found, not found, or undecided ("cannot be told"), with the figures.
+//! Claims that hold, fail or are undecided, with the figures.
 //!
 //! A number that is not known, because its run failed or was not run, can neither confirm nor refute. A claim is refuted
 //! by one known counterexample, whatever else is unknown; it is confirmed only if everything is known.
@@ -20,24 +20,24 @@ pub type Expectation = pullout_case::study::Expectation<usize, usize>;
 /// Verdict on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Verdict {
-    /// Found.
+    /// The claim holds.
     #[serde(rename = "found")]
     Found,
-    /// Not found: there is a counterexample.
+    /// The claim fails: there is a counterexample.
     #[serde(rename = "not found")]
     NotFound,
-    /// Runs failed or were not run.
+    /// The claim is undecided: runs failed or were not run.
     #[serde(rename = "cannot be told")]
     CannotBeTold,
 }
 
 impl Verdict {
-    /// Returns the verdict in words.
+    /// Returns the verdict for readers. Files keep the spelling that scripts know.
     pub fn words(self) -> &'static str {
         match self {
-            Self::Found => "found",
-            Self::NotFound => "not found",
-            Self::CannotBeTold => "cannot be told",
+            Self::Found => "holds",
+            Self::NotFound => "fails",
+            Self::CannotBeTold => "undecided",
         }
     }
 

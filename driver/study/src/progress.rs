@@ -67,7 +67,7 @@ impl<'s> Progress<'s> {
     }
 }
 
-/// Returns in lines how many runs are done, and what was found of each claim. `folder`: where the results are.
+/// Returns lines with the number of runs done and the verdict on each claim. `folder`: where the results are.
 pub fn outcome(study: &Study, results: &Results, findings: &[Finding], folder: &Path) -> String {
     let count = |wanted: fn(&RunResult) -> bool| results.runs.iter().filter(|run| wanted(run)).count();
     let (done, kept) = (count(RunResult::is_done), count(|run| run.is_kept));

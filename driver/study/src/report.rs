@@ -23,7 +23,7 @@ pub fn write(
 ) -> io::Result<()> {
     let body = html! {
         (state(results))
-        @if !study.description.is_empty() { p.description { (study.description) } }
+        (page::description(&study.description))
         (claims(findings))
         (page::pictures(pictures))
         (table(study, results))
@@ -51,7 +51,7 @@ fn claims(findings: &[Finding]) -> Markup {
         @if !findings.is_empty() {
             h2 { "Claims" }
             div.scroll { table {
-                tr { th { "Claim" } th { "Found" } th { "Figures" } }
+                tr { th { "Claim" } th { "Verdict" } th { "Figures" } }
                 @for finding in findings {
                     tr {
                         td { (finding.claim) br; small { (finding.expected) } }

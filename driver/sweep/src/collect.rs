@@ -207,14 +207,14 @@ impl Standing {
 impl fmt::Display for Standing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (over, left) = (self.over.values().sum::<usize>(), self.left());
-        write!(f, "{} runs, {over} over", self.runs)?;
+        write!(f, "{} runs, {over} finished", self.runs)?;
         if over == 0 {
-            return write!(f, ", {left} left");
+            return write!(f, ", {left} to do");
         }
         let words: Vec<String> = self.over.iter().map(|(name, count)| format!("{count} {name}")).collect();
         let each = self.wall_s / over as f64;
         let work = each * left as f64;
-        write!(f, " ({}), {left} left; {each:.4} s each, {work:.0} s of work left", words.join(", "))
+        write!(f, " ({}), {left} to do; {each:.4} s each, {work:.0} s of work to do", words.join(", "))
     }
 }
 

@@ -75,7 +75,7 @@ fn a_family_of_points_has_its_peaks_works_tables_and_claims() {
     desk.pullout(["plot", "out", "--pdf"]).expect(0);
     assert!(std::fs::read(desk.path("out/plots/peak.pdf")).expect("a PDF").starts_with(b"%PDF-"));
     let report = std::fs::read_to_string(desk.path("out/report.html")).expect("report.html");
-    assert!(report.contains("not found") && report.contains("<svg") && !report.contains("<img"));
+    assert!(report.contains("fails") && report.contains("<svg") && !report.contains("<img"));
     assert_eq!(Table::read(&desk.path("out/soft/300/history.csv")).rows.len(), 101);
 }
 

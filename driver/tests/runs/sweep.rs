@@ -237,7 +237,7 @@ fn nothing_is_lost_or_twice_after_kills_at_any_moment() {
     assert_eq!(collected(&desk, &store).rows(), COUNT);
     assert_eq!(fs::read_dir(store.join("running")).expect("a folder").count(), 0);
     let status = desk.pullout(["sweep".as_ref(), "status".as_ref(), store.as_os_str()]).expect(0);
-    assert!(status.stdout.contains("300 runs, 300 over (300 done), 0 left"), "{}", status.stdout);
+    assert!(status.stdout.contains("300 runs, 300 finished (300 done), 0 to do"), "{}", status.stdout);
 }
 
 /// Ends the process that watches over it, where the first parameter asks for that.
@@ -294,7 +294,7 @@ fn what_ends_its_worker_three_times_is_lost_and_nothing_else() {
     }
     // the third loss is known once another worker looks
     assert!(work("").success());
-    assert!(status().contains("6 runs, 6 over (5 done, 1 lost), 0 left"), "{}", status());
+    assert!(status().contains("6 runs, 6 finished (5 done, 1 lost), 0 to do"), "{}", status());
     let table = collected(&desk, &store);
     assert_eq!(texts(&table, "status"), ["done", "done", "lost", "done", "done", "done"]);
     assert_eq!(table.column("attempt").and_then(|column| column.number(2)), Some(3.0));

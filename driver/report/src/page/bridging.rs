@@ -10,7 +10,7 @@ use pullout_run::number::{rounded, significant};
 pub(super) fn body(account: &Account, summary: &Summary, findings: &Findings, pictures: &[Picture]) -> Markup {
     html! {
         (status(summary, ""))
-        @if !account.description.is_empty() { p.description { (account.description) } }
+        (super::description(&account.description))
         (warnings(&summary.warnings))
         (crack(findings))
         @if let Some(beam) = &findings.beam { (strengths(beam, findings.scatter.as_ref())) }

@@ -55,7 +55,7 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
             }
             @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
             (warnings(&summary.warnings))
-            @if !account.description.is_empty() { p.description { (account.description) } }
+            (description(&account.description))
         }
         @if let Some(viewer) = viewer { h2 { "Over the run" } (viewer) }
         @if !others.is_empty() { h2 { "Pictures" } (gallery(others)) }
@@ -172,9 +172,20 @@ fn what_was_run(account: &Account, summary: &Summary) -> Markup {
         @if account.steps_left_out > 0 { p { "… and " (account.steps_left_out) " more steps." } }
         @if !account.defaults.is_empty() {
             details {
-                summary { "Taken by default" }
+                summary { "Defaults used" }
                 ul { @for line in &account.defaults { li { code { (line) } } } }
             }
+        }
+    }
+}
+
+/// The description of a case: its first paragraph is the caption, the rest is folded.
+pub fn description(text: &str) -> Markup {
+    let (caption, details) = text.split_once("\n\n").unwrap_or((text, ""));
+    html! {
+        @if !caption.is_empty() { p.description { (caption) } }
+        @if !details.is_empty() {
+            details { summary { "About this case" } @for paragraph in details.split("\n\n") { p { (paragraph) } } }
         }
     }
 }

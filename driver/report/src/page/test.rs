@@ -46,7 +46,7 @@ fn tells_everything() {
         "Characteristic length",
         "e11 → −0.005",
         "12 more steps",
-        "Taken by default",
+        "Defaults used",
         "material.props: nu = 0.18",
         "strains beyond 5 %",
         "measured.csv",
@@ -58,6 +58,16 @@ fn tells_everything() {
     for text in expected {
         assert!(page.contains(text), "{text}\n{page}");
     }
+}
+
+#[test]
+fn the_first_paragraph_of_a_description_is_its_caption() {
+    let html = |text: &str| description(text).into_string();
+    assert_eq!(html("One & two."), "<p class=\"description\">One &amp; two.</p>");
+    let folded = html("Caption.\n\nData.\n\nSources.");
+    let (caption, details) = folded.split_once("<details>").expect("a folded part");
+    assert!(caption.contains("Caption.") && details.contains("<p>Data.</p><p>Sources.</p>"), "{folded}");
+    assert_eq!(html(""), "");
 }
 
 #[test]
