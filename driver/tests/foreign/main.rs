@@ -6,6 +6,7 @@ mod build;
 mod check;
 mod check_around;
 mod components;
+mod coupling;
 mod environment;
 mod finite_strain;
 mod first_errors;

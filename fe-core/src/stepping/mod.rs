@@ -31,7 +31,7 @@ pub use times::Times;
 pub use trail::{Along, Trail};
 
 use crate::assembly::solids::PartAccount;
-use crate::assembly::{Equations, GREATEST_COUNT, Location, Solids, Trouble};
+use crate::assembly::{Equations, GREATEST_COUNT, Location, Setback, Solids, Trouble};
 use crate::model::{IncrementContext, Model, ModelError, Step};
 use crate::threads::Threads;
 use checkpoint::Position;
@@ -268,7 +268,7 @@ impl<'m> Analysis<'m> {
             100.0 * share,
             100.0 * limit
         );
-        let trouble = Trouble { place: Location::System, reason, fraction: None };
+        let trouble = Setback { reason, fraction: None }.at(Location::System);
         Err(RunError::Failed { step, increment, progress, trouble })
     }
 

@@ -30,7 +30,7 @@ use super::zone::Zone;
 use super::{Counts, Energies, Times};
 use crate::assembly::loads::{Bearers, Shares};
 use crate::assembly::solids::SolidEnergies;
-use crate::assembly::{Equations, Location, Solids, System, Trouble, loaded_freedoms, loads};
+use crate::assembly::{Equations, Location, Setback, Solids, System, Trouble, loaded_freedoms, loads};
 use crate::contact::{self, Contact, PointIndex, PointStatus};
 use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::{Blocks, SolverError};
@@ -524,7 +524,7 @@ fn unsolvable(error: &SolverError) -> Trouble {
 }
 
 fn trouble(place: Location, reason: String, fraction: f64) -> Trouble {
-    Trouble { place, reason, fraction: Some(fraction) }
+    Setback { reason, fraction: Some(fraction) }.at(place)
 }
 
 pub(super) fn largest(values: &[f64]) -> f64 {
