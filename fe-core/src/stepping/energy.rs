@@ -58,14 +58,6 @@ impl Energies {
             + (self.interface_dissipation() + self.opening + self.stabilisation)
     }
 
-    /// Returns whether all are numbers.
-    pub fn is_finite(&self) -> bool {
-        let Self { external_work, elastic, plastic, damage, spalled, unaccounted, .. } = *self;
-        let Self { interface, interface_stored, opening, stabilisation, .. } = *self;
-        let solids = [external_work, elastic, plastic, damage, spalled, unaccounted];
-        solids.into_iter().chain([interface, interface_stored, opening, stabilisation]).all(f64::is_finite)
-    }
-
     /// Returns what was added since a datum.
     pub(super) fn since(&self, datum: &Self) -> Self {
         Self {

@@ -31,7 +31,7 @@ pub use times::Times;
 pub use trail::{Along, Trail};
 
 use crate::assembly::solids::PartAccount;
-use crate::assembly::{Equations, GREATEST_COUNT, Location, Setback, Solids, Trouble};
+use crate::assembly::{Equations, Location, Setback, Solids, Trouble};
 use crate::model::{IncrementContext, Model, ModelError, Step};
 use crate::threads::Threads;
 use checkpoint::Position;
@@ -68,17 +68,6 @@ pub struct Statistics {
     pub solutions: u64,
 }
 
-impl Statistics {
-    /// Returns whether a run can have come to it.
-    fn is_sound(&self) -> bool {
-        let Self { increments, iterations, cutbacks, settlements, expansions, dragged, .. } = *self;
-        let Self { evaluations, factorisations, block_factorisations, solutions, .. } = *self;
-        let of_increments = [increments, iterations, cutbacks, settlements, expansions, dragged];
-        let of_the_solver = [evaluations, factorisations, block_factorisations, solutions];
-        of_increments.into_iter().chain(of_the_solver).all(|count| count < GREATEST_COUNT)
-    }
-}
-
 /// Present state of a run, besides its points.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Present {
@@ -92,21 +81,6 @@ struct Present {
     load: LoadHistory,
     greatest_work: f64,
     spalled: spalling::Spalled,
-}
-
-impl Present {
-    /// Returns whether a run of this model can have come to it: lengths of arrays, and all numbers are finite.
-    fn fits(&self, model: &Model) -> bool {
-        let Self { committed, energies, datum, datum_accounts, total_time, load, greatest_work, spalled } = self;
-        committed.fits(model)
-            && [energies, datum].into_iter().all(Energies::is_finite)
-            && datum_accounts.len() == model.mesh.parts().len()
-            && datum_accounts.iter().all(PartAccount::is_finite)
-            && load.is_finite()
-            && total_time.is_finite()
-            && greatest_work.is_finite()
-            && spalled.fits(model.mesh.elements().len())
-    }
 }
 
 /// A model that is being computed.

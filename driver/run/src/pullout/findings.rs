@@ -87,11 +87,6 @@ impl Rupture {
             note(&fibre.name, [of.slip, of.load, of.plastic_strain, of.principal_stress]);
         }
     }
-
-    /// Returns whether all its numbers are finite, but for a load that nobody measures.
-    pub fn is_finite(&self) -> bool {
-        !self.load.is_infinite() && [self.slip, self.plastic_strain, self.stress].into_iter().all(f64::is_finite)
-    }
 }
 
 /// A run that stopped early.

@@ -244,26 +244,6 @@ pub(super) struct RecorderState {
     step_start: f64,
 }
 
-impl RecorderState {
-    /// Returns whether a run of this program can have come to it.
-    pub(super) fn fits(&self, program: &PulloutProgram) -> bool {
-        let Self { fields, peak, moments, ruptures, present, energies, so_far, .. } = self;
-        let Self { energy_error, initial_displacement, step_start, .. } = self;
-        present.values.len() == columns::count_in_specimen(&program.model.measured.fibres)
-            && fields.is_some() == program.fields_every.is_some()
-            && fields.as_ref().is_none_or(WrittenFields::is_sound)
-            && peak.fits(&program.model.mesh)
-            && moments.is_some() == program.about.plots
-            && moments.as_ref().is_none_or(|kept| kept.fits(&program.model.mesh, program.pictures_at.len()))
-            && ruptures.values().all(Rupture::is_finite)
-            && energies.is_finite()
-            && so_far.counts_on()
-            && energy_error.is_finite()
-            && initial_displacement.is_none_or(f64::is_finite)
-            && step_start.is_finite()
-    }
-}
-
 /// The last row, and whether it was written.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Present {

@@ -101,18 +101,6 @@ impl Trust {
         }
     }
 
-    /// Returns whether a run can have come from `virgin` to it.
-    pub(super) fn may_follow(&self, virgin: &Self) -> bool {
-        let Self { reports, largest_work, missed, judges_tangent, pause, tangent_deviation, compared } = self;
-        largest_work.is_finite()
-            && (*reports == virgin.reports || virgin.reports == Reports::Believed)
-            && (!*judges_tangent || virgin.judges_tangent)
-            && missed.iter().flatten().all(|number| number.is_finite())
-            && pause.iter().all(|&pause| pause <= LONGEST_PAUSE)
-            && tangent_deviation.is_none_or(|deviation| !deviation.is_nan())
-            && compared.is_none_or(|compared| !compared.deviation.is_nan())
-    }
-
     /// Returns whether reported energies count.
     pub(super) fn believes(&self) -> bool {
         matches!(self.reports, Reports::Vouched | Reports::Believed)
@@ -147,11 +135,6 @@ pub struct PartAccount {
 }
 
 impl PartAccount {
-    /// Returns whether all are numbers.
-    pub fn is_finite(&self) -> bool {
-        [self.stored, self.dissipated, self.work].into_iter().all(f64::is_finite)
-    }
-
     fn total(&self) -> f64 {
         self.stored + self.dissipated
     }
@@ -279,11 +262,6 @@ impl Solids {
                 block.records.iter_mut().for_each(|record| record.has_tangent = false);
             }
         }
-    }
-
-    /// Returns whether another run of these solids can have come to believe this.
-    pub(super) fn may_trust(&self, trust: &[Trust]) -> bool {
-        trust.len() == self.trust.len() && trust.iter().zip(&self.trust).all(|(trust, virgin)| trust.may_follow(virgin))
     }
 
     /// Takes over what another run came to believe.

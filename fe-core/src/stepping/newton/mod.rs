@@ -21,7 +21,7 @@ mod state;
 mod turn;
 
 pub(super) use beside::{Guide, Round};
-pub(super) use state::{EquilibriumState, foreign_state};
+pub(super) use state::EquilibriumState;
 pub(super) use turn::Turn;
 
 use super::times::timed;
@@ -54,20 +54,6 @@ pub(super) struct Committed {
     pub(super) mean_slip: f64,
     /// Energy that the solids' laws dissipated so far, N mm.
     pub(super) dissipation: f64,
-}
-
-impl Committed {
-    /// Returns whether the state can be one of this model: its arrays have the model's lengths, and all numbers are finite.
-    pub(super) fn fits(&self, model: &Model) -> bool {
-        let Self { displacements, drives, reactions, external, mean_slip, dissipation } = self;
-        let freedoms = 2 * model.mesh.nodes().len();
-        let arrays =
-            [(displacements, freedoms), (drives, model.drives.len()), (reactions, freedoms), (external, freedoms)];
-        arrays.into_iter().all(|(array, length)| array.len() == length && array.iter().all(|number| number.is_finite()))
-            // without contact there is none
-            && (mean_slip.is_finite() || model.contacts.is_empty())
-            && dissipation.is_finite()
-    }
 }
 
 /// Goal of an increment.
