@@ -70,7 +70,7 @@ impl Pair {
             for index in patch.clone() {
                 let Some(kinematics) = &self.state.kinematics[index] else { continue };
                 let share = weight(index);
-                sum += share * (kinematics.gap - self.points[index].start_gap);
+                sum += share * (kinematics.gap - self.datum(index));
                 area += share;
             }
             (sum, area)
@@ -88,7 +88,7 @@ impl Pair {
     /// The pressure of a point that lies deeper in the master than its patch with this gap by more than [`DEEPER`].
     pub(super) fn press_alone(&mut self, index: usize, shared: f64) {
         let point = &self.points[index];
-        let own = self.state.kinematics[index].as_ref().map_or(shared, |kinematics| kinematics.gap - point.start_gap);
+        let own = self.state.kinematics[index].as_ref().map_or(shared, |kinematics| kinematics.gap - self.datum(index));
         let excess = (shared.min(0.0) - own - DEEPER * point.edge_length).max(0.0);
         let state = &mut self.state.trial.points[index];
         let pressure = SOFTER * self.penalty * excess;
@@ -155,7 +155,7 @@ impl Pair {
             let share = if shared.points == 1 { 1.0 } else { point.area * state.weight / shared.area };
             let slope = point.area * self.state.weight_slopes[index] / shared.area;
             let [[c_pp, c_ps], _] = self.state.tangents[index];
-            let (gap, pressure) = (kinematics.gap - point.start_gap, state.pressure);
+            let (gap, pressure) = (kinematics.gap - self.datum(index), state.pressure);
             stiffness += share * c_pp;
             for i in 0..kinematics.freedom_count() {
                 let (place, sliding) = (places[start + i], kinematics.slip_gradient[i]);

@@ -14,7 +14,9 @@ mod controls;
 mod fields;
 mod law;
 
-pub use contact::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
+pub use contact::{
+    ContactLaw, ContactPair, Enforcement, Fit, HardLaw, Interference, NormalLaw, Quadrature, SoftLaw, Width,
+};
 pub use controls::{Controls, IncrementContext, Skipping, Spalling, Step, StepControl};
 pub use fields::{FieldValues, Fields};
 pub use law::PluginLaw;

@@ -431,7 +431,7 @@ impl<'m> Analysis<'m> {
     fn commit(&mut self, converged: Converged, time: f64) {
         let is_through_drag = converged.drag > 0.0;
         let end = converged.end;
-        let work = Energies::work_between(self.equilibrium.system.equations(), &self.present.committed, &end);
+        let work = self.work_to(&end);
         self.equilibrium.commit(&self.present.committed, &end);
         self.present.committed = end;
         self.present.total_time += time;

@@ -175,9 +175,10 @@ fn fingerprint(program: &PulloutProgram) -> io::Result<String> {
             release,
             master_bends,
             critical_slip,
+            fit,
         } = pair;
         hash.update(format!("{:?}", (name, slave, master, quadrature, width)));
-        hash.update(format!("{:?}", (penalty_factor, enforcement, release, master_bends, critical_slip)));
+        hash.update(format!("{:?}", (penalty_factor, enforcement, release, master_bends, critical_slip, fit)));
         match law {
             ContactLaw::Uinter(law) => add_law(&mut hash, law)?,
             ContactLaw::Fric { law, normal } => {

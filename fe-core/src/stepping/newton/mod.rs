@@ -423,6 +423,7 @@ impl<'m> Equilibrium<'m> {
         timed(&mut times.solids, || solids.evaluate(&trial.displacements, &context, request, &mut memory.internal))?;
         memory.blocks.clear();
         memory.contact_forces.fill(0.0);
+        contact.set_drives(&trial.drives);
         if fields.change() {
             let [start, end] = fields.over(steps, &context);
             contact.set_fields(&start, &end);

@@ -50,10 +50,53 @@ pub struct Pair {
     pub enforcement: Option<Piece<Enforcement>>,
     /// Slip up to which the bond is elastic, mm: limits increments until the load has peaked (default: the law is asked).
     pub critical_slip: Option<Piece<Positive>>,
+    /// Gaps and overlaps that the mesh has at the start: "keep" (default) keeps them, and refuses overlaps; "close" measures them as 0, so
+    /// that they neither press nor part; { "close": mm } does so up to that size.
+    pub initial_gap: Option<Piece<InitialGap>>,
+    /// Overlap that presses the surfaces apart, ramped by a drive: a shaft shrunk into its sleeve.
+    pub interference: Option<Piece<Interference>>,
     /// Whether the master has ends (default true): contact fades as a point passes one, and comes back with the point, with its friction
     /// and pressure but without bond. A point may start past an end. With false the master goes on along the tangent of its end,
     /// without end: what has passed it still presses and slides on nothing.
     pub release: Option<Piece<bool>>,
+}
+
+/// Treatment of the gaps and overlaps of the mesh.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum InitialGap {
+    /// All or none.
+    Word(InitialGapWord),
+    /// Up to a size.
+    Within(InitialGapWithin),
+}
+
+/// Whether gaps and overlaps of the mesh are measured.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum InitialGapWord {
+    /// They are measured; overlaps are refused.
+    Keep,
+    /// They are measured as 0.
+    Close,
+}
+
+/// Gaps and overlaps that are measured as 0.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InitialGapWithin {
+    /// The greatest of them, mm.
+    pub close: Positive,
+}
+
+/// Overlap that presses surfaces apart.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Interference {
+    /// The drive that multiplies it.
+    pub drive: String,
+    /// Overlap at a drive of 1, mm, the same everywhere; default: that of the mesh at each point, which presses nothing at a drive of 0.
+    pub depth: Option<Positive>,
 }
 
 /// Parameters of the pair's law by name; those not named are the law's own.
