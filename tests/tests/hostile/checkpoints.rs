@@ -6,7 +6,7 @@ use crate::suite::{Form, Tally, each};
 use end_to_end_tests::fuzz::WILD_NUMBERS;
 use fastrand::Rng;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const ALL: u64 = 400;
 const SHORT: u64 = 30;
