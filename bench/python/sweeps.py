@@ -9,6 +9,7 @@ by root with folders of its own; without them its rows are left out.
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import random
 import shutil
@@ -24,7 +25,6 @@ import distributed
 import numpy as np
 import pages
 import pullout_fe as po
-from pyarrow import parquet
 
 PROGRAM = str(po.program())
 #: call limit, s
@@ -223,9 +223,9 @@ def kills(place: Path, library: Path, runs: int, count: int) -> list[str]:
 def written(folder: Path) -> list[tuple[str, str]]:
     """Key and status of every row that was ever written."""
     found: list[tuple[str, str]] = []
-    for part in sorted((folder / "parts").glob("*.parquet")):
-        table = parquet.read_table(part, columns=["key", "status"])
-        found += zip(table["key"].to_pylist(), table["status"].to_pylist())
+    for part in sorted((folder / "parts").glob("*.jsonl")):
+        rows = map(json.loads, part.read_text().splitlines())
+        found += [(row["key"], row["status"]) for row in rows]
     return found
 
 

@@ -143,7 +143,7 @@ fn is_root() -> bool {
 
 fn parts(store: &Path) -> impl Iterator<Item = PathBuf> {
     let parts = fs::read_dir(store.join("parts")).into_iter().flatten().flatten().map(|part| part.path());
-    parts.filter(|part| part.extension().is_some_and(|extension| extension == "parquet"))
+    parts.filter(|part| part.extension().is_some_and(|extension| extension == "jsonl"))
 }
 
 /// The number of the first run of a part, with which its name begins.
@@ -209,7 +209,7 @@ fn an_array_of_jobs_of_which_one_is_cancelled() {
     cluster.ended(&again);
     let keys = keys(&store);
     assert_eq!((keys.len(), keys.iter().collect::<BTreeSet<_>>().len()), (COUNT, COUNT));
-    let out = desk.path("table.parquet");
+    let out = desk.path("table.jsonl");
     let collected = command().args(["sweep", "collect"]).arg(&store).arg("--out").arg(&out).status();
     assert!(collected.expect("it starts").success());
     let table = Table::read(&out, |_| true).expect("a table");

@@ -18,7 +18,7 @@ from .errors import (
     TimeLimit,
     UpdateFailed,
 )
-from .law import Law, Parameter, State, Update, plugins
+from .law import Heat, Law, Parameter, State, Update, plugins
 from .model import Fit, Model
 from .fields import Mesh
 from .run import Failure, History, Peak, Run, View, point, ramp, read, run, table
@@ -29,6 +29,7 @@ __all__ = [
     "CaseError",
     "Failure",
     "Fit",
+    "Heat",
     "History",
     "Law",
     "Mesh",

@@ -43,7 +43,13 @@ class Plugin:
     def props(self, props: str) -> list[float]: ...
     def needs_length(self, props: NDArray[float64]) -> str | None: ...
     def initial(
-        self, mode: str, coords: NDArray[float64], per_element: int, stress: NDArray[float64], state: NDArray[float64]
+        self,
+        mode: str,
+        coords: NDArray[float64],
+        per_element: int,
+        stress: NDArray[float64],
+        state: NDArray[float64],
+        frame: str = "",
     ) -> None: ...
     def evaluate(
         self,
@@ -53,6 +59,7 @@ class Plugin:
         per_element: int,
         threads: int,
         may_refuse: bool,
+        frame: str = "",
     ) -> tuple[list[tuple[int, str, float | None]], str | None]: ...
 
 def find(name: str) -> Path: ...

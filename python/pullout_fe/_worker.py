@@ -51,8 +51,8 @@ class RemotePlugin:
         answer: str | None = self._ask("needs_length", props)
         return answer
 
-    def initial(self, mode: str, coords: Array, per_element: int, stress: Array, state: Array) -> None:
-        self._ask("initial", mode, per_element, inputs={"coords": coords}, results={"stress": stress, "state": state})
+    def initial(self, mode: str, coords: Array, per_element: int, stress: Array, state: Array, frame: str = "") -> None:
+        self._ask("initial", mode, per_element, frame, inputs={"coords": coords}, results={"stress": stress, "state": state})
 
     def evaluate(
         self,
@@ -62,11 +62,12 @@ class RemotePlugin:
         per_element: int,
         threads: int,
         may_refuse: bool,
+        frame: str = "",
     ) -> tuple[list[tuple[int, str, float | None]], str | None]:
-        results = {name: arrays[name] for name in ("stress", "state", "tangent", "energies") if name in arrays}
+        results = {name: arrays[name] for name in ("stress", "state", "tangent", "energies", "heat") if name in arrays}
         inputs = {name: array for name, array in arrays.items() if name not in results}
         answer: tuple[list[tuple[int, str, float | None]], str | None] = self._ask(
-            "evaluate", mode, time, per_element, threads, may_refuse, inputs=inputs, results=results
+            "evaluate", mode, time, per_element, threads, may_refuse, frame, inputs=inputs, results=results
         )
         return answer
 
@@ -110,8 +111,8 @@ class _Helper:
                 places, size = _places({**inputs, **results})
                 memory = self._room(size)
                 for name, place in places.items():
-                    # the tangent is not read
-                    if name != "tangent":
+                    # these are not read
+                    if name not in ("tangent", "heat"):
                         _view(memory, place)[...] = inputs.get(name, results.get(name))
                 self._connection.send((law, call, places, len(memory)))
                 if not self._connection.poll(time_limit):
@@ -280,8 +281,8 @@ def _serve(connection: Connection, descriptor: int) -> None:
                 mode, *others = arguments
                 arguments = [mode, arrays, *others]
             elif method == "initial":
-                mode, per_element = arguments
-                arguments = [mode, arrays["coords"], per_element, arrays["stress"], arrays["state"]]
+                mode, per_element, frame = arguments
+                arguments = [mode, arrays["coords"], per_element, arrays["stress"], arrays["state"], frame]
             connection.send((True, getattr(plugins[law], method)(*arguments)))
         except Exception as error:
             connection.send((False, error))

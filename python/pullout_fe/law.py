@@ -20,10 +20,13 @@ from ._worker import RemotePlugin
 from .case import _text, array_of, whole
 from .errors import CaseError, PluginError, PulloutError, UpdateFailed
 
-__all__ = ["Law", "Parameter", "State", "Update", "plugins"]
+__all__ = ["Heat", "Law", "Parameter", "State", "Update", "plugins"]
 
 Array = NDArray[np.float64]
 Props = Union[Mapping[str, Any], Sequence[float], Array, None]
+#: as the material of a case has them
+Expansion = Union[float, Mapping[str, Any], None]
+Orientation = Union[float, Sequence[Sequence[float]], None]
 Mode = Literal["3d", "plane_strain", "axisymmetric", "plane_stress", "1d", "beam"]
 
 #: Components of each mode, in the order 11, 22, 33, 12, 13, 23 (plane stress: 11, 22, 12; beam: 11, 12); shear strains are engineering's.
@@ -77,6 +80,19 @@ class State(NamedTuple):
     doc: str
 
 
+class Heat(NamedTuple):
+    """What points return for steps that are coupled with a temperature; what the law does not set is 0."""
+
+    #: (…): heat generated per volume and time
+    rpl: Array
+    #: (…, components): derivative of the stress by the temperature
+    ddsddt: Array
+    #: (…, components): derivative of RPL by the strain increment, by engineering shear
+    drplde: Array
+    #: (…): derivative of RPL by the temperature
+    drpldt: Array
+
+
 #: the tangent: an array, or nothing
 T = TypeVar("T", bound="Array | None", covariant=True)
 
@@ -85,10 +101,13 @@ class Update(tuple[Array, Array, T]):
     """What :meth:`Law.evaluate` returns: ``stress, state, tangent``. The shapes begin with that of the points."""
 
     _energies: Array | None
+    _heat: Heat | None
 
-    def __new__(cls, stress: Array, state: Array, tangent: T, energies: Array | None = None) -> Update[T]:
+    def __new__(
+        cls, stress: Array, state: Array, tangent: T, energies: Array | None = None, heat: Heat | None = None
+    ) -> Update[T]:
         made = super().__new__(cls, (stress, state, tangent))
-        made._energies = energies
+        made._energies, made._heat = energies, heat
         return made
 
     @property
@@ -113,8 +132,15 @@ class Update(tuple[Array, Array, T]):
             raise PulloutError("the energies were not asked for: energies=True, or those at the start")
         return self._energies
 
+    @property
+    def heat(self) -> Heat:
+        """RPL, DDSDDT, DRPLDE and DRPLDT; an error if they were not asked for"""
+        if self._heat is None:
+            raise PulloutError("the heat was not asked for: heat=True")
+        return self._heat
+
     def __reduce__(self) -> tuple[Any, ...]:
-        return Update, (*self, self._energies)
+        return Update, (*self, self._energies, self._heat)
 
     def __repr__(self) -> str:
         return f"<Update of points {self.stress.shape[:-1]}: {self.stress.shape[-1]} components, {self.state.shape[-1]} states>"
@@ -188,11 +214,17 @@ class Law:
         return np.array(self._plugin.props(_text(props, "props")), dtype=float)
 
     def initial(
-        self, points: int | tuple[int, ...] = 1, *, mode: Mode = "3d", coords: ArrayLike | None = None
+        self,
+        points: int | tuple[int, ...] = 1,
+        *,
+        mode: Mode = "3d",
+        coords: ArrayLike | None = None,
+        orientation: Orientation = None,
     ) -> tuple[Array, Array]:
         """Stress and state of points at the start of an analysis: what the library's SIGINI and SDVINI say, or zeros.
 
         ``points``: their number, or their shape, such as (elements, points of each). ``coords``: where they lie (COORDS).
+        ``orientation``: local axes in which SIGINI speaks, as of :meth:`evaluate`.
         """
         shape = (points,) if not isinstance(points, tuple) else points
         shape = tuple(whole(count, "points", 0) for count in shape)
@@ -200,8 +232,14 @@ class Law:
         if self._sets_start and stress.size:
             given = _rows(np.zeros(3) if coords is None else coords, shape, (3,), "coords")
             flat = [array.reshape(-1, array.shape[-1]) for array in (stress, state)]
-            self._plugin.initial(mode, given, shape[-1] if len(shape) > 1 else 1, *flat)
+            self._plugin.initial(mode, given, shape[-1] if len(shape) > 1 else 1, *flat, self._frame(orientation=orientation))
         return stress, state
+
+    @staticmethod
+    def _frame(**given: Any) -> str:
+        """What the material of a case would say of the frame in which a law sees its points, as text; nothing where it has none."""
+        said = {name: value for name, value in given.items() if value is not None}
+        return _text(said) if said else ""
 
     @staticmethod
     def _components(mode: str) -> int:
@@ -235,6 +273,10 @@ class Law:
         drot: ArrayLike | None = None,
         coords: ArrayLike | None = None,
         energies: ArrayLike = False,
+        heat: bool = False,
+        expansion: Expansion = None,
+        shrinkage: Mapping[str, Any] | None = None,
+        orientation: Orientation = None,
     ) -> Update[Array]: ...
 
     @overload
@@ -263,6 +305,10 @@ class Law:
         drot: ArrayLike | None = None,
         coords: ArrayLike | None = None,
         energies: ArrayLike = False,
+        heat: bool = False,
+        expansion: Expansion = None,
+        shrinkage: Mapping[str, Any] | None = None,
+        orientation: Orientation = None,
     ) -> Update[Array | None]: ...
 
     def evaluate(
@@ -290,6 +336,10 @@ class Law:
         drot: ArrayLike | None = None,
         coords: ArrayLike | None = None,
         energies: ArrayLike = False,
+        heat: bool = False,
+        expansion: Expansion = None,
+        shrinkage: Mapping[str, Any] | None = None,
+        orientation: Orientation = None,
     ) -> Update[Array | None]:
         """Update n points at once: rows of ``strain`` at the start and of its increment ``dstrain``.
 
@@ -303,12 +353,17 @@ class Law:
         ``dfields`` their increments, and ``coords`` the places. Deformations are small unless there are gradients, ``dfgrd0`` at the
         start and ``dfgrd1`` at the end, and the increment's rotation ``drot``: 3 × 3, row i, column j.
 
+        ``expansion``, ``shrinkage`` and ``orientation`` are what the material of a case says under these keys, for all points: thermal
+        expansion beside the law, a strain over ``time``, and local axes. Strains and stresses here stay those of the caller's axes.
+        Nothing expands at the ``initial_temperature`` of ``expansion``, 0 unless it is given.
+
         ``time`` is that at the start. An increment that begins later than the one before says that this one has converged: UEXTERNALDB is
         told, and KINC goes on; it is 1 at time 0.
 
         ``out``: arrays for stress and state, and for the tangent if there is a third; they may be those of the start.
         Row i, column j of a point's tangent is the derivative of stress i by strain increment j. ``energies``: ``True``, or those at the
-        start: the result has those at the end.
+        start: the result has those at the end. ``heat=True``: the result has RPL, DDSDDT, DRPLDE and DRPLDT, the law's own: at the strain
+        that it sees where there is an expansion.
 
         Points that the law refuses raise :class:`UpdateFailed`, and ``out`` has what it had; or, with ``on_failure="nan"``, they get
         stresses of NaN and keep their states. Input that is not finite, and parameters that the law does not admit, raise
@@ -350,6 +405,7 @@ class Law:
             for (name, row), values in zip(OTHERS, others):
                 if values is not None:
                     arrays[name] = _rows(values, shape, row, name)
+        frame = self._frame(expansion=expansion, shrinkage=shrinkage, orientation=orientation)
         widths = {"stress": components, "state": self.nstatv, "tangent": components**2, "energies": 3}
         start: dict[str, ArrayLike | None] = {"stress": stress, "state": state}
         if not isinstance(energies, (bool, np.bool_)):
@@ -357,7 +413,8 @@ class Law:
         elif energies:
             start["energies"] = 0.0
         if self._sets_start and (stress is None or state is None):
-            of_library = dict(zip(("stress", "state"), self.initial(shape, mode=mode, coords=coords)))
+            first = self.initial(shape, mode=mode, coords=coords, orientation=orientation)
+            of_library = dict(zip(("stress", "state"), first))
             start.update({name: of_library[name] for name, values in start.items() if values is None})
         begun = {name: _rows(values, shape, (widths[name],), name) for name, values in start.items() if values is not None}
         # nothing is written before everything was looked at
@@ -385,9 +442,12 @@ class Law:
         if tangent and "tangent" not in targets:
             targets["tangent"] = np.zeros((*shape, components, components))
         arrays.update({name: array.reshape(count, widths[name]) for name, array in targets.items()})
+        if heat:
+            arrays["heat"] = np.zeros((count, 2 + 2 * components))
+        times = (float(time), float(dtime))
         try:
             refused, reason = self._plugin.evaluate(
-                mode, arrays, (float(time), float(dtime)), shape[-1] if len(shape) > 1 else 1, threads, on_failure == "nan"
+                mode, arrays, times, shape[-1] if len(shape) > 1 else 1, threads, on_failure == "nan", frame
             )
             if refused and on_failure == "raise":
                 raise UpdateFailed(self.name, refused)
@@ -399,10 +459,16 @@ class Law:
             warnings.warn(f"{self.name} is called with NTENS = 6: {reason}", stacklevel=2)
         if refused:
             points = [point for point, _, _ in refused]
-            for name in ("stress", "tangent"):
+            for name in ("stress", "tangent", "heat"):
                 if name in arrays:
                     arrays[name][points] = np.nan
-        return Update(targets["stress"], targets["state"], targets.get("tangent"), targets.get("energies"))
+        coupling = self._heat_of(arrays["heat"].reshape(*shape, -1), components) if heat else None
+        return Update(targets["stress"], targets["state"], targets.get("tangent"), targets.get("energies"), coupling)
+
+    @staticmethod
+    def _heat_of(values: Array, components: int) -> Heat:
+        ddsddt, drplde = values[..., 2 : 2 + components], values[..., 2 + components :]
+        return Heat(values[..., 0], ddsddt, drplde, values[..., 1])
 
     def _check_length(self, props: NDArray[np.float64], length: ArrayLike | None) -> None:
         """Refuses that the length is missing: no law would know that the one which it then gets is nobody's."""

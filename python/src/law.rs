@@ -5,7 +5,7 @@ use crate::errors::{Exception, case_error, of_panic, without_panic, wrong};
 use crate::points::{Given, Inputs, Refused, Rows, Work, numbers};
 use crate::run::with_stack;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2};
-use pullout_case::{ALL_LAWS, hint, not_found, props_from_json};
+use pullout_case::{ALL_LAWS, frame_from_json, hint, not_found, props_from_json};
 use pullout_run::PLUGIN_STACK;
 use pullout_run::program::Mode;
 use pullout_run::{isolation, sources};
@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use umat_abi::host::{
-    self, ExternalDatabases, Found, InitialPoint, InitialStates, InitialStresses, Library, LoadError, Manner,
+    self, ExternalDatabases, Found, Frame, InitialPoint, InitialStates, InitialStresses, Library, LoadError, Manner,
     Parameter, Validation,
 };
 use umat_abi::law::StressState;
@@ -78,6 +78,8 @@ pub struct Plugin {
     analysis: Arc<Mutex<Analysis>>,
     /// Why calls with the components of a plane go through six instead, once trial calls have told.
     planes: Mutex<Vec<(StressState, Option<String>)>>,
+    /// The frame that was read last, with the text and the mode that it is of.
+    frame: Mutex<Option<(String, Mode, Option<Arc<Frame>>)>>,
 }
 
 #[pymethods]
@@ -101,6 +103,7 @@ impl Plugin {
                 has_stack: has_stack || isolation::is_shipped(&path),
                 analysis: Analysis::of(&library),
                 planes: Mutex::default(),
+                frame: Mutex::default(),
                 library,
             })
         })
@@ -138,7 +141,9 @@ impl Plugin {
     }
 
     /// Fills stresses and states, a row a point, with what the library's SIGINI and SDVINI say of points at the start; one that the
-    /// library has not leaves its array as it is. `coords`: a row a point, or one for all.
+    /// library has not leaves its array as it is. `coords`: a row a point, or one for all. `frame`: as of [`Self::evaluate`].
+    #[allow(clippy::too_many_arguments, reason = "Python names them")]
+    #[pyo3(signature = (mode, coords, per_element, stress, state, frame=""))]
     fn initial(
         &self,
         py: Python<'_>,
@@ -147,9 +152,11 @@ impl Plugin {
         per_element: usize,
         mut stress: PyReadwriteArray2<'_, f64>,
         mut state: PyReadwriteArray2<'_, f64>,
+        frame: &str,
     ) -> PyResult<()> {
         without_panic(|| {
             let (mode, _) = self.mode(mode)?;
+            let frame = self.frame(frame, mode)?;
             let (count, components) = stress.as_array().dim();
             let nstatv = state.as_array().ncols();
             let (stress, state) = (stress.as_slice_mut()?, state.as_slice_mut()?);
@@ -168,7 +175,11 @@ impl Plugin {
                         state[k * nstatv..(k + 1) * nstatv].copy_from_slice(&states.of_point(&point)?);
                     }
                     if !stresses.are_zero() {
-                        let values = stresses.of_point(&point, mode.element_type())?;
+                        let mut values = stresses.of_point(&point, mode.element_type())?;
+                        if let Some(frame) = &frame {
+                            // SIGINI speaks of the local axes
+                            frame.stress_outside(&mut values, mode.stress_state());
+                        }
                         stress[k * components..(k + 1) * components].copy_from_slice(&values);
                     }
                 }
@@ -179,11 +190,13 @@ impl Plugin {
     }
 
     /// Updates points: each row of an array is one, and an input with one row is that of all. Of `arrays`, by name, `stress`, `state` and,
-    /// if they are there, `energies` are those of the start and become those of the end, `tangent` becomes that of the end; what came
-    /// in stays where a point is refused. A point whose input is not finite is refused if it may be, else an error.
+    /// if they are there, `energies` are those of the start and become those of the end, `tangent` and `heat` (RPL, DRPLDT, DDSDDT,
+    /// DRPLDE) become those of the end; what came in stays where a point is refused. `frame`: what a case's material says of `expansion`,
+    /// `shrinkage` and `orientation`, as JSON, or nothing. A point whose input is not finite is refused if it may be, else an error.
     ///
     /// The result: the points that are refused, and why calls in a plane go through six components, if they do.
     #[allow(clippy::too_many_arguments, reason = "Python names them")]
+    #[pyo3(signature = (mode, arrays, time, per_element, threads, may_refuse, frame=""))]
     fn evaluate(
         &self,
         py: Python<'_>,
@@ -193,17 +206,20 @@ impl Plugin {
         per_element: usize,
         threads: usize,
         may_refuse: bool,
+        frame: &str,
     ) -> PyResult<(Vec<Refused>, Option<String>)> {
         without_panic(|| {
-            let state = self.mode(mode)?.0.stress_state();
+            let case_mode = self.mode(mode)?.0;
+            let state = case_mode.stress_state();
+            let frame = self.frame(frame, case_mode)?;
             let components = state.components().len();
-            let mut results = [None, None, None, None];
-            for (result, name) in results.iter_mut().zip(["stress", "state", "tangent", "energies"]) {
+            let mut results = [None, None, None, None, None];
+            for (result, name) in results.iter_mut().zip(["stress", "state", "tangent", "energies", "heat"]) {
                 let array = arrays.get_item(name)?;
                 *result = array.map(|array| array.extract::<PyReadwriteArray2<'_, f64>>()).transpose()?;
             }
             let count = results[0].as_ref().map_or(0, |stress| stress.as_array().nrows());
-            let [stress, states, tangent, energies] = results.each_mut().map(Option::as_mut);
+            let [stress, states, tangent, energies, heat] = results.each_mut().map(Option::as_mut);
             let fits = |array: &PyReadwriteArray2<'_, f64>, width| array.as_array().dim() == (count, width);
             let (Some(stress), Some(states)) = (stress, states) else {
                 return Err(PyKeyError::new_err("stress, state"));
@@ -212,7 +228,8 @@ impl Plugin {
             let all_fit = fits(stress, components)
                 && states.as_array().nrows() == count
                 && tangent.as_ref().is_none_or(|array| fits(array, components * components))
-                && energies.as_ref().is_none_or(|array| fits(array, 3));
+                && energies.as_ref().is_none_or(|array| fits(array, 3))
+                && heat.as_ref().is_none_or(|array| fits(array, 2 + 2 * components));
             let rows = Rows {
                 first: 0,
                 count,
@@ -220,6 +237,7 @@ impl Plugin {
                 state: states.as_slice_mut()?,
                 tangent: tangent.map(|array| array.as_slice_mut()).transpose()?,
                 energies: energies.map(|array| array.as_slice_mut()).transpose()?,
+                heat: heat.map(|array| array.as_slice_mut()).transpose()?,
             };
             let mut read = Vec::new();
             for (name, width) in GIVEN {
@@ -271,7 +289,8 @@ impl Plugin {
             }
             let (six, inputs) = (reason.is_some(), inputs);
             let make = |props: &[f64]| {
-                let mut call = self.plugin(nstatv, props, six).umat(state)?;
+                let plugin = host::Plugin { frame: frame.clone(), ..self.plugin(nstatv, props, six) };
+                let mut call = plugin.umat(state)?;
                 inputs.prepare(&mut call);
                 Ok(call)
             };
@@ -331,6 +350,23 @@ impl Plugin {
             }
             _ => Ok(found),
         }
+    }
+
+    /// The frame that a text says for points of a mode; `None`: the law sees what its caller has.
+    fn frame(&self, text: &str, mode: Mode) -> PyResult<Option<Arc<Frame>>> {
+        if text.is_empty() {
+            return Ok(None);
+        }
+        let mut last = self.frame.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((known, of_mode, frame)) = &*last
+            && (known.as_str(), *of_mode) == (text, mode)
+        {
+            return Ok(frame.clone());
+        }
+        let material: Value = serde_json::from_str(text).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let frame = frame_from_json(&material, mode).map_err(|problems| case_error(&problems))?;
+        *last = Some((text.to_owned(), mode, frame.clone()));
+        Ok(frame)
     }
 
     fn analysis(&self) -> MutexGuard<'_, Analysis> {

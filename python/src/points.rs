@@ -2,7 +2,7 @@
 
 use crate::errors::{Exception, wrong};
 use pyo3::prelude::*;
-use umat_abi::host::{LawDescription, LoadError, UmatCall, Validation, judge};
+use umat_abi::host::{Heat, LawDescription, LoadError, UmatCall, Validation, judge};
 use umat_abi::law::Request;
 
 /// A point that could not be updated: its index, the reason, the fraction of the increment that is worth a try.
@@ -81,6 +81,8 @@ pub struct Rows<'a> {
     pub tangent: Option<&'a mut [f64]>,
     /// SSE, SPD and SCD, if they are wanted.
     pub energies: Option<&'a mut [f64]>,
+    /// RPL, DRPLDT, DDSDDT and DRPLDE, if they are wanted.
+    pub heat: Option<&'a mut [f64]>,
 }
 
 /// NOEL and NPT of a point.
@@ -198,6 +200,7 @@ impl Rows<'_> {
         let [state, rest_state] = half(self.state);
         let (tangent, rest_tangent) = self.tangent.map(|values| half(values).into()).unzip();
         let (energies, rest_energies) = self.energies.map(|values| half(values).into()).unzip();
+        let (heat, rest_heat) = self.heat.map(|values| half(values).into()).unzip();
         let behind = Self {
             first: self.first + count,
             count: rest,
@@ -205,8 +208,9 @@ impl Rows<'_> {
             state: rest_state,
             tangent: rest_tangent,
             energies: rest_energies,
+            heat: rest_heat,
         };
-        [Self { first: self.first, count, stress, state, tangent, energies }, behind]
+        [Self { first: self.first, count, stress, state, tangent, energies, heat }, behind]
     }
 
     /// Calls the law for each row.
@@ -265,6 +269,11 @@ impl Rows<'_> {
             self.state[states].copy_from_slice(call.statev());
             if let Some(energies) = &mut self.energies {
                 energies[3 * k..3 * k + 3].copy_from_slice(&call.energies);
+            }
+            if let Some(heat) = &mut self.heat {
+                let Heat { rpl, ddsddt, drplde, drpldt } = call.heat();
+                let values = [&[rpl, drpldt], &ddsddt[..components], &drplde[..components]].concat();
+                heat[k * values.len()..(k + 1) * values.len()].copy_from_slice(&values);
             }
             if let Some(tangent) = &mut self.tangent {
                 let size = components * components;

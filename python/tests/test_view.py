@@ -59,13 +59,17 @@ const timer = setInterval(() => {
   found.names = [...viewer.querySelectorAll("canvas, button, select, input")].filter((control) =>
     !(control.getAttribute("aria-label") || control.textContent.trim() && control.tagName === "BUTTON" || control.closest("label")));
   found.names = found.names.map((control) => control.outerHTML);
-  setTimeout(() => {
+  // the viewer draws with the next frame of the browser, which a busy machine gives late
+  let looks = 0;
+  const later = setInterval(() => {
+    if (!part("told").textContent.startsWith("end: ") && ++looks < 500) return;
+    clearInterval(later);
     [found.end, found.clipped] = [part("told").textContent, part("most").textContent];
     const result = document.createElement("pre");
     result.id = "found";
     result.textContent = JSON.stringify(found);
     document.body.replaceChildren(result);
-  }, 500);
+  }, 20);
 }, 20);
 </script>"""
 

@@ -70,13 +70,13 @@ entry_point! {
         spd: *mut f64,
         /// out: 0.
         scd: *mut f64,
-        /// heat generation; not touched.
+        /// out: heat generation per volume and time; 0 at the start, not touched by our laws.
         rpl: *mut f64,
-        /// `(ntens)` not touched.
+        /// `(ntens)` out: d stress / d temperature; as RPL.
         ddsddt: *mut f64,
-        /// `(ntens)` not touched.
+        /// `(ntens)` out: d RPL / d strain, engineering shear; as RPL.
         drplde: *mut f64,
-        /// not touched.
+        /// out: d RPL / d temperature; as RPL.
         drpldt: *mut f64,
         /// `(ntens)` total strain at the start, engineering shear.
         stran: *const f64,

@@ -31,6 +31,9 @@ const SOURCES: [(&str, &str); 4] = [
     ("share/doc/pullout/LICENSE-APACHE", "LICENSE-APACHE"),
 ];
 
+/// Where the workspace's cases are put: `pullout examples` looks there.
+const CASES: &str = "share/pullout/cases";
+
 /// The licences of others, and the list of what is from others.
 const LICENCES: &str = "share/doc/pullout/THIRD-PARTY.txt";
 const BILL: &str = "share/doc/pullout/pullout.cdx.json";
@@ -76,6 +79,12 @@ pub fn beside_the_program(workspace: &Path, products: &Products, prefix: &Path) 
     }
     for (to, from) in SOURCES {
         put(&workspace.join(from), prefix.join(to))?;
+    }
+    let cases = workspace.join("cases");
+    let found = files_below(&cases).map_err(|error| format!("{}: {error}", cases.display()))?;
+    for from in found {
+        let to = prefix.join(CASES).join(from.strip_prefix(&cases).map_err(|error| error.to_string())?);
+        put(&from, to)?;
     }
     let version = env!("CARGO_PKG_VERSION");
     let others = licences::packages(workspace)?;

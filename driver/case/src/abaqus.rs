@@ -15,11 +15,17 @@ pub(crate) const VALUES_A_LINE: usize = 8;
 /// # Errors
 /// In words, if the defaults of its metadata make no PROPS.
 pub fn input(law: &LawDescription) -> Result<String, String> {
-    let props = defaults(law)?;
-    let mut text = format!(
-        "** {} {}: {}\n** Units N, mm, MPa. Default values: put in your own.\n",
-        law.name, law.version, law.description
-    );
+    Ok(written(law, &defaults(law)?, " Default values: put in your own."))
+}
+
+/// The same with these PROPS.
+pub fn with_props(law: &LawDescription, props: &[f64]) -> String {
+    written(law, props, "")
+}
+
+/// The blocks below a head that ends with a remark.
+fn written(law: &LawDescription, props: &[f64], remark: &str) -> String {
+    let mut text = format!("** {} {}: {}\n** Units N, mm, MPa.{remark}\n", law.name, law.version, law.description);
     if law.has(flags::USES_CELENT) {
         text.push_str("** Reads CELENT, the characteristic element length.\n");
     }
@@ -50,7 +56,7 @@ pub fn input(law: &LawDescription) -> Result<String, String> {
                  PROPERTIES={properties}{unsymmetric}\n1.0,"
             ),
         };
-        constants(&mut text, law, &props);
+        constants(&mut text, law, props);
         if kind == kinds::UMAT && depvar > 0 {
             let _ = writeln!(text, "*DEPVAR\n{depvar},");
         }
@@ -61,7 +67,7 @@ pub fn input(law: &LawDescription) -> Result<String, String> {
         }
     }
     let _ = writeln!(text, "** entry points: {}", law.entry_points().join(", "));
-    Ok(text)
+    text
 }
 
 /// PROPS of the defaults, with the fewest occurrences of the repeating group.

@@ -438,6 +438,8 @@ pub struct Output {
     pub plots: Option<bool>,
     /// Write VTU files (kinds with a mesh only).
     pub vtu: Option<bool>,
+    /// Show what UMAT returns for steps coupled with a temperature: RPL, DDSDDT, DRPLDE and DRPLDT (points only, default false).
+    pub heat: Option<bool>,
 }
 
 /// Increments that are repeated.

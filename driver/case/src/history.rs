@@ -3,7 +3,6 @@
 use crate::document::{self, Piece};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use crate::table::CsvFile;
 use pullout_run::program::{self, About};
 use std::path::Path;
 
@@ -124,7 +123,8 @@ fn compare(
 fn points(reader: &mut Reader<'_>, curve: &document::Compare, place: &Place) -> Option<Vec<(f64, f64)>> {
     let place_of_file = place.key("file");
     let path = reader.file(&curve.file, &place_of_file)?;
-    let csv = reader.without_problems(CsvFile::read(&path), &place_of_file)?;
+    let csv = reader.csv(&path);
+    let csv = reader.without_problems(csv, &place_of_file)?;
     let mut find = |name: &str, key: &str| {
         let index = csv.header.iter().position(|column| column == name);
         if index.is_none() {

@@ -31,7 +31,7 @@ mod validation;
 
 pub use document::{Piece, Positive, study, sweep};
 pub use json::dotted;
-pub use plugin::{ALL_LAWS, not_found, where_to_look};
+pub use plugin::{ALL_LAWS, frame_from_json, not_found, where_to_look};
 pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind, hint};
 pub use props::props_from_json;
 pub use read::{

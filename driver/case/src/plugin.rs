@@ -2,6 +2,8 @@
 
 mod frame;
 
+pub use frame::frame_from_json;
+
 use crate::document::{CalledAs, Entry, Material, Piece, Positive, Props, Tangent};
 use crate::host_normal;
 use crate::problem::{Place, Problem, hint, nearest};

@@ -75,7 +75,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
             },
         )
     });
-    let columns = plugin.as_ref().map(|plugin| columns::of_point(nlgeom, &plugin.state_names()));
+    let heat = shows_heat(case.path.output.as_ref());
+    let columns = plugin.as_ref().map(|plugin| columns::of_point(nlgeom, heat, &plugin.state_names()));
     let measure = measure(reader, case.measure.as_ref(), nlgeom);
     if let (Some(Mode::PlaneStress), true, Some(plugin)) = (mode, nlgeom, &plugin) {
         check_thickness(reader, plugin, measure);
@@ -121,9 +122,15 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         reader.warn_no_effect(&root.key("temperature"), reason);
     }
     let kind = mode.map(|mode| {
-        Kind::Point(PointProgram { mode, nlgeom, measure, initial, arguments: arguments.unwrap_or_default(), steps })
+        let arguments = arguments.unwrap_or_default();
+        Kind::Point(PointProgram { mode, nlgeom, measure, heat, initial, arguments, steps })
     });
     Resolved { plugin, kind, columns, characteristic_length }
+}
+
+/// Returns whether the history shows RPL and its derivatives; what is wrong with the output is told with the rest of it.
+fn shows_heat(output: Option<&Piece<document::Output>>) -> bool {
+    matches!(output, Some(Piece(Ok(output))) if output.heat == Some(true))
 }
 
 fn measure(reader: &mut Reader<'_>, given: Option<&Piece<Measure>>, nlgeom: bool) -> Measure {

@@ -376,6 +376,9 @@ fn finish<S>(
     if output.vtu == Some(true) {
         reader.warn("output.vtu: a case of this kind has no mesh; no VTU file is written".into());
     }
+    if output.heat.is_some() && matches!(resolved.kind, Some(program::Kind::Interface(_))) {
+        reader.warn_no_effect(&root.key("output").key("heat"), "a contact law returns none of it");
+    }
     let limits = reader.optional(given.controls.as_ref(), &root.key("controls")).cloned().unwrap_or_default();
     let default = program::Controls::default();
     let limit = |given: Option<usize>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);

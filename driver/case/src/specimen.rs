@@ -5,7 +5,7 @@ use crate::document::pullout as document;
 use crate::problem::{Place, hint};
 use crate::reader::{Reader, Taken};
 use crate::{history, increments, plugin};
-use boundary::Boundary;
+use boundary::{Boundary, Drives};
 use fe_core::mesh::{Element, Mesh};
 use fe_core::model::{ContactLaw, Controls, Model, PluginLaw, Skipping, Spalling};
 use fe_core::stepping::Analysis;
@@ -17,6 +17,7 @@ use pullout_run::pullout::{PictureAt, PulloutProgram};
 use std::path::Path;
 use umat_abi::host::ExternalDatabases;
 
+mod bearing;
 mod boundary;
 mod contact;
 mod couplings;
@@ -29,7 +30,7 @@ mod steps;
 
 /// Increments between two written fields, unless the case says otherwise.
 const FIELDS_EVERY: usize = 10;
-/// Plastic strain beyond which a steel fibre counts as ruptured, unless the case says otherwise (an assumption).
+/// Mean axial strain of a section beyond which a steel fibre counts as ruptured, unless the case says otherwise (an assumption).
 const RUPTURE_STRAIN: f64 = 0.03;
 /// Slip over which torn matter bears nothing before it is released, and over which its forces fade, where a case does not
 /// say, mm.
@@ -43,11 +44,12 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let checked = ground.as_ref().and_then(|ground| mesh::checked(reader, ground));
     let scene = Scene { ground: ground.as_ref(), mesh: checked.as_ref(), loose: &[] };
     let parts = parts::resolve(reader, case, scene);
-    let contacts = contact::resolve(reader, case, scene);
+    let mut drives = Drives::default();
+    let contacts = contact::resolve(reader, case, scene, &mut drives);
     let couplings = couplings::resolve(reader, case, scene);
     let mut loose = checked.as_ref().map(Mesh::free_nodes).unwrap_or_default();
     loose.retain(|&node| !couplings.iter().any(|coupling| coupling.nodes().any(|coupled| coupled == node)));
-    let mut boundary = boundary::resolve(reader, case, Scene { loose: &loose, ..scene });
+    let mut boundary = boundary::resolve(reader, case, Scene { loose: &loose, ..scene }, drives);
     let initial_drives = initial_drives(reader, case, &mut boundary);
     let steps = steps::resolve(reader, case, &mut boundary);
     let fields = steps::fields(reader, case, &steps);
@@ -65,6 +67,10 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let skipping = skipping(reader, case);
     let Boundary { drives, supports, loads, mut measured } = boundary;
     let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
+    let bearings = contact::bearings(reader, case);
+    let matrix = mesh.parts().iter().position(|part| part.name == mesh::MATRIX).map(|part| (part, &parts.laws[part]));
+    let scene = Scene { ground: ground.as_ref(), mesh: Some(&mesh), loose: &[] };
+    bearing::fill(reader, &bearings, &mut contacts, scene, matrix);
     let ground = ground?;
     let lines = contact::interface_lines(&contacts, &ground.specimen.contact_pairs);
     let part_at =
@@ -76,13 +82,14 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         fibre.lines = own.map(|(line, _)| line).collect();
     }
     measured.interface_lines = lines.into_values().collect();
+    measured.wires = parts::wires(reader, case, &mesh, &ground.specimen.fibres);
     measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter());
-    let yields = |part: Option<usize>| part.is_some_and(|part| parts.laws[part].equivalent_plastic_strain().is_some());
-    let mut pulled = measured.fibres.iter().map(|fibre| fibre.part).chain([measured.part]);
     let place = root.key("output");
-    match (pulled.any(yields), output.rupture_strain) {
+    let is_open = measured.wires.iter().any(|wire| wire.strength.is_none() && wire.elongation.is_none());
+    match (is_open, output.rupture_strain) {
         (false, Some(_)) => {
-            reader.warn_no_effect(&place.key("rupture_strain"), "no law of a fibre has the state 'peeq'");
+            let reason = "no fibre is without a strength and an elongation of its own";
+            reader.warn_no_effect(&place.key("rupture_strain"), reason);
         }
         (true, None) => reader.note_defaults(&place, &[format!("rupture_strain = {RUPTURE_STRAIN}")]),
         _ => {}

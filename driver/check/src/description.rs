@@ -1,9 +1,10 @@
 //! Plugins in words: what `pullout plugin info` prints.
 
 use pullout_run::isolation;
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
-use umat_abi::host::{LawDescription, Library, Routine, binds_deeply};
+use umat_abi::host::{LawDescription, Library, Parameter, Routine, State, binds_deeply};
 use umat_abi::metadata::{flags, kinds, stress_states};
 
 /// Returns what a library has, in lines: each law by its metadata, or the entry points of a library without; the routines
@@ -67,35 +68,13 @@ fn routines(library: &Library) -> String {
 /// Parameters, states and claims of a law, with an empty line behind them.
 fn of_law(law: &LawDescription, path: &Path) -> String {
     let mut text = format!("{} {}: {}\n{}\n", law.name, law.version, law.description, path.display());
-    let mut modes: Vec<_> = [
-        (stress_states::THREE_D, "3d (NTENS 6)"),
-        (stress_states::PLANE_STRAIN, "plane_strain (NTENS 4)"),
-        (stress_states::AXISYMMETRIC, "axisymmetric (NTENS 4)"),
-        (stress_states::PLANE_STRESS, "plane_stress (NTENS 3)"),
-    ]
-    .into_iter()
-    .filter(|(bit, _)| law.stress_states & bit != 0)
-    .map(|(_, name)| name)
-    .collect();
-    if law.kinds & kinds::UMAT == 0 {
-        modes = vec!["a contact point (NDIR 2 or 3, NFDIR 1 or 2)"];
-    }
-    let claims: Vec<_> = [
-        (flags::SYMMETRIC_TANGENT, "symmetric tangent"),
-        (flags::THREAD_SAFE, "thread-safe"),
-        (flags::USES_CELENT, "uses CELENT"),
-        (flags::FINITE_STRAIN, "finite strain"),
-        (flags::STRESS_ONLY, "stress-only calls"),
-        (flags::PATH_EXACT, "exact for any increment on proportional paths"),
-        (flags::ISOTROPIC, "isotropic"),
-    ]
-    .into_iter()
-    .filter(|(flag, _)| law.has(*flag))
-    .map(|(_, name)| name)
-    .collect();
+    let modes: Vec<_> = match law.kinds & kinds::UMAT {
+        0 => vec!["a contact point (NDIR 2 or 3, NFDIR 1 or 2)".to_owned()],
+        _ => modes(law).map(|(_, name, components)| format!("{name} ({components})")).collect(),
+    };
     let _ = writeln!(text, "Entry points: {}", law.entry_points().join(", "));
     let _ = writeln!(text, "Modes: {}", modes.join(", "));
-    let _ = writeln!(text, "Claims: {}", claims.join(", "));
+    let _ = writeln!(text, "Claims: {}", claims(law).collect::<Vec<_>>().join(", "));
     let _ = writeln!(text, "\nPROPS ({}):", law.parameters.len());
     let header = ["#", "name", "unit", "default", "bounds", "usual", "meaning"].map(String::from);
     let rows = law.parameters.iter().enumerate().map(|(k, p)| {
@@ -129,4 +108,64 @@ fn of_law(law: &LawDescription, path: &Path) -> String {
     }
     text.push('\n');
     text
+}
+
+/// Returns what [`of_library`] says, as JSON: `laws` with their parameters and states, `entry_points`, `routines`.
+pub fn as_json(library: &Library) -> Value {
+    let routine = |routine: &Routine| json!({ "name": routine.name(), "is_called": routine.is_called });
+    json!({
+        "library": library.path(),
+        "is_shipped": isolation::is_shipped(library.path()),
+        "entry_points": library.entry_points(),
+        "laws": library.laws().iter().map(law_as_json).collect::<Vec<_>>(),
+        "routines": library.routines().iter().map(routine).collect::<Vec<_>>(),
+    })
+}
+
+fn law_as_json(law: &LawDescription) -> Value {
+    let parameter = |p: &Parameter| {
+        let choices: Vec<_> = p.choices.iter().map(|c| json!({ "value": c.value, "name": c.name })).collect();
+        // what is not bounded is null
+        json!({
+            "name": p.name, "unit": p.unit, "doc": p.doc, "default": p.default_value, "lower": p.lower, "upper": p.upper,
+            "usual": p.typical, "choices": choices,
+        })
+    };
+    let state = |s: &State| json!({ "name": s.name, "unit": s.unit, "doc": s.doc });
+    json!({
+        "name": law.name,
+        "version": law.version,
+        "description": law.description,
+        "entry_points": law.entry_points(),
+        "modes": modes(law).map(|(_, name, _)| name).collect::<Vec<_>>(),
+        "claims": claims(law).collect::<Vec<_>>(),
+        "parameters": law.parameters.iter().map(parameter).collect::<Vec<_>>(),
+        "group": law.group.as_ref().map(|group| json!({ "name": group.name, "size": group.size, "minimum": group.minimum })),
+        "states": law.states.iter().map(state).collect::<Vec<_>>(),
+    })
+}
+
+/// The modes of a law: flag, name in a case, components.
+fn modes(law: &LawDescription) -> impl Iterator<Item = (u32, &'static str, &'static str)> + '_ {
+    let all = [
+        (stress_states::THREE_D, "3d", "NTENS 6"),
+        (stress_states::PLANE_STRAIN, "plane_strain", "NTENS 4"),
+        (stress_states::AXISYMMETRIC, "axisymmetric", "NTENS 4"),
+        (stress_states::PLANE_STRESS, "plane_stress", "NTENS 3"),
+    ];
+    all.into_iter().filter(|(bit, ..)| law.kinds & kinds::UMAT != 0 && law.stress_states & bit != 0)
+}
+
+/// What a law claims of itself.
+fn claims(law: &LawDescription) -> impl Iterator<Item = &'static str> + '_ {
+    let all = [
+        (flags::SYMMETRIC_TANGENT, "symmetric tangent"),
+        (flags::THREAD_SAFE, "thread-safe"),
+        (flags::USES_CELENT, "uses CELENT"),
+        (flags::FINITE_STRAIN, "finite strain"),
+        (flags::STRESS_ONLY, "stress-only calls"),
+        (flags::PATH_EXACT, "exact for any increment on proportional paths"),
+        (flags::ISOTROPIC, "isotropic"),
+    ];
+    all.into_iter().filter(|(flag, _)| law.has(*flag)).map(|(_, name)| name)
 }

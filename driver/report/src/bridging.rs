@@ -49,7 +49,7 @@ pub fn conclude(
             write_table(directory, beam, &BEAM, program.left_out(), &results.beam)?;
         }
         if !results.scatter.is_empty() {
-            write_table(directory, "scatter.csv", &SCATTER, None, &results.scatter)?;
+            write_table(directory, "scatter.csv", &SCATTER, &[], &results.scatter)?;
         }
     }
     let results = done.as_ref().ok().map(|(.., results)| *results);
@@ -102,7 +102,7 @@ fn write_table<R>(
     directory: &mut ResultDirectory,
     name: &str,
     table: &'static [Column<R>],
-    left_out: Option<Group>,
+    left_out: &[Group],
     rows: &[R],
 ) -> io::Result<()> {
     let mut text = columns::names_without(table, left_out).join(",").into_bytes();

@@ -29,6 +29,12 @@ pub fn at(path: &Path) -> impl FnOnce(io::Error) -> io::Error + '_ {
     move |error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))
 }
 
+/// The error of a build that lacks a feature; `need`: what needs it, with the verb.
+pub fn lacks(need: &str, feature: &str) -> io::Error {
+    let message = format!("{need} the feature `{feature}`: cargo build --release --features {feature}");
+    io::Error::new(io::ErrorKind::Unsupported, message)
+}
+
 /// Least and greatest of numbers; of none ∞ and −∞.
 fn extremes(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     numbers

@@ -134,8 +134,8 @@ impl BridgingProgram {
     }
 
     /// The columns that no beams were made for.
-    pub fn left_out(&self) -> Option<Group> {
-        self.scatter.is_none().then_some(Group::Band)
+    pub fn left_out(&self) -> &'static [Group] {
+        if self.scatter.is_none() { &[Group::Band] } else { &[] }
     }
 
     /// The last opening that results depend on, mm: the case's, or with a beam its last CMOD.

@@ -3,10 +3,11 @@
 //!
 //! A row begins with step and increment and ends with its iterations; what a library's metadata name stands in between.
 
-use Group::{Band, Count, Density, Energy, Gradient, Load, Other, Second, Share, Slip, Strain, Stress};
+use Group::{Band, Count, Coupling, Density, Energy, Gradient, Load, Other, Second, Share, Slip, Strain, Stress};
 use fe_core::model::{FieldValues, MeasuredFibre};
 use fe_core::stepping::{FibreRecord, Record};
 use pullout_bridging::{Average, Load as BeamLoad, Residual};
+use umat_abi::host::Heat;
 
 /// A column of histories whose rows are made of an `R`.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +47,8 @@ pub enum Group {
     Second,
     /// Energies of a point: behind its states.
     Density,
+    /// Heat of a point: behind its energies, where the case asks for it.
+    Coupling,
     /// Parts of the bridging stress.
     Share,
     /// Quantiles of beams made at random: where there are such.
@@ -66,7 +69,7 @@ impl Group {
             Energy => Some(["energy", "N·mm"]),
             Count => Some(["points", ""]),
             Share => Some(["share of σ_{f}", ""]),
-            Gradient | Second | Density | Band | Other => None,
+            Gradient | Second | Density | Coupling | Band | Other => None,
         }
     }
 }
@@ -84,10 +87,12 @@ pub struct PointRow {
     pub gradient: [[f64; 3]; 3],
     /// SSE, SPD, SCD.
     pub energies: [f64; 3],
+    /// RPL and its like, in six components.
+    pub heat: Heat,
 }
 
 /// Columns of a material point.
-pub static POINT: [Column<PointRow>; 25] = [
+pub static POINT: [Column<PointRow>; 39] = [
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |row| row.time),
     // Normal strain along axis 1.
@@ -138,6 +143,34 @@ pub static POINT: [Column<PointRow>; 25] = [
     column("spd", "N·mm/mm³", "spd", Density, |row| row.energies[1]),
     // Energy dissipated by creep, as the law reports it.
     column("scd", "N·mm/mm³", "scd", Density, |row| row.energies[2]),
+    // RPL: heat that the law generates per volume and time.
+    column("rpl", "N·mm/(mm³·s)", "RPL", Coupling, |row| row.heat.rpl),
+    // DRPLDT: derivative of RPL with respect to the temperature.
+    column("drpldt", "N·mm/(mm³·s·K)", "∂RPL/∂T", Coupling, |row| row.heat.drpldt),
+    // DDSDDT: derivative of stress 11 with respect to the temperature.
+    column("ddsddt11", "MPa/K", "∂σ_{11}/∂T", Coupling, |row| row.heat.ddsddt[0]),
+    // DDSDDT: derivative of stress 22 with respect to the temperature.
+    column("ddsddt22", "MPa/K", "∂σ_{22}/∂T", Coupling, |row| row.heat.ddsddt[1]),
+    // DDSDDT: derivative of stress 33 with respect to the temperature.
+    column("ddsddt33", "MPa/K", "∂σ_{33}/∂T", Coupling, |row| row.heat.ddsddt[2]),
+    // DDSDDT: derivative of stress 12 with respect to the temperature.
+    column("ddsddt12", "MPa/K", "∂σ_{12}/∂T", Coupling, |row| row.heat.ddsddt[3]),
+    // DDSDDT: derivative of stress 13 with respect to the temperature.
+    column("ddsddt13", "MPa/K", "∂σ_{13}/∂T", Coupling, |row| row.heat.ddsddt[4]),
+    // DDSDDT: derivative of stress 23 with respect to the temperature.
+    column("ddsddt23", "MPa/K", "∂σ_{23}/∂T", Coupling, |row| row.heat.ddsddt[5]),
+    // DRPLDE: derivative of RPL with respect to normal strain 11.
+    column("drplde11", "N·mm/(mm³·s)", "∂RPL/∂ε_{11}", Coupling, |row| row.heat.drplde[0]),
+    // DRPLDE: derivative of RPL with respect to normal strain 22.
+    column("drplde22", "N·mm/(mm³·s)", "∂RPL/∂ε_{22}", Coupling, |row| row.heat.drplde[1]),
+    // DRPLDE: derivative of RPL with respect to normal strain 33.
+    column("drplde33", "N·mm/(mm³·s)", "∂RPL/∂ε_{33}", Coupling, |row| row.heat.drplde[2]),
+    // DRPLDE: derivative of RPL with respect to engineering shear strain 12.
+    column("drplde12", "N·mm/(mm³·s)", "∂RPL/∂γ_{12}", Coupling, |row| row.heat.drplde[3]),
+    // DRPLDE: derivative of RPL with respect to engineering shear strain 13.
+    column("drplde13", "N·mm/(mm³·s)", "∂RPL/∂γ_{13}", Coupling, |row| row.heat.drplde[4]),
+    // DRPLDE: derivative of RPL with respect to engineering shear strain 23.
+    column("drplde23", "N·mm/(mm³·s)", "∂RPL/∂γ_{23}", Coupling, |row| row.heat.drplde[5]),
 ];
 
 /// The state of a contact point between increments.
@@ -196,7 +229,7 @@ pub static CONTACT: [Column<ContactPoint>; 12] = [
 ];
 
 /// Columns of a specimen.
-pub(crate) static SPECIMEN: [Column<Record>; 33] = [
+pub(crate) static SPECIMEN: [Column<Record>; 35] = [
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |record| record.time),
     // Displacement of the grip along the pull direction.
@@ -264,6 +297,14 @@ pub(crate) static SPECIMEN: [Column<Record>; 33] = [
     column("plastic_strain_max", "", "greatest plastic strain of the fibre", Other, |record| record.plastic_strain),
     // Largest principal stress of the fibre, from tension and bending.
     column("stress_max", "MPa", "greatest stress of the fibre", Other, |record| record.principal_stress),
+    // Largest axial strain of a fibre's section, without that of bending over the exit or in a hook.
+    column("axial_strain_max", "", "greatest mean strain of a section", Other, |record| {
+        record.wires.iter().map(|wire| wire.strain).fold(f64::NAN, f64::max)
+    }),
+    // Largest mean axial stress of a fibre's section, on its initial area.
+    column("axial_stress_max", "MPa", "greatest mean stress of a section", Other, |record| {
+        record.wires.iter().map(|wire| wire.stress).fold(f64::NAN, f64::max)
+    }),
 ];
 
 /// Columns of each of several fibres of a specimen, behind those of the specimen: `load.NAME`.
@@ -416,14 +457,14 @@ pub fn are_of_two_files(known: &[String], one: &str, other: &str) -> bool {
     known.iter().any(|name| name == "cmod") && is_in(&BEAM, one) != is_in(&BEAM, other)
 }
 
-/// Names of the columns of a table but those of one group.
-pub fn names_without<R>(table: &[Column<R>], left_out: Option<Group>) -> Vec<String> {
+/// Names of the columns of a table but those of some groups.
+pub fn names_without<R>(table: &[Column<R>], left_out: &[Group]) -> Vec<String> {
     with(table, left_out).map(|column| column.name.to_owned()).collect()
 }
 
-/// Columns of a table but those of one group.
-pub fn with<R>(table: &[Column<R>], left_out: Option<Group>) -> impl Iterator<Item = &Column<R>> {
-    table.iter().filter(move |column| Some(column.group) != left_out)
+/// Columns of a table but those of some groups.
+pub fn with<'t, R>(table: &'t [Column<R>], left_out: &'t [Group]) -> impl Iterator<Item = &'t Column<R>> {
+    table.iter().filter(move |column| !left_out.contains(&column.group))
 }
 
 const fn column<R>(
@@ -446,27 +487,43 @@ fn framed<'n>(values: impl Iterator<Item = &'n str>) -> Vec<String> {
     LEADING.into_iter().chain(values).chain([LAST]).map(str::to_owned).collect()
 }
 
-/// The columns of a table but those of one group: before the states of a plugin, and behind them the energies, which stand last in
-/// each table.
-fn around_states<R>(table: &[Column<R>], left_out: Option<Group>) -> [impl Iterator<Item = &Column<R>>; 2] {
-    let (before, energies) = table.split_at(table.partition_point(|column| column.group != Density));
+/// The columns of a table but those of some groups: before the states of a plugin, and behind them energies and heat, which stand last
+/// in each table.
+fn around_states<'t, R>(table: &'t [Column<R>], left_out: &'t [Group]) -> [impl Iterator<Item = &'t Column<R>>; 2] {
+    let is_before = |column: &Column<R>| !matches!(column.group, Density | Coupling);
+    let (before, energies) = table.split_at(table.partition_point(is_before));
     [before, energies].map(|columns| with(columns, left_out))
 }
 
-/// The columns of a table, one group left out, with those of a plugin's states before the energies.
-fn with_states<R>(table: &[Column<R>], left_out: Option<Group>, states: &[String]) -> Vec<String> {
+/// The columns of a table, some groups left out, with those of a plugin's states before the energies.
+fn with_states<R>(table: &[Column<R>], left_out: &[Group], states: &[String]) -> Vec<String> {
     let [before, behind] = around_states(table, left_out).map(|columns| columns.map(|column| column.name));
     framed(before.chain(states.iter().map(String::as_str)).chain(behind))
 }
 
-/// The history's columns of a material point, in the order of the CSV; `states` are those of its plugin.
-pub fn of_point(nlgeom: bool, states: &[String]) -> Vec<String> {
-    with_states(&POINT, (!nlgeom).then_some(Gradient), states)
+/// The groups that the history of a material point leaves out.
+pub fn left_out_of_point(nlgeom: bool, heat: bool) -> &'static [Group] {
+    match (nlgeom, heat) {
+        (false, false) => &[Gradient, Coupling],
+        (true, false) => &[Coupling],
+        (false, true) => &[Gradient],
+        (true, true) => &[],
+    }
+}
+
+/// The history's columns of a material point, in the order of the CSV, with those of heat or without; `states` are those of its plugin.
+pub fn of_point(nlgeom: bool, heat: bool, states: &[String]) -> Vec<String> {
+    with_states(&POINT, left_out_of_point(nlgeom, heat), states)
+}
+
+/// The groups that the history of a contact point leaves out.
+pub(crate) fn left_out_of_contact(tangential_directions: usize) -> &'static [Group] {
+    if tangential_directions < 2 { &[Second] } else { &[] }
 }
 
 /// The history's columns of a contact point.
 pub fn of_contact(tangential_directions: usize, states: &[String]) -> Vec<String> {
-    with_states(&CONTACT, (tangential_directions < 2).then_some(Second), states)
+    with_states(&CONTACT, left_out_of_contact(tangential_directions), states)
 }
 
 /// The history's columns of a specimen, of each of several fibres too.
@@ -488,13 +545,7 @@ pub(crate) fn count_in_specimen(fibres: &[MeasuredFibre]) -> usize {
 }
 
 /// Sets the values of a row: those of the table with the states before the energies.
-pub fn fill<R>(
-    table: &[Column<R>],
-    left_out: Option<Group>,
-    row: &R,
-    states: impl Iterator<Item = f64>,
-    to: &mut [f64],
-) {
+pub fn fill<R>(table: &[Column<R>], left_out: &[Group], row: &R, states: impl Iterator<Item = f64>, to: &mut [f64]) {
     let [before, behind] = around_states(table, left_out).map(|columns| columns.map(|column| (column.value)(row)));
     let mut to = to.iter_mut();
     // a loop for each part of the chain: a zip of both would ask for each value which part it is in

@@ -166,6 +166,8 @@ pub struct PointProgram {
     pub nlgeom: bool,
     /// Measure of the strains and stresses of steps and history at finite strain.
     pub measure: Measure,
+    /// Whether the history has RPL and its derivatives.
+    pub heat: bool,
     /// The state before the first step.
     pub initial: PointState,
     /// Arguments that the path leaves open.
@@ -500,7 +502,7 @@ impl Program {
     pub fn columns(&self) -> Vec<String> {
         let states = self.plugin.state_names();
         match &self.kind {
-            Kind::Point(point) => columns::of_point(point.nlgeom, &states),
+            Kind::Point(point) => columns::of_point(point.nlgeom, point.heat, &states),
             Kind::Interface(contact) => columns::of_contact(contact.tangential_directions, &states),
         }
     }

@@ -1,9 +1,12 @@
 //! The command line (docs/reference/command-line.md): what each command does, and the exit codes.
 
 mod bench;
+mod examples;
 mod fit;
 mod import;
 mod isolated;
+mod lab;
+mod new;
 mod pages;
 mod plot;
 mod plugin;
@@ -12,6 +15,7 @@ mod run;
 mod study;
 mod sweep;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use pullout_case::{Case, CaseErrors};
 use pullout_check::build;
@@ -37,6 +41,14 @@ const NO_PLUGIN: u8 = 3;
 /// A check has seen nothing that could have shown an error.
 const NOT_TESTED: u8 = 4;
 
+/// What the program says when it is given nothing to do.
+const FIRST_STEPS: &str = "\
+pullout lab [my_umat.f]     change a law's parameters in the browser and see its curves
+pullout new umat my_umat    files to begin with; also: point, law, bond, fibre, beam, study, sweep
+pullout examples            the cases that came with pullout; pullout run CASE.json runs one
+pullout help                all commands
+";
+
 /// Drives material and contact points through UMAT, UINTER and FRIC plugins.
 #[derive(Debug, Parser)]
 #[command(name = "pullout", version, max_term_width = 100)]
@@ -49,6 +61,12 @@ struct Arguments {
 enum Command {
     /// Run cases; results go to out/<case>/ or --out.
     Run(run::Arguments),
+    /// Write the files of a tutorial to begin with: a UMAT, a law, a fibre, a beam, a study, a sweep.
+    New(new::Arguments),
+    /// List the cases that came with pullout, with what each shows.
+    Examples(examples::Arguments),
+    /// Change a law's parameters and path in the browser, and see its curves and verdict as you type.
+    Lab(lab::Arguments),
     /// Run families of cases on all processors, overlay them, and test what is claimed of them.
     Study(study::Arguments),
     /// Run a case thousands of times and keep numbers: planned once, worked off by any number of processes.
@@ -185,7 +203,10 @@ impl Command {
             Self::Fit(fit) => fit.isolation(),
             // it measures calls in this process
             Self::Bench(_) => Isolation { in_process: true },
-            Self::Sweep { .. }
+            Self::New(_)
+            | Self::Examples(_)
+            | Self::Lab(_)
+            | Self::Sweep { .. }
             | Self::Schema
             | Self::Plot(_)
             | Self::Worker(_)
@@ -206,12 +227,19 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     isolation::this_is_the_program();
     isolation::look_where_it_was_built();
     let line: Vec<OsString> = arguments.into_iter().collect();
+    if line.len() <= 1 {
+        say(FIRST_STEPS);
+        return DONE;
+    }
     let arguments = match Arguments::try_parse_from(&line) {
         Ok(arguments) => arguments,
         Err(message) => {
             // help and version are no errors
             let code = if message.use_stderr() { BAD_INPUT } else { DONE };
             let _ = message.print();
+            if message.kind() == ErrorKind::InvalidSubcommand {
+                line.get(1).and_then(|word| command_for(Path::new(word))).iter().for_each(complain);
+            }
             return code;
         }
     };
@@ -226,6 +254,17 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             FAILED
         }
     }
+}
+
+/// The command that a file alone asks for.
+fn command_for(file: &Path) -> Option<String> {
+    let command = match file.extension()?.to_str()? {
+        "json" if pullout_case::is_study(file) => "study",
+        "json" => "run",
+        _ if umat_abi::host::names_a_file(&file.to_string_lossy()) => "lab",
+        _ => return None,
+    };
+    file.is_file().then(|| format!("for a file: pullout {command} {}", file.display()))
 }
 
 /// Does what a command line without the program's name says; the result is the exit code.
@@ -256,6 +295,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         _ if isolation::worker::is_this_process() => Ok(()),
         Command::Run(arguments) => signals::listen(arguments.parent.is_none()),
         Command::Worker(_) => signals::listen(false),
+        Command::Lab(_) => signals::listen(true),
         Command::Study(_) | Command::Sweep { .. } => signals::listen(true),
         _ => signals::write_beyond_limits_fails(),
     };
@@ -270,6 +310,9 @@ fn act(command: Command, line: &[OsString]) -> u8 {
             }
             Ok(run::run(&arguments))
         }
+        Command::New(arguments) => new::write(&arguments),
+        Command::Examples(arguments) => examples::list(&arguments),
+        Command::Lab(arguments) => lab::run(arguments),
         Command::Study(arguments) => Ok(study::run_all(&arguments)),
         Command::Sweep { action } => sweep::act(&action),
         Command::Check { cases, reading, quiet, before_run, columns } => {

@@ -37,6 +37,9 @@ pub(super) enum Action {
         /// Print as ABAQUS input: keywords, constants in order, state variables.
         #[arg(long)]
         abaqus: bool,
+        /// Print as JSON.
+        #[arg(long, conflicts_with = "abaqus")]
+        json: bool,
         /// Look here first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
@@ -59,8 +62,12 @@ pub(super) fn act(action: &Action, line: &[OsString]) -> Result<u8, Refusal> {
     match action {
         Action::List { of: Some(library), rows: Some(rows), .. } => list_one(library, rows),
         Action::List { plugin_paths, .. } => Ok(list(plugin_paths)),
-        Action::Info { plugin, abaqus, plugin_paths, .. } => {
-            let work = if *abaqus { abaqus_input } else { info };
+        Action::Info { plugin, abaqus, json, plugin_paths, .. } => {
+            let work = match (abaqus, json) {
+                (true, _) => abaqus_input,
+                (_, true) => info_as_json,
+                _ => info,
+            };
             with_library(plugin, plugin_paths, line, work)
         }
         Action::Check(arguments) => check::run(arguments),
@@ -145,6 +152,11 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
 fn info(library: &Library) -> Result<u8, Refusal> {
     let nothing = || no_plugin(format!("{}: has neither metadata nor an entry point", library.path().display()));
     say(&description::of_library(library).ok_or_else(nothing)?);
+    Ok(DONE)
+}
+
+fn info_as_json(library: &Library) -> Result<u8, Refusal> {
+    say(&format!("{:#}\n", description::as_json(library)));
     Ok(DONE)
 }
 

@@ -175,6 +175,10 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
         complain("--restart goes on with one run: name its case alone");
         return BAD_INPUT;
     }
+    if interruption.restart.is_some() && reading.untrusted {
+        complain("--restart goes on with a state that is believed: with --untrusted, run the case from its start");
+        return BAD_INPUT;
+    }
     let threads = arguments.threads.unwrap_or_else(super::processors);
     let threads = match Threads::new(threads) {
         Ok(threads) => threads,
@@ -342,7 +346,7 @@ fn run_case(
     checkpoints: &Checkpoints,
     telling: Telling<'_>,
 ) -> io::Result<(Summary, io::Result<()>)> {
-    let kept = checkpoints.from.as_deref().and_then(|saved| Kept::of(saved, &case.columns()));
+    let kept = checkpoints.from.as_deref().and_then(Kept::of);
     directory.begin(if kept.is_some() { &KEPT } else { &[] })?;
     // a plugin may change the folder in which this process works
     let folder = std::path::absolute(directory.path())?;

@@ -38,12 +38,12 @@ pub(super) enum Action {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
-    /// Write one table of all rows: CSV, or Parquet with the curves.
+    /// Write one table of all rows: CSV, or lines of JSON or Parquet with the curves.
     Collect {
         /// The folder of the sweep.
         #[arg(value_name = "DIR")]
         folder: PathBuf,
-        /// The table, by its name .csv or .parquet; default: CSV to the standard output.
+        /// The table, by its name .csv, .jsonl or .parquet; default: CSV to the standard output.
         #[arg(short, long, value_name = "TABLE")]
         out: Option<PathBuf>,
         /// Replace a file of that name also if it is no table that was collected of this sweep, or was changed since.

@@ -15,15 +15,11 @@ use std::path::{Path, PathBuf};
 pub struct Collection<'s> {
     store: &'s Store,
     path: PathBuf,
-    form: Form,
+    write: Write,
 }
 
-/// Form of a table.
-#[derive(Clone, Copy, Debug)]
-enum Form {
-    Csv,
-    Parquet,
-}
+/// Writes a table in the form that its file has.
+type Write = fn(&Table, &File) -> io::Result<()>;
 
 impl<'s> Collection<'s> {
     /// Makes the file of a table of a store; `overwrite`: whatever is there is replaced.
@@ -34,10 +30,14 @@ impl<'s> Collection<'s> {
         let refused = |message: &str| {
             Err(io::Error::new(io::ErrorKind::InvalidData, format!("--out {}: {message}", path.display())))
         };
-        let form = match path.extension().and_then(|extension| extension.to_str()) {
-            Some("csv") => Form::Csv,
-            Some("parquet") => Form::Parquet,
-            _ => return refused("a table is a .csv or a .parquet"),
+        let write: Write = match path.extension().and_then(|extension| extension.to_str()) {
+            Some("csv") => |table, file| table.write_csv(BufWriter::new(file)),
+            Some("jsonl") => |table, file| table.write_lines(BufWriter::new(file)),
+            #[cfg(feature = "parquet")]
+            Some("parquet") => crate::export::write,
+            #[cfg(not(feature = "parquet"))]
+            Some("parquet") => return Err(pullout_report::lacks("a table in Parquet needs", "parquet")),
+            _ => return refused("a table is a .csv, a .jsonl or a .parquet"),
         };
         if store.has_inside(path) {
             return refused("lies among the files of the sweep itself: choose another --out");
@@ -58,7 +58,7 @@ impl<'s> Collection<'s> {
             }
             Err(error) => return Err(io::Error::new(error.kind(), format!("--out {}: {error}", path.display()))),
         }
-        Ok(Self { store, path: path.into(), form })
+        Ok(Self { store, path: path.into(), write })
     }
 
     /// Writes a table: it appears under its name when it is complete.
@@ -66,13 +66,13 @@ impl<'s> Collection<'s> {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, table: &Table) -> io::Result<()> {
-        let write = |file: &File| match self.form {
-            Form::Csv => table.write_csv(BufWriter::new(file)),
-            Form::Parquet => table.write_parquet(file),
-        };
-        crate::table::replace(&self.path, write, |written| {
-            // one that is too large to be known is replaced only where that is asked for
-            input::hash(written, Input::Mesh).map_or(Ok(()), |content| self.store.note_collected(&content))
-        })
+        crate::table::replace(
+            &self.path,
+            |file| (self.write)(table, file),
+            |written| {
+                // one that is too large to be known is replaced only where that is asked for
+                input::hash(written, Input::Mesh).map_or(Ok(()), |content| self.store.note_collected(&content))
+            },
+        )
     }
 }

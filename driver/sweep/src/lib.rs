@@ -8,6 +8,8 @@ pub mod batch;
 mod claim;
 mod collect;
 mod collection;
+#[cfg(feature = "parquet")]
+mod export;
 mod plan;
 mod run;
 pub mod slurm;

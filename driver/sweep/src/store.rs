@@ -4,7 +4,7 @@
 //! ```text
 //! sweep.json             what is run and kept
 //! files/<sha256>/…       the files that a case names, and libraries that were not built with the program
-//! parts/*.parquet        a row for each run that is over
+//! parts/*.jsonl          a row for each run that is over
 //! replay/<key>.json      the case that repeats what failed
 //! running/…              what workers are at
 //! collected/<sha256>     the contents of tables that were collected, which may be replaced
@@ -143,7 +143,7 @@ impl Store {
         put(&self.folder.join("sweep.json"), serde_json::to_string(sweep)?.as_bytes())
     }
 
-    /// Files with parts of the rows.
+    /// Files with parts of the rows. Those of earlier versions, in Parquet, have rows of other programs, which do not count.
     ///
     /// # Errors
     /// The folder cannot be read.
@@ -154,7 +154,7 @@ impl Store {
         }
         let entries: io::Result<Vec<fs::DirEntry>> = fs::read_dir(folder)?.collect();
         let mut parts: Vec<PathBuf> = entries?.into_iter().map(|entry| entry.path()).collect();
-        parts.retain(|path| !is_hidden(path) && path.extension().is_some_and(|extension| extension == "parquet"));
+        parts.retain(|path| !is_hidden(path) && path.extension().is_some_and(|extension| extension == "jsonl"));
         parts.sort();
         Ok(parts)
     }
@@ -169,24 +169,22 @@ impl Store {
         let new = folder.join(format!(".part{}", unique()?));
         rows.write(&new)?;
         let hash = input::digits(input::hash(&new, Input::Mesh)?);
-        let part = folder.join(format!("{first:07}-{hash}.parquet"));
+        let part = folder.join(format!("{first:07}-{hash}.jsonl"));
         fs::rename(&new, &part).map_err(at(&part))
     }
 
-    /// Reads columns of a part, if its content is what its name says; names of earlier versions say nothing of it.
+    /// Reads columns of a part, if its content is what its name says.
     ///
     /// # Errors
     /// It cannot be read, or is damaged.
     pub(crate) fn part(path: &Path, wants: impl Fn(&str) -> bool) -> io::Result<Table> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        let hash = name.split_once('-').map(|(_, hash)| hash).filter(|hash| is_hash(hash));
-        match hash {
-            Some(hash) if input::digits(input::hash(path, Input::Mesh)?) != hash => Err(io::Error::new(
-                io::ErrorKind::InvalidData,
-                format!("{}: is damaged: remove it, and its runs are run again", path.display()),
-            )),
-            _ => Table::read(path, wants),
+        let hash = input::digits(input::hash(path, Input::Mesh)?);
+        if name.split_once('-').is_some_and(|(_, named)| named == hash) {
+            return Table::read(path, wants);
         }
+        let message = format!("{}: is damaged: remove it, and its runs are run again", path.display());
+        Err(io::Error::new(io::ErrorKind::InvalidData, message))
     }
 
     /// Checks the files that cases name against the hashes that their folders have as names.

@@ -1,19 +1,13 @@
-//! A table in a Parquet file: columns of texts, numbers, counts and lists of numbers.
+//! A table in a file: columns of texts, numbers, counts and lists of numbers, a row each line as an object of JSON.
 
-use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType, ZstdLevel};
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
-use parquet::column::writer::ColumnWriter;
-use parquet::data_type::{ByteArray, DataType};
-use parquet::errors::{ParquetError, Result};
-use parquet::file::properties::WriterProperties;
-use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::file::writer::SerializedFileWriter;
-use parquet::schema::types::{Type, TypePtr};
 use pullout_report::at;
-use std::fs::File;
-use std::io;
+use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, Visitor};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use std::sync::Arc;
 
 /// The values of a column, a row each; `None`: the row has none.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,59 +81,6 @@ impl Column {
             Self::List(_) => None,
         }
     }
-
-    /// The column of the schema.
-    fn field(&self, name: &str) -> Result<TypePtr> {
-        let optional = |kind| Type::primitive_type_builder(name, kind).with_repetition(Repetition::OPTIONAL);
-        Ok(Arc::new(match self {
-            Self::Text(_) => optional(PhysicalType::BYTE_ARRAY).with_logical_type(Some(LogicalType::String)).build()?,
-            Self::Number(_) => optional(PhysicalType::DOUBLE).build()?,
-            Self::Count(_) => optional(PhysicalType::INT64).build()?,
-            Self::List(_) => {
-                let element = Type::primitive_type_builder("element", PhysicalType::DOUBLE)
-                    .with_repetition(Repetition::REQUIRED)
-                    .build()?;
-                let list = Type::group_type_builder("list")
-                    .with_repetition(Repetition::REPEATED)
-                    .with_fields(vec![Arc::new(element)])
-                    .build()?;
-                Type::group_type_builder(name)
-                    .with_repetition(Repetition::REQUIRED)
-                    .with_logical_type(Some(LogicalType::List))
-                    .with_fields(vec![Arc::new(list)])
-                    .build()?
-            }
-        }))
-    }
-
-    fn write(&self, writer: &mut ColumnWriter<'_>) -> Result<usize> {
-        fn levels<T>(values: &[Option<T>]) -> Vec<i16> {
-            values.iter().map(|value| i16::from(value.is_some())).collect()
-        }
-        match (self, writer) {
-            (Self::Text(texts), ColumnWriter::ByteArrayColumnWriter(writer)) => {
-                let values: Vec<ByteArray> = texts.iter().flatten().map(|text| text.as_str().into()).collect();
-                writer.write_batch(&values, Some(&levels(texts)), None)
-            }
-            (Self::Number(numbers), ColumnWriter::DoubleColumnWriter(writer)) => {
-                let values: Vec<f64> = numbers.iter().copied().flatten().collect();
-                writer.write_batch(&values, Some(&levels(numbers)), None)
-            }
-            (Self::Count(counts), ColumnWriter::Int64ColumnWriter(writer)) => {
-                let values: Vec<i64> = counts.iter().copied().flatten().collect();
-                writer.write_batch(&values, Some(&levels(counts)), None)
-            }
-            (Self::List(lists), ColumnWriter::DoubleColumnWriter(writer)) => {
-                let (mut defined, mut repeated) = (Vec::new(), Vec::new());
-                for list in lists {
-                    defined.extend(std::iter::repeat_n(i16::from(!list.is_empty()), list.len().max(1)));
-                    repeated.extend((0..list.len().max(1)).map(|k| i16::from(k > 0)));
-                }
-                writer.write_batch(&lists.concat(), Some(&defined), Some(&repeated))
-            }
-            _ => Ok(0),
-        }
-    }
 }
 
 /// Named columns of equal length.
@@ -171,66 +112,59 @@ impl Table {
         }
     }
 
-    /// Writes a Parquet file and puts it into its place at once.
+    /// Writes a file of lines and puts it into its place at once.
     ///
     /// # Errors
     /// The table cannot be written.
     pub fn write(&self, path: &Path) -> io::Result<()> {
-        replace(path, |file| self.write_parquet(file), |_| Ok(()))
+        replace(path, |file| self.write_lines(BufWriter::new(file)), |_| Ok(()))
     }
 
-    /// Writes a Parquet file.
-    pub(crate) fn write_parquet(&self, file: &File) -> io::Result<()> {
-        self.write_to(file).map_err(|error| match error {
-            ParquetError::External(error) => error.downcast().map_or_else(io::Error::other, |error| *error),
-            other => io::Error::other(other),
-        })
-    }
-
-    fn write_to(&self, file: &File) -> Result<()> {
-        let fields: Result<Vec<TypePtr>> = self.columns.iter().map(|(name, column)| column.field(name)).collect();
-        let schema = Type::group_type_builder("runs").with_fields(fields?).build()?;
-        let properties = WriterProperties::builder().set_compression(Compression::ZSTD(ZstdLevel::default())).build();
-        let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
-        let mut group = writer.next_row_group()?;
-        for (_, column) in &self.columns {
-            if let Some(mut place) = group.next_column()? {
-                column.write(place.untyped())?;
-                place.close()?;
-            }
+    /// Writes a line for each row; numbers that are not finite are `null`.
+    ///
+    /// # Errors
+    /// The table cannot be written.
+    pub fn write_lines(&self, mut to: impl Write) -> io::Result<()> {
+        for row in 0..self.rows() {
+            serde_json::to_writer(&mut to, &Row { table: self, row })?;
+            to.write_all(b"\n")?;
         }
-        group.close()?;
-        writer.close()?;
-        Ok(())
+        to.flush()
     }
 
-    /// Reads the columns of a Parquet file that this module wrote; `wants`: by their names.
+    /// Reads columns of a file of lines; `wants`: by their names. In lists `null` is NaN.
     ///
     /// # Errors
     /// The file cannot be read.
     pub fn read(path: &Path, wants: impl Fn(&str) -> bool) -> io::Result<Self> {
-        let read = || -> Result<Self> {
-            let reader = SerializedFileReader::new(File::open(path)?)?;
-            let schema = reader.metadata().file_metadata().schema_descr_ptr();
-            let mut table = Self::default();
-            for (index, leaf) in schema.columns().iter().enumerate() {
-                let Some(name) = leaf.path().parts().first().filter(|name| wants(name)) else { continue };
-                let mut column = match (leaf.max_rep_level(), leaf.physical_type()) {
-                    (0, PhysicalType::BYTE_ARRAY) => Column::Text(Vec::new()),
-                    (0, PhysicalType::DOUBLE) => Column::Number(Vec::new()),
-                    (0, PhysicalType::INT64) => Column::Count(Vec::new()),
-                    _ => Column::List(Vec::new()),
-                };
-                for group in 0..reader.num_row_groups() {
-                    let group = reader.get_row_group(group)?;
-                    let rows = usize::try_from(group.metadata().num_rows()).unwrap_or_default();
-                    read_column(&mut column, group.get_column_reader(index)?, rows)?;
-                }
-                table.columns.push((name.clone(), column));
+        let content = fs::read(path).map_err(at(path))?;
+        let mut columns: Vec<(String, Vec<Option<Cell>>)> = Vec::new();
+        let lines = content.split(|byte| *byte == b'\n').filter(|line| !line.is_empty());
+        for (row, line) in lines.enumerate() {
+            let mut json = serde_json::Deserializer::from_slice(line);
+            let cells = Wanted(&wants).deserialize(&mut json).and_then(|cells| json.end().map(|()| cells));
+            let cells = cells.map_err(|error| {
+                let message = format!("{}: row {}: {error}", path.display(), row + 1);
+                io::Error::new(io::ErrorKind::InvalidData, message)
+            })?;
+            for (index, (name, cell)) in cells.into_iter().enumerate() {
+                // rows of a file have their cells in the same order
+                let there = columns.get(index).filter(|(other, _)| *other == name).map(|_| index);
+                let there = there.or_else(|| columns.iter().position(|(other, _)| *other == name));
+                let index = there.unwrap_or_else(|| {
+                    columns.push((name, Vec::new()));
+                    columns.len() - 1
+                });
+                columns[index].1.resize_with(row, || None);
+                columns[index].1.push(cell);
             }
-            Ok(table)
+        }
+        let rows = columns.iter().map(|(_, cells)| cells.len()).max().unwrap_or_default();
+        let column = |(name, mut cells): (String, Vec<Option<Cell>>)| {
+            cells.resize_with(rows, || None);
+            (name, Column::of(cells))
         };
-        read().map_err(|error| io::Error::new(io::ErrorKind::InvalidData, format!("{}: {error}", path.display())))
+        Ok(Self { columns: columns.into_iter().map(column).collect() })
     }
 
     /// Writes a CSV table without the lists.
@@ -273,57 +207,93 @@ fn readable_by_all(file: &File) -> io::Result<()> {
     file.set_permissions(std::fs::Permissions::from_mode(0o644))
 }
 
-/// Values with their levels: whether they are there, and whether they go on with a list.
-type Records<V> = (Vec<V>, [Vec<i16>; 2]);
-
-fn records<T: DataType>(mut reader: ColumnReaderImpl<T>, rows: usize) -> Result<Records<T::T>> {
-    let (mut values, mut defined, mut repeated) = (Vec::new(), Vec::new(), Vec::new());
-    let mut read = 0;
-    while read < rows {
-        let (records, ..) = reader.read_records(rows - read, Some(&mut defined), Some(&mut repeated), &mut values)?;
-        if records == 0 {
-            break;
-        }
-        read += records;
-    }
-    Ok((values, [defined, repeated]))
+/// A row of a table.
+struct Row<'t> {
+    table: &'t Table,
+    row: usize,
 }
 
-/// Puts values where their levels are not 0.
-fn optional<T>(values: Vec<T>, defined: &[i16]) -> impl Iterator<Item = Option<T>> {
-    let mut values = values.into_iter();
-    defined.iter().map(move |&level| if level > 0 { values.next() } else { None })
-}
-
-fn read_column(column: &mut Column, reader: ColumnReader, rows: usize) -> Result<()> {
-    match (column, reader) {
-        (Column::Text(texts), ColumnReader::ByteArrayColumnReader(reader)) => {
-            let (values, [defined, _]) = records(reader, rows)?;
-            let text = |bytes: ByteArray| String::from_utf8_lossy(bytes.data()).into_owned();
-            texts.extend(optional(values, &defined).map(|bytes| bytes.map(text)));
-        }
-        (Column::Number(numbers), ColumnReader::DoubleColumnReader(reader)) => {
-            let (values, [defined, _]) = records(reader, rows)?;
-            numbers.extend(optional(values, &defined));
-        }
-        (Column::Count(counts), ColumnReader::Int64ColumnReader(reader)) => {
-            let (values, [defined, _]) = records(reader, rows)?;
-            counts.extend(optional(values, &defined));
-        }
-        (Column::List(lists), ColumnReader::DoubleColumnReader(reader)) => {
-            let (values, [defined, repeated]) = records(reader, rows)?;
-            for (value, again) in optional(values, &defined).zip(repeated) {
-                if again == 0 {
-                    lists.push(Vec::new());
-                }
-                if let (Some(list), Some(value)) = (lists.last_mut(), value) {
-                    list.push(value);
-                }
+impl Serialize for Row<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut cells = serializer.serialize_map(Some(self.table.columns.len()))?;
+        for (name, column) in &self.table.columns {
+            match column {
+                Column::Text(texts) => cells.serialize_entry(name, &texts[self.row])?,
+                Column::Number(numbers) => cells.serialize_entry(name, &numbers[self.row])?,
+                Column::Count(counts) => cells.serialize_entry(name, &counts[self.row])?,
+                Column::List(lists) => cells.serialize_entry(name, &lists[self.row])?,
             }
         }
-        _ => {}
+        cells.end()
     }
-    Ok(())
+}
+
+/// What a row has of a column.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Cell {
+    Text(String),
+    Count(i64),
+    Number(f64),
+    List(Vec<Option<f64>>),
+}
+
+impl Column {
+    /// The column of cells, of which the first that is there tells the kind.
+    fn of(cells: Vec<Option<Cell>>) -> Self {
+        fn all<V>(cells: Vec<Option<Cell>>, value: impl Fn(Cell) -> Option<V>) -> Vec<Option<V>> {
+            cells.into_iter().map(|cell| cell.and_then(&value)).collect()
+        }
+        match cells.iter().flatten().next() {
+            None | Some(Cell::Text(_)) => {
+                Self::Text(all(cells, |cell| if let Cell::Text(text) = cell { Some(text) } else { None }))
+            }
+            Some(Cell::Count(_)) => {
+                Self::Count(all(cells, |cell| if let Cell::Count(count) = cell { Some(count) } else { None }))
+            }
+            Some(Cell::Number(_)) => {
+                Self::Number(all(cells, |cell| if let Cell::Number(number) = cell { Some(number) } else { None }))
+            }
+            Some(Cell::List(_)) => {
+                let list = |cell| if let Cell::List(list) = cell { Some(list) } else { None };
+                let numbers = |list: Option<Vec<Option<f64>>>| {
+                    list.unwrap_or_default().into_iter().map(|number| number.unwrap_or(f64::NAN)).collect()
+                };
+                Self::List(all(cells, list).into_iter().map(numbers).collect())
+            }
+        }
+    }
+}
+
+/// Reads the cells of a row that are wanted by their names.
+struct Wanted<'w, W>(&'w W);
+
+impl<'de, W: Fn(&str) -> bool> DeserializeSeed<'de> for Wanted<'_, W> {
+    type Value = Vec<(String, Option<Cell>)>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de, W: Fn(&str) -> bool> Visitor<'de> for Wanted<'_, W> {
+    type Value = Vec<(String, Option<Cell>)>;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a row")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<Self::Value, A::Error> {
+        let mut cells = Vec::new();
+        while let Some(name) = members.next_key::<String>()? {
+            if self.0(&name) {
+                cells.push((name, members.next_value()?));
+            } else {
+                members.next_value::<IgnoredAny>()?;
+            }
+        }
+        Ok(cells)
+    }
 }
 
 #[cfg(test)]
@@ -333,10 +303,10 @@ mod test {
     #[test]
     fn a_full_disk_is_told_with_the_name_of_the_file() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let path = folder.path().join("table.parquet");
+        let path = folder.path().join("table.jsonl");
         let table = Table { columns: vec![("a".into(), Column::Number(vec![Some(1.0)]))] };
         let full = File::options().write(true).open("/dev/full").expect("a device");
-        let error = replace(&path, |_| table.write_parquet(&full), |_| Ok(())).expect_err("no space");
+        let error = replace(&path, |_| table.write_lines(&full), |_| Ok(())).expect_err("no space");
         assert_eq!(error.to_string(), format!("{}: No space left on device (os error 28)", path.display()));
     }
 }

@@ -23,6 +23,8 @@ use umat_abi::host;
 const CHUNK: f64 = 30.0;
 /// Most runs in a part unless the user says otherwise.
 const MOST_IN_A_PART: usize = 20_000;
+/// Most numbers of curves in a part: some 600 MB of text, of which a file is read back whole.
+const MOST_NUMBERS: usize = 1 << 25;
 /// Where the user asks for small parts, the rows of others are read again after so many times what it took: a tenth of the time at
 /// most.
 const BETWEEN_READINGS: u32 = 10;
@@ -270,13 +272,17 @@ impl Office<'_> {
 
     /// Puts rows of runs, which stand in the order of `runs`, into the store.
     fn put(&self, runs: &[Due], rows: &[Measured]) -> io::Result<()> {
-        let Some(first) = runs.first().filter(|_| !rows.is_empty()) else { return Ok(()) };
         for (due, row) in runs.iter().zip(rows) {
             if let Some(case) = &row.replay {
                 self.store.keep_replay(&due.key, case)?;
             }
         }
-        self.store.add(&part(self.sweep, &runs[..rows.len()], rows, &self.maker), first.run)
+        let numbers: usize = rows.iter().flat_map(|row| &row.curves).map(Vec::len).sum();
+        let each = rows.len().div_ceil(numbers.div_ceil(MOST_NUMBERS).max(1)).max(1);
+        for (runs, rows) in runs.chunks(each).zip(rows.chunks(each)) {
+            self.store.add(&part(self.sweep, &runs[..rows.len()], rows, &self.maker), runs[0].run)?;
+        }
+        Ok(())
     }
 
     /// Takes blocks of runs until nothing is left; `is_apart`: in children.

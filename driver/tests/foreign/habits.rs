@@ -244,3 +244,30 @@ fn six_components_serve_in_parts() {
         }
     }
 }
+
+/// Pulled and brought back in other increments a plate of a material with right energies is left with a little work of the trapezoidal
+/// sums, and no energy: little of the largest work. What is wrong at the largest is told, in few and in many increments.
+#[test]
+fn work_that_comes_back_is_no_measure_of_energies() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "stiffening.f90", &[]) else { return };
+    let pulled = |name: &str, part: f64, steps: Value| {
+        let stiffening = json!({ "plugin": library, "props": [100.0, 3e5, part], "nstatv": 0 });
+        let elastic = json!({ "plugin": "linear_elastic", "props": { "E": 210e3, "nu": 0.0 } });
+        let case = json!({
+            "kind": "pullout",
+            "title": "A soft layer in a stiff plate",
+            "mesh": { "specimen": {
+                "type": "perpendicular_fibre", "embedded_elements": 4, "interface_size": 3.0, "largest_size": 6.0,
+            } },
+            "parts": { "fibre": { "material": elastic }, "matrix": { "material": stiffening } },
+            "contact": { "law": { "plugin": "bond_slip", "props": { "k_e": 400.0 } } },
+            "steps": steps,
+            "output": { "plots": false, "vtu": false },
+        });
+        super::run(&desk, name, &case)
+    };
+    let back = json!([{ "slip": 0.02, "increments": 4 }, { "slip": 0.0, "increments": 3 }]);
+    let run = pulled("back", 1.0, back);
+    assert!(!warnings(&run).contains("energies that its UMAT reports"), "{}", warnings(&run));
+}

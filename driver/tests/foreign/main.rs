@@ -6,6 +6,7 @@ mod build;
 mod check;
 mod check_around;
 mod components;
+mod coupling;
 mod environment;
 mod finite_strain;
 mod first_errors;
@@ -14,6 +15,7 @@ mod habits;
 mod held;
 mod import;
 mod kept;
+mod lab;
 mod parts;
 mod prints;
 #[path = "../program/mod.rs"]

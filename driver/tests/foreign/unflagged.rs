@@ -151,11 +151,25 @@ fn a_library_of_explicit_alone_is_told_that_nothing_calls_it() {
     assert!(words.contains("it has VUMAT, which this program does not call"), "{words}");
 }
 
-/// NTENS 1 needs a wire; with six components it sets one of 36 entries of DDSDDE.
+/// In its own mode nothing is wrong with a wire; with six components it sets one of 36 entries of DDSDDE.
 #[test]
 fn a_law_of_a_wire() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "wire.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": PROPS, "nstatv": 1 });
+    let wire = point(material, "1d", json!([{ "increments": 4, "target": { "e11": 1e-3 } }]));
+    close(run(&desk, "case", &wire).history.last("s11"), 30.0);
+    let outcome = checked(&desk, &library, &wire, 0);
+    assert_rows(
+        &outcome,
+        &[
+            CONSISTENT,
+            ("outside arrays", "pass", ""),
+            ("tangent entries set", "pass", ""),
+            ("energy balance", "pass", ""),
+        ],
+    );
+    assert!(row(&outcome, "consistent tangent").contains("1d, NTENS 1"), "{}", outcome.stdout);
     let outcome = checked(&desk, &library, &solid(&library, &PROPS), 1);
     assert_rows(&outcome, &[("tangent entries set", "FAIL", "35 unset")]);
 }

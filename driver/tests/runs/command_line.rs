@@ -135,6 +135,57 @@ fn files_that_are_no_cases_are_exit_code_2() {
     }
 }
 
+/// Twenty steps and two curves name one file: it is a pipe, which is empty for whoever reads it a second time.
+#[test]
+fn a_table_that_many_places_name_is_read_once() {
+    let desk = Desk::new();
+    let mut case = elastic();
+    case["steps"] = json!(vec![json!({ "table": "/dev/stdin" }); 20]);
+    let curve = json!({ "file": "/dev/stdin", "x": "e11", "y": "s11", "file_x": "e11", "file_y": "measured" });
+    case["compare"] = json!([curve, curve]);
+    let case = desk.case("case.json", &case);
+    let arguments = ["run", "--quiet", "--set", "output.plots=false", "--out", "out", case.to_str().expect("UTF-8")];
+    fed(&desk, &arguments, "e11,measured\n0.001,1\n0.002,2\n").expect(0);
+    let summary = json(&desk.path("out/summary.json"));
+    assert_eq!(summary["increments"], 40);
+    assert_eq!(summary["compare"].as_array().map(Vec::len), Some(2), "{summary}");
+}
+
+/// What people try out of habit: refused with the option or the place, before anything runs, and with what to do instead.
+#[test]
+fn habits_of_other_programs_are_exit_code_2() {
+    let desk = Desk::new();
+    desk.case("case.json", &elastic());
+    desk.case("study.json", &json!({ "kind": "study", "base": "case.json", "members": [{ "label": "a" }] }));
+    desk.write("commented.json", &format!("{{\n  // of steel\n{}", &elastic().to_string()[1..]));
+    desk.write("data.csv", "slip,load\n0,0\n1,1\n");
+    let bond = ["fit", "bond", "data.csv", "--length", "12"];
+    let refused: [(&[&str], &str); 7] = [
+        (&[&bond[..], &["--diameter", "-1"]].concat(), "--diameter"),
+        (&[&bond[..], &["--diameter", "0"]].concat(), "--diameter"),
+        (&["run", "case.json", "--threads", "0"], "--threads"),
+        (&["run", "case.json", "--threads", "-2"], "--threads"),
+        (&["props", "j2_plasticity"], "pullout plugin info j2_plasticity"),
+        (&["props", "concrete_damage_implex"], "pullout plugin info concrete_damage_implex"),
+        (&["study", "case.json"], "`pullout run`"),
+    ];
+    for (arguments, place) in refused {
+        let outcome = desk.pullout(arguments.iter()).expect(2);
+        assert!(outcome.stderr.contains(place) && outcome.stdout.is_empty(), "{arguments:?}: {}", outcome.stderr);
+    }
+    // kind and place of what is wrong with a file
+    for (file, kind, place) in [("commented.json", "input", Value::Null), ("study.json", "structure", json!("$.kind"))] {
+        desk.pullout(["run", file, "--problems", "problems.json"]).expect(2);
+        let problems = json(&desk.path("problems.json"));
+        assert_eq!((&problems[0]["kind"], &problems[0]["place"]), (&json!(kind), &place), "{problems}");
+        assert_eq!(problems.as_array().expect("a list").len(), 1);
+    }
+    assert!(!desk.has_results());
+    // where results go has a short name
+    desk.pullout(["run", "--quiet", "case.json", "-o", "there"]).expect(0);
+    assert!(desk.path("there/history.csv").is_file());
+}
+
 #[test]
 fn a_plugin_that_cannot_be_loaded_is_exit_code_3() {
     let desk = Desk::new();
@@ -502,4 +553,50 @@ fn slips_of_units_and_defaults_are_told_by_check() {
     let calibrated = ["--E", "31800", "--nu", "0.18", "--ft", "3500", "--fc", "40"];
     let outcome = desk.pullout(["props", "concrete_damage"].iter().chain(&calibrated));
     assert!(outcome.stderr.contains("--ft 3500 is outside the usual range"), "{}", outcome.stderr);
+}
+
+#[test]
+fn nothing_to_do_names_what_to_type_and_a_lone_file_its_command() {
+    let desk = Desk::new();
+    let alone = desk.pullout([""; 0]).expect(0);
+    assert!(["pullout lab", "pullout new", "pullout examples"].iter().all(|command| alone.stdout.contains(command)));
+    desk.case("case.json", &elastic());
+    desk.case("family.json", &json!({ "kind": "study", "base": "case.json", "members": [{ "label": "a" }] }));
+    desk.write("umat.f", "      END\n");
+    for (file, command) in [("case.json", "pullout run case.json"), ("family.json", "pullout study family.json"), ("umat.f", "pullout lab umat.f")] {
+        let outcome = desk.pullout([file]).expect(2);
+        assert!(outcome.stderr.contains(command), "{}", outcome.stderr);
+    }
+    assert!(!desk.pullout(["nothing.json"]).expect(2).stderr.contains("pullout run"));
+    assert!(!desk.has_results());
+}
+
+#[test]
+fn new_files_are_those_of_the_book_and_never_replace_others() {
+    let desk = Desk::new();
+    let kinds = ["point", "umat", "umat-c", "law", "bond", "fibre", "beam", "study", "sweep"];
+    for kind in kinds {
+        let outcome = desk.pullout(["new", kind, kind]).expect(0);
+        let files: Vec<&str> = outcome.stdout.lines().take_while(|line| !line.is_empty()).collect();
+        assert!(!files.is_empty() && files.iter().all(|file| desk.path(file).is_file()), "{}", outcome.stdout);
+        // their libraries are not built yet, and sweeps are checked by their plan
+        for case in files.iter().filter(|file| file.ends_with(".json") && !file.contains("umat") && !file.ends_with("bonds.json")) {
+            desk.pullout(["check", "--quiet", case]).expect(0);
+        }
+    }
+    desk.write("kept/umat.json", "mine");
+    let refused = desk.pullout(["new", "umat", "kept"]).expect(2);
+    assert!(refused.stderr.contains("umat.json") && !desk.path("kept/my_umat.f").exists());
+    assert_eq!(std::fs::read_to_string(desk.path("kept/umat.json")).expect("a file"), "mine");
+}
+
+#[test]
+fn examples_are_listed_with_what_they_show() {
+    let desk = Desk::new();
+    let all = desk.pullout(["examples"]).expect(0).stdout;
+    let listed = all.lines().filter(|line| line.contains(".json")).count();
+    assert!(listed > 100 && all.contains("6.16-full-pull-out.json"), "{all}");
+    let some = desk.pullout(["examples", "AXISYMMETRIC", "fig. 6.14"]).expect(0).stdout;
+    assert!(some.contains("6.14-axisymmetric.json") && some.lines().count() < 12, "{some}");
+    desk.pullout(["examples", "no such word"]).expect(2);
 }

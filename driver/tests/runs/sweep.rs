@@ -49,7 +49,7 @@ fn texts(table: &Table, name: &str) -> Vec<String> {
 
 /// The collected table; stores are also made anew.
 fn collected(desk: &Desk, store: &Path) -> Table {
-    let out = desk.path("all.parquet");
+    let out = desk.path("all.jsonl");
     desk.pullout([
         "sweep".as_ref(),
         "collect".as_ref(),
@@ -73,7 +73,7 @@ fn a_table_comes_back_as_it_was_written() {
             ("list".into(), Column::List(vec![vec![], vec![1.0, 2.0], vec![3.0]])),
         ],
     };
-    let path = desk.path("table.parquet");
+    let path = desk.path("table.jsonl");
     table.write(&path).expect("written");
     assert_eq!(Table::read(&path, |_| true).expect("read"), table);
     let mut csv = Vec::new();
@@ -595,12 +595,12 @@ fn a_table_replaces_no_file_of_the_users() {
     assert_eq!(fs::read_to_string(desk.path("design.csv")).expect("a file"), design);
     for name in ["all.json", "all.txt", "all"] {
         let told = sweep_with(&desk, "collect", &["store", "--out", name], 2);
-        assert!(told.contains(".csv or a .parquet") && !desk.path(name).exists(), "{told}");
+        assert!(told.contains(".csv, a .jsonl or a .parquet") && !desk.path(name).exists(), "{told}");
     }
-    let told = sweep_with(&desk, "collect", &["store", "--out", "store/parts/all.parquet"], 2);
+    let told = sweep_with(&desk, "collect", &["store", "--out", "store/parts/all.jsonl"], 2);
     assert!(told.contains("among the files of the sweep itself"), "{told}");
     // an earlier collection is the program's until it is changed
-    for name in ["all.csv", "all.parquet"] {
+    for name in ["all.csv", "all.jsonl", "all.parquet"] {
         sweep_with(&desk, "collect", &["store", "--out", name], 0);
         sweep_with(&desk, "collect", &["store", "--out", name], 0);
     }

@@ -188,12 +188,9 @@ fn a_shaft_that_enters_a_sleeve_is_clamped_by_it() {
     assert!((load / expected - 1.0).abs() < 5e-3, "{load} N, {expected} N");
 }
 
-/// A fibre that slides under residual friction alone: pulled out, pushed back, pulled out to the last and pushed back again.
-#[test]
-fn a_fibre_that_is_pushed_back_rubs_along_what_is_in_its_hole() {
-    const RESIDUAL: f64 = 0.99;
-    const DIAMETER: f64 = 0.406;
-    const LENGTH: f64 = 12.2;
+/// Ends of steps of a fibre that slides under residual friction alone over `turns`: loads and points past an end; and the largest
+/// error of the energies.
+fn rubbed(turns: [f64; 4]) -> ([[f64; 2]; 4], f64) {
     let bond = json!({ "plugin": "bond_slip", "props": {
         "law": "B", "form": "piecewise", "normal_law": "hard", "p_0": 1000, "delta_N": 0.004, "k_e": 1000,
         "tau_res": RESIDUAL, "mu": 0, "points": [[0.001, 1.0], [0.01, RESIDUAL]],
@@ -202,7 +199,6 @@ fn a_fibre_that_is_pushed_back_rubs_along_what_is_in_its_hole() {
         "type": "perpendicular_fibre", "embedded_elements": 8, "equal_sizes": true, "free_length": 1,
     });
     let material = |modulus: f64| format!("{}", elastic(modulus, 0.0));
-    let turns = [6.0, 0.2, 13.0, 0.2];
     let model = model_of(
         "chapter-6",
         "6.14-plane",
@@ -221,11 +217,41 @@ fn a_fibre_that_is_pushed_back_rubs_along_what_is_in_its_hole() {
             ends[record.step as usize - 1] = [record.load, record.counts.released as f64];
         }
     });
-    let rubs = |slip: f64| RESIDUAL * PI * DIAMETER * (LENGTH - slip);
-    let expected = [rubs(6.0), -rubs(0.2), 0.0, -rubs(0.2)];
+    (ends, energies)
+}
+
+/// MPa.
+const RESIDUAL: f64 = 0.99;
+
+/// The friction of a fibre that is in its hole over this length, N.
+fn rubs(length: f64) -> f64 {
+    const DIAMETER: f64 = 0.406;
+    RESIDUAL * PI * DIAMETER * length
+}
+
+const EMBEDDED: f64 = 12.2;
+
+/// A fibre is pulled out, pushed back, pulled out to the last and pushed back again.
+#[test]
+fn a_fibre_that_is_pushed_back_rubs_along_what_is_in_its_hole() {
+    let (ends, energies) = rubbed([6.0, 0.2, 13.0, 0.2]);
+    let inside = |slip: f64| rubs(EMBEDDED - slip);
+    let expected = [inside(6.0), -inside(0.2), 0.0, -inside(0.2)];
     println!("{ends:?}, {expected:?}, energies {energies:.1e}");
     for ([load, _], expected) in ends.iter().zip(expected) {
-        assert!((load - expected).abs() < 5e-3 * rubs(0.0), "{load} N, {expected} N");
+        assert!((load - expected).abs() < 5e-3 * inside(0.0), "{load} N, {expected} N");
     }
     assert!(ends[1][1] == 0.0 && ends[2][1] == 32.0 && ends[3][1] == 0.0 && energies < 1e-3, "{ends:?} {energies}");
+}
+
+/// A fibre goes to and fro over both ends of its hole: its tail leaves it at one, its head, 1 mm before the face, at the other.
+#[test]
+fn a_fibre_that_slides_past_both_ends_keeps_its_energies() {
+    let (ends, energies) = rubbed([3.0, -3.0, 3.0, -3.0]);
+    let (out, back) = (rubs(EMBEDDED - 3.0), -rubs(EMBEDDED - (3.0 - 1.0)));
+    println!("{ends:?}, {out} N, {back} N, energies {energies:.1e}");
+    for ([load, released], expected) in ends.into_iter().zip([out, back, out, back]) {
+        assert!((load / expected - 1.0).abs() < 5e-3 && released > 0.0, "{load} N, {expected} N");
+    }
+    assert!(energies < 1e-3, "{energies}");
 }

@@ -62,7 +62,7 @@ fn a_limit_point_of_a_load_is_named() {
     let end = run(&loaded, |_, snapshot| reached = snapshot.drives()[0]);
     println!("limit {greatest:.6} N, under the load {reached:.6} N; least {least:.6} N, energies {energies:.1e}");
     let Err(RunError::Failed { trouble, .. }) = end else { panic!("{end:?}") };
-    assert!(trouble.reason.starts_with("limit point") && matches!(trouble.place, Location::Node { .. }), "{trouble}");
+    assert!(trouble.is_limit_point && matches!(trouble.place, Location::Node { .. }), "{trouble}");
     assert!((reached / greatest - 1.0).abs() < 1e-2, "{reached} N, {greatest} N");
     // it snaps through and comes back to 0 work on the other side
     assert!(least < -0.9 * greatest && energies < 2e-3, "{least} {energies}");

@@ -12,6 +12,7 @@ mod drag_out;
 mod grids;
 mod hertz;
 mod hook;
+mod interference;
 mod limit_point;
 mod plane_and_axisymmetric;
 mod pull_out;

@@ -17,6 +17,3 @@ pub(crate) use system::Factor;
 pub use system::{Condensation, System, SystemState};
 pub(crate) use trouble::Setback;
 pub use trouble::{Location, Trouble};
-
-/// Largest count of calls, evaluations or factorisations that is accepted: beyond it counters could overflow.
-pub const GREATEST_COUNT: u64 = 1 << 60;

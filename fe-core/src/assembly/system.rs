@@ -245,20 +245,13 @@ impl System {
         }
     }
 
-    /// Takes over a matrix and makes its factor; `false` if it is of another system.
-    #[must_use]
-    pub(crate) fn set_state(&mut self, state: &SystemState) -> bool {
+    /// Takes over a matrix and makes its factor.
+    pub(crate) fn set_state(&mut self, state: &SystemState) -> Result<(), SolverError> {
         let SystemState { values, contact, blocks, solver } = state;
-        let fits = values.len() == self.matrix.values.len()
-            && values.iter().all(|value| value.is_finite())
-            && contact.is_sound(self.row_count())
-            && blocks.is_sound(self.equations.freedom_count());
-        if fits {
-            self.matrix.values.clone_from(values);
-            self.matrix.contact.clone_from(contact);
-            self.blocks.clone_from(blocks);
-        }
-        fits && self.solver.take_memory(solver, &self.matrix)
+        self.matrix.values.clone_from(values);
+        self.matrix.contact.clone_from(contact);
+        self.blocks.clone_from(blocks);
+        self.solver.take_memory(solver, &self.matrix)
     }
 
     /// Solves in place with the last factor.

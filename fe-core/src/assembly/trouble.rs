@@ -86,7 +86,7 @@ pub(crate) struct Setback {
 impl Setback {
     /// Adds the location.
     pub(crate) fn at(self, place: Location) -> Trouble {
-        Trouble { place, reason: self.reason, fraction: self.fraction }
+        Trouble { place, reason: self.reason, fraction: self.fraction, is_limit_point: false }
     }
 }
 
@@ -100,4 +100,6 @@ pub struct Trouble {
     pub reason: String,
     /// The fraction of the increment to repeat with, 0 < fraction < 1; `None`: no smaller increment will help.
     pub fraction: Option<f64>,
+    /// Whether a load that the step moves has reached its limit point.
+    pub is_limit_point: bool,
 }

@@ -61,7 +61,7 @@ impl Pair {
         let (mut sum, mut area, mut was_open) = (0.0, 0.0, true);
         for (index, kinematics) in self.members(&patch) {
             let (point, state) = (&self.points[index], &self.state.trial.points[index]);
-            let own = kinematics.gap - point.start_gap;
+            let own = kinematics.gap - self.datum(index);
             let by_weight =
                 self.state.weight_slopes[index] * (own - start) * kinematics.along(&kinematics.slip_gradient, change);
             sum += point.area * (state.weight * kinematics.along(&kinematics.gap_gradient, change) + by_weight);

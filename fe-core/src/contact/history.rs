@@ -75,19 +75,6 @@ impl PointState {
         Self { foot, weight, stick: FricCall::STICKING, flags: [-1; 2], ..Self::default() }
     }
 
-    /// Returns whether all are numbers, and the foot is on a master of a size that there is.
-    fn is_sound(&self) -> bool {
-        /// Edges of all rounds about a closed master.
-        const MOST_EDGES: u64 = 1 << 40;
-        let Self { foot, normal, plugin_energies, .. } = self;
-        let place = [foot.coordinate, self.gap, self.slip, self.origin, self.own_gap, self.lean, self.largest_slip];
-        let tractions = [self.weight, self.pressure, self.shear, self.own_pressure, normal.multiplier];
-        let law = [normal.opening, self.inelastic_slip, self.normal_energy, self.own_energy];
-        let sums = [self.work, self.leaning, self.dissipated, self.opening, self.released];
-        let numbers = place.iter().chain(&tractions).chain(&law).chain(&sums).chain(plugin_energies);
-        numbers.copied().all(f64::is_finite) && foot.edge.unsigned_abs() < MOST_EDGES
-    }
-
     /// Returns whether it is past an end of the master, and may come back.
     pub fn is_beyond(&self) -> bool {
         self.weight == 0.0 && !self.apart && !self.gone
@@ -148,13 +135,6 @@ pub(super) struct History {
 }
 
 impl History {
-    /// Returns whether `other` has the same number of points and states and finite values.
-    pub fn fits(&self, other: &Self) -> bool {
-        self.points.len() == other.points.len()
-            && self.statev.len() == other.statev.len()
-            && other.points.iter().all(PointState::is_sound)
-    }
-
     /// Takes another one's numbers without allocating.
     pub fn copy_from(&mut self, other: &Self) {
         self.points.copy_from_slice(&other.points);

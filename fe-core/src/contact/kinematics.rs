@@ -108,19 +108,6 @@ fn right_of([x, y]: [f64; 2]) -> [f64; 2] {
 }
 
 impl Kinematics {
-    /// Returns whether its nodes are among so many, and what the host computes with are numbers.
-    pub fn is_sound(&self, nodes: usize) -> bool {
-        let Self { position, foot, tangent, normal, pull, gap_gradient, slip_gradient, second, .. } = self;
-        let Second { arm, turn, a, b, b_edge, c, coordinate, pull: of_pull, slip } = second;
-        let scalars = [self.gap, self.arc_length, self.lean];
-        let vectors = [position, foot, tangent, normal, slip].into_iter().flatten();
-        let gradients = [pull, gap_gradient, slip_gradient, a, b, b_edge, c, coordinate].into_iter().flatten();
-        let others = [arm, turn].into_iter().flatten().chain(of_pull).chain(&scalars);
-        self.count <= MAX_NODES
-            && self.nodes[..self.count].iter().all(|&node| node < nodes)
-            && vectors.chain(gradients).chain(others).all(|number| number.is_finite())
-    }
-
     /// Evaluates the kinematics of a slave point over its foot.
     ///
     /// # Errors

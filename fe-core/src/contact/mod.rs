@@ -5,6 +5,7 @@ mod exposed;
 mod facets;
 mod foretold;
 mod history;
+mod interference;
 mod kinematics;
 mod law;
 mod normal;
@@ -206,6 +207,7 @@ impl Contact {
                 pair.state.trial.points[index] = pair.booked(index);
             }
             pair.state.committed.copy_from(&pair.state.trial);
+            pair.state.fitted[0] = pair.state.fitted[1];
         }
         self.updates = 0;
         self.foretell_nothing();
@@ -215,6 +217,7 @@ impl Contact {
     pub fn restore(&mut self) {
         for pair in &mut self.pairs {
             pair.state.trial.copy_from(&pair.state.committed);
+            pair.state.fitted[1] = pair.state.fitted[0];
         }
         self.updates = 0;
         self.foretell_nothing();

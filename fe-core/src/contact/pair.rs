@@ -11,7 +11,7 @@ use super::projection::Projection;
 use super::quadrature::ContactPoint;
 use crate::assembly::{Location, Setback, Trouble};
 use crate::mesh::ElementEdge;
-use crate::model::{Enforcement, IncrementContext};
+use crate::model::{Enforcement, Fit, IncrementContext};
 use crate::solver::Blocks;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -52,12 +52,15 @@ pub(super) struct Pair {
     pub law: PointLaw,
     pub enforcement: Enforcement,
     pub penalty: f64,
+    /// Pressure at which the law crushes what is under the contact, MPa; infinite: never.
+    pub bearing_strength: f64,
     pub critical_slip: f64,
     pub state: PairState,
     /// Points that share a gap, in order.
     pub patches: Vec<Range<usize>>,
     pub scratch: Scratch,
     pub release: bool,
+    pub fit: Fit,
     /// Whether feet are looked for from the last ones.
     pub walks: bool,
     /// NSTATV.
@@ -84,12 +87,20 @@ pub(super) struct PairState {
     pub weight_slopes: Vec<f64>,
     /// ∂t_T/∂s of the points, N/mm, of their last evaluation with tangents.
     pub shear_stiffness: Vec<f64>,
+    /// Values of the drive of the interference: committed and on trial.
+    pub fitted: [f64; 2],
 }
 
 impl Pair {
     /// The points on the slave surface of the model with their states on trial.
     pub fn own_points(&self) -> impl Iterator<Item = (&ContactPoint, &PointState)> {
         self.points.iter().zip(&self.state.trial.points).take(self.own)
+    }
+
+    /// Returns the gap of the surfaces at which a point measures 0, mm.
+    pub fn datum(&self, index: usize) -> f64 {
+        let ContactPoint { start_gap, overlap, .. } = self.points[index];
+        start_gap + self.state.fitted[1] * overlap
     }
 
     /// w and dw/ds at an arc length.
@@ -181,10 +192,11 @@ impl Pair {
         }
         self.state.kinematics[index] = Some(kinematics);
         self.state.weight_slopes[index] = slope;
+        let datum = self.datum(index);
         let (start, end) = (&self.state.committed.points[index], &mut self.state.trial.points[index]);
         (end.foot, end.weight, end.slip) = (foot, weight, kinematics.arc_length - start.origin);
         (end.origin, end.apart) = (start.origin, start.apart);
-        (end.own_gap, end.lean) = (kinematics.gap - self.points[index].start_gap, kinematics.lean);
+        (end.own_gap, end.lean) = (kinematics.gap - datum, kinematics.lean);
         end.largest_slip = start.largest_slip.max(end.slip.abs());
         Ok(searched)
     }
@@ -192,15 +204,14 @@ impl Pair {
     /// Returns whether a point past an end lies deeper in the master than what comes over its end: it was not pressed in from
     /// the master's side.
     fn lies_too_deep(&self, index: usize, kinematics: &Kinematics) -> bool {
-        let point = &self.points[index];
-        kinematics.gap - point.start_gap < -ENTERS * point.edge_length
+        kinematics.gap - self.datum(index) < -ENTERS * self.points[index].edge_length
     }
 
     /// Keeps a point past an end of the master: what it has slid does not change until it comes back.
     fn stay_beyond(&mut self, index: usize, foot: Foot, kinematics: &Kinematics) {
         self.state.kinematics[index] = None;
         let start = &self.state.committed.points[index];
-        let own_gap = kinematics.gap - self.points[index].start_gap;
+        let own_gap = kinematics.gap - self.datum(index);
         let origin = kinematics.arc_length - start.slip;
         let lean = kinematics.lean;
         self.state.trial.points[index] = PointState { foot, origin, own_gap, gap: own_gap, lean, ..*start };

@@ -7,6 +7,8 @@ use std::ops::Range;
 /// Part of an edge's length by which a point may lie deeper than its edge does on the mean. Edges that bend with a fibre
 /// stay below it, edges of torn matter turn through the surface.
 const DEEPER: f64 = 0.01;
+/// Depth of the deepest point of an edge over its mean, where concrete is crushed along it more at one end than at the other.
+const CRUSHED: f64 = 2.0;
 /// Fraction of the penalty applied to a point deeper than its edge. Torn matter turns easily; 381 increments instead of 539
 /// with the whole penalty at 45°.
 const SOFTER: f64 = 1e-3;
@@ -70,7 +72,7 @@ impl Pair {
             for index in patch.clone() {
                 let Some(kinematics) = &self.state.kinematics[index] else { continue };
                 let share = weight(index);
-                sum += share * (kinematics.gap - self.points[index].start_gap);
+                sum += share * (kinematics.gap - self.datum(index));
                 area += share;
             }
             (sum, area)
@@ -88,11 +90,13 @@ impl Pair {
     /// The pressure of a point that lies deeper in the master than its patch with this gap by more than [`DEEPER`].
     pub(super) fn press_alone(&mut self, index: usize, shared: f64) {
         let point = &self.points[index];
-        let own = self.state.kinematics[index].as_ref().map_or(shared, |kinematics| kinematics.gap - point.start_gap);
-        let excess = (shared.min(0.0) - own - DEEPER * point.edge_length).max(0.0);
+        let own = self.state.kinematics[index].as_ref().map_or(shared, |kinematics| kinematics.gap - self.datum(index));
+        let excess = (CRUSHED * shared.min(0.0) - own - DEEPER * point.edge_length).max(0.0);
         let state = &mut self.state.trial.points[index];
-        let pressure = SOFTER * self.penalty * excess;
-        (state.own_pressure, state.own_energy) = (pressure, 0.5 * pressure * excess);
+        let stiffness = SOFTER * self.penalty;
+        // what is crushed bears no more
+        let pressure = (stiffness * excess).min(self.bearing_strength);
+        (state.own_pressure, state.own_energy) = (pressure, pressure * (excess - 0.5 * pressure / stiffness));
     }
 
     /// The points of a patch that transmit, or may.
@@ -155,7 +159,7 @@ impl Pair {
             let share = if shared.points == 1 { 1.0 } else { point.area * state.weight / shared.area };
             let slope = point.area * self.state.weight_slopes[index] / shared.area;
             let [[c_pp, c_ps], _] = self.state.tangents[index];
-            let (gap, pressure) = (kinematics.gap - point.start_gap, state.pressure);
+            let (gap, pressure) = (kinematics.gap - self.datum(index), state.pressure);
             stiffness += share * c_pp;
             for i in 0..kinematics.freedom_count() {
                 let (place, sliding) = (places[start + i], kinematics.slip_gradient[i]);
@@ -179,7 +183,7 @@ impl Pair {
             let own = &places[start..start + kinematics.freedom_count()];
             let sliding = &kinematics.slip_gradient;
             let pressure = shared.pressure + state.own_pressure;
-            if state.own_pressure > 0.0 {
+            if state.own_pressure > 0.0 && state.own_pressure < self.bearing_strength {
                 let stiffness = area * SOFTER * self.penalty;
                 for (i, &row) in own.iter().enumerate() {
                     let force = stiffness * kinematics.pull[i];
@@ -188,7 +192,7 @@ impl Pair {
                     }
                     if shared.gap < 0.0 {
                         // −∂ḡ is what presses
-                        (0..count).for_each(|column| block[row * count + column] += force * pressing[column]);
+                        (0..count).for_each(|column| block[row * count + column] += CRUSHED * force * pressing[column]);
                     }
                 }
             }

@@ -31,8 +31,10 @@ pub(super) struct ContactPoint {
     /// Part of ℓ that lies behind the point, mm: in the direction of its edge, and once it is put over the master in that of
     /// the master.
     pub behind: f64,
-    /// Gap at the start that is a fault of the mesh, and is subtracted, mm.
+    /// Gap at the start that is measured as 0, mm: a fault of the mesh, or closed on request.
     pub start_gap: f64,
+    /// Overlap that interference presses out at a drive of 1, mm.
+    pub overlap: f64,
     /// Reference arc length along the slave edges in the order given, mm.
     pub coordinate: f64,
     /// Length of its slave edge, mm.
@@ -112,6 +114,7 @@ impl SlaveEdge {
                 length,
                 behind: (along - share_start).clamp(0.0, length),
                 start_gap: 0.0,
+                overlap: 0.0,
                 coordinate: self.start + along,
                 edge_length,
                 direction: self.direction(at),
@@ -225,6 +228,7 @@ fn node_points(edges: &[SlaveEdge]) -> Vec<ContactPoint> {
                     length: 0.0,
                     behind: 0.0,
                     start_gap: 0.0,
+                    overlap: 0.0,
                     coordinate: edge.start + edge.length(-1.0, at),
                     edge_length,
                     direction: edge.direction(at),

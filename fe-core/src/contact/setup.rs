@@ -11,7 +11,9 @@ use super::patch::Scratch;
 use super::quadrature::{ContactPoint, contact_points, patches};
 use crate::assembly::{Location, Setback};
 use crate::mesh::Mesh;
-use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, ModelError, NormalLaw, Width};
+use crate::model::{
+    ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, Interference, ModelError, NormalLaw, Width,
+};
 use crate::plane::{distance, dot};
 
 /// The largest gap and slip at which a law is asked whether it is bonded, as part of an edge.
@@ -41,6 +43,7 @@ impl Pair {
         let points = contact_points(mesh, pair, &pair.slave, &chain)?;
         let penalty = penalty(mesh, pair, moduli, &points);
         let law = PointLaw::new(pair, penalty, initial)?;
+        let bearing_strength = pair.law.bearing_strength();
         let state_count = match &law {
             PointLaw::Uinter { call, .. } => call.statev().len(),
             PointLaw::Fric { call, .. } => call.statev().len(),
@@ -52,6 +55,7 @@ impl Pair {
             law,
             enforcement: pair.enforcement,
             penalty,
+            bearing_strength,
             critical_slip: pair.critical_slip,
             state: PairState {
                 exposed: Vec::new(),
@@ -61,10 +65,12 @@ impl Pair {
                 tangents: vec![[[0.0; 2]; 2]; points.len()],
                 weight_slopes: vec![0.0; points.len()],
                 shear_stiffness: vec![0.0; points.len()],
+                fitted: [0.0; 2],
             },
             patches: patches(&points),
             scratch: Scratch::default(),
             release: pair.release,
+            fit: pair.fit,
             walks,
             state_count,
             foretold: Foretold::default(),
@@ -151,13 +157,20 @@ impl Pair {
         };
         let is_fault = gap.abs() <= allowed;
         let along = dot(kinematics.tangent, point.direction) >= 0.0;
-        let start_gap = if is_fault { gap } else { 0.0 };
+        let is_pressed_out = matches!(self.fit.interference, Some(Interference { depth: None, .. })) && gap < 0.0;
+        let is_closed = is_fault || is_pressed_out || gap.abs() <= self.fit.closes_within;
+        let start_gap = if is_closed { gap } else { 0.0 };
+        let overlap = match self.fit.interference {
+            Some(Interference { depth: Some(depth), .. }) => depth,
+            Some(_) if is_pressed_out => -gap,
+            _ => 0.0,
+        };
         let behind = if along { point.behind } else { point.length - point.behind };
-        self.points[index] = ContactPoint { start_gap, behind, ..point };
+        self.points[index] = ContactPoint { start_gap, overlap, behind, ..point };
         let (weight, _) = self.weight(index, kinematics.arc_length);
         // past an end there is no surface that it could lie in, or lose its bond to
         let is_over = weight > 0.0;
-        if is_over && !is_fault && gap < 0.0 {
+        if is_over && !is_closed && gap < 0.0 {
             return Err(too_large());
         }
         let mut state = PointState { origin: kinematics.arc_length, ..PointState::new(foot, weight) };
@@ -167,7 +180,7 @@ impl Pair {
             state.status = PointStatus::Released;
         }
         self.state.committed.points.push(state);
-        if is_over && !is_fault && self.is_bonded(index, &kinematics, gap.min(BOND_PROBE * point.edge_length))? {
+        if is_over && !is_closed && self.is_bonded(index, &kinematics, gap.min(BOND_PROBE * point.edge_length))? {
             return Err(too_large());
         }
         Ok(())
@@ -212,6 +225,11 @@ fn check_numbers(pair: &ContactPair) -> Result<(), ModelError> {
     let not_negative = |value: f64| value >= 0.0 && value.is_finite();
     check("the penalty factor", pair.penalty_factor, positive(pair.penalty_factor), "positive")?;
     check("the critical slip", pair.critical_slip, not_negative(pair.critical_slip), "0 or positive")?;
+    let closes = pair.fit.closes_within;
+    check("the gap that is closed", closes, closes >= 0.0, "0 or positive")?;
+    if let Some(Interference { depth: Some(depth), .. }) = pair.fit.interference {
+        check("the interference", depth, depth.is_finite(), "finite")?;
+    }
     if let Width::Given(width) = pair.width {
         check("the contact width", width, positive(width), "positive")?;
     }

@@ -29,6 +29,26 @@ pub struct ContactPair {
     pub master_bends: bool,
     /// Slip up to which the bond is elastic, mm, which limits increments; 0: the law is asked.
     pub critical_slip: f64,
+    /// How the surfaces fit at the start, and are made to.
+    pub fit: Fit,
+}
+
+/// Gaps and overlaps of the mesh that are measured as 0, and an overlap that a drive brings about.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fit {
+    /// Gaps and overlaps of points up to this are measured as 0, mm; others are kept, but for the faults of facets.
+    pub closes_within: f64,
+    /// The interference.
+    pub interference: Option<Interference>,
+}
+
+/// An overlap that the surfaces are pressed apart by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interference {
+    /// The drive that multiplies it.
+    pub drive: usize,
+    /// At a drive of 1, mm, the same everywhere; `None`: each point's overlap in the mesh, which presses nothing at a drive of 0.
+    pub depth: Option<f64>,
 }
 
 /// The law that a contact pair follows.
@@ -43,6 +63,15 @@ pub enum ContactLaw {
         /// The normal law.
         normal: NormalLaw,
     },
+}
+
+impl ContactLaw {
+    /// The pressure at which what is under the contact is crushed, MPa: the parameter of the law that has the role; infinite if it has none.
+    pub(crate) fn bearing_strength(&self) -> f64 {
+        let Self::Uinter(law) = self else { return f64::INFINITY };
+        let place = law.law.as_ref().and_then(|description| description.role("bearing_strength"));
+        place.and_then(|place| law.props.get(place)).copied().filter(|value| *value > 0.0).unwrap_or(f64::INFINITY)
+    }
 }
 
 /// The host's normal laws (`g_N` > 0 open, p > 0 compression).

@@ -44,21 +44,6 @@ pub struct SeriesFiles {
 }
 
 impl SeriesFiles {
-    /// Returns whether a series can have come to it: the names of its increments, one after the other.
-    pub fn is_sound(&self) -> bool {
-        let mut entries = self.entries.iter().peekable();
-        let mut is_next = |part: usize, name: &str| {
-            entries.next_if(|(time, of, file)| *of == part && file == name && time.is_finite()).is_some()
-        };
-        let are_there = (0..self.written).map(names).all(|[solids, contact]| {
-            let is_there = is_next(0, &solids);
-            // without contact there is none
-            is_next(1, &contact);
-            is_there
-        });
-        are_there && entries.next().is_none()
-    }
-
     /// Returns the names, in the order in which they were written.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.entries.iter().map(|(_, _, name)| name.as_str())

@@ -30,21 +30,6 @@ impl Blocks {
         self.ends.push((self.rows.len(), self.values.len()));
     }
 
-    /// Returns whether its parts belong together, all rows are among so many, and all values are numbers.
-    pub(crate) fn is_sound(&self, rows: usize) -> bool {
-        let mut start = (0, 0);
-        let follow = self.ends.iter().all(|&end| {
-            let count = end.0.checked_sub(start.0);
-            let entries = end.1.checked_sub(start.1);
-            start = end;
-            count.is_some_and(|count| count.checked_mul(count) == entries)
-        });
-        follow
-            && start == (self.rows.len(), self.values.len())
-            && self.rows.iter().all(|&row| row < rows)
-            && self.values.iter().all(|value| value.is_finite())
-    }
-
     /// Returns how many there are.
     pub fn len(&self) -> usize {
         self.ends.len()

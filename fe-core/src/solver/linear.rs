@@ -117,20 +117,18 @@ impl LinearSolver {
         (self.factor.map(|(_, symmetry)| symmetry), self.whole.as_ref().map(|whole| whole.pattern.clone()))
     }
 
-    /// Takes over the memory of another solver of the same pattern, and makes its factor of its matrix; `false` if it is that of
-    /// another system, or there is no factor.
+    /// Takes over the memory of another solver of the same pattern, and makes its factor of its matrix.
+    ///
+    /// # Errors
+    ///
+    /// There is no factor.
     pub(crate) fn take_memory(
         &mut self,
         (symmetry, pattern): &(Option<Symmetry>, Option<Pattern>),
         matrix: &SystemMatrix,
-    ) -> bool {
-        if let Some(pattern) = pattern {
-            if !pattern.is_superset_of(&self.pattern) {
-                return false;
-            }
-            self.whole = Some(Whole::over(pattern.clone(), &self.pattern));
-        }
-        symmetry.is_none_or(|symmetry| self.factorise(matrix, symmetry).is_ok())
+    ) -> Result<(), SolverError> {
+        self.whole = pattern.as_ref().map(|pattern| Whole::over(pattern.clone(), &self.pattern));
+        symmetry.map_or(Ok(()), |symmetry| self.factorise(matrix, symmetry).map(drop))
     }
 
     /// Solves K x = `right_side` in place with the last factor, which must be that of `matrix`.

@@ -82,20 +82,6 @@ impl Pattern {
         Self { starts, rows }
     }
 
-    /// Returns whether it is a pattern of its kind, and has all entries of another one.
-    pub(super) fn is_superset_of(&self, other: &Self) -> bool {
-        let Self { starts, rows } = self;
-        let is_of_columns = starts.len() == other.starts.len()
-            && starts.first() == Some(&0)
-            && starts.last() == Some(&rows.len())
-            && starts.is_sorted();
-        let columns = || (0..other.size()).map(|column| (column, self.column(column)));
-        is_of_columns
-            && columns().all(|(_, rows)| rows.is_sorted_by(|a, b| a < b) && rows.iter().all(|&row| row < other.size()))
-            && columns().all(|(column, rows)| rows.iter().all(|&row| self.index(column, row).is_some()))
-            && columns().all(|(column, _)| other.column(column).iter().all(|&row| self.index(row, column).is_some()))
-    }
-
     /// Returns how many equations.
     pub fn size(&self) -> usize {
         self.starts.len() - 1

@@ -5,14 +5,11 @@
 //! checkpoint, as the run does that is restarted from it. So both compute the same to the last bit.
 
 use super::control::StepRun;
-use super::newton::{Equilibrium, EquilibriumState, foreign_state};
+use super::newton::{Equilibrium, EquilibriumState};
 use super::{Analysis, Present, clock};
 use crate::model::{IncrementContext, Model, ModelError};
 use serde::{Deserialize, Serialize};
 use umat_abi::host::ExternalDatabases;
-
-/// Largest count of increments or attempts in a checkpoint: no run counts so far, and with more, counters of 32 bits could overflow.
-pub(super) const MOST_COUNTED: u64 = 1 << 31;
 
 /// State at the end of an increment on which the rest of a run depends.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -38,18 +35,6 @@ impl Checkpoint {
     pub fn place(&self) -> [u32; 2] {
         [self.position.step, self.position.increment]
     }
-
-    /// Returns whether a run of this model can have come to it, as far as the model alone tells: its step, the lengths of arrays,
-    /// and that all are numbers. What solids and contact remember, [`Analysis::resume`] compares with theirs.
-    pub fn fits(&self, model: &Model) -> bool {
-        let Position { step, ref run, increment, step_time } = self.position;
-        let of_model = (step as usize).checked_sub(1).and_then(|index| model.steps.get(index));
-        of_model.is_some_and(|of_model| run.fits(of_model, model))
-            && u64::from(increment) < MOST_COUNTED
-            && step_time.is_finite()
-            && self.present.fits(model)
-            && self.equilibrium.is_sound()
-    }
 }
 
 impl<'m> Analysis<'m> {
@@ -58,16 +43,13 @@ impl<'m> Analysis<'m> {
         self.checkpoint_every = Some(increments.max(1));
     }
 
-    /// Prepares the rest of a run.
+    /// Prepares the rest of a run of this model; a checkpoint of another one makes nonsense or a panic.
     ///
     /// # Errors
     ///
-    /// Those of [`Self::new`], and a checkpoint of another model.
+    /// Those of [`Self::new`], and a matrix that has no factor.
     pub fn resume(model: &'m Model, checkpoint: &Checkpoint) -> Result<Self, ModelError> {
         super::error::check(model)?;
-        if !checkpoint.fits(model) {
-            return Err(foreign_state());
-        }
         let Position { step, increment, step_time, .. } = checkpoint.position;
         let context = IncrementContext {
             step,

@@ -11,7 +11,6 @@
 //! Until the load has peaked no contact point's slip may grow by more than the law's elastic limit or half of its
 //! largest slip so far in one increment, and the peak itself is bisected, so that neither depends on the sizes asked for.
 
-use super::checkpoint::MOST_COUNTED;
 use super::newton::{Committed, Converged, Leader, Target};
 use super::recorded::Way;
 use super::size::{EASY, GROWTH, IncrementSize};
@@ -138,12 +137,6 @@ pub(super) struct LoadHistory {
     pub(super) peaked: bool,
 }
 
-impl LoadHistory {
-    pub(super) fn is_finite(&self) -> bool {
-        [self.greatest, self.last, self.noise].into_iter().all(f64::is_finite)
-    }
-}
-
 /// A step under way.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct StepRun {
@@ -208,37 +201,6 @@ impl StepRun {
             locates_peak: model.controls.locate_peak && !model.contacts.is_empty(),
             ..Self::default()
         }
-    }
-
-    /// Returns whether a run of this step of a model can have come to it.
-    pub(super) fn fits(&self, step: &Step, model: &Model) -> bool {
-        if self.start.len() != model.drives.len() {
-            return false;
-        }
-        let begun = Self::new(step, &self.start, model);
-        let sizes = [self.progress, self.attempted, self.last_progress, self.largest_slip];
-        let usual = [self.usual_progress, self.usual_slip, self.usual_dissipation, self.usual_stiffness];
-        let flexibilities = [self.flexibility, self.least_flexibility.unwrap_or_default()];
-        let (of_lead, is_led) = match self.lead {
-            Lead::Drives => ([0.0; 2], true),
-            Lead::Other(Led { increment, first, advances, .. }) => {
-                ([increment, first], first > 0.0 && u64::from(advances) < MOST_COUNTED)
-            }
-            Lead::Drag(Dragged { resistance, greatest, .. }) => ([resistance, greatest], resistance > 0.0),
-        };
-        let numbers = self.start.iter().chain(&sizes).chain(&usual).chain(&flexibilities).chain(&of_lead);
-        let numbers = numbers.chain(self.missed.iter().flatten());
-        let refused = [self.failures, self.jumps_refused, self.energy_refused];
-        let others = [self.energy_looks, self.changes, self.nudges];
-        is_led
-            && self.progress < 1.0
-            && self.fastest < 2 * model.mesh.nodes().len()
-            && numbers.copied().all(f64::is_finite)
-            && refused.into_iter().chain(others).all(|count| u64::from(count) < MOST_COUNTED)
-            && self.size.may_follow(&begun.size)
-            && (&self.end, self.duration) == (&begun.end, begun.duration)
-            && (self.follows_slip, self.stabilised) == (begun.follows_slip, begun.stabilised)
-            && (self.extrapolates, self.locates_peak) == (begun.extrapolates, begun.locates_peak)
     }
 
     pub(super) fn is_done(&self) -> bool {

@@ -4,7 +4,8 @@
 //! external work = elastic + plastic + damage + spalled + unaccounted + interface + opening + stabilisation
 //! ```
 //!
-//! External work is a trapezoidal sum over increments of reactions times the drives and loads times displacements;
+//! External work is a trapezoidal sum over increments of reactions times the drives, loads times displacements and pressures times the
+//! overlaps that interferences add;
 //! the solids' parts are what the laws report (of a law whose energies cannot be believed, a trapezoidal sum of stresses
 //! times strains, which is stored or dissipated: unaccounted), the interface's a trapezoidal sum of tractions times relative
 //! displacements. The two sides are computed apart from each other: their difference is the error of both.
@@ -16,7 +17,7 @@ use serde::{Deserialize, Serialize};
 /// Energies since the start of the run, N mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
-    /// Work of supports that move and of loads.
+    /// Work of supports that move, of loads and of interferences.
     pub external_work: f64,
     /// Stored in the solids.
     pub elastic: f64,
@@ -56,14 +57,6 @@ impl Energies {
             + self.spalled
             + self.unaccounted
             + (self.interface_dissipation() + self.opening + self.stabilisation)
-    }
-
-    /// Returns whether all are numbers.
-    pub fn is_finite(&self) -> bool {
-        let Self { external_work, elastic, plastic, damage, spalled, unaccounted, .. } = *self;
-        let Self { interface, interface_stored, opening, stabilisation, .. } = *self;
-        let solids = [external_work, elastic, plastic, damage, spalled, unaccounted];
-        solids.into_iter().chain([interface, interface_stored, opening, stabilisation]).all(f64::is_finite)
     }
 
     /// Returns what was added since a datum.

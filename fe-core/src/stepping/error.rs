@@ -30,6 +30,10 @@ pub(super) fn check(model: &Model) -> Result<(), ModelError> {
     if let Some(load) = model.loads.iter().find(|load| load.drive >= drives) {
         return wrong(format!("load '{}' follows a drive that does not exist", load.name));
     }
+    let interferences = model.contacts.iter().filter_map(|pair| Some((pair, pair.fit.interference?)));
+    if let Some((pair, _)) = interferences.into_iter().find(|(_, interference)| interference.drive >= drives) {
+        return Err(ModelError::of_pair(&pair.name, "its interference follows a drive that does not exist"));
+    }
     if model.controls.spalling.is_some() && model.measured.slip.is_empty() {
         return wrong("spalling is timed by the slip, and the model measures none".into());
     }

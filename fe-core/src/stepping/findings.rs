@@ -86,10 +86,15 @@ impl Analysis<'_> {
         [before, energies.imbalance() - before].map(relative)
     }
 
-    /// The work of supports and loads up to the end of an increment, N mm.
+    /// The work of supports, loads and interferences up to the end of an increment, N mm.
     fn external_work_at(&self, end: &Committed) -> f64 {
-        let equations = self.equilibrium.system.equations();
-        self.present.energies.external_work + Energies::work_between(equations, &self.present.committed, end)
+        self.present.energies.external_work + self.work_to(end)
+    }
+
+    /// Returns the work of an increment to this end, N mm: of supports, loads and interferences.
+    pub(super) fn work_to(&self, end: &Committed) -> f64 {
+        let Equilibrium { system, contact, .. } = &self.equilibrium;
+        Energies::work_between(system.equations(), &self.present.committed, end) + contact.fitting_work()
     }
 
     /// Returns what an imbalance of the energies is compared with, N mm: the largest work so far, for that of a specimen which gives its

@@ -27,5 +27,5 @@ pub(super) fn at_limit_point(model: &Model, state: &Committed, run: &StepRun) ->
         model.drives[*drive],
     );
     let place = Location::Node { node, position: model.mesh.nodes()[node] };
-    Some(Trouble { place, reason, fraction: None })
+    Some(Trouble { place, reason, fraction: None, is_limit_point: true })
 }

@@ -24,14 +24,14 @@ pub use control::{ENERGY_BUDGET, STABILISATION_BUDGET};
 pub use energy::Energies;
 pub use error::RunError;
 pub use newton::Iteration;
-pub use record::{Counts, Directive, FibreRecord, Observer, Record};
+pub use record::{Counts, Directive, FibreRecord, Observer, Record, WireRecord};
 pub use recorded::{Recorded, Tried, Verdict, Way};
 pub use snapshot::Snapshot;
 pub use times::Times;
 pub use trail::{Along, Trail};
 
 use crate::assembly::solids::PartAccount;
-use crate::assembly::{Equations, GREATEST_COUNT, Location, Solids, Trouble};
+use crate::assembly::{Equations, Location, Setback, Solids, Trouble};
 use crate::model::{IncrementContext, Model, ModelError, Step};
 use crate::threads::Threads;
 use checkpoint::Position;
@@ -68,17 +68,6 @@ pub struct Statistics {
     pub solutions: u64,
 }
 
-impl Statistics {
-    /// Returns whether a run can have come to it.
-    fn is_sound(&self) -> bool {
-        let Self { increments, iterations, cutbacks, settlements, expansions, dragged, .. } = *self;
-        let Self { evaluations, factorisations, block_factorisations, solutions, .. } = *self;
-        let of_increments = [increments, iterations, cutbacks, settlements, expansions, dragged];
-        let of_the_solver = [evaluations, factorisations, block_factorisations, solutions];
-        of_increments.into_iter().chain(of_the_solver).all(|count| count < GREATEST_COUNT)
-    }
-}
-
 /// Present state of a run, besides its points.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Present {
@@ -92,21 +81,6 @@ struct Present {
     load: LoadHistory,
     greatest_work: f64,
     spalled: spalling::Spalled,
-}
-
-impl Present {
-    /// Returns whether a run of this model can have come to it: lengths of arrays, and all numbers are finite.
-    fn fits(&self, model: &Model) -> bool {
-        let Self { committed, energies, datum, datum_accounts, total_time, load, greatest_work, spalled } = self;
-        committed.fits(model)
-            && [energies, datum].into_iter().all(Energies::is_finite)
-            && datum_accounts.len() == model.mesh.parts().len()
-            && datum_accounts.iter().all(PartAccount::is_finite)
-            && load.is_finite()
-            && total_time.is_finite()
-            && greatest_work.is_finite()
-            && spalled.fits(model.mesh.elements().len())
-    }
 }
 
 /// A model that is being computed.
@@ -268,7 +242,7 @@ impl<'m> Analysis<'m> {
             100.0 * share,
             100.0 * limit
         );
-        let trouble = Trouble { place: Location::System, reason, fraction: None };
+        let trouble = Setback { reason, fraction: None }.at(Location::System);
         Err(RunError::Failed { step, increment, progress, trouble })
     }
 
@@ -457,7 +431,7 @@ impl<'m> Analysis<'m> {
     fn commit(&mut self, converged: Converged, time: f64) {
         let is_through_drag = converged.drag > 0.0;
         let end = converged.end;
-        let work = Energies::work_between(self.equilibrium.system.equations(), &self.present.committed, &end);
+        let work = self.work_to(&end);
         self.equilibrium.commit(&self.present.committed, &end);
         self.present.committed = end;
         self.present.total_time += time;

@@ -250,9 +250,10 @@ impl Analysis<'_> {
                         cutbacks = 0;
                     }
                     Err(_) if self.is_stopped() => return Ok(Directive::EndRun),
-                    Err(Trouble { place, reason, .. }) => {
-                        let reason = format!("{reason} (the increment is a recorded one, which is repeated as it is)");
-                        let trouble = Trouble { place, reason, fraction: None };
+                    Err(trouble) => {
+                        let reason =
+                            format!("{} (the increment is a recorded one, which is repeated as it is)", trouble.reason);
+                        let trouble = Trouble { reason, fraction: None, ..trouble };
                         return Err(RunError::Failed { step: number, increment, progress, trouble });
                     }
                 }

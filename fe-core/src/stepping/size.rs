@@ -44,15 +44,6 @@ impl IncrementSize {
         }
     }
 
-    /// Returns whether a step that began with `first` can have come to it.
-    pub(super) fn may_follow(&self, first: &Self) -> bool {
-        let Self { size, maximum, minimum, fixed, streak } = *self;
-        size > 0.0
-            && size.is_finite()
-            && streak <= STREAK
-            && (maximum, minimum, fixed) == (first.maximum, first.minimum, first.fixed)
-    }
-
     /// Returns the next increment, when this much of the step is left.
     pub(super) fn next(&self, left: f64) -> f64 {
         if self.size >= left * (1.0 - REMAINDER) { left } else { self.size }

@@ -20,16 +20,6 @@ pub(super) struct Spalled {
     pub(super) depth: f64,
 }
 
-impl Spalled {
-    /// Returns whether it is of a mesh of so many elements, and all numbers are finite.
-    pub(super) fn fits(&self, elements: usize) -> bool {
-        let Self { torn, fading, slip, volume, depth } = self;
-        let mut since = torn.iter().chain(fading);
-        since.all(|(&element, slip)| element < elements && slip.is_finite())
-            && [slip, volume, depth].into_iter().all(|number| number.is_finite())
-    }
-}
-
 impl Analysis<'_> {
     /// Lets forces of released elements fade and releases what is torn for long enough, with what then is loose.
     pub(super) fn spall(&mut self) {

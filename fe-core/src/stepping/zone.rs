@@ -39,13 +39,6 @@ impl Zone {
         zone
     }
 
-    /// Returns whether a run can have come to it from `first`, the zone that a model begins with: zones grow, or give up.
-    pub(super) fn may_follow(&self, first: &Self) -> bool {
-        let grows = self.active.iter().zip(&first.active).all(|(active, before)| *active || !before);
-        let condenses = self.active.contains(&false);
-        self.active.len() == first.active.len() && grows && condenses == self.condenses
-    }
-
     fn pays(&mut self) -> bool {
         let far = self.active.iter().filter(|active| !**active).count();
         let pays = far as f64 >= LEAST_FAR_FIELD * self.active.len() as f64;

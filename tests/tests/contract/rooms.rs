@@ -16,7 +16,7 @@ const FLOORS: [&[&str]; 10] = [
     &["pullout-report"],
     &["pullout-engine"],
     &["pullout-check", "pullout-fit", "pullout-study"],
-    &["pullout-sweep"],
+    &["pullout-sweep", "pullout-lab"],
     &["driver"],
     &["pullout-bench", "pullout-python"],
 ];

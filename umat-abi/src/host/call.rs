@@ -85,6 +85,20 @@ outputs! {
     }
 }
 
+/// Heat that a material generates, and derivatives by and of the temperature: results for fully coupled steps alone. A UMAT leaves what
+/// it does not set at 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Heat {
+    /// RPL: heat generated per volume and time, at the end of the increment.
+    pub rpl: f64,
+    /// DDSDDT: derivative of the stress by the temperature, in the components of the call.
+    pub ddsddt: [f64; 6],
+    /// DRPLDE: derivative of RPL by the strain increment, by engineering shear, in the components of the call.
+    pub drplde: [f64; 6],
+    /// DRPLDT: derivative of RPL by the temperature.
+    pub drpldt: f64,
+}
+
 /// One material point's arguments and the function that takes them.
 ///
 /// Components are those of the stress state (3, 4 or 6). The caller sets the public fields (those of [`UmatInputs`] among
@@ -273,6 +287,20 @@ impl UmatCall {
         moduli
     }
 
+    /// Heat and its derivatives after the last call.
+    pub fn heat(&self) -> Heat {
+        let UmatOutputs { rpl, ddsddt, drplde, drpldt, .. } = self.common.exchange.outputs();
+        Heat { rpl: rpl.values[0], ddsddt: ddsddt.values, drplde: drplde.values, drpldt: drpldt.values[0] }
+    }
+
+    /// Sets heat and its derivatives as if the last call had returned them.
+    #[inline]
+    pub fn set_heat(&mut self, heat: Heat) {
+        let outputs = self.common.exchange.outputs_mut();
+        (outputs.rpl.values, outputs.drpldt.values) = ([heat.rpl], [heat.drpldt]);
+        (outputs.ddsddt.values, outputs.drplde.values) = (heat.ddsddt, heat.drplde);
+    }
+
     /// Returns a result of the last call that a host cannot go on with, DDSDDE aside, which not every host needs.
     #[inline]
     pub fn not_finite(&self) -> Option<NotFinite> {
@@ -429,6 +457,8 @@ impl UmatCall {
         }
         let [sse, spd, scd] = self.energies.map(Numbers::from);
         let pnewdt = Numbers::from(PNEWDT_ON_ENTRY);
+        // what a UMAT does not set is not that of the call before
+        self.set_heat(Heat::default());
         let common = &mut self.common;
         let outputs = common.exchange.outputs_mut();
         (outputs.sse, outputs.spd, outputs.scd, outputs.pnewdt) = (sse, spd, scd, pnewdt);

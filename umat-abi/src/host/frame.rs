@@ -10,7 +10,7 @@
 //!
 //! The axes follow the material, so that DFGRD has the components of the stretch and DROT is close to 1.
 
-use super::call::UmatCall;
+use super::call::{Heat, UmatCall};
 use crate::law::{Request, StressState};
 use std::sync::Arc;
 
@@ -274,6 +274,10 @@ impl UmatCall {
         let stress = of_components(&turned_back(turn, &state.six(self.stress())), state);
         let ntens = self.ntens();
         self.stress_mut().copy_from_slice(&stress[..ntens]);
+        let heat = self.heat();
+        let [ddsddt, drplde] =
+            [heat.ddsddt, heat.drplde].map(|law| of_components(&turned_back(turn, &state.six(&law[..ntens])), state));
+        self.set_heat(Heat { ddsddt, drplde, ..heat });
         if !request.wants_tangent() {
             return;
         }

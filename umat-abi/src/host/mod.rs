@@ -28,7 +28,7 @@ mod verdict;
 pub const MOMENT: f64 = 1e-12;
 
 pub use altered::Alteration;
-pub use call::{CallOutcome, UmatCall, UmatInputs};
+pub use call::{CallOutcome, Heat, UmatCall, UmatInputs};
 pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, LawDescription, Parameter, State, Validation};
 pub use discovery::{

@@ -31,6 +31,10 @@ fn everything_is_put_under_the_prefix_and_can_be_put_there_again() {
         let files = install(&crate::workspace(), &products, &prefix).expect("an installation");
         let mut found: Vec<_> =
             files.iter().map(|file| file.strip_prefix(&prefix).expect("below").display().to_string()).collect();
+        let all = found.len();
+        found.retain(|file| !file.starts_with(CASES));
+        assert!(all > found.len() + 100, "the cases travel with the program");
+        assert!(prefix.join(CASES).join("examples/j2-cyclic-shear.json").is_file());
         found.sort();
         let laws = format!("lib/pullout/{}", all_laws());
         let mut expected = vec![

@@ -1,17 +1,56 @@
 //! Local axes, thermal expansion and shrinkage of a material.
 
-use super::Use;
-use crate::document::{AxialValues, Expansion, ExpansionTable, Material, Orientation, Shrinkage, TabularValues};
-use crate::problem::Place;
+use super::{Length, Level, Use};
+use crate::document::{AxialValues, Entry, Expansion, ExpansionTable, Material, Orientation, Shrinkage, TabularValues};
+use crate::problem::{Place, Problem};
 use crate::reader::Reader;
+use crate::structure;
 use pullout_run::program::Mode;
+use serde_json::{Value, json};
+use std::path::Path;
 use std::sync::Arc;
 use umat_abi::host::{self, Course, Frame};
+
+/// Reads a frame for points of a mode as the members `expansion`, `shrinkage` and `orientation` of a case's material say it, whatever
+/// else `material` has; the temperature that nothing expands at is 0 unless they say it.
+///
+/// # Errors
+/// Everything that is wrong with them.
+pub fn frame_from_json(material: &Value, mode: Mode) -> Result<Option<Arc<Frame>>, Vec<Problem>> {
+    let place = Place::root().key("material");
+    let mut document = json!({ "kind": "point", "steps": [], "material": { "plugin": "law" } });
+    for key in ["expansion", "shrinkage", "orientation"] {
+        if !material[key].is_null() {
+            document["material"][key] = material[key].clone();
+        }
+    }
+    let found = structure::check("point", &mut document).problems.into_iter();
+    // the steps are not asked for
+    let is_of_material =
+        |problem: &Problem| problem.place.as_ref().is_some_and(|found| found.as_str().starts_with(place.as_str()));
+    let problems: Vec<Problem> = found.filter(is_of_material).collect();
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let material: Material = serde_json::from_value(document["material"].take())
+        .map_err(|error| vec![Problem::new(place.clone(), error.to_string())])?;
+    let mut reader = Reader::new(Path::new(""), &[]);
+    let purpose = Use {
+        level: Level::Point,
+        entry: Entry::Umat,
+        mode: Some((mode, place.clone())),
+        length: Length::Unknown,
+        initial_temperature: 0.0,
+        normal: None,
+    };
+    let frame = of(&mut reader, &material, &place, &purpose);
+    if reader.problems.is_empty() { Ok(frame) } else { Err(reader.problems) }
+}
 
 /// Reads the frame of a material; `None`: the law sees what the host has.
 pub fn of(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: &Use) -> Option<Arc<Frame>> {
     let Material { expansion, shrinkage, orientation, .. } = material;
-    if purpose.entry != crate::document::Entry::Umat {
+    if purpose.entry != Entry::Umat {
         let keys = [
             ("expansion", expansion.is_some()),
             ("shrinkage", shrinkage.is_some()),

@@ -32,8 +32,8 @@ pub struct Boundary {
 #[derive(Default)]
 pub struct Drives {
     drives: IndexMap<String, Drive>,
-    /// Whether supports or loads that cannot be read may have others.
-    may_lack: bool,
+    /// Whether supports, loads or contact that cannot be read may have others.
+    pub may_lack: bool,
 }
 
 struct Drive {
@@ -47,7 +47,7 @@ struct Drive {
 
 impl Drives {
     /// Index of a drive that something follows.
-    fn followed(&mut self, name: &str, place: &Place) -> usize {
+    pub fn followed(&mut self, name: &str, place: &Place) -> usize {
         let entry = self.drives.entry(name.to_owned());
         let index = entry.index();
         entry.or_insert_with(|| Drive { place: place.clone(), moved: false, of_fibre: false });
@@ -68,7 +68,8 @@ impl Drives {
     /// Says that nothing follows the drive of this name, unless what cannot be read may do so.
     pub fn tell_unknown(&self, reader: &mut Reader<'_>, name: &str, place: &Place) {
         if !self.may_lack {
-            let message = format!("no support or load has the drive '{name}'{}", hint(name, self.drives.keys()));
+            let message =
+                format!("no support, load or interference has the drive '{name}'{}", hint(name, self.drives.keys()));
             reader.problem(place, message);
         }
     }
@@ -104,10 +105,9 @@ impl Drives {
     }
 }
 
-/// Grip, supports, loads and measure.
-pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Boundary {
-    let mut boundary =
-        Boundary { drives: Drives::default(), supports: Vec::new(), loads: Vec::new(), measured: Measured::default() };
+/// Grip, supports, loads and measure, with the drives that contact has.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>, drives: Drives) -> Boundary {
+    let mut boundary = Boundary { drives, supports: Vec::new(), loads: Vec::new(), measured: Measured::default() };
     boundary.add_grip(reader, case, scene);
     boundary.add_supports(reader, case, scene);
     boundary.add_loads(reader, case, scene);

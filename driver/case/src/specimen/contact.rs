@@ -1,6 +1,8 @@
 //! Contact pairs.
 
 use super::Scene;
+use super::bearing::Bearings;
+use super::boundary::Drives;
 use super::mesh::MATRIX;
 use crate::document::pullout as document;
 use crate::document::{Entry, PropValue, Props, PulloutCase};
@@ -9,7 +11,9 @@ use crate::problem::{Place, hint};
 use crate::reader::{Reader, Taken};
 use fe_core::mesh::specimen::{ContactSurfaces, SurfaceRole};
 use fe_core::mesh::{ElementEdge, Mesh};
-use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width};
+use fe_core::model::{
+    ContactLaw, ContactPair, Enforcement, Fit, HardLaw, Interference, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width,
+};
 use indexmap::IndexMap;
 use pullout_run::number::rounded;
 use std::collections::BTreeMap;
@@ -30,7 +34,12 @@ const SEPARATION_PARAMETER: &str = "p_0";
 const PERTURBATION: f64 = 1e4;
 
 /// All pairs; `None` if any is unusable.
-pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<Vec<ContactPair>> {
+pub fn resolve(
+    reader: &mut Reader<'_>,
+    case: &PulloutCase,
+    scene: Scene<'_>,
+    drives: &mut Drives,
+) -> Option<Vec<ContactPair>> {
     let place = Place::root().key("contact");
     let defaults = scene.ground.map_or(&[][..], |ground| &ground.specimen.contact_pairs);
     let Some(given) = &case.contact else {
@@ -40,9 +49,15 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         }
         return Some(Vec::new());
     };
-    let given = reader.piece(given, &place)?;
+    let Some(given) = reader.piece(given, &place) else {
+        drives.may_lack = true;
+        return None;
+    };
     let pairs = match given {
-        document::Contact::All(pair) => all_pairs(reader, pair, defaults, scene, &place),
+        document::Contact::All(pair) => {
+            let fit = fit(reader, pair, drives, &place);
+            all_pairs(reader, pair, fit, defaults, scene, &place)
+        }
         document::Contact::Pairs(pairs) => {
             let mut resolved: Vec<Option<ContactPair>> = Vec::new();
             let mut names: Vec<&str> = Vec::new();
@@ -55,7 +70,11 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
                 }
                 names.extend(name);
                 let own = defaults.iter().find(|default| Some(default.name.as_str()) == name);
-                resolved.push(pair.and_then(|pair| one_pair(reader, pair, own, k, scene, &place)));
+                drives.may_lack |= pair.is_none();
+                resolved.push(pair.and_then(|pair| {
+                    let fit = fit(reader, pair, drives, &place);
+                    one_pair(reader, pair, fit, own, k, scene, &place)
+                }));
             }
             let is_missing =
                 |default: &&ContactSurfaces| !is_on_request(default) && !names.contains(&default.name.as_str());
@@ -78,6 +97,27 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
     }
     note_widths(reader, pairs.as_deref().unwrap_or_default(), defaults, scene);
     pairs
+}
+
+/// Reads what the case says of the bearing of its pairs.
+pub fn bearings(reader: &mut Reader<'_>, case: &PulloutCase) -> Bearings {
+    let place = Place::root().key("contact");
+    let mut bearings = Bearings::default();
+    let Some(Ok(given)) = case.contact.as_ref().map(|given| given.0.as_ref()) else { return bearings };
+    let mut of = |pair: &document::Pair, place: &Place| {
+        reader.optional(pair.bearing.as_ref(), &place.key("bearing")).copied()
+    };
+    match given {
+        document::Contact::All(pair) => bearings.all = of(pair, &place),
+        document::Contact::Pairs(pairs) => {
+            for (k, pair) in pairs.iter().enumerate() {
+                let Ok(pair) = &pair.0 else { continue };
+                let named = pair.name.clone().zip(of(pair, &place.index(k)));
+                bearings.named.extend(named);
+            }
+        }
+    }
+    bearings
 }
 
 /// Returns whether a specimen's pair is in contact only where the case says so.
@@ -141,6 +181,7 @@ pub fn bearing_factor(contacts: &[ContactPair], diameter: Option<f64>) -> f64 {
 fn all_pairs(
     reader: &mut Reader<'_>,
     pair: &document::Pair,
+    fit: Fit,
     defaults: &[ContactSurfaces],
     scene: Scene<'_>,
     place: &Place,
@@ -148,9 +189,9 @@ fn all_pairs(
     let names_surfaces = pair.slave.is_some() || pair.master.is_some();
     let (first, others) = match defaults {
         [first, others @ ..] if !names_surfaces => (first, others),
-        _ => return one_pair(reader, pair, None, 0, scene, place).map(|pair| vec![pair]),
+        _ => return one_pair(reader, pair, fit, None, 0, scene, place).map(|pair| vec![pair]),
     };
-    let first = one_pair(reader, pair, Some(first), 0, scene, place)?;
+    let first = one_pair(reader, pair, fit, Some(first), 0, scene, place)?;
     let mut pairs = vec![first];
     let mut laws = Vec::new();
     for default in others.iter().filter(|default| !is_on_request(default) || pair.end.is_some()) {
@@ -164,7 +205,8 @@ fn all_pairs(
         };
         let (slave, master) = surfaces(reader, pair, Some(default), scene, place)?;
         let width = width(reader, pair, Some(default), place);
-        pairs.push(ContactPair { name: default.name.clone(), slave, master, width, law, ..pairs[0].clone() });
+        let fit = if default.role == SurfaceRole::Bonded { fit } else { Fit::default() };
+        pairs.push(ContactPair { name: default.name.clone(), slave, master, width, law, fit, ..pairs[0].clone() });
     }
     Some(pairs)
 }
@@ -226,6 +268,7 @@ fn has_default(law: &ContactLaw, (name, value): &(&str, PropValue)) -> bool {
 fn one_pair(
     reader: &mut Reader<'_>,
     pair: &document::Pair,
+    fit: Fit,
     default: Option<&ContactSurfaces>,
     index: usize,
     scene: Scene<'_>,
@@ -283,7 +326,25 @@ fn one_pair(
         penalty_factor,
         enforcement,
         release,
+        fit,
     })
+}
+
+/// What is closed at the start, and the interference with its drive.
+fn fit(reader: &mut Reader<'_>, pair: &document::Pair, drives: &mut Drives, place: &Place) -> Fit {
+    let closes_within = match reader.optional(pair.initial_gap.as_ref(), &place.key("initial_gap")) {
+        None | Some(document::InitialGap::Word(document::InitialGapWord::Keep)) => 0.0,
+        Some(document::InitialGap::Word(document::InitialGapWord::Close)) => f64::INFINITY,
+        Some(document::InitialGap::Within(within)) => within.close.0,
+    };
+    let place = place.key("interference");
+    let given = reader.optional(pair.interference.as_ref(), &place);
+    drives.may_lack |= pair.interference.is_some() && given.is_none();
+    let interference = given.map(|given| Interference {
+        drive: drives.followed(&given.drive, &place.key("drive")),
+        depth: given.depth.map(|depth| depth.0),
+    });
+    Fit { closes_within, interference }
 }
 
 /// The slave and the master, each a chain.

@@ -6,8 +6,8 @@ use super::{Bench, overridden, schema_accepts};
 use crate::Case;
 use fe_core::kinematics::PlaneModel;
 use fe_core::model::{
-    ContactLaw, Enforcement, Freedom, HardLaw, LoadKind, Model, NormalLaw, Quadrature, Skipping, SoftLaw, Spalling,
-    StepControl, Width,
+    ContactLaw, Enforcement, Fit, Freedom, HardLaw, Interference, LoadKind, Model, NormalLaw, Quadrature, Skipping,
+    SoftLaw, Spalling, StepControl, Width,
 };
 use pullout_run::pullout::PulloutProgram;
 use pullout_run::pullout::fibre::Fibre;
@@ -271,6 +271,16 @@ fn contact_in_all_its_forms() {
     assert_eq!((other[0].quadrature, other[0].width), (Quadrature::Segments { points: 3 }, Width::OfPart));
     assert_eq!((other[0].penalty_factor, other[0].release, other[0].name.as_str()), (7.0, false, "seam"));
     assert_eq!(other[0].enforcement, Enforcement::PerturbedLagrangian { ratio: 2e4 });
+    assert_eq!(other[0].fit, Fit::default());
+    let closes = |given: &str| pairs(&[&format!("contact.initial_gap={given}")])[0].fit.closes_within;
+    assert_eq!(["keep", "close", "{\"close\": 0.02}"].map(closes), [0.0, f64::INFINITY, 0.02]);
+    for (given, depth) in [("{\"drive\": \"fit\", \"depth\": 0.01}", Some(0.01)), ("{\"drive\": \"fit\"}", None)] {
+        let program = program(&[&format!("contact.interference={given}"), "steps.0.drives={\"fit\": 1}"]);
+        let Model { drives, contacts, .. } = &program.model;
+        let drive = drives.iter().position(|name| name == "fit").expect("a drive");
+        assert_eq!(contacts[0].fit.interference, Some(Interference { drive, depth }));
+        assert!(program.about.warnings.is_empty(), "{:?}", program.about.warnings);
+    }
     let penalty = pairs(&["contact.enforcement=penalty", "contact.quadrature=nodes"]);
     assert_eq!((penalty[0].enforcement, penalty[0].quadrature), (Enforcement::Penalty, Quadrature::Nodes));
     let mut case = pullout_case();
@@ -690,6 +700,15 @@ const MALFORMED: &[Sample] = &[
     (&["contact.width=0"], "$.contact.width", "must be > 0", BySchema),
     (&["contact.enforcement=glue"], "$.contact.enforcement", "\"penalty\"", BySchema),
     (&["contact.penalty_factor=0"], "$.contact.penalty_factor", "must be > 0", BySchema),
+    (&["contact.initial_gap=open"], "$.contact.initial_gap", "\"close\"", BySchema),
+    (&["contact.initial_gap={\"close\": 0}"], "$.contact.initial_gap.close", "must be > 0", BySchema),
+    (&["contact.interference={\"depth\": 0.01}"], "$.contact.interference.drive", "is missing", BySchema),
+    (
+        &["contact.interference={\"drive\": \"fit\", \"depth\": -1}"],
+        "$.contact.interference.depth",
+        "must be > 0",
+        BySchema,
+    ),
     (&["grip.lateral=loose"], "$.grip.lateral", "expected \"fixed\" or \"free\"", BySchema),
     (&["grip.direction=z"], "$.grip.direction", "expected \"x\", \"y\" or an array", BySchema),
     (&["grip.direction=[1]"], "$.grip.direction", "needs at least 2 entries", BySchema),

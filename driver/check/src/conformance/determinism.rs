@@ -22,10 +22,11 @@ fn answer(subject: &mut Subject<'_>, state: &State) -> Answer {
 fn difference(a: &Answer, b: &Answer) -> String {
     let relative = |x: &[f64], y: &[f64]| distance(x, y) / largest(x).max(f64::MIN_POSITIVE);
     format!(
-        "relative differences: stress {:.1e}, states {:.1e}, tangent {:.1e}",
+        "relative differences: stress {:.1e}, states {:.1e}, tangent {:.1e}, RPL and its derivatives {:.1e}",
         relative(&a.output, &b.output),
         relative(&a.statev, &b.statev),
-        relative(&a.tangent, &b.tangent)
+        relative(&a.tangent, &b.tangent),
+        relative(&a.heat_values(), &b.heat_values())
     )
 }
 

@@ -4,7 +4,7 @@ use super::subject::{Answer, Committed, INSTANT, Setting};
 use nalgebra::Matrix3;
 use pullout_run::deformation::columns;
 use umat_abi::host::{
-    Alteration, FricAnswer, FricCall, NotFinite, Overrun, PluginCall, SurfaceFields, UinterCall, UmatCall,
+    Alteration, FricAnswer, FricCall, Heat, NotFinite, Overrun, PluginCall, SurfaceFields, UinterCall, UmatCall,
 };
 
 /// The answer, and whether it wrote behind an array: the answer counts all the same, the overrun has a row of its own.
@@ -46,6 +46,7 @@ fn answer<I, O>(call: &PluginCall<I, O>, [rows, columns]: [usize; 2], not_finite
         tangent: (0..rows * columns).map(|k| call.tangent(k / columns, k % columns)).collect(),
         statev: call.statev().to_vec(),
         energies: [0.0; 5],
+        heat: Heat::default(),
         slip_increment: [0.0; 2],
         flags: [0; 2],
         not_finite,
@@ -58,7 +59,8 @@ pub(super) fn umat(call: &mut UmatCall, from: &Committed, filling: f64, alterati
     let result = call.call_altered(filling, alteration).map(|_| ());
     let [stored, plastic, creep] = call.energies;
     let answer = answer(call, [n, n], call.not_finite().or_else(|| call.moduli_not_finite()));
-    (Answer { energies: [stored, plastic, creep, 0.0, 0.0], flags: from.flags, ..answer }, result)
+    let energies = [stored, plastic, creep, 0.0, 0.0];
+    (Answer { energies, heat: call.heat(), flags: from.flags, ..answer }, result)
 }
 
 /// The arguments of a UINTER.

@@ -14,6 +14,7 @@ mod case_path;
 mod determinism;
 mod energy;
 mod entry_call;
+mod heat;
 mod hidden_data;
 mod memory;
 mod messages;
@@ -95,7 +96,7 @@ impl Default for Options {
 pub enum Group {
     /// The metadata, the case's path and the sample around it.
     States,
-    /// DDSDDE.
+    /// DDSDDE, and the derivatives that couple with a temperature.
     Tangent,
     /// Arrays, memory between calls, threads.
     Memory,
@@ -278,6 +279,7 @@ fn check_subject(
         tangent::check(subject, &sample, ledger);
         tangent::symmetry(subject, &sample, ledger);
         tangent::shear_stiffness(subject, ledger);
+        heat::check(subject, &sample, ledger);
     }
     if let Some(first) = &first {
         memory::unset_entries(subject, &sample, ledger);

@@ -19,7 +19,7 @@ use pullout_run::program::Kind;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use umat_abi::host::{
-    Alignment, Alteration, CallFailure, CallOutcome, FricAnswer, FricCall, LoadError, NotFinite, Plugin, Probed,
+    Alignment, Alteration, CallFailure, CallOutcome, FricAnswer, FricCall, Heat, LoadError, NotFinite, Plugin, Probed,
     SurfaceFields, UinterCall, UmatCall, Validation, judge, same_bits,
 };
 use umat_abi::law::{Request, StressState};
@@ -185,6 +185,8 @@ pub(super) struct Answer {
     pub(super) tangent: Vec<f64>,
     pub(super) statev: Vec<f64>,
     pub(super) energies: [f64; 5],
+    /// RPL and its derivatives; 0 for contact.
+    pub(super) heat: Heat,
     pub(super) slip_increment: [f64; 2],
     pub(super) flags: [i32; 2],
     /// A result that no host can go on with.
@@ -203,7 +205,16 @@ impl Answer {
 
     /// Returns whether they are bit for bit the same, tangent included.
     pub(super) fn same(&self, other: &Self) -> bool {
-        self.same_response(other) && same_bits(&self.tangent, &other.tangent) && self.outcome == other.outcome
+        self.same_response(other)
+            && same_bits(&self.tangent, &other.tangent)
+            && same_bits(&self.heat_values(), &other.heat_values())
+            && self.outcome == other.outcome
+    }
+
+    /// RPL and its derivatives, one behind the other.
+    pub(super) fn heat_values(&self) -> [f64; 14] {
+        let Heat { rpl, ddsddt: [a, b, c, d, e, f], drplde: [g, h, i, j, k, l], drpldt } = self.heat;
+        [rpl, drpldt, a, b, c, d, e, f, g, h, i, j, k, l]
     }
 }
 
@@ -529,6 +540,21 @@ impl<'p> Subject<'p> {
     /// The point behind F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.
     /// `None`: there is no such motion, or no answer.
     pub(super) fn deformed(&mut self, from: &Committed, end: &Matrix3<f64>) -> Option<Committed> {
+        self.moved(from, end, |subject, before, step| subject.after(before, step).ok())
+    }
+
+    /// The answer there ([`Self::deformed`]).
+    pub(super) fn answer_deformed(&mut self, from: &Committed, end: &Matrix3<f64>) -> Option<Answer> {
+        self.moved(from, end, |subject, before, step| subject.evaluate(before, step).ok())
+    }
+
+    /// Makes a step to F₁.
+    fn moved<T>(
+        &mut self,
+        from: &Committed,
+        end: &Matrix3<f64>,
+        make: impl FnOnce(&mut Self, &Committed, &[f64]) -> Option<T>,
+    ) -> Option<T> {
         let entry = self.entry;
         let motion = incremental_motion(&from.gradient, end).filter(|_| matches!(entry, Entry::Umat(_)))?;
         let turned = |values: &[f64], shear: f64| entry.of_six(&rotated(&entry.six(values), &motion.rotation, shear));
@@ -536,10 +562,10 @@ impl<'p> Subject<'p> {
         let step = entry.of_six(&motion.strain_increment);
         self.rotation = columns(&motion.rotation);
         self.end = Some(*end);
-        let after = self.after(&before, &step).ok();
+        let made = make(self, &before, &step);
         self.rotation = IDENTITY;
         self.end = None;
-        after
+        made
     }
 
     /// Returns whether a law of small strains of which nothing is known follows DFGRD1 alone.

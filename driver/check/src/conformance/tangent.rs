@@ -27,14 +27,112 @@ enum Finding {
     Wrong(Mismatch),
 }
 
-/// A tangent that is not the derivative.
-struct Mismatch {
+/// A matrix that is not the derivative.
+#[cfg_attr(test, derive(Default))]
+pub(super) struct Mismatch {
     error: f64,
     row: usize,
     column: usize,
     expected: f64,
     found: f64,
-    differences: Vec<f64>,
+    pub(super) differences: Vec<f64>,
+}
+
+#[cfg(test)]
+impl Mismatch {
+    /// One of which the differences alone are known.
+    pub(super) fn of(differences: Vec<f64>) -> Self {
+        Self { differences, ..Self::default() }
+    }
+}
+
+/// Findings at all states.
+pub(super) struct Findings<'s> {
+    worst: f64,
+    kinks: usize,
+    undecided: usize,
+    on_path: Option<f64>,
+    pub(super) wrong: Vec<(&'s State, Mismatch)>,
+    count: usize,
+}
+
+impl<'s> Findings<'s> {
+    /// Looks at a matrix of derivatives at all states; differences of what is smaller than `least` tell nothing.
+    pub(super) fn of(
+        subject: &mut Subject<'_>,
+        states: impl Iterator<Item = &'s State>,
+        measure: Measure,
+        least: f64,
+    ) -> Self {
+        let mut this = Self { worst: 0.0, kinks: 0, undecided: 0, on_path: None, wrong: Vec::new(), count: 0 };
+        for state in states {
+            this.count += 1;
+            let finding = examine(subject, state, measure, least);
+            if let Finding::Consistent(error) | Finding::Wrong(Mismatch { error, .. }) = finding
+                && state.is_on_the_path()
+            {
+                this.on_path = Some(this.on_path.unwrap_or(0.0).max(error));
+            }
+            match finding {
+                Finding::Consistent(error) => this.worst = this.worst.max(error),
+                Finding::Kink => this.kinks += 1,
+                Finding::Undecided => this.undecided += 1,
+                Finding::Wrong(mismatch) => this.wrong.push((state, mismatch)),
+            }
+        }
+        this
+    }
+
+    /// Returns how many there are of each kind, in words.
+    fn counts(&self) -> String {
+        let Self { count, kinks, undecided, .. } = self;
+        let mut counts = format!("{count} states, {kinks} at kinks, {undecided} undecided");
+        if let Some(error) = self.on_path {
+            counts += &format!("; on the case's path itself {error:.1e} at most");
+        }
+        counts
+    }
+
+    /// The state whose error is the largest.
+    fn largest(&self) -> Option<&(&'s State, Mismatch)> {
+        self.wrong.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error))
+    }
+
+    /// Adds the row: consistent in the words of `with`, or what the wrong ones are, which may be a choice.
+    pub(super) fn tell(
+        &self,
+        subject: &Subject<'_>,
+        measure: Measure,
+        with: &str,
+        (what, is_choice): (&str, bool),
+        ledger: &mut Ledger<'_>,
+    ) {
+        let counts = self.counts();
+        let Some((state, mismatch)) = self.largest() else {
+            let excluded = (self.kinks + self.undecided) as f64 > EXCLUDED_SHARE * self.count as f64;
+            let verdict = if excluded { Verdict::Warn } else { Verdict::Pass };
+            return ledger.add(verdict, format!("{:.1e}", self.worst), format!("consistent{with}; {counts}"));
+        };
+        let least = self.wrong.iter().map(|(_, mismatch)| mismatch.error).fold(f64::INFINITY, f64::min);
+        let entry = subject.entry;
+        let ends: Vec<String> = (0..state.step.len())
+            .map(|k| format!("{} = {:.3e}", entry.input_name(k), state.from.input[k] + state.step[k]))
+            .collect();
+        let detail = format!(
+            "{what}; relative errors {least:.1e} to {:.1e} in {} wrong of {counts}; the largest in {state}, d({})/d({}) = {:.6e} \
+             expected, {:.6e} found, at {}",
+            mismatch.error,
+            self.wrong.len(),
+            measure.row_name(entry, mismatch.row),
+            measure.column_name(entry, mismatch.column),
+            mismatch.expected,
+            mismatch.found,
+            ends.join(", ")
+        );
+        // A plain UMAT promises nothing: a secant is a choice. What is no known choice is a mistake.
+        let verdict = if is_choice && !subject.described() { Verdict::Warn } else { Verdict::Fail };
+        ledger.add(verdict, format!("{:.1e}", mismatch.error), detail);
+    }
 }
 
 /// Derivative that a wrong tangent is in truth.
@@ -86,64 +184,26 @@ impl fmt::Display for Kind {
 /// The row "consistent tangent".
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     ledger.begin("consistent tangent");
-    let (mut worst, mut kinks, mut undecided) = (0.0_f64, 0, 0);
-    let mut wrong: Vec<(&State, Mismatch)> = Vec::new();
     let calls = 1 + 4 * STEPS.len() * subject.entry.inputs();
-    let along = sample::along_the_path(subject, subject.affordable(ALONG_THE_PATH, calls, TIME));
-    let sample = &sample[..subject.affordable(sample.len(), calls, TIME).min(sample.len())];
-    let mut on_path: Option<f64> = None;
-    for state in along.iter().chain(sample) {
-        let finding = examine(subject, state);
-        if let Finding::Consistent(error) | Finding::Wrong(Mismatch { error, .. }) = finding
-            && state.is_on_the_path()
-        {
-            on_path = Some(on_path.unwrap_or(0.0).max(error));
-        }
-        match finding {
-            Finding::Consistent(error) => worst = worst.max(error),
-            Finding::Kink => kinks += 1,
-            Finding::Undecided => undecided += 1,
-            Finding::Wrong(mismatch) => wrong.push((state, mismatch)),
-        }
-    }
-    let count = along.len() + sample.len();
-    let mut counts = format!("{count} states, {kinks} at kinks, {undecided} undecided");
-    if let Some(error) = on_path {
-        counts += &format!("; on the case's path itself {error:.1e} at most");
-    }
-    let rate = match (subject.finite, subject.reads_gradient) {
+    let (along, count) = states(subject, sample, calls);
+    let measure = Measure::of(subject);
+    let findings = Findings::of(subject, along.iter().chain(&sample[..count]), measure, 0.0);
+    let with = match (subject.finite, subject.reads_gradient) {
         (true, true) => " with the Jaumann rate of the Kirchhoff stress",
         (true, false) => " with DSTRAN; DFGRD1 is not read",
         (false, _) => "",
     };
-    let Some((state, mismatch)) = wrong.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error)) else {
-        let excluded = (kinks + undecided) as f64 > EXCLUDED_SHARE * count as f64;
-        let verdict = if excluded { Verdict::Warn } else { Verdict::Pass };
-        return ledger.add(verdict, format!("{worst:.1e}"), format!("consistent{rate}; {counts}"));
-    };
-    let kinds: Vec<Kind> = wrong.iter().take(CLASSIFIED).map(|(state, m)| classify(subject, state, m)).collect();
-    let least = wrong.iter().map(|(_, mismatch)| mismatch.error).fold(f64::INFINITY, f64::min);
-    let entry = subject.entry;
-    let ends: Vec<String> = (0..state.step.len())
-        .map(|k| format!("{} = {:.3e}", entry.input_name(k), state.from.input[k] + state.step[k]))
-        .collect();
-    let detail = format!(
-        "{}; relative errors {least:.1e} to {:.1e} in {} wrong of {counts}; the largest in {state}, d({})/d({}) = {:.6e} \
-         expected, {:.6e} found, at {}",
-        summary(&kinds),
-        mismatch.error,
-        wrong.len(),
-        entry.output_name(mismatch.row),
-        entry.input_name(mismatch.column),
-        mismatch.expected,
-        mismatch.found,
-        ends.join(", ")
-    );
-    // A plain UMAT promises nothing: a secant is a choice. What is no known choice is a mistake.
+    let kinds: Vec<Kind> =
+        findings.wrong.iter().take(CLASSIFIED).map(|(state, m)| classify(subject, state, m)).collect();
     let is_choice =
         kinds.iter().all(|kind| matches!(kind, Kind::Elastic | Kind::Cauchy | Kind::Secant | Kind::Unloading));
-    let verdict = if is_choice && !subject.described() { Verdict::Warn } else { Verdict::Fail };
-    ledger.add(verdict, format!("{:.1e}", mismatch.error), detail);
+    findings.tell(subject, measure, with, (&summary(&kinds), is_choice), ledger);
+}
+
+/// States of the case's path as they are, and how many of the sample, that are looked at in so many calls each.
+pub(super) fn states(subject: &Subject<'_>, sample: &[State], calls: usize) -> (Vec<State>, usize) {
+    let along = sample::along_the_path(subject, subject.affordable(ALONG_THE_PATH, calls, TIME));
+    (along, subject.affordable(sample.len(), calls, TIME).min(sample.len()))
 }
 
 /// One word for all wrong states.
@@ -176,13 +236,14 @@ struct Scale {
 
 impl Scale {
     /// Solids: the largest entry. Interfaces: each row times the inputs' sizes, against the row's largest or the
-    /// virgin one, because a normal stiffness says nothing of a shear. A row of zeros in all matrices is right.
-    fn new(subject: &Subject<'_>, matrices: &[&[f64]]) -> Self {
-        let columns = subject.entry.inputs();
-        let entries = columns * subject.entry.outputs();
+    /// virgin one, because a normal stiffness says nothing of a shear. A row of zeros in all matrices is right, and so are entries
+    /// of less than `least` times the tolerance.
+    fn new(subject: &Subject<'_>, measure: Measure, matrices: &[&[f64]], least: f64) -> Self {
+        let columns = measure.columns(subject.entry);
+        let entries = columns * measure.rows(subject.entry);
         let weight = |size: f64, of: f64| if of > 0.0 { size / of } else { 0.0 };
         let weights = if matches!(subject.entry, Entry::Umat(_)) {
-            vec![weight(1.0, matrices.iter().map(|matrix| largest(matrix)).fold(0.0, f64::max)); entries]
+            vec![weight(1.0, matrices.iter().map(|matrix| largest(matrix)).fold(least, f64::max)); entries]
         } else {
             let row_size = |i: usize| {
                 let row = |matrix: &&[f64]| {
@@ -204,15 +265,21 @@ impl Scale {
     }
 }
 
-/// Quantity that is differentiated.
+/// Quantity that is differentiated, and by what.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Measure {
-    /// The output itself.
+pub(super) enum Measure {
+    /// The output itself by the inputs.
     Output,
     /// (1/J) ∂(Jσ)/∂D by symmetric changes of F₁: the Jaumann rate of the Kirchhoff stress, as ABAQUS wants it.
     Kirchhoff,
     /// ∂σ/∂D by the same.
     Cauchy,
+    /// The stress by the temperature at the end: DDSDDT.
+    StressByTemperature,
+    /// RPL by the strains: DRPLDE.
+    HeatByStrain,
+    /// RPL by the temperature at the end: DRPLDT.
+    HeatByTemperature,
 }
 
 impl Measure {
@@ -220,6 +287,75 @@ impl Measure {
     fn of(subject: &Subject<'_>) -> Self {
         if subject.finite && subject.reads_gradient { Self::Kirchhoff } else { Self::Output }
     }
+
+    fn is_by_temperature(self) -> bool {
+        matches!(self, Self::StressByTemperature | Self::HeatByTemperature)
+    }
+
+    fn is_of_heat(self) -> bool {
+        matches!(self, Self::HeatByStrain | Self::HeatByTemperature)
+    }
+
+    fn columns(self, entry: Entry) -> usize {
+        if self.is_by_temperature() { 1 } else { entry.inputs() }
+    }
+
+    fn rows(self, entry: Entry) -> usize {
+        if self.is_of_heat() { 1 } else { entry.outputs() }
+    }
+
+    fn row_name(self, entry: Entry, row: usize) -> String {
+        if self.is_of_heat() { "RPL".to_owned() } else { entry.output_name(row) }
+    }
+
+    fn column_name(self, entry: Entry, column: usize) -> String {
+        if self.is_by_temperature() { "TEMP".to_owned() } else { entry.input_name(column) }
+    }
+
+    /// Returns what is differentiated.
+    fn value(self, answer: Answer) -> Vec<f64> {
+        if self.is_of_heat() { vec![answer.heat.rpl] } else { answer.output }
+    }
+
+    /// The derivative that an answer reports, row by row.
+    pub(super) fn reported(self, answer: &Answer) -> Vec<f64> {
+        let components = answer.output.len();
+        match self {
+            Self::Output | Self::Kirchhoff | Self::Cauchy => answer.tangent.clone(),
+            Self::StressByTemperature => answer.heat.ddsddt[..components].to_vec(),
+            Self::HeatByStrain => answer.heat.drplde[..components].to_vec(),
+            Self::HeatByTemperature => vec![answer.heat.drpldt],
+        }
+    }
+
+    /// The magnitude of each input at a state.
+    pub(super) fn sizes(self, subject: &Subject<'_>, from: &Committed, step: &[f64]) -> Vec<f64> {
+        /// Of a temperature that is told to be 0.
+        const DEGREE: f64 = 1.0;
+        if !self.is_by_temperature() {
+            return local_sizes(subject, from, step);
+        }
+        let [start, increment] = from.setting.temperature;
+        vec![(start + increment).abs().max(increment.abs()).max(DEGREE)]
+    }
+}
+
+/// The answer beside the end of a step, where one input, or the temperature, is greater.
+fn beside(
+    subject: &mut Subject<'_>,
+    from: &Committed,
+    step: &[f64],
+    (column, by): (usize, f64),
+    measure: Measure,
+) -> Option<Answer> {
+    if measure.is_by_temperature() {
+        let mut warmer = from.clone();
+        warmer.setting.temperature[1] += by;
+        return subject.evaluate(&warmer, step).ok();
+    }
+    let mut step = step.to_vec();
+    step[column] += by;
+    subject.evaluate(from, &step).ok()
 }
 
 /// d(output)/d(input) around the end of a step by fourth-order central differences; `None` if a call fails.
@@ -231,22 +367,25 @@ fn differences(
     h: f64,
     measure: Measure,
 ) -> Option<Vec<f64>> {
-    let (n, m) = (subject.entry.outputs(), subject.entry.inputs());
+    let (n, m) = (measure.rows(subject.entry), measure.columns(subject.entry));
     let end = subject.end_gradient(from, step);
+    let deforms = match measure {
+        Measure::Kirchhoff | Measure::Cauchy => true,
+        Measure::HeatByStrain => Measure::of(subject) == Measure::Kirchhoff,
+        Measure::Output | Measure::StressByTemperature | Measure::HeatByTemperature => false,
+    };
     let mut matrix = vec![0.0; n * m];
     for j in 0..m {
         let mut shifted = |factor: f64| {
             let by = factor * h * sizes[j];
-            if measure == Measure::Output {
-                let mut step = step.to_vec();
-                step[j] += by;
-                return subject.evaluate(from, &step).ok().map(|answer| answer.output);
+            if !deforms {
+                return Some(measure.value(beside(subject, from, step, (j, by), measure)?));
             }
             // F₁ + ½ ε (eᵢ⊗eⱼ + eⱼ⊗eᵢ) F₁
             let mut unit = vec![0.0; m];
             unit[j] = by;
             let there = end + subject.tensor(&unit) * end;
-            let output = subject.deformed(from, &there)?.output;
+            let output = measure.value(subject.answer_deformed(from, &there)?);
             let volume = if measure == Measure::Kirchhoff { there.determinant() / end.determinant() } else { 1.0 };
             Some(output.into_iter().map(|stress| volume * stress).collect())
         };
@@ -259,16 +398,16 @@ fn differences(
     Some(matrix)
 }
 
-/// Compares one state's tangent with the differences at the best step.
-fn examine(subject: &mut Subject<'_>, state: &State) -> Finding {
+/// Compares one state's derivatives with the differences at the best step.
+fn examine(subject: &mut Subject<'_>, state: &State, measure: Measure, least: f64) -> Finding {
     let Ok(answer) = subject.evaluate(&state.from, &state.step) else { return Finding::Undecided };
-    let sizes = local_sizes(subject, &state.from, &state.step);
-    let measure = Measure::of(subject);
+    let sizes = measure.sizes(subject, &state.from, &state.step);
+    let reported = measure.reported(&answer);
     let quotients: Vec<Vec<f64>> =
         STEPS.iter().filter_map(|&h| differences(subject, &state.from, &state.step, &sizes, h, measure)).collect();
-    let matrices: Vec<&[f64]> = quotients.iter().chain([&answer.tangent]).map(Vec::as_slice).collect();
-    let scale = Scale::new(subject, &matrices);
-    let errors: Vec<(f64, usize)> = quotients.iter().map(|matrix| scale.difference(matrix, &answer.tangent)).collect();
+    let matrices: Vec<&[f64]> = quotients.iter().chain([&reported]).map(Vec::as_slice).collect();
+    let scale = Scale::new(subject, measure, &matrices, least);
+    let errors: Vec<(f64, usize)> = quotients.iter().map(|matrix| scale.difference(matrix, &reported)).collect();
     let Some(best) = (0..errors.len()).min_by(|&a, &b| errors[a].0.total_cmp(&errors[b].0)) else {
         return Finding::Undecided;
     };
@@ -276,7 +415,7 @@ fn examine(subject: &mut Subject<'_>, state: &State) -> Finding {
     if error <= TANGENT {
         return Finding::Consistent(error);
     }
-    if near_kink(subject, state, &answer, &sizes, &scale) {
+    if near_kink(subject, state, answer, &sizes, &scale, measure) {
         return Finding::Kink;
     }
     let neighbours = [best.checked_sub(1), Some(best + 1).filter(|&b| b < quotients.len())];
@@ -290,27 +429,35 @@ fn examine(subject: &mut Subject<'_>, state: &State) -> Finding {
     }
     let (row, column) = (k / scale.columns, k % scale.columns);
     let differences = quotients[best].clone();
-    let (expected, found) = (differences[k], answer.tangent[k]);
+    let (expected, found) = (differences[k], reported[k]);
     Finding::Wrong(Mismatch { error, row, column, expected, found, differences })
 }
 
-/// Returns whether one-sided differences disagree, or the tangent itself jumps, within the reach of the differences.
-fn near_kink(subject: &mut Subject<'_>, state: &State, here: &Answer, sizes: &[f64], scale: &Scale) -> bool {
+/// Returns whether one-sided differences disagree, or the derivative itself jumps, within the reach of the differences.
+fn near_kink(
+    subject: &mut Subject<'_>,
+    state: &State,
+    here: Answer,
+    sizes: &[f64],
+    scale: &Scale,
+    measure: Measure,
+) -> bool {
     let columns = scale.columns;
+    let reported = measure.reported(&here);
+    let here = measure.value(here);
     for j in 0..columns {
         for h in [1e-6, 1e-4] {
-            let sides = [-1.0, 1.0].map(|sign| {
-                let mut step = state.step.clone();
-                step[j] += sign * h * sizes[j];
-                subject.evaluate(&state.from, &step).ok()
-            });
+            let sides =
+                [-1.0, 1.0].map(|sign| beside(subject, &state.from, &state.step, (j, sign * h * sizes[j]), measure));
             let [Some(before), Some(after)] = sides else { return true };
-            let jump = |there: &Answer| scale.difference(&there.tangent, &here.tangent).0 > TANGENT_JUMP;
-            let fold = (0..here.output.len()).any(|i| {
-                let second = after.output[i] - 2.0 * here.output[i] + before.output[i];
+            let jump = |there: &Answer| scale.difference(&measure.reported(there), &reported).0 > TANGENT_JUMP;
+            let jumps = jump(&before) || jump(&after);
+            let [before, after] = [before, after].map(|answer| measure.value(answer));
+            let fold = (0..here.len()).any(|i| {
+                let second = after[i] - 2.0 * here[i] + before[i];
                 (second / (h * sizes[j])).abs() * scale.weights[i * columns + j] > TANGENT_JUMP
             });
-            if fold || jump(&before) || jump(&after) {
+            if fold || jumps {
                 return true;
             }
         }
@@ -325,7 +472,7 @@ fn classify(subject: &mut Subject<'_>, state: &State, mismatch: &Mismatch) -> Ki
     const VIRGIN: f64 = 1e-4;
     let Ok(answer) = subject.evaluate(&state.from, &state.step) else { return Kind::Wrong };
     let tangent = &answer.tangent;
-    let scale = Scale::new(subject, &[tangent, &mismatch.differences]);
+    let scale = Scale::new(subject, Measure::Output, &[tangent, &mismatch.differences], 0.0);
     let sizes = local_sizes(subject, &state.from, &state.step);
     if Measure::of(subject) == Measure::Kirchhoff {
         let cauchy = differences(subject, &state.from, &state.step, &sizes, 1e-4, Measure::Cauchy);

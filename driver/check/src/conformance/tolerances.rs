@@ -3,6 +3,8 @@
 /// Tangent against fourth-order differences at the best step: truncation and rounding are ~1e-9, a wrong
 /// formula shows at 1e-3 or more.
 pub(super) const TANGENT: f64 = 1e-6;
+/// A derivative of which so small a part of what is differentiated would come over the size of the input is rounding of the differences.
+pub(super) const ROUNDING_OF_DIFFERENCES: f64 = 1e-6;
 /// Two difference quotients that disagree by more than this share of the tangent's error decide nothing.
 pub(super) const DIFFERENCES_DECIDE: f64 = 0.1;
 /// A tangent that changes by more than this between neighbours 1e-4 apart jumps: a kink.

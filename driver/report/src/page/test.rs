@@ -181,6 +181,7 @@ fn program() -> Program {
         document: serde_json::Value::Null,
         plugin: Plugin { props: vec![31800.0, 0.18, -7.5], ..Plugin::with_defaults(&library, &law) },
         kind: Kind::Point(PointProgram {
+            heat: false,
             mode: Mode::PlaneStress,
             nlgeom: false,
             measure: Measure::Logarithmic,

@@ -1,5 +1,7 @@
 //! Range, scale and ticks of an axis.
 
+use super::figure::Reading;
+use super::markup;
 use super::quantity::Quantity;
 use plotters::coord::ranged1d::{BoldPoints, Ranged};
 use plotters::coord::types::RangedCoordf64;
@@ -63,6 +65,12 @@ impl Axis {
         let range = range.start / scale..range.end / scale;
         let decimals = decimals(&range, tick_count);
         Self { label: quantity.label(exponent), range, scale, tick_count, decimals, kind: Kind::Numbers }
+    }
+
+    /// Returns what the axis says of a place.
+    pub fn reading(&self) -> Reading {
+        let Range { start, end } = self.range;
+        Reading { label: markup::plain(&self.label), range: [start, end], scale: self.scale }
     }
 
     /// Returns where ticks are.

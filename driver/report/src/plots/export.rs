@@ -20,8 +20,7 @@ pub fn can_export() -> io::Result<()> {
 
 /// The error of a build that lacks the feature.
 fn missing() -> io::Error {
-    let message = "PNG and PDF need the feature `pictures`: cargo build --release --features pictures";
-    io::Error::new(io::ErrorKind::Unsupported, message)
+    crate::lacks("PNG and PDF need", "pictures")
 }
 
 /// Refuses to make a PNG.

@@ -11,6 +11,7 @@ use crate::extremes;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use serde::Serialize;
 
 /// The area on which a picture is drawn.
 pub(super) type Root<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -145,16 +146,48 @@ pub struct Marks {
 /// Two opposite corners of a rectangle; on the picture the upper left and the lower right one.
 pub(super) type Corners<T> = [(T, T); 2];
 
+/// A drawn picture whose places have meaning.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Drawing {
+    /// The picture as SVG.
+    pub svg: String,
+    /// Upper left and lower right corner of the axes' frame, in the picture's own coordinates.
+    pub frame: [(i32, i32); 2],
+    /// Along x.
+    pub x: Reading,
+    /// Along y.
+    pub y: Reading,
+}
+
+/// What an axis says of a place: its numbers from one end of the frame to the other.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reading {
+    /// Quantity and unit, without markup.
+    pub label: String,
+    /// Numbers at the ends, left or below first.
+    pub range: [f64; 2],
+    /// Factor from these numbers to the quantity's unit.
+    pub scale: f64,
+}
+
 impl Figure {
     /// The picture as SVG.
     ///
     /// # Errors
     /// The picture cannot be drawn.
     pub fn svg(&self) -> Result<String, String> {
+        self.drawing().map(|drawing| drawing.svg)
+    }
+
+    /// The picture, and what its places mean; of linear axes.
+    ///
+    /// # Errors
+    /// The picture cannot be drawn.
+    pub fn drawing(&self) -> Result<Drawing, String> {
         guarded(|| self.draw_whole())
     }
 
-    fn draw_whole(&self) -> Result<String, String> {
+    fn draw_whole(&self) -> Result<Drawing, String> {
         let (x, y) = self.axes();
         let mut occupied = self.occupied(&x, &y);
         let inset = (self.scale == Scale::Linear).then(|| Inset::place(self, &occupied, (&x, &y))).flatten();
@@ -164,13 +197,17 @@ impl Figure {
         let title_height = if title.is_empty() { 8 } else { 14 + 20 * title.len() as i32 };
         let size = (WIDTH, HEIGHT + title_height + legend.height_below());
         let mut svg = String::new();
-        {
+        let frame = {
             let root = SVGBackend::with_string(&mut svg, pixels(size)).into_drawing_area();
-            self.draw(&root, (&x, &y), (&title, title_height), inset.as_ref(), &legend)
+            let frame = self
+                .draw(&root, (&x, &y), (&title, title_height), inset.as_ref(), &legend)
                 .map_err(|error| error.to_string())?;
             root.present().map_err(|error| error.to_string())?;
-        }
-        Ok(finish(&svg, size, &markup::plain(&format!("{} {}: {} – {}", self.title, self.name, y.label, x.label))))
+            frame
+        };
+        let description = markup::plain(&format!("{} {}: {} – {}", self.title, self.name, y.label, x.label));
+        let svg = finish(&svg, size, &description);
+        Ok(Drawing { svg, frame, x: x.reading(), y: y.reading() })
     }
 
     fn axes(&self) -> (Axis, Axis) {
@@ -276,7 +313,7 @@ impl Figure {
         (title, title_height): (&[String], i32),
         inset: Option<&Inset>,
         legend: &Legend,
-    ) -> Drawn<'a, ()> {
+    ) -> Drawn<'a, Corners<i32>> {
         root.fill(&WHITE)?;
         draw_title(root, title, WIDTH)?;
         let left = left_of(y);
@@ -317,7 +354,8 @@ impl Figure {
         if let Some(inset) = inset {
             inset.draw(self, root, frame, (x, y))?;
         }
-        legend.draw(root, frame)
+        legend.draw(root, frame)?;
+        Ok(frame)
     }
 }
 

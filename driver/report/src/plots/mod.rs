@@ -27,7 +27,7 @@ mod legend;
 mod markup;
 pub mod quantity;
 pub mod redraw;
-mod selection;
+pub mod selection;
 
 #[cfg(test)]
 mod test;

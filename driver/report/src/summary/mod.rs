@@ -215,14 +215,6 @@ impl PeakRecorder {
         Self(names.iter().map(|name| (name.clone(), Peak::default())).collect())
     }
 
-    /// Returns whether it is of a history with these columns.
-    pub fn fits(&self, columns: &[String]) -> bool {
-        let virgin = Self::new(columns);
-        let names = virgin.0.iter().map(|(name, _)| name);
-        let mut lines = self.0.iter().flat_map(|(_, peak)| [peak.max_at, peak.min_at]).flatten();
-        self.0.iter().map(|(name, _)| name).eq(names) && lines.all(|line| line.time.is_finite())
-    }
-
     /// Takes an increment into account.
     pub fn observe(&mut self, row: &Row<'_>) {
         let Some((&time, values)) = row.values.split_first() else { return };

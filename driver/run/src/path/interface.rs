@@ -5,7 +5,7 @@
 use super::subdivision::{Divisible, Trouble, take_steps};
 use super::{Accepted, Observer, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
 use crate::arguments::ContactArguments;
-use crate::columns::{self, CONTACT, ContactPoint as Committed, Group};
+use crate::columns::{self, CONTACT, ContactPoint as Committed};
 use crate::number::exact;
 use crate::program::lerp;
 use crate::program::{
@@ -486,7 +486,7 @@ impl Divisible for Runner<'_> {
     fn fill(&self, values: &mut [f64]) {
         let state = &self.committed;
         let derived = self.derived.iter().map(|derived| derived.value(&state.statev));
-        let left_out = (self.directions < 2).then_some(Group::Second);
+        let left_out = columns::left_out_of_contact(self.directions);
         columns::fill(&CONTACT, left_out, state, state.statev.iter().copied().chain(derived), values);
     }
 

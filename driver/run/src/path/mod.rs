@@ -13,7 +13,6 @@ mod test;
 pub use crate::columns::ContactPoint;
 use crate::columns::LEADING;
 use crate::program::{About, Kind, Program, Until};
-use fe_core::assembly::GREATEST_COUNT;
 use fe_core::stepping::{Directive, Snapshot, Tried};
 pub use interface::directions_of_calls;
 pub use point::{Committed as MaterialPoint, components_of_calls};
@@ -134,14 +133,6 @@ pub struct Statistics {
     pub plugin_calls: u64,
     /// Attempts given up for a smaller increment.
     pub cutbacks: u64,
-}
-
-impl Statistics {
-    /// Returns whether a run can count on from there.
-    pub fn counts_on(&self) -> bool {
-        let Self { increments, iterations, plugin_calls, cutbacks } = *self;
-        [increments, iterations, plugin_calls, cutbacks].into_iter().all(|count| count < GREATEST_COUNT)
-    }
 }
 
 /// Reason why a run ended early.

@@ -16,8 +16,8 @@ use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, untold_nominal, untold_
 use nalgebra::Matrix3;
 use std::io;
 use umat_abi::host::{
-    CallOutcome, Clock, Derived, ExternalDatabases, FOLLOWS_GRADIENT, InitialPoint, InitialStates, InitialStresses,
-    NotFinite, TangentSource, Trespass, UmatCall, judge,
+    CallOutcome, Clock, Derived, ExternalDatabases, FOLLOWS_GRADIENT, Heat, InitialPoint, InitialStates,
+    InitialStresses, NotFinite, TangentSource, Trespass, UmatCall, judge,
 };
 use umat_abi::law::{Request, StressState};
 
@@ -124,6 +124,8 @@ pub struct Committed {
     pub statev: Vec<f64>,
     /// SSE, SPD, SCD.
     pub energies: [f64; 3],
+    /// RPL and its like, in six components.
+    pub heat: Heat,
     /// TIME(1), s.
     pub step_time: f64,
     /// TIME(2), s.
@@ -161,6 +163,8 @@ impl Goal {
 
 struct Runner<'p> {
     components: &'static [usize],
+    /// Groups of columns that the history has not.
+    left_out: &'static [Group],
     controllable: &'static [usize],
     /// `None`: small strain.
     finite: Option<Finite>,
@@ -264,6 +268,7 @@ impl<'p> Runner<'p> {
             statev: InitialStates::new(&plugin.library, initial.statev.as_deref(), plugin.nstatv)
                 .of_point(&initial_point(&call))?,
             energies: point.arguments.energies.unwrap_or_default(),
+            heat: Heat::default(),
             step_time: 0.0,
             total_time: initial.time,
             deformation_gradient: matrix(&initial.deformation_gradient),
@@ -286,6 +291,7 @@ impl<'p> Runner<'p> {
         };
         let runner = Self {
             components: stress_state.components(),
+            left_out: columns::left_out_of_point(point.nlgeom, point.heat),
             controllable: point.mode.controllable(),
             finite,
             arguments: &point.arguments,
@@ -813,10 +819,10 @@ impl Divisible for Runner<'_> {
             stress: *self.stress(),
             gradient: std::array::from_fn(|i| std::array::from_fn(|j| gradient[(i, j)])),
             energies: state.energies,
+            heat: state.heat,
         };
         let derived = self.derived.iter().map(|derived| derived.value(&state.statev));
-        let left_out = self.finite.is_none().then_some(Group::Gradient);
-        columns::fill(&POINT, left_out, &row, state.statev.iter().copied().chain(derived), values);
+        columns::fill(&POINT, self.left_out, &row, state.statev.iter().copied().chain(derived), values);
     }
 
     fn replay(&self, program: &Program, to: f64) -> serde_json::Value {
@@ -1055,17 +1061,21 @@ fn take_over(
         state.strain[2] = call.strain_33;
     }
     state.energies = call.energies;
+    let Heat { rpl, ddsddt, drplde, drpldt } = call.heat();
+    let [ddsddt, drplde] = [ddsddt, drplde].map(|values| call.stress_state().six(&values));
+    state.heat = Heat { rpl, ddsddt, drplde, drpldt };
 }
 
 /// Makes other calls, and leaves arguments and results as they were but for DDSDDE.
 fn aside<T>(call: &mut UmatCall, work: impl FnOnce(&mut UmatCall) -> T) -> T {
     let (strain, increment, dtime) = (call.stran, call.dstran, call.dtime);
     let (stress, statev) = (call.stress().to_vec(), call.statev().to_vec());
-    let (energies, strain_33) = (call.energies, call.strain_33);
+    let (energies, heat, strain_33) = (call.energies, call.heat(), call.strain_33);
     let kinematics = (call.drot, call.dfgrd0, call.dfgrd1);
     let result = work(call);
     let ntens = stress.len();
     call.set_point([&strain[..ntens], &increment[..ntens], &stress], &statev, energies);
+    call.set_heat(heat);
     call.strain_33 = strain_33;
     call.dtime = dtime;
     (call.drot, call.dfgrd0, call.dfgrd1) = kinematics;

@@ -16,9 +16,12 @@ use umat_abi::host::{self, UmatCall};
 /// those of this one, are left out.
 fn frame(program: &Program, [initial, step]: [Value; 2], [start, end]: [&FieldValues; 2]) -> Value {
     let mut case = program.document.as_object().cloned().unwrap_or_default();
+    // of the output only what it shows of the call
+    let heat = program.document["output"]["heat"].as_bool();
     for key in ["until", "compare", "output", "temperature", "predef", "increments"] {
         case.remove(key);
     }
+    case.extend(heat.map(|heat| ("output".to_owned(), json!({ "heat": heat }))));
     let mut case = Value::Object(case);
     let folder = job_folder(&program.about.case_file, &program.document);
     replay::entitle(&mut case, replay::OF_INCREMENT, &program.about.title, &folder);

@@ -38,6 +38,7 @@ fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> P
             mode,
             nlgeom,
             measure: Measure::Logarithmic,
+            heat: false,
             arguments: crate::arguments::UmatArguments::default(),
             initial: PointState {
                 strain: [0.0; 6],

@@ -5,7 +5,8 @@
 //! ```
 //!
 //! in postcard's encoding, which keeps every bit of a number. The file is written beside its place and moved there: a killed
-//! run leaves a whole one. The fingerprint covers all that the case was resolved to, and the plugins' files.
+//! run leaves a whole one. The fingerprint covers all that the case was resolved to, and the plugins' files. The SHA-256 covers all
+//! else: a file that has it is believed. It is no signature, so that a checkpoint from an unknown source is not read at all.
 
 use super::PulloutProgram;
 use super::recorder::RecorderState;
@@ -25,7 +26,7 @@ pub const FILE: &str = "checkpoint.bin";
 pub const PARTIAL: &str = "checkpoint.partial";
 const MAGIC: &[u8] = b"pullout checkpoint\n";
 /// Version of the file's layout; a program of another version does not read it either.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), ", layout 12");
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), ", layout 13");
 
 /// Use that a run makes of checkpoints.
 #[derive(Debug, Default)]
@@ -54,6 +55,14 @@ struct Header {
     sha256: String,
 }
 
+impl Header {
+    /// SHA-256 of what else stands in the file.
+    fn digest(&self, state: &[u8]) -> String {
+        let Self { version, fingerprint, every, .. } = self;
+        hexadecimal(Sha256::new_with_prefix(format!("{version}\n{fingerprint}\n{every}\n")).chain_update(state))
+    }
+}
+
 impl Checkpoints {
     /// Makes checkpoints of a program that is run from its start.
     ///
@@ -76,9 +85,9 @@ impl Checkpoints {
         let rest = content.strip_prefix(MAGIC).ok_or_else(damaged)?;
         let (header, state): (Header, &[u8]) = postcard::take_from_bytes(rest).map_err(|_| damaged())?;
         if header.version != VERSION {
-            return Err(named(&format!("made by pullout {}; this is {VERSION}", header.version)));
+            return Err(named(&format!("made by pullout {}; this is {VERSION}", header.version.escape_debug())));
         }
-        if header.sha256 != sha256(state) {
+        if header.sha256 != header.digest(state) {
             return Err(damaged());
         }
         let fingerprint = fingerprint(program).map_err(|error| error.to_string())?;
@@ -86,10 +95,6 @@ impl Checkpoints {
             return Err(named("made by another case, or with other plugins: a run goes on with what it began with"));
         }
         let saved: Box<Saved> = postcard::from_bytes(state).map_err(|_| damaged())?;
-        // The hash is no signature: whoever can write the file can write that as well.
-        if !(saved.analysis.fits(&program.model) && saved.recorder.fits(program)) {
-            return Err(damaged());
-        }
         if let Some(file) = saved.recorder.fields.as_ref().and_then(|fields| fields.changed(folder)) {
             let file = folder.join(file);
             return Err(format!(
@@ -103,12 +108,13 @@ impl Checkpoints {
     /// Writes a checkpoint.
     pub(super) fn write(&self, folder: &Path, saved: &Saved) -> io::Result<()> {
         let state = postcard::to_stdvec(saved).map_err(io::Error::other)?;
-        let header = Header {
+        let mut header = Header {
             version: VERSION.into(),
             fingerprint: self.fingerprint.clone(),
             every: self.every.unwrap_or_default(),
-            sha256: sha256(&state),
+            sha256: String::new(),
         };
+        header.sha256 = header.digest(&state);
         let header = postcard::to_stdvec(&header).map_err(io::Error::other)?;
         let path = folder.join(FILE);
         let partial = folder.join(PARTIAL);
@@ -169,9 +175,10 @@ fn fingerprint(program: &PulloutProgram) -> io::Result<String> {
             release,
             master_bends,
             critical_slip,
+            fit,
         } = pair;
         hash.update(format!("{:?}", (name, slave, master, quadrature, width)));
-        hash.update(format!("{:?}", (penalty_factor, enforcement, release, master_bends, critical_slip)));
+        hash.update(format!("{:?}", (penalty_factor, enforcement, release, master_bends, critical_slip, fit)));
         match law {
             ContactLaw::Uinter(law) => add_law(&mut hash, law)?,
             ContactLaw::Fric { law, normal } => {
@@ -194,8 +201,4 @@ fn add_law(hash: &mut Sha256, law: &PluginLaw) -> io::Result<()> {
         (&law.name, &law.cmname, &law.symbol, &law.props, law.nstatv, &law.statev0, &law.stress0, &law.frame)
     ));
     Ok(())
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    hexadecimal(Sha256::new_with_prefix(bytes))
 }

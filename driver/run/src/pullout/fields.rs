@@ -32,11 +32,6 @@ pub struct WrittenFields {
 }
 
 impl WrittenFields {
-    /// Returns whether a run can have written it.
-    pub(super) fn is_sound(&self) -> bool {
-        self.files.is_sound() && self.files.names().count() == self.sha256.len() && self.last.is_none_or(f64::is_finite)
-    }
-
     /// Says what of the files in a directory is not as it was written.
     pub(super) fn changed(&self, folder: &Path) -> Option<String> {
         let mut files = self.files.names().zip(&self.sha256);

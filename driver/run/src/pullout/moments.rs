@@ -1,7 +1,6 @@
 //! The states that a case asks pictures of, beside those of the greatest load and of the end.
 
 use super::{PictureAt, State};
-use fe_core::mesh::Mesh;
 use fe_core::output::Fields;
 use fe_core::stepping::{Record, Snapshot};
 use serde::{Deserialize, Serialize};
@@ -14,15 +13,6 @@ impl Moments {
     /// Keeps these.
     pub fn new(wanted: &[PictureAt]) -> Self {
         Self(wanted.iter().map(|_| None).collect())
-    }
-
-    /// Returns whether a run on this mesh that wants so many can have come to it.
-    pub fn fits(&self, mesh: &Mesh, wanted: usize) -> bool {
-        let fits = |state: &State| {
-            // a load that nobody measures is NaN
-            state.slip.is_finite() && !state.load.is_infinite() && state.fields.check(mesh).is_ok()
-        };
-        self.0.len() == wanted && self.0.iter().flatten().all(fits)
     }
 
     /// Takes an increment into account, the `number`-th of the run from 1; returns whether it is one of the moments.

@@ -1,7 +1,6 @@
 //! The state at the greatest load.
 
 use super::State;
-use fe_core::mesh::Mesh;
 use fe_core::output::Fields;
 use fe_core::stepping::{Record, Snapshot};
 use serde::{Deserialize, Serialize};
@@ -32,16 +31,6 @@ pub struct PeakKeeper {
 }
 
 impl PeakKeeper {
-    /// Returns whether a run on this mesh can have come to it.
-    pub fn fits(&self, mesh: &Mesh) -> bool {
-        let count = if self.peak.is_some() { 2 * mesh.nodes().len() } else { 0 };
-        self.peak.is_none_or(|peak| [peak.load, peak.slip, peak.time].into_iter().all(f64::is_finite))
-            && self.displacements.len() == count
-            && self.displacements.iter().all(|displacement| displacement.is_finite())
-            && self.spalled.iter().all(|&element| element < mesh.elements().len())
-            && self.fields.as_ref().is_none_or(|fields| fields.check(mesh).is_ok())
-    }
-
     /// Takes an increment into account; the first of equal ones is the peak.
     pub fn observe(&mut self, record: &Record, snapshot: &Snapshot<'_>, keeps_fields: bool) {
         if self.rises(record) {

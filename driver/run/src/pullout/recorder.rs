@@ -148,6 +148,7 @@ pub fn run(
     let work = recorder.state.energies.external_work;
     warnings.extend(crack_band::warnings(model, snapshot.solids(), work));
     warnings.extend(section::warning(program, snapshot.solids(), work));
+    warnings.extend(Rupture::warnings(&recorder.state.ruptures, &model.measured));
     warnings.into_iter().for_each(|warning| recorder.observer.warn(warning));
     let elapsed = start.elapsed();
     let done = analysis.statistics();
@@ -242,26 +243,6 @@ pub(super) struct RecorderState {
     initial_displacement: Option<f64>,
     /// Total time at the start of the present step.
     step_start: f64,
-}
-
-impl RecorderState {
-    /// Returns whether a run of this program can have come to it.
-    pub(super) fn fits(&self, program: &PulloutProgram) -> bool {
-        let Self { fields, peak, moments, ruptures, present, energies, so_far, .. } = self;
-        let Self { energy_error, initial_displacement, step_start, .. } = self;
-        present.values.len() == columns::count_in_specimen(&program.model.measured.fibres)
-            && fields.is_some() == program.fields_every.is_some()
-            && fields.as_ref().is_none_or(WrittenFields::is_sound)
-            && peak.fits(&program.model.mesh)
-            && moments.is_some() == program.about.plots
-            && moments.as_ref().is_none_or(|kept| kept.fits(&program.model.mesh, program.pictures_at.len()))
-            && ruptures.values().all(Rupture::is_finite)
-            && energies.is_finite()
-            && so_far.counts_on()
-            && energy_error.is_finite()
-            && initial_displacement.is_none_or(f64::is_finite)
-            && step_start.is_finite()
-    }
 }
 
 /// The last row, and whether it was written.
@@ -398,12 +379,14 @@ impl Observer for Recorder<'_, '_> {
             .moments
             .as_mut()
             .is_some_and(|moments| moments.observe(&self.program.pictures_at, number, record, snapshot));
-        Rupture::add(
-            &mut self.state.ruptures,
-            record,
-            &self.program.model.measured.fibres,
-            self.program.rupture_strain,
-        );
+        let measured = &self.program.model.measured;
+        let breaks = Rupture::add(&mut self.state.ruptures, record, measured, self.program.rupture_strain);
+        if breaks {
+            // it is the last row
+            self.finish_history()?;
+            self.state.present.written = true;
+        }
+        let directive = if breaks { Directive::EndRun } else { directive };
         if self.program.about.plots {
             self.observer.state_reached(record.slip, record.load, snapshot, false);
         }

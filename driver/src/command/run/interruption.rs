@@ -61,7 +61,7 @@ impl Interruption {
             None => Checkpoints::new(program, self.checkpoint_every).map_err(|error| error.to_string()),
             Some(folder) => {
                 let checkpoints = Checkpoints::restart(program, folder, self.checkpoint_every)?;
-                let kept = checkpoints.from.as_deref().and_then(|saved| Kept::of(saved, &case.columns()));
+                let kept = checkpoints.from.as_deref().and_then(Kept::of);
                 let Kept { history_bytes: bytes, history_sha256, .. } = kept.ok_or_else(|| {
                     format!("{}: this is no checkpoint, or it is damaged", folder.join(checkpoint::FILE).display())
                 })?;

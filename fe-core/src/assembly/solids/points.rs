@@ -49,23 +49,6 @@ impl States {
             work: if law.law.is_some() { Vec::new() } else { vec![0.0; points] },
         }
     }
-
-    /// Returns whether it is of as many points with as many states, and what the host computes with are numbers; what state
-    /// variables are is the law's.
-    pub(super) fn fits(&self, other: &Self) -> bool {
-        let Self { stress, strain, statev: _, energies, reference_energies, viscous_stress, viscous, work } = self;
-        let tensors = [stress, strain, viscous_stress].into_iter().flatten().flatten();
-        let sums = [energies, reference_energies].into_iter().flatten().flatten().chain(viscous).chain(work);
-        if !tensors.chain(sums).all(|number| number.is_finite()) {
-            return false;
-        }
-        let lengths = |states: &Self| {
-            let Self { stress, strain, statev, energies, reference_energies, viscous_stress, viscous, work } = states;
-            let of_points = [stress.len(), strain.len(), viscous_stress.len(), viscous.len()];
-            (of_points, statev.len(), [energies.len(), reference_energies.len(), work.len()])
-        };
-        lengths(self) == lengths(other)
-    }
 }
 
 /// Increment of a point: the strain increment, and under large displacements its motion.

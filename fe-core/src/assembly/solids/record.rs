@@ -122,14 +122,6 @@ impl Spalled {
         self.energy += std::mem::take(&mut self.work);
         self.start.copy_from_slice(&self.end);
     }
-
-    /// Returns whether it can be an element's of so many nodes.
-    pub(super) fn fits(&self, nodes: usize) -> bool {
-        let nodal = [&self.forces, &self.displacements, &self.start, &self.end];
-        let scalars = [self.share, self.energy, self.work];
-        nodal.iter().all(|values| values.len() == nodes)
-            && nodal.into_iter().flatten().flatten().chain(&scalars).all(|number| number.is_finite())
-    }
 }
 
 impl ElementData {

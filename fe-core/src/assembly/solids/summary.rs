@@ -6,7 +6,6 @@ use super::element::present_position;
 use super::points::{Points, States};
 use super::record::{Body, Spalled, number_of};
 use super::trust::add_work;
-use crate::assembly::GREATEST_COUNT;
 use crate::kinematics::finite::{Components, rotated};
 use crate::plane::principal;
 use umat_abi::host::recorder::UmatRecord;
@@ -62,14 +61,6 @@ pub struct Counters {
     pub skipped_evaluations: u64,
     /// Stiffnesses built.
     pub stiffness_builds: u64,
-}
-
-impl Counters {
-    /// Returns whether a run can count on from there.
-    pub(super) fn counts_on(&self) -> bool {
-        let Self { umat_calls, evaluations, skipped_evaluations, stiffness_builds } = *self;
-        [umat_calls, evaluations, skipped_evaluations, stiffness_builds].into_iter().all(|count| count < GREATEST_COUNT)
-    }
 }
 
 impl std::ops::AddAssign for Counters {

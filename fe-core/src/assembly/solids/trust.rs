@@ -27,7 +27,8 @@ const SIMILAR: f64 = 0.2;
 const SHRINKAGE: f64 = 0.3;
 /// Share of the imbalance from which on a part is held responsible for it.
 const SHARE: f64 = 0.5;
-/// Relative difference of energies from the work at the end of a run from which on it is reported.
+/// Difference of energies from the work at the end of a run from which on it is reported, relative to the largest work so far: that at
+/// the end may be what rounding leaves.
 const NOTEWORTHY: f64 = 0.1;
 /// DDSDDE that is off by more than this part of its largest entry is replaced.
 const LARGEST_DEVIATION: f64 = 0.05;
@@ -52,6 +53,8 @@ enum Reports {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trust {
     reports: Reports,
+    /// The largest work of the part's stresses at the end of any increment so far, N·mm.
+    largest_work: f64,
     /// Increments of the present attempts and by how much the reported energy missed the work.
     missed: Vec<[f64; 2]>,
     /// Whether slow iterations may lead to another tangent.
@@ -89,23 +92,13 @@ impl Trust {
         let is_foreign = law.law.is_none();
         Self {
             reports: if is_foreign { Reports::Believed } else { Reports::Vouched },
+            largest_work: 0.0,
             missed: Vec::new(),
             judges_tangent: is_foreign && law.manner.tangent.is_none(),
             pause: [0, FIRST_PAUSE],
             tangent_deviation: None,
             compared: None,
         }
-    }
-
-    /// Returns whether a run can have come from `virgin` to it.
-    pub(super) fn may_follow(&self, virgin: &Self) -> bool {
-        let Self { reports, missed, judges_tangent, pause, tangent_deviation, compared } = self;
-        (*reports == virgin.reports || virgin.reports == Reports::Believed)
-            && (!*judges_tangent || virgin.judges_tangent)
-            && missed.iter().flatten().all(|number| number.is_finite())
-            && pause.iter().all(|&pause| pause <= LONGEST_PAUSE)
-            && tangent_deviation.is_none_or(|deviation| !deviation.is_nan())
-            && compared.is_none_or(|compared| !compared.deviation.is_nan())
     }
 
     /// Returns whether reported energies count.
@@ -142,11 +135,6 @@ pub struct PartAccount {
 }
 
 impl PartAccount {
-    /// Returns whether all are numbers.
-    pub fn is_finite(&self) -> bool {
-        [self.stored, self.dissipated, self.work].into_iter().all(f64::is_finite)
-    }
-
     fn total(&self) -> f64 {
         self.stored + self.dissipated
     }
@@ -212,6 +200,12 @@ impl Solids {
 
     /// An increment was accepted: the next one is judged anew.
     pub(crate) fn energies_stand(&mut self) {
+        if self.has_unproven_energies() {
+            for (part, account) in self.accounts().iter().enumerate() {
+                let largest = &mut self.trust[part].largest_work;
+                *largest = largest.max(account.work.abs());
+            }
+        }
         for trust in &mut self.trust {
             trust.missed.clear();
             trust.pause[0] = trust.pause[0].saturating_sub(1);
@@ -270,11 +264,6 @@ impl Solids {
         }
     }
 
-    /// Returns whether another run of these solids can have come to believe this.
-    pub(super) fn may_trust(&self, trust: &[Trust]) -> bool {
-        trust.len() == self.trust.len() && trust.iter().zip(&self.trust).all(|(trust, virgin)| trust.may_follow(virgin))
-    }
-
     /// Takes over what another run came to believe.
     pub(super) fn take_trust(&mut self, trust: &[Trust]) {
         self.trust.clone_from_slice(trust);
@@ -292,12 +281,11 @@ impl Solids {
             match trust.reports {
                 Reports::Vouched => {}
                 Reports::Believed => {
-                    let PartAccount { work, .. } = accounts[part];
-                    let ratio = accounts[part].total() / work;
-                    if work != 0.0 && (ratio - 1.0).abs() > NOTEWORTHY {
+                    let (work, total, largest) = (accounts[part].work, accounts[part].total(), trust.largest_work);
+                    if (total - work).abs() > NOTEWORTHY * largest {
                         say(format!(
-                            "the energies that its UMAT reports (SSE + SPD + SCD) are {ratio:.3} of the work of its stresses at \
-                             the end: wrong ones, or coarse increments"
+                            "the energies that its UMAT reports (SSE + SPD + SCD) are {total:.3e} N·mm at the end, the work of its \
+                             stresses {work:.3e} N·mm, at most {largest:.3e}: wrong ones, or coarse increments"
                         ));
                     }
                 }

@@ -11,8 +11,8 @@ use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, ElementEdge, Mesh, MeshDefinition, Part};
 use crate::model::{
-    ContactLaw, ContactPair, Enforcement, FieldValues, HardLaw, IncrementContext, NormalLaw, PluginLaw, Quadrature,
-    SoftLaw, Width,
+    ContactLaw, ContactPair, Enforcement, FieldValues, Fit, HardLaw, IncrementContext, NormalLaw, PluginLaw,
+    Quadrature, SoftLaw, Width,
 };
 use crate::solver::Blocks;
 use end_to_end_tests::Random;
@@ -75,6 +75,7 @@ impl Scene {
             enforcement: Enforcement::Penalty,
             release: false,
             critical_slip: 0.0,
+            fit: Fit::default(),
             master_bends: false,
         }
     }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::element::ElementKind::{Q4, Q8};
+use crate::model::Interference;
 use crate::model::Quadrature::{Gauss, Nodes, Segments};
 
 /// Central differences of the forces against the blocks, relative to the largest entry; with that entry.
@@ -268,5 +269,39 @@ fn laws_that_are_followed_along_their_tangents() {
         let (error, scale) = tangent_error(&mut contact, &end);
         assert!(scale > 1.0 && contact.is_elsewhere());
         assert!(error < 1e-6, "error {error:.2e}");
+    }
+}
+
+/// What the drive of an interference pushes is the derivative of the forces by it, and its work is the pressure's on the overlap.
+#[test]
+fn an_interference_pushes_by_its_drive() {
+    const STEP: f64 = 1e-6;
+    for scene in scenes() {
+        let laws = [uinter(&[("law", 2.0), ("mu", 0.5)]), hard(0.0, 0.0, &[("law", 2.0), ("mu", 0.5)]), uinter(&[])];
+        for law in laws {
+            let interference = Some(Interference { drive: 1, depth: Some(0.02) });
+            let fit = Fit { interference, ..Fit::default() };
+            let mut contact = scene.contact(ContactPair { fit, ..scene.pair(law) });
+            let displacements = scene.shaken([0.05, -0.01], 0.0005);
+            let mut at = |drive: f64| {
+                contact.set_drives(&[f64::NAN, drive]);
+                forces(&mut contact, &displacements)
+            };
+            let [ahead, back] = [1.0 + STEP, 1.0 - STEP].map(&mut at);
+            let difference: Vec<f64> = ahead.iter().zip(&back).map(|(a, b)| (b - a) / (2.0 * STEP)).collect();
+            contact.set_drives(&[f64::NAN, 1.0]);
+            stiffness(&mut contact, &displacements);
+            let mut pushed = vec![0.0; displacements.len()];
+            contact.add_drive_forces(&[f64::NAN, 1.0], &mut pushed);
+            let error: Vec<f64> = pushed.iter().zip(&difference).map(|(a, b)| a - b).collect();
+            assert!(largest(&pushed) > 1.0 && largest(&error) < 1e-6 * largest(&pushed), "{pushed:?} {difference:?}");
+            let force: f64 = contact.points().map(|point| point.area * point.pressure).sum();
+            assert!((contact.fitting_work() / (0.5 * 0.02 * force) - 1.0).abs() < 1e-12, "from nothing to all of it");
+            contact.commit();
+            assert_eq!(contact.fitting_work(), 0.0);
+            contact.set_drives(&[f64::NAN, 7.0]);
+            contact.restore();
+            assert_eq!(contact.fitting_work(), 0.0, "an attempt that is given up leaves the drive where it was");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Whether an increment that converged may stand.
 
 use super::{Dragged, Lead, Led, LoadHistory, StepRun};
-use crate::assembly::{Location, Trouble};
+use crate::assembly::{Location, Setback, Trouble};
 use crate::stepping::newton::{Converged, Leader};
 
 /// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
@@ -243,7 +243,7 @@ impl StepRun {
 }
 
 pub(super) fn repeat(reason: &str, fraction: f64) -> Judgement {
-    let trouble = Trouble { place: Location::System, reason: reason.into(), fraction: Some(fraction) };
+    let trouble = Setback { reason: reason.into(), fraction: Some(fraction) }.at(Location::System);
     Judgement { trouble, has_failed: false }
 }
 

@@ -163,12 +163,13 @@ impl Equilibrium<'_> {
         Ok(self.solids.trial_dissipation())
     }
 
-    /// Tᵀ(∂f_ext/∂a − K S) d, with loads where the increment starts.
+    /// Tᵀ(∂f_ext/∂a − ∂f_int/∂a − K S) d, with loads where the increment starts; interferences alone press by their drives.
     pub(super) fn drive_force(&self, start: &Committed, drives: &[f64]) -> Vec<f64> {
         let mut forces = self.system.drive_stiffness(&self.solids, drives);
         forces.iter_mut().for_each(|force| *force = -*force);
         let mut external = vec![0.0; start.displacements.len()];
         add_loads(self.model, &self.solids, drives, &start.displacements, &mut external, None);
+        self.contact.add_drive_forces(drives, &mut external);
         let reduced = self.system.reduce(&external);
         forces.iter_mut().zip(&reduced).for_each(|(force, load)| *force += load);
         forces

@@ -64,14 +64,4 @@ impl Drag {
     pub(super) fn turns(&self) -> bool {
         super::dot(&self.start, &self.trial) < 0.0
     }
-
-    /// Returns whether there are forces for so many freedoms, or none, and all numbers are finite.
-    pub(super) fn fits(&self, freedoms: usize) -> bool {
-        [&self.start, &self.trial].into_iter().all(|forces| forces.is_empty() || forces.len() == freedoms)
-            && [self.work, self.trial_work]
-                .iter()
-                .chain(&self.start)
-                .chain(&self.trial)
-                .all(|number| number.is_finite())
-    }
 }

@@ -21,7 +21,7 @@ mod state;
 mod turn;
 
 pub(super) use beside::{Guide, Round};
-pub(super) use state::{EquilibriumState, foreign_state};
+pub(super) use state::EquilibriumState;
 pub(super) use turn::Turn;
 
 use super::times::timed;
@@ -30,7 +30,7 @@ use super::zone::Zone;
 use super::{Counts, Energies, Times};
 use crate::assembly::loads::{Bearers, Shares};
 use crate::assembly::solids::SolidEnergies;
-use crate::assembly::{Equations, Location, Solids, System, Trouble, loaded_freedoms, loads};
+use crate::assembly::{Equations, Location, Setback, Solids, System, Trouble, loaded_freedoms, loads};
 use crate::contact::{self, Contact, PointIndex, PointStatus};
 use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::{Blocks, SolverError};
@@ -54,20 +54,6 @@ pub(super) struct Committed {
     pub(super) mean_slip: f64,
     /// Energy that the solids' laws dissipated so far, N mm.
     pub(super) dissipation: f64,
-}
-
-impl Committed {
-    /// Returns whether the state can be one of this model: its arrays have the model's lengths, and all numbers are finite.
-    pub(super) fn fits(&self, model: &Model) -> bool {
-        let Self { displacements, drives, reactions, external, mean_slip, dissipation } = self;
-        let freedoms = 2 * model.mesh.nodes().len();
-        let arrays =
-            [(displacements, freedoms), (drives, model.drives.len()), (reactions, freedoms), (external, freedoms)];
-        arrays.into_iter().all(|(array, length)| array.len() == length && array.iter().all(|number| number.is_finite()))
-            // without contact there is none
-            && (mean_slip.is_finite() || model.contacts.is_empty())
-            && dissipation.is_finite()
-    }
 }
 
 /// Goal of an increment.
@@ -437,6 +423,7 @@ impl<'m> Equilibrium<'m> {
         timed(&mut times.solids, || solids.evaluate(&trial.displacements, &context, request, &mut memory.internal))?;
         memory.blocks.clear();
         memory.contact_forces.fill(0.0);
+        contact.set_drives(&trial.drives);
         if fields.change() {
             let [start, end] = fields.over(steps, &context);
             contact.set_fields(&start, &end);
@@ -524,7 +511,7 @@ fn unsolvable(error: &SolverError) -> Trouble {
 }
 
 fn trouble(place: Location, reason: String, fraction: f64) -> Trouble {
-    Trouble { place, reason, fraction: Some(fraction) }
+    Setback { reason, fraction: Some(fraction) }.at(place)
 }
 
 pub(super) fn largest(values: &[f64]) -> f64 {

@@ -6,7 +6,7 @@ use crate::assembly::solids::SolidsState;
 use crate::assembly::{Equations, SystemState};
 use crate::contact::ContactState;
 use crate::model::{Model, ModelError};
-use crate::solver::Blocks;
+use crate::solver::{Blocks, SolverError};
 use crate::stepping::Statistics;
 use crate::stepping::zone::Zone;
 use serde::{Deserialize, Serialize};
@@ -63,16 +63,6 @@ impl Memory {
     pub(super) fn unbalanced(&self) -> Vec<f64> {
         self.external.iter().zip(&self.internal).map(|(e, i)| e - i).collect()
     }
-
-    /// Returns whether its arrays have the numbers of freedoms, rows and elements of this equilibrium.
-    fn fits(&self, made: &Equilibrium<'_>) -> bool {
-        let freedoms = made.memory.internal.len();
-        [&self.internal, &self.contact_forces, &self.external].into_iter().all(|forces| forces.len() == freedoms)
-            && self.residual.len() == made.system.row_count()
-            && self.blocks.is_sound(freedoms)
-            && self.drag.fits(freedoms)
-            && self.fallen_back.iter().all(|&element| element < made.model.mesh.elements().len())
-    }
 }
 
 /// The memory with states and the elements that iterate, and the matrix, which may be of an earlier increment. The factor
@@ -84,17 +74,6 @@ pub struct EquilibriumState {
     system: SystemState,
     zone: Zone,
     pub(in crate::stepping) memory: Memory,
-}
-
-impl EquilibriumState {
-    /// Returns whether a run can have come to its forces, scales and counts.
-    pub(in crate::stepping) fn is_sound(&self) -> bool {
-        let Memory { internal, contact_forces, external, residual, greatest_scale, rounding, last_move, .. } =
-            &self.memory;
-        let forces = [internal, contact_forces, external, residual].into_iter().flatten();
-        forces.chain([greatest_scale, rounding, last_move]).all(|number| number.is_finite())
-            && self.memory.statistics.is_sound()
-    }
 }
 
 impl<'m> Equilibrium<'m> {
@@ -109,33 +88,22 @@ impl<'m> Equilibrium<'m> {
         }
     }
 
-    /// Makes an equilibrium of a model with this memory.
+    /// Makes an equilibrium of a model with this memory, which one of the same model left.
     ///
     /// # Errors
     ///
-    /// Those of [`Self::new`], and a state of another model.
+    /// Those of [`Self::new`], and a matrix without a factor.
     pub(in crate::stepping) fn with_state(model: &'m Model, state: &EquilibriumState) -> Result<Self, ModelError> {
+        let no_factor = |error: SolverError| ModelError(error.to_string());
         let mut made = Self::new(model, Equations::new(model)?)?;
-        if !state.zone.may_follow(&made.zone) {
-            return Err(foreign_state());
-        }
         if made.zone != state.zone {
             // the solids are virgin still: what is condensed is elastic, and was so
-            made.set_zone(state.zone.clone()).map_err(|error| ModelError(error.to_string()))?;
+            made.set_zone(state.zone.clone()).map_err(no_factor)?;
         }
-        let fits = state.memory.fits(&made)
-            && made.solids.set_state(&state.solids)
-            && made.contact.set_state(&state.contact, model)
-            && made.system.set_state(&state.system);
-        if !fits {
-            return Err(foreign_state());
-        }
+        made.solids.set_state(&state.solids);
+        made.contact.set_state(&state.contact, model)?;
+        made.system.set_state(&state.system).map_err(no_factor)?;
         made.memory = state.memory.clone();
         Ok(made)
     }
-}
-
-/// The checkpoint is of another model, or no run has made it.
-pub(in crate::stepping) fn foreign_state() -> ModelError {
-    ModelError("the states to go on from are those of another model".into())
 }

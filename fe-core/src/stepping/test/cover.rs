@@ -8,7 +8,7 @@ use crate::mesh::specimen::{
 };
 use crate::mesh::{Mesh, MeshDefinition};
 use crate::model::{
-    ContactLaw, ContactPair, Controls, Enforcement, Measured, Model, PluginLaw, Quadrature, Skipping, Step,
+    ContactLaw, ContactPair, Controls, Enforcement, Fit, Measured, Model, PluginLaw, Quadrature, Skipping, Step,
     StepControl, Support, Width,
 };
 
@@ -57,6 +57,7 @@ fn pulled(specimen: Specimen, tension: f64, slip: f64) -> Vec<Record> {
         enforcement: Enforcement::Penalty,
         release: true,
         critical_slip: 0.0,
+        fit: Fit::default(),
         master_bends: true,
     });
     model.contacts = pairs.collect();

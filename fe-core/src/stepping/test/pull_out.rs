@@ -7,8 +7,8 @@ use crate::kinematics::PlaneModel;
 use crate::mesh::Mesh;
 use crate::mesh::specimen::{Configuration, FibreMesh, PerpendicularFibre, perpendicular_fibre};
 use crate::model::{
-    ContactLaw, ContactPair, Controls, Enforcement, IncrementContext, Measured, Model, PluginLaw, Quadrature, Skipping,
-    Step, StepControl, Support, Width,
+    ContactLaw, ContactPair, Controls, Enforcement, Fit, IncrementContext, Measured, Model, PluginLaw, Quadrature,
+    Skipping, Step, StepControl, Support, Width,
 };
 use crate::output::Activity::{Condensed, Damaged, Elastic, Yielded};
 use crate::stepping::{Analysis, Directive, Observer, Record, Snapshot};
@@ -115,6 +115,7 @@ pub(super) fn fibre(
             enforcement: Enforcement::Uzawa { tolerance: 1e-6, max_updates: 4 },
             release: true,
             critical_slip: 0.0,
+            fit: Fit::default(),
             master_bends: false,
         })
         .collect();

@@ -2,7 +2,7 @@
 
 use super::snap_back::{AREA, LENGTHS, MODULUS, bar, stress};
 use super::*;
-use crate::model::{ContactLaw, ContactPair, Enforcement, Quadrature, Spalling, Width};
+use crate::model::{ContactLaw, ContactPair, Enforcement, Fit, Quadrature, Spalling, Width};
 use crate::output::Activity;
 
 const SPALLING: Spalling = Spalling { opening: 0.01, stress: 0.005, wait: 0.002, fade: 0.004 };
@@ -173,6 +173,7 @@ fn bonded_bar() -> Model {
         enforcement: Enforcement::Penalty,
         release: false,
         critical_slip: 0.0,
+        fit: Fit::default(),
         master_bends: false,
     });
     model

@@ -1,6 +1,6 @@
 //! Plane calls of a UMAT that knows six components only.
 
-use super::super::call::{CallOutcome, UmatCall};
+use super::super::call::{CallOutcome, Heat, UmatCall};
 use super::super::memory::Overrun;
 use crate::law::{Request, StressState};
 
@@ -121,6 +121,9 @@ impl UmatCall {
         if best.0 > LARGEST_STRESS {
             return Ok(CallOutcome::CutBack(CUT));
         }
+        // heat that follows ε33 is condensed with the tangent
+        let follows = |heat: Heat| heat.ddsddt[THROUGH] != 0.0 || heat.drplde[THROUGH] != 0.0;
+        let request = if follows(solid.heat()) { Request::StressAndTangent } else { request };
         if at != best.1 || (request.wants_tangent() && !has_tangent) {
             at = best.1;
             outcome = attempt(solid, at, request)?;
@@ -137,10 +140,11 @@ impl UmatCall {
         }
         self.statev_mut().copy_from_slice(solid.statev());
         self.energies = solid.energies;
+        let condenses = self.stress_state() == StressState::PlaneStress;
+        self.set_heat(heat_of_plane(solid, components, condenses));
         if !request.wants_tangent() {
             return;
         }
-        let condenses = self.stress_state() == StressState::PlaneStress;
         let ntens = components.len();
         for (j, &column) in components.iter().enumerate() {
             for (i, &row) in components.iter().enumerate() {
@@ -153,4 +157,23 @@ impl UmatCall {
             }
         }
     }
+}
+
+/// Heat of a call with six components in those of a plane; in plane stress ε33 follows temperature and strains so that σ33 stays 0:
+/// dε33 = −(C₃ⱼ dεⱼ + DDSDDT₃ dT)/C₃₃.
+fn heat_of_plane(solid: &UmatCall, components: &[usize], condenses: bool) -> Heat {
+    let all = solid.heat();
+    let (by_temperature, by_strain) = (all.ddsddt[THROUGH], all.drplde[THROUGH]);
+    let follows = condenses && (by_temperature != 0.0 || by_strain != 0.0);
+    let through = if follows { 1.0 / solid.tangent(THROUGH, THROUGH) } else { 0.0 };
+    let mut heat = Heat { rpl: all.rpl, drpldt: all.drpldt - by_strain * through * by_temperature, ..Heat::default() };
+    for (k, &component) in components.iter().enumerate() {
+        heat.ddsddt[k] = all.ddsddt[component];
+        heat.drplde[k] = all.drplde[component];
+        if follows {
+            heat.ddsddt[k] -= solid.tangent(component, THROUGH) * through * by_temperature;
+            heat.drplde[k] -= solid.tangent(THROUGH, component) * through * by_strain;
+        }
+    }
+    heat
 }

@@ -8,7 +8,7 @@ mod differences;
 mod directions;
 mod probing;
 
-use super::call::{CallOutcome, UmatCall};
+use super::call::{CallOutcome, Heat, UmatCall};
 use super::frame::Framed;
 use super::memory::Overrun;
 use crate::law::{Request, StressState};
@@ -99,6 +99,7 @@ struct Point {
     stress: [f64; 6],
     statev: Vec<f64>,
     energies: [f64; 3],
+    heat: Heat,
 }
 
 impl UmatCall {
@@ -203,20 +204,21 @@ impl UmatCall {
         outcome
     }
 
-    /// STRESS, STATEV and energies into a buffer.
+    /// STRESS, STATEV, energies and heat into a buffer.
     fn keep(&self, point: &mut Point) {
         point.stress[..self.ntens()].copy_from_slice(self.stress());
         point.statev.clear();
         point.statev.extend_from_slice(self.statev());
-        point.energies = self.energies;
+        (point.energies, point.heat) = (self.energies, self.heat());
     }
 
-    /// STRESS, STATEV and energies from a buffer.
+    /// STRESS, STATEV, energies and heat from a buffer.
     fn put_back(&mut self, point: &Point) {
         let ntens = self.ntens();
         self.stress_mut().copy_from_slice(&point.stress[..ntens]);
         self.statev_mut().copy_from_slice(&point.statev);
         self.energies = point.energies;
+        self.set_heat(point.heat);
     }
 
     fn has_finite_stress(&self) -> bool {

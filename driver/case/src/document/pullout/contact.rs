@@ -46,14 +46,61 @@ pub struct Pair {
     /// Factor on min(E t/h of either body)/width of the hard normal law's penalty (default 100). From 1e5 on the rounding
     /// of positions can show in the pressure.
     pub penalty_factor: Option<Piece<Positive>>,
+    /// What the concrete under a wire bears sideways, in plane specimens with round fibres: a factor on f_c on the wire's diameter
+    /// (default 5.07, the dowel formula of Model Code 1990, where bond_slip has a hard normal law without p_b of its own and the matrix's
+    /// law has a compressive strength), or "rigid": the contact is never crushed.
+    pub bearing: Option<Piece<Bearing>>,
     /// Enforcement of the hard normal law (default uzawa).
     pub enforcement: Option<Piece<Enforcement>>,
     /// Slip up to which the bond is elastic, mm: limits increments until the load has peaked (default: the law is asked).
     pub critical_slip: Option<Piece<Positive>>,
+    /// Gaps and overlaps that the mesh has at the start: "keep" (default) keeps them, and refuses overlaps; "close" measures them as 0, so
+    /// that they neither press nor part; { "close": mm } does so up to that size.
+    pub initial_gap: Option<Piece<InitialGap>>,
+    /// Overlap that presses the surfaces apart, ramped by a drive: a shaft shrunk into its sleeve.
+    pub interference: Option<Piece<Interference>>,
     /// Whether the master has ends (default true): contact fades as a point passes one, and comes back with the point, with its friction
     /// and pressure but without bond. A point may start past an end. With false the master goes on along the tangent of its end,
     /// without end: what has passed it still presses and slides on nothing.
     pub release: Option<Piece<bool>>,
+}
+
+/// Treatment of the gaps and overlaps of the mesh.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum InitialGap {
+    /// All or none.
+    Word(InitialGapWord),
+    /// Up to a size.
+    Within(InitialGapWithin),
+}
+
+/// Whether gaps and overlaps of the mesh are measured.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum InitialGapWord {
+    /// They are measured; overlaps are refused.
+    Keep,
+    /// They are measured as 0.
+    Close,
+}
+
+/// Gaps and overlaps that are measured as 0.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InitialGapWithin {
+    /// The greatest of them, mm.
+    pub close: Positive,
+}
+
+/// Overlap that presses surfaces apart.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Interference {
+    /// The drive that multiplies it.
+    pub drive: String,
+    /// Overlap at a drive of 1, mm, the same everywhere; default: that of the mesh at each point, which presses nothing at a drive of 0.
+    pub depth: Option<Positive>,
 }
 
 /// Parameters of the pair's law by name; those not named are the law's own.
@@ -115,6 +162,24 @@ pub enum Width {
     Given(Positive),
     /// "part".
     Part(PartWord),
+}
+
+/// What the concrete under a wire bears.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Bearing {
+    /// Bearing strength over f_c, on the diameter.
+    Factor(Positive),
+    /// "rigid".
+    Word(BearingWord),
+}
+
+/// The word "rigid".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum BearingWord {
+    /// The contact is never crushed.
+    Rigid,
 }
 
 /// The word "part".

@@ -3,7 +3,7 @@
 use super::{Account, LawAccount, bound, called, count, parameters, tell, until_and_every};
 use fe_core::kinematics::PlaneModel;
 use fe_core::model::{
-    ContactPair, Controls, Enforcement, Model, Quadrature, Skipping, Step, StepControl, Support, Width,
+    ContactPair, Controls, Enforcement, Interference, Model, Quadrature, Skipping, Step, StepControl, Support, Width,
 };
 use pullout_run::number::rounded;
 use pullout_run::program::Until;
@@ -56,7 +56,7 @@ fn settings(program: &PulloutProgram, columns: &[String]) -> Vec<(String, String
         let how = called(program.model.laws[index].manner).map_or(String::new(), |how| format!(", UMAT {how}"));
         settings.push((format!("Part {}", part.name), format!("{}, {model}{how}", count(elements, "element"))));
     }
-    settings.extend(model.contacts.iter().map(|pair| (format!("Contact {}", pair.name), contact(pair))));
+    settings.extend(model.contacts.iter().map(|pair| (format!("Contact {}", pair.name), contact(pair, model))));
     settings.extend(model.supports.iter().map(|held| (format!("Support {}", held.name), support(held, model))));
     settings.extend(model.loads.iter().map(|load| (format!("Load {}", load.name), model.drives[load.drive].clone())));
     if !model.couplings.is_empty() {
@@ -68,7 +68,7 @@ fn settings(program: &PulloutProgram, columns: &[String]) -> Vec<(String, String
     settings
 }
 
-fn contact(pair: &ContactPair) -> String {
+fn contact(pair: &ContactPair, model: &Model) -> String {
     let points = match pair.quadrature {
         Quadrature::Gauss { points } => format!("{} on each slave edge", count(points, "Gauss point")),
         Quadrature::Segments { points } => format!("{} on each segment", count(points, "Gauss point")),
@@ -85,7 +85,17 @@ fn contact(pair: &ContactPair) -> String {
         }
         Enforcement::PerturbedLagrangian { ratio } => format!("perturbed Lagrangian, ratio {}", rounded(ratio)),
     };
-    format!("{points}, {width}, {enforcement}, penalty factor {}", rounded(pair.penalty_factor))
+    let mut text = format!("{points}, {width}, {enforcement}, penalty factor {}", rounded(pair.penalty_factor));
+    match pair.fit.closes_within {
+        0.0 => {}
+        f64::INFINITY => text.push_str(", initial gaps closed"),
+        within => text.push_str(&format!(", initial gaps up to {} mm closed", rounded(within))),
+    }
+    if let Some(Interference { drive, depth }) = pair.fit.interference {
+        let depth = depth.map_or("the overlap of the mesh".to_owned(), |depth| format!("{} mm", rounded(depth)));
+        text.push_str(&format!(", interference of {depth} times '{}'", model.drives[drive]));
+    }
+    text
 }
 
 fn controls(controls: &Controls) -> String {

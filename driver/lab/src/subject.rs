@@ -1,0 +1,212 @@
+//! What the lab was opened with: a law, a case, a library, or sources that are built again whenever they change.
+
+use crate::Error;
+use pullout_check::build;
+use pullout_check::description;
+use pullout_run::input::{self, Input};
+use pullout_run::isolation;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, SystemTime};
+use umat_abi::host::{Found, library_path, names_a_file, search_paths};
+
+/// Law of a lab that is opened without one.
+const FIRST_LAW: &str = "j2_plasticity";
+/// Time between two looks at a source.
+const LOOK: Duration = Duration::from_millis(100);
+/// Longest time that a page waits for a change of a source.
+const LONGEST_WAIT: Duration = Duration::from_secs(20);
+
+/// What the lab is about.
+#[derive(Debug)]
+pub(crate) struct Subject {
+    /// The case to begin with.
+    pub document: Value,
+    /// Folder by which names in cases are resolved.
+    pub folder: PathBuf,
+    /// Laws that are shipped, as [`description::as_json`] describes them.
+    pub laws: Vec<Value>,
+    /// The user's own library or source.
+    watched: Option<Watched>,
+}
+
+#[derive(Debug)]
+struct Watched {
+    /// The file as the command line, or the case, names it.
+    named: String,
+    file: PathBuf,
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+/// The present library of a file.
+#[derive(Clone, Debug, Default)]
+struct State {
+    version: u64,
+    library: Option<PathBuf>,
+    /// What the compiler said, if it refused the present source.
+    refusal: Option<String>,
+    remarks: Vec<String>,
+    /// All libraries of the file so far: cases of earlier settings name them.
+    known: BTreeSet<PathBuf>,
+    /// The library's description, if its laws have metadata.
+    description: Value,
+}
+
+impl Subject {
+    /// Finds out what a word of the command line is.
+    pub fn of(word: Option<&str>, plugin_paths: &[PathBuf]) -> Result<Self, Error> {
+        let laws = shipped(plugin_paths);
+        let here = PathBuf::from(".");
+        let word = word.unwrap_or(FIRST_LAW);
+        let path = Path::new(word);
+        if path.extension().is_some_and(|suffix| suffix == "json") {
+            let text = input::read(path, Input::Case).map_err(|error| Error::Subject(format!("{word}: {error}")))?;
+            let mut document: Value =
+                serde_json::from_slice(&text).map_err(|error| Error::Subject(format!("{word}: {error}")))?;
+            if document["title"].is_null() {
+                document["title"] = json!(path.file_stem().unwrap_or_default().to_string_lossy());
+            }
+            let folder = std::path::absolute(here.join(input::folder_of(path)))?;
+            let plugin = document["material"]["plugin"].as_str().filter(|plugin| names_a_file(plugin));
+            let watched = plugin.map(|plugin| Watched::new(plugin, folder.join(plugin))).transpose()?;
+            return Ok(Self { document, folder, laws, watched });
+        }
+        if names_a_file(word) {
+            let watched = Watched::new(word, library_path(Path::new(""), word))?;
+            let document =
+                json!({ "kind": "point", "material": { "props": [], "nstatv": 0 }, "mode": "3d", "steps": [] });
+            return Ok(Self { document, folder: std::path::absolute(here)?, laws, watched: Some(watched) });
+        }
+        let law = laws.iter().find(|law| law["name"] == word);
+        let law = law.ok_or_else(|| {
+            let names: Vec<_> = laws.iter().filter_map(|law| law["name"].as_str()).collect();
+            Error::Subject(format!("{word}: neither a law ({}) nor a case, a source or a library", names.join(", ")))
+        })?;
+        let entry_points = law["entry_points"].as_array();
+        let is_bulk = entry_points.is_some_and(|names| names.iter().any(|name| name == "umat"));
+        let kind = if is_bulk { "point" } else { "interface" };
+        let document = json!({ "kind": kind, "material": { "plugin": word, "props": {} }, "steps": [] });
+        Ok(Self { document, folder: std::path::absolute(here)?, laws, watched: None })
+    }
+
+    /// Returns whether a case may name this plugin: a shipped law, or what the command line named.
+    pub fn admits(&self, plugin: &str) -> bool {
+        self.laws.iter().any(|law| law["name"] == plugin) || self.is_own(plugin)
+    }
+
+    /// Returns whether the command line named this plugin, itself or in a case.
+    pub fn is_own(&self, plugin: &str) -> bool {
+        self.watched.as_ref().is_some_and(|watched| watched.lock().known.contains(Path::new(plugin)))
+    }
+
+    /// The user's library at present, for the page; null if there is none.
+    pub fn library(&self) -> Value {
+        let Some(watched) = &self.watched else { return Value::Null };
+        let state = watched.lock();
+        json!({
+            "named": watched.named,
+            "version": state.version,
+            "library": state.library,
+            "refusal": state.refusal,
+            "remarks": state.remarks,
+            "description": state.description,
+        })
+    }
+
+    /// Waits until the user's library is another one than the page knows, or for some seconds.
+    pub fn library_after(&self, version: u64) -> Value {
+        if let Some(watched) = &self.watched {
+            let same = |state: &mut State| state.version == version;
+            let waited = watched.changed.wait_timeout_while(watched.lock(), LONGEST_WAIT, same);
+            drop(waited.unwrap_or_else(PoisonError::into_inner));
+        }
+        self.library()
+    }
+
+    /// Looks at the user's file now and then, for ever, and makes a library of it whenever it has changed.
+    pub fn watch(&self) {
+        let Some(watched) = &self.watched else { return };
+        let stamp = || watched.file.metadata().and_then(|data| Ok((data.modified()?, data.len()))).ok();
+        let mut seen: Option<(SystemTime, u64)> = stamp();
+        loop {
+            std::thread::sleep(LOOK);
+            let present = stamp();
+            // an editor may take the file away for a moment
+            if present.is_some() && present != seen {
+                seen = present;
+                watched.refresh();
+            }
+        }
+    }
+}
+
+impl Watched {
+    /// Makes a library of a file for the first time; a source that the compiler refuses is no error.
+    fn new(named: &str, file: PathBuf) -> Result<Self, Error> {
+        let file = std::path::absolute(file)?;
+        if !file.is_file() {
+            return Err(Error::Subject(format!("{named}: there is no such file")));
+        }
+        let watched = Self { named: named.to_owned(), file, state: Mutex::default(), changed: Condvar::new() };
+        watched.refresh();
+        Ok(watched)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn refresh(&self) {
+        let remarks = std::cell::RefCell::new(Vec::new());
+        let built = if umat_abi::host::is_source(&self.file) {
+            build::kept(&self.file, &|remark| remarks.borrow_mut().push(remark)).map_err(|refusal| refusal.to_string())
+        } else {
+            Ok(self.file.clone())
+        };
+        let description = built.as_ref().ok().and_then(|library| described_apart(library).ok());
+        let mut state = self.lock();
+        state.version += 1;
+        state.remarks = remarks.into_inner();
+        match built {
+            Ok(library) => {
+                state.known.insert(library.clone());
+                state.library = Some(library);
+                state.refusal = None;
+                state.description = description.unwrap_or_default();
+            }
+            Err(refusal) => state.refusal = Some(refusal),
+        }
+        drop(state);
+        self.changed.notify_all();
+    }
+}
+
+/// Laws that were built with this program.
+fn shipped(plugin_paths: &[PathBuf]) -> Vec<Value> {
+    let found = Found::all(&search_paths(plugin_paths)).into_iter();
+    let libraries = found.filter(|found| isolation::is_shipped(&found.path));
+    let described =
+        libraries.filter_map(|found| isolation::load(&found.path).ok()).map(|library| description::as_json(&library));
+    let mut laws: Vec<Value> = Vec::new();
+    for library in described {
+        let Some(of_library) = library["laws"].as_array() else { continue };
+        laws.extend(
+            of_library
+                .iter()
+                .filter(|law| laws.iter().all(|known| known["name"] != law["name"]))
+                .cloned()
+                .collect::<Vec<_>>(),
+        );
+    }
+    laws
+}
+
+/// What `pullout plugin info --json` says of a library that may end the process that loads it.
+fn described_apart(library: &Path) -> std::io::Result<Value> {
+    let mut command = std::process::Command::new(isolation::program()?);
+    command.args(["plugin", "info", "--json", "--"]).arg(library).stderr(std::process::Stdio::null());
+    Ok(serde_json::from_slice(&command.output()?.stdout)?)
+}

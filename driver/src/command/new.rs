@@ -1,0 +1,123 @@
+//! `pullout new`: the files of a tutorial, to begin with. The pages of the book are their only place.
+
+use super::{DONE, Refusal, say};
+use clap::ValueEnum;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// What to begin with.
+    kind: Kind,
+    /// Folder for the files, made if it is not there.
+    #[arg(value_name = "DIR", default_value = ".")]
+    folder: PathBuf,
+}
+
+/// A tutorial's first files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// A material point of a law, with a measured curve.
+    Point,
+    /// A UMAT in Fortran, and a case that drives it.
+    Umat,
+    /// The same UMAT in C.
+    UmatC,
+    /// A law in Rust, with its parameters and states described.
+    Law,
+    /// The bond law of a fibre, at one point.
+    Bond,
+    /// A fibre pulled out of its block.
+    Fibre,
+    /// From fibres to σ(w), the notched beam and f_R.
+    Beam,
+    /// A family of runs, with claims.
+    Study,
+    /// Thousands of runs of which numbers are kept.
+    Sweep,
+}
+
+/// A page of the book.
+struct Page {
+    text: &'static str,
+    name: &'static str,
+    files: &'static [&'static str],
+}
+
+impl Kind {
+    fn page(self) -> Page {
+        macro_rules! page {
+            ($name:literal, $($file:literal),+) => {
+                Page { text: include_str!(concat!("../../../docs/using/", $name, ".md")), name: $name, files: &[$($file),+] }
+            };
+        }
+        match self {
+            Self::Point => page!("first-run", "case.json"),
+            Self::Umat => page!("umat", "my_umat.f", "umat.json"),
+            Self::UmatC => page!("umat", "my_umat.c", "umat.json"),
+            Self::Law => page!("law", "Cargo.toml", "src/lib.rs"),
+            Self::Bond => page!("bond-law", "bond.json", "measured.csv"),
+            Self::Fibre => page!("fibre", "fibre.json"),
+            Self::Beam => page!("bridging", "beam.json"),
+            Self::Study => page!("study", "fibre.json", "friction.json"),
+            Self::Sweep => page!("sweeps", "bond.json", "bonds.json"),
+        }
+    }
+}
+
+pub(super) fn write(arguments: &Arguments) -> Result<u8, Refusal> {
+    let Page { text, name, files } = arguments.kind.page();
+    let place = |file: &str| arguments.folder.join(file);
+    let in_the_way: Vec<String> = files
+        .iter()
+        .map(|file| place(file))
+        .filter(|file| file.exists())
+        .map(|file| file.display().to_string())
+        .collect();
+    if !in_the_way.is_empty() {
+        return Err(Refusal::input(format!("{}: there already; nothing was written", in_the_way.join(", "))));
+    }
+    for file in files {
+        let path = place(file);
+        let content = text.split_once(&mark(file)).and_then(|(_, rest)| fence(rest));
+        let content = content.ok_or_else(|| Refusal::failed(format!("the page {name} has no {file}")))?;
+        let written =
+            fs::create_dir_all(path.parent().unwrap_or(Path::new(""))).and_then(|()| fs::write(&path, content));
+        written.map_err(|error| Refusal::failed(format!("{}: {error}", path.display())))?;
+        say(&format!("{}\n", path.display()));
+    }
+    let commands = next(text, &mark(files[0]));
+    if !commands.is_empty() {
+        let place = (arguments.folder != Path::new(".")).then(|| format!("cd {}", arguments.folder.display()));
+        let lines: String =
+            place.iter().map(String::as_str).chain(commands).map(|line| format!("  {line}\n")).collect();
+        say(&format!("\nNext:\n{lines}"));
+    }
+    Ok(DONE)
+}
+
+/// What stands before a file's content on a page.
+fn mark(file: &str) -> String {
+    format!("<!-- file: {file} -->\n")
+}
+
+/// The commands of a page behind a mark, to the end of the first script that runs something.
+fn next<'t>(text: &'t str, mark: &str) -> Vec<&'t str> {
+    const RUNS: [&str; 4] = ["pullout run ", "pullout fit ", "pullout study ", "pullout sweep "];
+    let mut commands = Vec::new();
+    let behind = text.split_once(mark).map_or("", |(_, rest)| rest);
+    for script in behind.split("<!-- run -->\n").skip(1).filter_map(fence) {
+        let is_command = |line: &&str| ["pullout ", "cargo ", "gcc ", "  "].iter().any(|start| line.starts_with(start));
+        commands.extend(script.lines().filter(is_command));
+        if RUNS.iter().any(|run| script.contains(run)) {
+            break;
+        }
+    }
+    commands
+}
+
+/// The content of the fence that a text begins with, with its last line's end.
+fn fence(text: &str) -> Option<&str> {
+    let (_, rest) = text.strip_prefix("```")?.split_once('\n')?;
+    rest.find("\n```\n").and_then(|end| rest.get(..=end))
+}

@@ -1,0 +1,248 @@
+//! `pullout lab` as its page meets it: requests over a socket, a source that is saved, libraries that hang and crash, strangers.
+
+use super::point;
+use crate::program::{Desk, Table, command, send};
+use end_to_end_tests::{Tool, find, workspace};
+use rustix::process::Signal;
+use serde_json::{Value, json};
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+/// Names of E, nu, yield stress, hardening modulus in `j2.f90`.
+const J2: [f64; 4] = [2e5, 0.3, 300.0, 2e3];
+
+/// A lab, and a client that knows its token.
+struct Lab {
+    child: Child,
+    port: u16,
+    cookie: String,
+}
+
+impl Lab {
+    fn open(folder: &Path, subject: &[&str]) -> Self {
+        let mut started = command();
+        started
+            .current_dir(folder)
+            .args(["lab", "--no-open"])
+            .args(subject)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null());
+        let mut child = started.spawn().expect("the program starts");
+        let mut address = String::new();
+        BufReader::new(child.stdout.take().expect("piped")).read_line(&mut address).expect("UTF-8");
+        let (port, token) =
+            address.trim().trim_start_matches("http://127.0.0.1:").split_once("/?token=").expect("an address");
+        let cookie = format!("Cookie: pullout_lab_{port}={token}\r\n");
+        Self { child, port: port.parse().expect("a port"), cookie }
+    }
+
+    /// Code and body of the answer to bytes.
+    fn send(&self, request: &[u8]) -> (u16, String) {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("it listens");
+        stream.set_read_timeout(Some(Duration::from_secs(60))).expect("a time");
+        let mut answer = String::new();
+        // one that is refused early may be reset before it was read whole
+        let _ = stream.write_all(request).and_then(|()| stream.read_to_string(&mut answer));
+        let code = answer.split(' ').nth(1).and_then(|code| code.parse().ok()).unwrap_or(0);
+        (code, answer.split_once("\r\n\r\n").map_or(String::new(), |(_, body)| body.to_owned()))
+    }
+
+    fn request(&self, line: &str, headers: &str, body: &str) -> (u16, String) {
+        let head = format!(
+            "{line} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n{headers}Content-Length: {}\r\n\r\n",
+            self.port,
+            body.len()
+        );
+        self.send(&[head.as_bytes(), body.as_bytes()].concat())
+    }
+
+    fn post(&self, what: &str, document: &Value) -> String {
+        let body = json!({ "page": "test", "document": document }).to_string();
+        let (code, answer) = self.request(&format!("POST {what}"), &self.cookie, &body);
+        assert_eq!(code, 200, "{answer}");
+        answer
+    }
+
+    fn run(&self, document: &Value) -> Value {
+        serde_json::from_str(&self.post("/run", document)).expect("JSON")
+    }
+
+    fn library(&self, after: u64) -> Value {
+        let (code, answer) = self.request(&format!("GET /library?after={after}"), &self.cookie, "");
+        assert_eq!(code, 200, "{answer}");
+        serde_json::from_str(&answer).expect("JSON")
+    }
+
+    fn end(mut self) {
+        send(Signal::TERM, self.child.id());
+        let start = Instant::now();
+        while self.child.try_wait().expect("a child").is_none() {
+            assert!(start.elapsed() < Duration::from_secs(5), "a signal ends it");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
+
+impl Drop for Lab {
+    fn drop(&mut self) {
+        let _ = self.child.kill().and_then(|()| self.child.wait());
+    }
+}
+
+fn tension(plugin: &Value, props: &Value) -> Value {
+    let material = json!({ "plugin": plugin, "props": props, "nstatv": 7 });
+    point(material, "3d", json!([{ "increments": 20, "target": { "e11": 0.004 } }]))
+}
+
+#[test]
+fn what_is_seen_is_the_run_of_the_case_that_is_kept() {
+    let desk = Desk::new();
+    let lab = Lab::open(&desk.path(""), &["j2_plasticity"]);
+    let case = json!({
+        "kind": "point", "material": { "plugin": "j2_plasticity", "props": { "E": 1.9e5, "hardening": [[280.0, 0.0], [320.0, 0.01]] } },
+        "steps": [{ "increments": 30, "target": { "e11": 0.01 } }, { "increments": 30, "target": { "s11": -100.0 } }],
+    });
+    let seen = lab.run(&case);
+    assert_eq!(seen["status"], "done", "{seen}");
+    assert_eq!(seen["figures"][0]["name"], "stress_strain");
+    assert!(seen["figures"][0]["drawing"]["svg"].as_str().expect("a picture").starts_with("<svg"));
+    fs::write(desk.path("seen.csv"), lab.post("/csv", &case)).expect("a file");
+    let run = desk.run(&desk.case("case.json", &case), &[], "out", 0);
+    let (seen, rows) = (Table::read(&desk.path("seen.csv")), run.history);
+    for column in ["e11", "s11", "e22", "peeq"] {
+        assert_eq!(seen.column(column), rows.column(column), "{column}: to the last bit");
+    }
+    let input = lab.post("/abaqus", &case);
+    assert!(
+        input.contains("*USER MATERIAL, CONSTANTS=") && input.contains("190000.0") && input.contains("320.0, 0.01"),
+        "{input}"
+    );
+    let verdict: Value = serde_json::from_str(&lab.post("/check", &case)).expect("JSON");
+    assert_eq!(verdict["verdict"], "pass", "{verdict}");
+    let wrong = lab
+        .run(&json!({ "kind": "point", "material": { "plugin": "j2_plasticity", "props": { "Em": 1 } }, "steps": [] }));
+    assert!(wrong["status"] == "refused" && wrong["problems"].as_array().is_some_and(|all| !all.is_empty()), "{wrong}");
+    lab.end();
+}
+
+#[test]
+fn strangers_are_refused_and_no_other_library_is_called() {
+    let desk = Desk::new();
+    let lab = Lab::open(&desk.path(""), &[]);
+    let own = lab.cookie.clone();
+    for (line, headers, code) in [
+        ("GET /", "", 403),
+        ("GET /?token=00000000000000000000000000000000", "", 403),
+        ("GET /start", "Cookie: pullout_lab_1=2\r\n", 403),
+        ("GET /", own.as_str(), 200),
+        ("GET /../../etc/passwd", own.as_str(), 404),
+        ("POST /run", own.as_str(), 400),
+    ] {
+        assert_eq!(lab.request(line, headers, "").0, code, "{line} {headers}");
+    }
+    let body = json!({ "page": "test", "document": {} }).to_string();
+    let foreign_page = format!("{own}Origin: http://example.org\r\n");
+    assert_eq!(lab.request("POST /run", &foreign_page, &body).0, 403);
+    // a name of a foreign page's that leads here
+    let head = format!("GET / HTTP/1.1\r\nHost: example.org:{}\r\n{own}\r\n", lab.port);
+    assert_eq!(lab.send(head.as_bytes()).0, 403);
+    assert_eq!(lab.send(b"\0\0\0\r\n\r\n").0, 400);
+    assert_eq!(lab.request("POST /run", &own, &"x".repeat(10 << 20)).0 % 413, 0, "refused, or reset");
+    assert_eq!(lab.send(format!("GET / HTTP/1.1\r\nX: {}\r\n\r\n", "x".repeat(64 << 10)).as_bytes()).0 % 413, 0);
+    let outside = desk.write("table.csv", "time,e11\n1,1e-3\n");
+    for case in [
+        tension(&json!("/lib/libnothing.so"), &json!([])),
+        tension(&json!("halved_tangent"), &json!({})),
+        point(json!({ "plugin": "linear_elastic" }), "3d", json!([{ "table": format!("../{}", outside.display()) }])),
+    ] {
+        assert_eq!(lab.run(&case)["status"], "refused", "{case}");
+    }
+    // connections that say nothing keep nobody out for long
+    let idle: Vec<TcpStream> = (0..40).filter_map(|_| TcpStream::connect(("127.0.0.1", lab.port)).ok()).collect();
+    assert_eq!(lab.request("GET /", &own, "").0, 200);
+    drop(idle);
+    for _ in 0..1000 {
+        drop(TcpStream::connect(("127.0.0.1", lab.port)));
+    }
+    let done = (0..50).any(|_| {
+        std::thread::sleep(Duration::from_millis(20));
+        lab.request("GET /", &own, "").0 == 200
+    });
+    assert!(done, "it answers after a thousand connections");
+    lab.end();
+}
+
+#[test]
+fn a_source_that_is_saved_is_built_and_run_again() {
+    if find(Tool::Fortran).is_none() {
+        return;
+    }
+    let desk = Desk::new();
+    let good = fs::read_to_string(workspace("tests/umats/j2.f90")).expect("a source");
+    let source = desk.write("j2.f90", &good);
+    let lab = Lab::open(&desk.path(""), &["j2.f90"]);
+    let first = lab.library(0);
+    assert_eq!(first["refusal"], Value::Null, "{first}");
+    let case = tension(&first["library"], &json!(J2));
+    let seen = lab.run(&case);
+    assert_eq!(seen["status"], "done", "{seen}");
+    // E ε = 800 MPa > 300: the stress is (σ_y + H ε E / …) of uniaxial hardening
+    let hardened = (300.0 + 2e3 * 0.004) / (1.0 + 2e3 / 2e5);
+    let last = seen["figures"][0]["lines"][0]["points"].as_array().and_then(|points| points.last()).expect("a curve")
+        [1]
+    .as_f64();
+    approx::assert_relative_eq!(last.expect("a number"), hardened, max_relative = 1e-6);
+    let verdict = |case: &Value| -> Value { serde_json::from_str(&lab.post("/check", case)).expect("JSON") };
+    assert_eq!(verdict(&case)["verdict"], "pass");
+    // the tangent alone
+    let spoilt = good.replace("factor = 9 * mu**2", "factor = 4 * mu**2");
+    assert_ne!(spoilt, good);
+    fs::write(&source, spoilt).expect("a file");
+    let second = lab.library(first["version"].as_u64().expect("a number"));
+    assert_ne!(second["library"], first["library"], "{second}");
+    let case = tension(&second["library"], &json!(J2));
+    assert_eq!(verdict(&case)["verdict"], "fail");
+    // what the compiler refuses leaves the last good library
+    fs::write(&source, good.replace("hardening = props(4)", "hardening = = props(4)")).expect("a file");
+    let third = lab.library(second["version"].as_u64().expect("a number"));
+    assert!(third["refusal"].as_str().is_some_and(|words| words.contains("j2.f90:21")), "{third}");
+    assert_eq!(third["library"], second["library"]);
+    assert_eq!(lab.run(&case)["status"], "done");
+    lab.end();
+}
+
+#[test]
+fn a_library_that_ends_its_process_or_hangs_ends_no_lab() {
+    if find(Tool::C).is_none() {
+        return;
+    }
+    let desk = Desk::new();
+    desk.write(
+        "bad.c",
+        "#include <stdlib.h>\nvoid umat_(double *stress, double *statev, double *ddsdde, double *a, double *b, double *c, double *d, double *e, double \
+         *f, double *g, double *h, double *i, double *j, double *k, double *l, double *m, double *n, double *o, char *p, int *q, int *r, int *ntens, \
+         int *s, double *props)\n{ if (props[0] > 1) for (;;) ; abort(); }\n",
+    );
+    let lab = Lab::open(&desk.path(""), &["bad.c"]);
+    let library = lab.library(0);
+    for (what, words) in [(1.0, "SIGABRT"), (2.0, "")] {
+        let start = Instant::now();
+        let seen = lab.run(&tension(&library["library"], &json!([what])));
+        assert!(seen["status"] == "failed" || seen["status"] == "refused", "{seen}");
+        assert!(seen.to_string().contains(words), "{seen}");
+        assert!(start.elapsed() < Duration::from_secs(20));
+    }
+    assert_eq!(
+        lab.run(&point(
+            json!({ "plugin": "linear_elastic" }),
+            "3d",
+            json!([{ "increments": 2, "target": { "e11": 1e-3 } }])
+        ))["status"],
+        "done"
+    );
+    lab.end();
+}
