@@ -31,10 +31,10 @@ module pullout_umat
          real(c_double), intent(inout) :: sse  ! out: stored energy per volume.
          real(c_double), intent(inout) :: spd  ! out: dissipated energy per volume.
          real(c_double), intent(inout) :: scd  ! out: 0.
-         real(c_double), intent(inout) :: rpl  ! heat generation; not touched.
-         real(c_double), intent(inout) :: ddsddt(ntens)  ! not touched.
-         real(c_double), intent(inout) :: drplde(ntens)  ! not touched.
-         real(c_double), intent(inout) :: drpldt  ! not touched.
+         real(c_double), intent(inout) :: rpl  ! out: heat generation per volume and time; 0 at the start, not touched by our laws.
+         real(c_double), intent(inout) :: ddsddt(ntens)  ! out: d stress / d temperature; as RPL.
+         real(c_double), intent(inout) :: drplde(ntens)  ! out: d RPL / d strain, engineering shear; as RPL.
+         real(c_double), intent(inout) :: drpldt  ! out: d RPL / d temperature; as RPL.
          real(c_double), intent(in) :: stran(ntens)  ! total strain at the start, engineering shear.
          real(c_double), intent(in) :: dstran(ntens)  ! strain increment.
          real(c_double), intent(in) :: time(2)  ! step time and total time at the start.

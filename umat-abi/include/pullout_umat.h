@@ -489,10 +489,10 @@ void pullout_umat_batch_v1(size_t n,
  - sse: out: stored energy per volume.
  - spd: out: dissipated energy per volume.
  - scd: out: 0.
- - rpl: heat generation; not touched.
- - ddsddt(ntens): not touched.
- - drplde(ntens): not touched.
- - drpldt: not touched.
+ - rpl: out: heat generation per volume and time; 0 at the start, not touched by our laws.
+ - ddsddt(ntens): out: d stress / d temperature; as RPL.
+ - drplde(ntens): out: d RPL / d strain, engineering shear; as RPL.
+ - drpldt: out: d RPL / d temperature; as RPL.
  - stran(ntens): total strain at the start, engineering shear.
  - dstran(ntens): strain increment.
  - time(2): step time and total time at the start.
