@@ -231,8 +231,9 @@ class Law:
         stress, state = np.zeros((*shape, self._components(mode))), np.zeros((*shape, self.nstatv))
         if self._sets_start and stress.size:
             given = _rows(np.zeros(3) if coords is None else coords, shape, (3,), "coords")
-            flat = [array.reshape(-1, array.shape[-1]) for array in (stress, state)]
-            self._plugin.initial(mode, given, shape[-1] if len(shape) > 1 else 1, *flat, self._frame(orientation=orientation))
+            rows, states = (array.reshape(-1, array.shape[-1]) for array in (stress, state))
+            frame = self._frame(orientation=orientation)
+            self._plugin.initial(mode, given, shape[-1] if len(shape) > 1 else 1, rows, states, frame)
         return stress, state
 
     @staticmethod

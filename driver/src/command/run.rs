@@ -46,7 +46,7 @@ pub(super) struct Arguments {
     pub(super) interruption: Interruption,
     /// Threads that share the work of a case of kind "pullout"; default: the number of processors. The results have the
     /// same bits with any number.
-    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     threads: Option<NonZeroUsize>,
     /// Write increments.json: what a case that repeats the increments of this run names as "increments": {"recorded": FILE}.
     #[arg(long, conflicts_with = "restart")]

@@ -141,11 +141,11 @@ fn a_table_that_many_places_name_is_read_once() {
     let desk = Desk::new();
     let mut case = elastic();
     case["steps"] = json!(vec![json!({ "table": "/dev/stdin" }); 20]);
-    let curve = json!({ "file": "/dev/stdin", "x": "e11", "y": "s11", "file_x": "e11", "file_y": "measured" });
+    let curve = json!({ "file": "/dev/stdin", "x": "e11", "y": "s11", "file_x": "e11", "file_y": "e22" });
     case["compare"] = json!([curve, curve]);
     let case = desk.case("case.json", &case);
     let arguments = ["run", "--quiet", "--set", "output.plots=false", "--out", "out", case.to_str().expect("UTF-8")];
-    fed(&desk, &arguments, "e11,measured\n0.001,1\n0.002,2\n").expect(0);
+    fed(&desk, &arguments, "e11,e22\n0.001,0\n0.002,0\n").expect(0);
     let summary = json(&desk.path("out/summary.json"));
     assert_eq!(summary["increments"], 40);
     assert_eq!(summary["compare"].as_array().map(Vec::len), Some(2), "{summary}");
@@ -174,7 +174,8 @@ fn habits_of_other_programs_are_exit_code_2() {
         assert!(outcome.stderr.contains(place) && outcome.stdout.is_empty(), "{arguments:?}: {}", outcome.stderr);
     }
     // kind and place of what is wrong with a file
-    for (file, kind, place) in [("commented.json", "input", Value::Null), ("study.json", "structure", json!("$.kind"))] {
+    for (file, kind, place) in [("commented.json", "input", Value::Null), ("study.json", "structure", json!("$.kind"))]
+    {
         desk.pullout(["run", file, "--problems", "problems.json"]).expect(2);
         let problems = json(&desk.path("problems.json"));
         assert_eq!((&problems[0]["kind"], &problems[0]["place"]), (&json!(kind), &place), "{problems}");

@@ -150,7 +150,7 @@ fn matches(model: &str, nlgeom: bool, call: &Printed) {
         ("sse", &[4.0]),
         ("spd", &[8.0]),
         ("scd", &[12.0]),
-        ("rpl", &[9.0]),
+        ("rpl", &[0.0]),
         ("ddsddt", &vec![0.0; n]),
         ("drplde", &vec![0.0; n]),
         ("drpldt", &[0.0]),
