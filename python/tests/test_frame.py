@@ -78,7 +78,7 @@ def test_what_is_held_while_it_expands() -> None:
     bulk = E / (3 * (1 - 2 * NU))
     held = elastic("3d", np.zeros((3, 6)), expansion=alpha, temperature=0.0, dtemperature=heat)
     assert np.allclose(held, [[-3 * bulk * alpha * heat] * 3 + [0] * 3] * 3, rtol=1e-13)
-    plane = elastic("plane_stress", np.zeros(3), expansion=alpha, dtemperature=[0.0, heat])
+    plane = elastic("plane_stress", np.zeros((2, 3)), expansion=alpha, dtemperature=[0.0, heat])
     assert np.allclose(plane, [[0, 0, 0], [-E * alpha * heat / (1 - NU)] * 2 + [0]], rtol=1e-13)
     # along the axes, over the temperature, from that at which nothing expands: 2e-5 (60 - 20) - 1e-5 (20 - 20)
     table = {"alpha": [[1e-5, 0, 0], [2e-5, 0, 0]], "temperatures": [20, 60], "zero_temperature": 20, "initial_temperature": 20}
