@@ -7,7 +7,7 @@ use umat_abi::host::{LawDescription, Parameter};
 use umat_abi::metadata::{flags, kinds};
 
 /// Values on a data line of `*USER MATERIAL`, `*FRICTION, USER` and `*SURFACE INTERACTION, USER`.
-pub(crate) const VALUES_A_LINE: usize = 8;
+pub const VALUES_A_LINE: usize = 8;
 
 /// The keywords that give a law with its default parameters to ABAQUS, one block for each entry point: lines, the last one
 /// ended as well.

@@ -11,7 +11,6 @@ mod document;
 mod fields;
 mod history;
 mod host_normal;
-pub mod import;
 mod increments;
 mod interface;
 mod json;

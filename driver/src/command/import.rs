@@ -1,7 +1,7 @@
 //! `pullout import`.
 
 use super::{DONE, Refusal, complain, say};
-use pullout_case::import::{self, Wishes};
+use pullout_import::Wishes;
 use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
     let wishes = Wishes { material: arguments.material.as_deref(), plugin: arguments.plugin.as_deref() };
-    let imported = import::import(&arguments.job, wishes).map_err(Refusal::input)?;
+    let imported = pullout_import::import(&arguments.job, wishes).map_err(Refusal::input)?;
     let text = format!("{:#}\n", imported.document);
     match &arguments.output {
         None => say(&text),

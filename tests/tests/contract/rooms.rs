@@ -13,7 +13,7 @@ const FLOORS: [&[&str]; 10] = [
     &["models", "fe-core", "pullout-bridging"],
     &["pullout-run"],
     &["pullout-case"],
-    &["pullout-report"],
+    &["pullout-import", "pullout-report"],
     &["pullout-engine"],
     &["pullout-check", "pullout-fit", "pullout-study"],
     &["pullout-sweep", "pullout-lab"],

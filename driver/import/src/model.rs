@@ -2,7 +2,7 @@
 
 use super::element::{Brick, Shape};
 use super::keywords::{Data, Keyword, LinePosition};
-use crate::abaqus::VALUES_A_LINE;
+use pullout_case::abaqus::VALUES_A_LINE;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
