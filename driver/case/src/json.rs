@@ -167,6 +167,14 @@ pub fn dotted(path: &str) -> String {
     dotted
 }
 
+/// The value at a place in a document, if there is one: `a.0.b`, as [`dotted`] writes it.
+pub fn value_at<'v>(document: &'v Value, path: &str) -> Option<&'v Value> {
+    path.split('.').try_fold(document, |value, part| match value {
+        Value::Array(entries) => entries.get(part.parse::<usize>().ok()?),
+        other => other.get(part),
+    })
+}
+
 /// Applies `a.b.0.c=VALUE`: VALUE is JSON, else a string; missing keys are created.
 ///
 /// # Errors

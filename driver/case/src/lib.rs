@@ -29,7 +29,7 @@ mod test;
 mod validation;
 
 pub use document::{Piece, Positive, study, sweep};
-pub use json::dotted;
+pub use json::{dotted, value_at};
 pub use plugin::{ALL_LAWS, frame_from_json, not_found, where_to_look};
 pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind, hint};
 pub use props::props_from_json;

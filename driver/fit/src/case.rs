@@ -243,9 +243,7 @@ fn starts(request: &CaseRequest, document: &Value) -> Result<Vec<f64>, Vec<Strin
         if request.free[..k].iter().any(|other| other.path == *path) {
             problems.push(format!("--free {path}: is given twice"));
         }
-        let found = path
-            .split('.')
-            .try_fold(document, |value, name| value.get(name).or_else(|| value.get(name.parse::<usize>().ok()?)));
+        let found = pullout_case::value_at(document, path);
         match found.map(|found| (found, found.as_f64())) {
             Some((_, Some(value))) if (*low..=*high).contains(&value) => {
                 let inwards = INWARDS * (high - low);

@@ -387,8 +387,11 @@ fn bundle(sweep: &mut Sweep, folder: &Path, how: Planning<'_>, store: &Store) ->
             let mut bundle = Bundle::default();
             let mut document = with(&original, &sweep.parameters, run);
             bundle.take(&mut document, folder, &reader)?;
-            let stored: Vec<Value> =
-                sweep.parameters.iter().map(|path| at(&document, path).cloned().unwrap_or_default()).collect();
+            let stored: Vec<Value> = sweep
+                .parameters
+                .iter()
+                .map(|path| pullout_case::value_at(&document, path).cloned().unwrap_or_default())
+                .collect();
             let written = std::mem::replace(run, stored);
             if written != *run {
                 sweep.written.insert(number, written);
@@ -405,14 +408,6 @@ fn bundle(sweep: &mut Sweep, folder: &Path, how: Planning<'_>, store: &Store) ->
         sweep.bundle_of.clear();
     }
     Ok(())
-}
-
-/// The value at a dotted path.
-fn at<'v>(document: &'v Value, path: &str) -> Option<&'v Value> {
-    path.split('.').try_fold(document, |value, part| match value {
-        Value::Array(entries) => entries.get(part.parse::<usize>().ok()?),
-        other => other.get(part),
-    })
 }
 
 #[cfg(test)]
