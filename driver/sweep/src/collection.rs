@@ -36,7 +36,9 @@ impl<'s> Collection<'s> {
             #[cfg(feature = "parquet")]
             Some("parquet") => crate::export::write,
             #[cfg(not(feature = "parquet"))]
-            Some("parquet") => return Err(pullout_report::lacks("a table in Parquet needs", "parquet")),
+            Some("parquet") => {
+                return refused(&pullout_report::lacks("a table in Parquet needs", "parquet").to_string());
+            }
             _ => return refused("a table is a .csv, a .jsonl or a .parquet"),
         };
         if store.has_inside(path) {
