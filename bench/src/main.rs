@@ -8,6 +8,7 @@
 mod abi;
 mod engine;
 mod fibre;
+mod iterations;
 mod laws;
 mod machine;
 mod page;
@@ -141,6 +142,8 @@ pub enum Item {
     Throughput,
     /// Error of a pull-out against run time, over mesh and increment, and where the time goes.
     Fe,
+    /// Newton's iterations of five fibres by what makes each of them necessary.
+    Iterations,
     /// Savings by skipping: each item, all of them, and the cost of a larger far field.
     Skipping,
     /// Cost of a specimen against its number of unknowns, and the growth of each part of it.
@@ -163,6 +166,7 @@ impl Item {
         Self::Laws,
         Self::Throughput,
         Self::Fe,
+        Self::Iterations,
         Self::Skipping,
         Self::Scaling,
         Self::Threads,
@@ -178,6 +182,7 @@ impl Item {
             Self::Laws => "laws",
             Self::Throughput => "throughput",
             Self::Fe => "fe",
+            Self::Iterations => "iterations",
             Self::Skipping => "skipping",
             Self::Scaling => "scaling",
             Self::Threads => "threads",
@@ -193,6 +198,7 @@ impl Item {
             Self::Laws => laws::measure(settings),
             Self::Throughput => throughput::measure(settings),
             Self::Fe => fibre::precision::measure(settings),
+            Self::Iterations => iterations::measure(settings),
             Self::Skipping => fibre::skipping::measure(settings),
             Self::Scaling => scaling::measure(settings),
             Self::Threads => threads::measure(settings),

@@ -215,3 +215,19 @@ fn an_unknown_item_is_refused_with_the_known_ones() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("laws"));
     assert!(!folder.path().join("bench").exists());
 }
+
+#[test]
+fn every_iteration_of_five_fibres_has_a_cause() {
+    let (folder, _) = measure(&["iterations", "--quick", "--out", "results"], 0);
+    let data = folder.path().join("results/iterations.csv");
+    let (header, rows) = csv(&data);
+    let column = |name: &str| header.iter().position(|other| other == name).expect("a column");
+    let (scene, iteration, cause) = (column("scene"), column("iteration"), column("cause"));
+    let mut scenes: Vec<&str> = rows.iter().map(|row| row[scene].as_str()).collect();
+    scenes.dedup();
+    assert_eq!(scenes, ["45°, cover", "hook", "perpendicular", "pair", "bar"]);
+    assert!(rows.iter().all(|row| (row[iteration] == "1") == (row[cause] == "prediction")), "{rows:?}");
+    for wanted in ["settlement", "stick or slip", "nothing flipped"] {
+        assert!(rows.iter().any(|row| row[cause] == wanted), "{wanted}");
+    }
+}

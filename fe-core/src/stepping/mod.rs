@@ -23,7 +23,7 @@ pub use checkpoint::Checkpoint;
 pub use control::{ENERGY_BUDGET, STABILISATION_BUDGET};
 pub use energy::Energies;
 pub use error::RunError;
-pub use newton::Iteration;
+pub use newton::{Flips, Iteration};
 pub use record::{Counts, Directive, FibreRecord, Observer, Record, WireRecord};
 pub use recorded::{Recorded, Tried, Verdict, Way};
 pub use snapshot::Snapshot;
@@ -255,6 +255,11 @@ impl<'m> Analysis<'m> {
     /// Returns what it has cost so far.
     pub fn statistics(&self) -> Statistics {
         self.equilibrium.memory.statistics
+    }
+
+    /// Counts, from now on, what takes another branch in each iteration.
+    pub fn watch_flips(&mut self) {
+        self.equilibrium.watch_flips();
     }
 
     /// Returns where the time went so far.

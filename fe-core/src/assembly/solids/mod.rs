@@ -45,6 +45,7 @@ mod summary;
 mod trust;
 
 pub use state::SolidsState;
+pub(crate) use summary::Branch;
 pub use summary::{Counters, GreatestInPart, PointCall, PointCounts, PointView, SolidEnergies};
 pub use trust::PartAccount;
 

@@ -41,6 +41,15 @@ impl std::ops::AddAssign for SolidEnergies {
     }
 }
 
+/// The branch of a law that a point is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Branch {
+    /// Of a law with damage: which principal stresses are tensile, once it is damaged.
+    Tears(Option<[bool; 2]>),
+    /// Of a law without: whether it dissipates in the increment.
+    Flows(bool),
+}
+
 /// Numbers of points whose damage has grown or that, where the law has none, have dissipated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PointCounts {
@@ -204,6 +213,21 @@ impl Solids {
             damaged.for_each(|(_, volume)| parts[body.index] += volume);
         }
         parts.iter().sum()
+    }
+
+    /// Returns the branch of each point at the last evaluation.
+    pub(crate) fn branches(&self) -> impl Iterator<Item = Branch> {
+        self.bodies().flat_map(|body| {
+            let Points { committed, trial, .. } = &body.points;
+            (0..body.volumes.len()).map(move |point| {
+                if body.part.damages {
+                    let signs = principal(trial.stress[point]).map(|stress| stress > 0.0);
+                    return Branch::Tears(body.has_failed(point).then_some(signs));
+                }
+                let spent = |states: &States| states.energies[point][1] + states.energies[point][2];
+                Branch::Flows(spent(trial) > spent(committed))
+            })
+        })
     }
 
     /// Returns whether the damage of any point of an element has grown, or, of a law without one, any has dissipated.

@@ -43,6 +43,7 @@ impl Equilibrium<'_> {
             let direction = self.direction(attempt)?;
             let step_length = self.advance(attempt, &direction)?;
             let after = largest(&self.memory.residual);
+            let (begins_round, flips) = (attempt.round().is_empty(), self.flips());
             self.memory.last_reduction = if predicts { 1.0 } else { after / residual };
             growing = if !predicts && after > residual { growing + 1 } else { 0 };
             attempt.iterations.push(Iteration {
@@ -50,6 +51,8 @@ impl Equilibrium<'_> {
                 scale: self.force_scale(),
                 correction: step_length * largest(&direction.displacements),
                 step_length,
+                begins_round,
+                flips,
             });
         }
     }

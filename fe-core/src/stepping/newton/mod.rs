@@ -15,12 +15,14 @@
 mod beside;
 mod correction;
 mod drag;
+mod flips;
 mod iteration;
 mod policy;
 mod state;
 mod turn;
 
 pub(super) use beside::{Guide, Round};
+pub use flips::Flips;
 pub(super) use state::EquilibriumState;
 pub(super) use turn::Turn;
 
@@ -90,6 +92,10 @@ pub struct Iteration {
     pub correction: f64,
     /// Part of the correction that was applied (line search).
     pub step_length: f64,
+    /// Whether a round of iterations begins with it: the increment's first, or after contact has settled or the far field shrunk.
+    pub begins_round: bool,
+    /// What it led to another branch, where [`super::Analysis::watch_flips`] was called.
+    pub flips: Flips,
 }
 
 /// Attempt at an increment: trial state, goal and iterations so far.
@@ -182,6 +188,8 @@ pub(super) struct Equilibrium<'m> {
     extent: f64,
     /// Contact points that opened or closed in the last evaluation.
     contact_changes: usize,
+    /// Branches of all points, if flips are counted.
+    watch: Option<Box<flips::Watch>>,
     /// The contact point that leads, and its slip at the start of the increment.
     pub(super) leading_point: Option<(PointIndex, f64)>,
     /// A point that broke in this attempt: if the attempt fails it leads the next.
@@ -231,6 +239,7 @@ impl<'m> Equilibrium<'m> {
             memory: Memory::new(freedoms),
             extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
             contact_changes: 0,
+            watch: None,
             leading_point: None,
             breaking_point: None,
             times: Times::default(),
@@ -265,6 +274,7 @@ impl<'m> Equilibrium<'m> {
             self.evaluate(&attempt)?;
         }
         self.memory.at_committed_state = false;
+        self.begin_flips();
         let mut settlements = 0;
         for round in 1.. {
             self.factorise_for_all();
@@ -351,6 +361,7 @@ impl<'m> Equilibrium<'m> {
     /// Makes the last attempt the committed state.
     pub(super) fn commit(&mut self, start: &Committed, end: &Committed) {
         self.breaking_point = None;
+        self.commit_flips();
         // an attempt that diverges has forces of any size: only what is accepted counts
         self.memory.greatest_scale = self.memory.greatest_scale.max(self.force_scale());
         self.memory.last_move = largest_difference(&end.displacements, &start.displacements);

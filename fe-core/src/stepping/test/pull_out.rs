@@ -332,6 +332,38 @@ fn skipping_gives_the_same_curve() {
     assert!(all.factorisations < none.factorisations / 2, "{all:?} against {none:?}");
 }
 
+/// What docs/theory/skipping.md says of each item, of a fibre whose concrete cracks: without it the loads keep their bits, or differ
+/// by rounding until elements leave the far field, or within the tolerance of equilibrium.
+#[test]
+fn without_an_item_loads_keep_their_bits_or_differ_by_rounding() {
+    let brittle = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15), ("Y_t0", 2e-8)]);
+    let fixed = StepControl::Fixed { increments: 20 };
+    let model = fibre(Configuration::Plane, [steel(), brittle], &bond(0.3), 0.1, fixed);
+    let all = Skipping::ALL;
+    let run_with = |skipping| run(&Model { skipping, ..model.clone() }).0;
+    let records = run_with(all);
+    let damaged = records.last().unwrap().counts.damaged;
+    assert!(damaged > 5, "it cracks at {damaged} points");
+    let greatest = records.iter().map(|record| record.load).fold(0.0, f64::max);
+    let apart = |skipping| {
+        let others = run_with(skipping);
+        assert_eq!(others.len(), records.len(), "{skipping:?}");
+        let pairs = others.iter().zip(&records);
+        let apart: Vec<f64> = pairs.map(|(other, record)| (other.load - record.load).abs() / greatest).collect();
+        eprintln!("{skipping:?}: {apart:.1e?}");
+        apart
+    };
+    let largest = |apart: &[f64]| apart.iter().copied().fold(0.0, f64::max);
+    assert_eq!(largest(&apart(Skipping { unchanged_elements: false, ..all })), 0.0);
+    assert_eq!(largest(&apart(Skipping { contact_search: false, ..all })), 0.0);
+    // the load is a sum of some ten nodal reactions, each as exact as the residuals
+    let tolerance = 10.0 * model.controls.force_tolerance;
+    let far = apart(Skipping { elastic_far_field: false, ..all });
+    assert!(far[1] < 1e-12 && largest(&far) < tolerance, "{far:?}");
+    let reuse = apart(Skipping { factor_reuse: false, ..all });
+    assert!(largest(&reuse) < tolerance, "{reuse:?}");
+}
+
 /// Fields tell who is condensed, and whose points the counts of the record are.
 struct ActivityCheck {
     increments: usize,

@@ -1,0 +1,234 @@
+//! Where Newton's iterations go: of five fibres, by what makes each of them necessary.
+
+use super::page::Page;
+use super::runs::read;
+use super::table::{Cell, Table};
+use super::{BenchError, Settings};
+use fe_core::stepping::{Analysis, Directive, Flips, Iteration, Observer, Record, Snapshot, Statistics};
+use std::io;
+
+/// A scene: its name, the case, what is set in it, and the slip to which it is pulled, mm: in full and if quick.
+struct Scene {
+    name: &'static str,
+    case: &'static str,
+    set: &'static [&'static str],
+    slips: [f64; 2],
+}
+
+const SCENES: [Scene; 5] = [
+    Scene {
+        name: "45°, cover",
+        case: include_str!("../../cases/chapter-7/inclined-fibre.json"),
+        set: &["mesh.specimen.cover=true", "contact.law.props.p_0=3", "spalling={\"opening\":0.2,\"stress\":0.03}"],
+        slips: [2.0, 0.01],
+    },
+    Scene {
+        name: "hook",
+        case: include_str!("../../cases/chapter-9/hooked.json"),
+        set: &["steps.0.increments.maximum=0.064"],
+        slips: [5.0, 0.01],
+    },
+    Scene {
+        name: "perpendicular",
+        case: include_str!("../../cases/chapter-6/6.14-plane.json"),
+        set: &[],
+        slips: [2.0, 0.01],
+    },
+    Scene { name: "pair", case: include_str!("../../cases/chapter-7/two-fibres.json"), set: &[], slips: [2.0, 0.01] },
+    Scene { name: "bar", case: include_str!("../../cases/chapter-8/bar.json"), set: &[], slips: [10.0, 0.01] },
+];
+
+/// What makes an iteration necessary. Each has one cause: what the evaluation before it showed.
+const CAUSES: [&str; 8] = [
+    "prediction",
+    "settlement",
+    "contact opens or closes",
+    "stick or slip",
+    "cracks open or close",
+    "flow begins or ends",
+    "several of these",
+    "nothing flipped",
+];
+
+/// Increments whose residuals are shown of each scene: at these parts of them.
+const SHOWN: [f64; 4] = [0.1, 0.35, 0.6, 0.85];
+
+/// Counts of one run.
+struct Counted {
+    name: &'static str,
+    statistics: Statistics,
+    /// Iterations of accepted increments by cause.
+    by_cause: [u64; CAUSES.len()],
+    /// Corrections of which a part was applied.
+    shortened: u64,
+    increments: Vec<(f64, Vec<Iteration>)>,
+    peak: f64,
+    work: f64,
+    stopped: Option<String>,
+}
+
+impl Counted {
+    fn accepted(&self) -> u64 {
+        self.by_cause.iter().sum()
+    }
+}
+
+/// The cause of an iteration, as an index into [`CAUSES`].
+fn cause(iterations: &[Iteration], index: usize) -> usize {
+    if index == 0 {
+        return 0;
+    }
+    if iterations[index].begins_round {
+        return 1;
+    }
+    let Flips { opened, slid, cracked, flowed } = iterations[index - 1].flips;
+    let kinds = [opened, slid, cracked, flowed];
+    match kinds.iter().filter(|count| **count > 0).count() {
+        0 => 7,
+        1 => 2 + kinds.iter().position(|count| *count > 0).unwrap_or(0),
+        _ => 6,
+    }
+}
+
+impl Observer for Counted {
+    fn increment(&mut self, record: &Record, _snapshot: &Snapshot<'_>) -> io::Result<Directive> {
+        let iterations = &record.iterations;
+        for (index, iteration) in iterations.iter().enumerate().filter(|_| record.step > 0) {
+            self.by_cause[cause(iterations, index)] += 1;
+            self.shortened += u64::from(iteration.step_length < 1.0);
+        }
+        self.peak = self.peak.max(record.load);
+        self.work = record.energies.external_work;
+        if record.step > 0 {
+            self.increments.push((record.slip, iterations.clone()));
+        }
+        Ok(Directive::GoOn)
+    }
+}
+
+/// Counts the iterations of all scenes.
+pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("case.json");
+    let mut runs = Vec::new();
+    for Scene { name, case, set, slips: [full, quick] } in &SCENES {
+        std::fs::write(&file, case)?;
+        let slip = if settings.quick { quick } else { full };
+        let mut overrides: Vec<String> = set.iter().map(ToString::to_string).collect();
+        overrides.extend([format!("steps.0.slip={slip}"), "output.plots=false".into()]);
+        let program = read(&file, &overrides, &settings.plugin_paths)?;
+        let mut analysis = Analysis::new(&program.model).map_err(|error| BenchError::Failed(error.to_string()))?;
+        analysis.watch_flips();
+        let mut counted = Counted {
+            name,
+            statistics: Statistics::default(),
+            by_cause: [0; CAUSES.len()],
+            shortened: 0,
+            increments: Vec::new(),
+            peak: 0.0,
+            work: 0.0,
+            stopped: None,
+        };
+        let ran = analysis.run(&mut counted);
+        counted.stopped = ran.err().map(|error| format!("{name}: {error}"));
+        counted.statistics = analysis.statistics();
+        runs.push(counted);
+    }
+    Ok(page(&runs))
+}
+
+const METHOD: &str = "\
+Newton's iterations of five fibres, each with the one cause that made it necessary: it is the first of its increment (the prediction); or the first after contact
+has settled (multipliers, openings) or the far field shrunk; or the evaluation before it showed points on another branch than the one before that: contact points that open
+or close, begin to slip or to stick, damaged points a principal stress of which changes its sign, points of other laws that begin to flow or cease to; or nothing of the
+kind, and what is left is smooth: geometry, friction, flow, and what a factor that is used again has left over. The hook's greatest increment is that of its case.";
+
+fn page(runs: &[Counted]) -> Page {
+    let mut data =
+        Table::new(["scene", "increment", "slip_mm", "iteration", "cause", "residual_N", "scale_N", "step_length"]);
+    let mut by_cause = Table::new([
+        "scene",
+        CAUSES[0],
+        CAUSES[1],
+        CAUSES[2],
+        CAUSES[3],
+        CAUSES[4],
+        CAUSES[5],
+        CAUSES[6],
+        CAUSES[7],
+        "all",
+        "an increment",
+    ]);
+    let mut besides = Table::new([
+        "scene",
+        "increments",
+        "in attempts thrown away",
+        "attempts thrown away",
+        "shortened corrections",
+        "settlements",
+        "evaluations",
+        "factorisations",
+        "solutions",
+        "peak [N]",
+        "work [N mm]",
+    ]);
+    let mut residuals = Table::new(["scene", "slip [mm]", "residual over scale, iteration by iteration"]);
+    for run in runs {
+        let Statistics { increments, iterations, cutbacks, settlements, evaluations, solutions, .. } = run.statistics;
+        let factorisations = run.statistics.factorisations + run.statistics.block_factorisations;
+        let each: [Cell; CAUSES.len()] = run.by_cause.map(Cell::from);
+        let [a, b, c, d, e, f, g, h] = each;
+        let accepted = run.accepted();
+        let mean = accepted as f64 / (increments.max(1)) as f64;
+        by_cause.push([run.name.into(), a, b, c, d, e, f, g, h, accepted.into(), mean.into()]);
+        besides.push([
+            run.name.into(),
+            increments.into(),
+            iterations.saturating_sub(accepted).into(),
+            cutbacks.into(),
+            run.shortened.into(),
+            settlements.into(),
+            evaluations.into(),
+            factorisations.into(),
+            solutions.into(),
+            run.peak.into(),
+            run.work.into(),
+        ]);
+        for (number, (slip, iterations)) in run.increments.iter().enumerate() {
+            for (k, iteration) in iterations.iter().enumerate() {
+                data.push([
+                    run.name.into(),
+                    (number + 1).into(),
+                    (*slip).into(),
+                    (k + 1).into(),
+                    CAUSES[cause(iterations, k)].into(),
+                    iteration.residual.into(),
+                    iteration.scale.into(),
+                    iteration.step_length.into(),
+                ]);
+            }
+        }
+        let count = run.increments.len();
+        for (slip, iterations) in SHOWN.iter().filter_map(|part| run.increments.get((part * count as f64) as usize)) {
+            let shown = iterations.iter().enumerate().map(|(k, iteration)| {
+                let mark = if k > 0 && iteration.begins_round { "/ " } else { "" };
+                format!("{mark}{:.0e}", iteration.residual / iteration.scale)
+            });
+            residuals.push([run.name.into(), (*slip).into(), shown.collect::<Vec<_>>().join(", ").into()]);
+        }
+    }
+    let stopped: Vec<String> = runs.iter().filter_map(|run| run.stopped.clone()).collect();
+    Page {
+        title: "Where Newton's iterations go",
+        method: METHOD.into(),
+        data,
+        summaries: vec![
+            ("Iterations of accepted increments by cause".into(), by_cause),
+            ("Besides".into(), besides),
+            ("Residuals of some increments".into(), residuals),
+        ],
+        notes: vec!["A stroke / stands where contact has settled or the far field shrunk.".into()],
+        figures: Vec::new(),
+        failed: (!stopped.is_empty()).then(|| stopped.join("; ")),
+    }
+}
