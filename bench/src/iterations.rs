@@ -39,11 +39,12 @@ const SCENES: [Scene; 5] = [
 ];
 
 /// What makes an iteration necessary. Each has one cause: what the evaluation before it showed.
-const CAUSES: [&str; 8] = [
+const CAUSES: [&str; 9] = [
     "prediction",
     "settlement",
     "contact opens or closes",
     "stick or slip",
+    "presses or pulls",
     "cracks open or close",
     "flow begins or ends",
     "several of these",
@@ -81,12 +82,12 @@ fn cause(iterations: &[Iteration], index: usize) -> usize {
     if iterations[index].begins_round {
         return 1;
     }
-    let Flips { opened, slid, cracked, flowed } = iterations[index - 1].flips;
-    let kinds = [opened, slid, cracked, flowed];
+    let Flips { opened, slid, pressed, cracked, flowed } = iterations[index - 1].flips;
+    let kinds = [opened, slid, pressed, cracked, flowed];
     match kinds.iter().filter(|count| **count > 0).count() {
-        0 => 7,
+        0 => CAUSES.len() - 1,
         1 => 2 + kinds.iter().position(|count| *count > 0).unwrap_or(0),
-        _ => 6,
+        _ => CAUSES.len() - 2,
     }
 }
 
@@ -140,14 +141,14 @@ pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
 const METHOD: &str = "\
 Newton's iterations of five fibres, each with the one cause that made it necessary: it is the first of its increment (the prediction); or the first after contact
 has settled (multipliers, openings) or the far field shrunk; or the evaluation before it showed points on another branch than the one before that: contact points that open
-or close, begin to slip or to stick, damaged points a principal stress of which changes its sign, points of other laws that begin to flow or cease to; or nothing of the
+or close, begin to slip or to stick, begin to press or to pull (friction follows pressure alone), damaged points a principal stress of which changes its sign, points of other laws that begin to flow or cease to; or nothing of the
 kind, and what is left is smooth: geometry, friction, flow, and what a factor that is used again has left over. The hook's greatest increment is that of its case.";
 
 fn page(runs: &[Counted]) -> Page {
-    let mut data =
-        Table::new(["scene", "increment", "slip_mm", "iteration", "cause", "residual_N", "scale_N", "step_length"]);
-    let mut by_cause = Table::new([
+    let mut data = Table::new([
         "scene",
+        "increment",
+        "slip_mm",
         CAUSES[0],
         CAUSES[1],
         CAUSES[2],
@@ -156,9 +157,22 @@ fn page(runs: &[Counted]) -> Page {
         CAUSES[5],
         CAUSES[6],
         CAUSES[7],
-        "all",
-        "an increment",
+        CAUSES[8],
+        "first_residual_over_scale",
+        "last_residual_over_scale",
     ]);
+    let row = |what: &str, value: &dyn Fn(&Counted) -> Cell| {
+        let mut cells = runs.iter().map(value);
+        let mut next = || cells.next().unwrap_or(Cell::Absent("–"));
+        [what.into(), next(), next(), next(), next(), next()]
+    };
+    let [a, b, c, d, e] = SCENES.map(|scene| scene.name);
+    let mut by_cause = Table::new(["cause", a, b, c, d, e]);
+    for (k, cause) in CAUSES.iter().enumerate() {
+        by_cause.push(row(cause, &|run| run.by_cause[k].into()));
+    }
+    by_cause.push(row("all", &|run| run.accepted().into()));
+    by_cause.push(row("an increment", &|run| (run.accepted() as f64 / run.statistics.increments.max(1) as f64).into()));
     let mut besides = Table::new([
         "scene",
         "increments",
@@ -176,15 +190,10 @@ fn page(runs: &[Counted]) -> Page {
     for run in runs {
         let Statistics { increments, iterations, cutbacks, settlements, evaluations, solutions, .. } = run.statistics;
         let factorisations = run.statistics.factorisations + run.statistics.block_factorisations;
-        let each: [Cell; CAUSES.len()] = run.by_cause.map(Cell::from);
-        let [a, b, c, d, e, f, g, h] = each;
-        let accepted = run.accepted();
-        let mean = accepted as f64 / (increments.max(1)) as f64;
-        by_cause.push([run.name.into(), a, b, c, d, e, f, g, h, accepted.into(), mean.into()]);
         besides.push([
             run.name.into(),
             increments.into(),
-            iterations.saturating_sub(accepted).into(),
+            iterations.saturating_sub(run.accepted()).into(),
             cutbacks.into(),
             run.shortened.into(),
             settlements.into(),
@@ -195,18 +204,13 @@ fn page(runs: &[Counted]) -> Page {
             run.work.into(),
         ]);
         for (number, (slip, iterations)) in run.increments.iter().enumerate() {
-            for (k, iteration) in iterations.iter().enumerate() {
-                data.push([
-                    run.name.into(),
-                    (number + 1).into(),
-                    (*slip).into(),
-                    (k + 1).into(),
-                    CAUSES[cause(iterations, k)].into(),
-                    iteration.residual.into(),
-                    iteration.scale.into(),
-                    iteration.step_length.into(),
-                ]);
-            }
+            let mut counts = [0_u64; CAUSES.len()];
+            (0..iterations.len()).for_each(|k| counts[cause(iterations, k)] += 1);
+            let [a, b, c, d, e, f, g, h, i] = counts.map(Cell::from);
+            let relative = |iteration: Option<&Iteration>| iteration.map(|at| at.residual / at.scale);
+            let [first, last] = [iterations.first(), iterations.last()].map(|at| Cell::from(relative(at)));
+            let number = (number + 1).into();
+            data.push([run.name.into(), number, (*slip).into(), a, b, c, d, e, f, g, h, i, first, last]);
         }
         let count = run.increments.len();
         for (slip, iterations) in SHOWN.iter().filter_map(|part| run.increments.get((part * count as f64) as usize)) {

@@ -12,6 +12,8 @@ pub struct Flips {
     pub opened: usize,
     /// Contact points that began to slip or to stick.
     pub slid: usize,
+    /// Contact points that began to press or to pull: friction follows the pressure alone.
+    pub pressed: usize,
     /// Damaged points a principal stress of which changed its sign: cracks that closed or opened.
     pub cracked: usize,
     /// Points of laws without damage that began to flow in the increment or ceased to.
@@ -28,7 +30,8 @@ pub(super) struct Watch {
 /// Branches of all points at an evaluation.
 #[derive(Clone, Debug, Default)]
 struct Branches {
-    contact: Vec<PointStatus>,
+    /// Status, and whether the point presses.
+    contact: Vec<(PointStatus, bool)>,
     solids: Vec<Branch>,
 }
 
@@ -37,7 +40,12 @@ impl Branches {
         let mut flips = Flips::default();
         let transmits = |status: PointStatus| matches!(status, PointStatus::Sticking | PointStatus::Slipping);
         for (&before, &after) in self.contact.iter().zip(&after.contact).filter(|(before, after)| before != after) {
-            *if transmits(before) && transmits(after) { &mut flips.slid } else { &mut flips.opened } += 1;
+            let counted = match (before.0, after.0) {
+                (before, after) if before == after => &mut flips.pressed,
+                (before, after) if transmits(before) && transmits(after) => &mut flips.slid,
+                _ => &mut flips.opened,
+            };
+            *counted += 1;
         }
         for (before, after) in self.solids.iter().zip(&after.solids).filter(|(before, after)| before != after) {
             match (before, after) {
@@ -72,7 +80,7 @@ impl Equilibrium<'_> {
     /// Returns the flips since the last call; none where nobody watches.
     pub(super) fn flips(&mut self) -> Flips {
         let Some(watch) = &mut self.watch else { return Flips::default() };
-        let contact = self.contact.points().map(|point| point.status).collect();
+        let contact = self.contact.points().map(|point| (point.status, point.pressure > 0.0)).collect();
         let after = Branches { contact, solids: self.solids.branches().collect() };
         let flips = watch.last.flips_to(&after);
         watch.last = after;

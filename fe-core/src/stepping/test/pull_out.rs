@@ -350,7 +350,7 @@ fn without_an_item_loads_keep_their_bits_or_differ_by_rounding() {
         assert_eq!(others.len(), records.len(), "{skipping:?}");
         let pairs = others.iter().zip(&records);
         let apart: Vec<f64> = pairs.map(|(other, record)| (other.load - record.load).abs() / greatest).collect();
-        eprintln!("{skipping:?}: {apart:.1e?}");
+        eprintln!("{skipping:?}: {apart:?}");
         apart
     };
     let largest = |apart: &[f64]| apart.iter().copied().fold(0.0, f64::max);
