@@ -52,8 +52,6 @@ pub(super) struct Pair {
     pub law: PointLaw,
     pub enforcement: Enforcement,
     pub penalty: f64,
-    /// Pressure at which the law crushes what is under the contact, MPa; infinite: never.
-    pub bearing_strength: f64,
     pub critical_slip: f64,
     pub state: PairState,
     /// Points that share a gap, in order.

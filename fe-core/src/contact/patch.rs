@@ -7,8 +7,6 @@ use std::ops::Range;
 /// Part of an edge's length by which a point may lie deeper than its edge does on the mean. Edges that bend with a fibre
 /// stay below it, edges of torn matter turn through the surface.
 const DEEPER: f64 = 0.01;
-/// Depth of the deepest point of an edge over its mean, where concrete is crushed along it more at one end than at the other.
-const CRUSHED: f64 = 2.0;
 /// Fraction of the penalty applied to a point deeper than its edge. Torn matter turns easily; 381 increments instead of 539
 /// with the whole penalty at 45°.
 const SOFTER: f64 = 1e-3;
@@ -91,12 +89,10 @@ impl Pair {
     pub(super) fn press_alone(&mut self, index: usize, shared: f64) {
         let point = &self.points[index];
         let own = self.state.kinematics[index].as_ref().map_or(shared, |kinematics| kinematics.gap - self.datum(index));
-        let excess = (CRUSHED * shared.min(0.0) - own - DEEPER * point.edge_length).max(0.0);
+        let excess = (shared.min(0.0) - own - DEEPER * point.edge_length).max(0.0);
         let state = &mut self.state.trial.points[index];
-        let stiffness = SOFTER * self.penalty;
-        // what is crushed bears no more
-        let pressure = (stiffness * excess).min(self.bearing_strength);
-        (state.own_pressure, state.own_energy) = (pressure, pressure * (excess - 0.5 * pressure / stiffness));
+        let pressure = SOFTER * self.penalty * excess;
+        (state.own_pressure, state.own_energy) = (pressure, 0.5 * pressure * excess);
     }
 
     /// The points of a patch that transmit, or may.
@@ -183,7 +179,7 @@ impl Pair {
             let own = &places[start..start + kinematics.freedom_count()];
             let sliding = &kinematics.slip_gradient;
             let pressure = shared.pressure + state.own_pressure;
-            if state.own_pressure > 0.0 && state.own_pressure < self.bearing_strength {
+            if state.own_pressure > 0.0 {
                 let stiffness = area * SOFTER * self.penalty;
                 for (i, &row) in own.iter().enumerate() {
                     let force = stiffness * kinematics.pull[i];
@@ -192,7 +188,7 @@ impl Pair {
                     }
                     if shared.gap < 0.0 {
                         // −∂ḡ is what presses
-                        (0..count).for_each(|column| block[row * count + column] += CRUSHED * force * pressing[column]);
+                        (0..count).for_each(|column| block[row * count + column] += force * pressing[column]);
                     }
                 }
             }

@@ -43,7 +43,6 @@ impl Pair {
         let points = contact_points(mesh, pair, &pair.slave, &chain)?;
         let penalty = penalty(mesh, pair, moduli, &points);
         let law = PointLaw::new(pair, penalty, initial)?;
-        let bearing_strength = pair.law.bearing_strength();
         let state_count = match &law {
             PointLaw::Uinter { call, .. } => call.statev().len(),
             PointLaw::Fric { call, .. } => call.statev().len(),
@@ -55,7 +54,6 @@ impl Pair {
             law,
             enforcement: pair.enforcement,
             penalty,
-            bearing_strength,
             critical_slip: pair.critical_slip,
             state: PairState {
                 exposed: Vec::new(),

@@ -65,15 +65,6 @@ pub enum ContactLaw {
     },
 }
 
-impl ContactLaw {
-    /// The pressure at which what is under the contact is crushed, MPa: the parameter of the law that has the role; infinite if it has none.
-    pub(crate) fn bearing_strength(&self) -> f64 {
-        let Self::Uinter(law) = self else { return f64::INFINITY };
-        let place = law.law.as_ref().and_then(|description| description.role("bearing_strength"));
-        place.and_then(|place| law.props.get(place)).copied().filter(|value| *value > 0.0).unwrap_or(f64::INFINITY)
-    }
-}
-
 /// The host's normal laws (`g_N` > 0 open, p > 0 compression).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NormalLaw {

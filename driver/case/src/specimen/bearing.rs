@@ -1,13 +1,13 @@
 //! Bearing of a wire that presses sideways into concrete.
 
 use super::Scene;
-use crate::document::pullout::Bearing;
+use crate::document::pullout::{Bearing, BearingWord};
 use crate::reader::Reader;
 use fe_core::mesh::Mesh;
 use fe_core::mesh::specimen::SurfaceRole;
 use fe_core::model::{ContactLaw, ContactPair, PluginLaw, Width};
-use std::f64::consts::PI;
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use umat_abi::host::{CallOutcome, LawDescription, Validation};
 use umat_abi::law::{Request, StressState};
 use umat_abi::metadata::stress_states;
@@ -61,9 +61,9 @@ pub fn fill(
         let ContactLaw::Uinter(law) = &mut pair.law else { continue };
         let Some(description) = law.plugin.law.clone() else { continue };
         let factor = match given.of(&pair.name) {
-            Some(Bearing::Word(_)) => continue,
+            None | Some(Bearing::Word(BearingWord::Rigid)) => continue,
+            Some(Bearing::Word(BearingWord::Crushed)) => FACTOR,
             Some(Bearing::Factor(factor)) => factor.0,
-            None => FACTOR,
         };
         let Concrete { strength, modulus } = match *found.get_or_insert_with(|| compressed(matrix, mesh, part)) {
             Some(concrete) => concrete,

@@ -104,9 +104,8 @@ pub fn bearings(reader: &mut Reader<'_>, case: &PulloutCase) -> Bearings {
     let place = Place::root().key("contact");
     let mut bearings = Bearings::default();
     let Some(Ok(given)) = case.contact.as_ref().map(|given| given.0.as_ref()) else { return bearings };
-    let mut of = |pair: &document::Pair, place: &Place| {
-        reader.optional(pair.bearing.as_ref(), &place.key("bearing")).copied()
-    };
+    let mut of =
+        |pair: &document::Pair, place: &Place| reader.optional(pair.bearing.as_ref(), &place.key("bearing")).copied();
     match given {
         document::Contact::All(pair) => bearings.all = of(pair, &place),
         document::Contact::Pairs(pairs) => {

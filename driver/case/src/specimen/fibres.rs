@@ -173,19 +173,18 @@ pub(super) fn fibres(
     let mut made = Vec::new();
     for given in &given.fibres {
         let wrong = |name: &'static str, value: String, requirement: &str| SpecimenError::Parameters {
-            problems: vec![ParameterProblem {
-                fibre: Some(made.len()),
-                name,
-                value,
-                requirement: requirement.into(),
-            }],
+            problems: vec![ParameterProblem { fibre: Some(made.len()), name, value, requirement: requirement.into() }],
         };
         let of = |key: &str| format!("{}.{key}", given.name);
         let default = Fibre::new(0.0, Vec::new());
         let diameter = taken.real(&of("diameter"), given.diameter, default.diameter);
         let embedded_length = taken.real(&of("embedded"), given.embedded, default.embedded_length);
         if diameter < THINNEST {
-            return Err(wrong("diameter", diameter.to_string(), "at least 0.002: lengths are in mm, and no fibre is thinner"));
+            return Err(wrong(
+                "diameter",
+                diameter.to_string(),
+                "at least 0.002: lengths are in mm, and no fibre is thinner",
+            ));
         }
         if embedded_length > MOST_DIAMETERS * diameter {
             let requirement = format!("at most {MOST_DIAMETERS} diameters: are all lengths in mm?");
@@ -194,7 +193,9 @@ pub(super) fn fibres(
         let rotation = given.rotate_deg.unwrap_or(0.0).to_radians();
         let (lean, path) = match &given.path {
             document::FibrePath::Pieces(pieces) => pieces_of_path(pieces, rotation, embedded_length),
-            document::FibrePath::Hooked(hooked) => hooked_path(hooked, rotation, [diameter, embedded_length], &of, taken),
+            document::FibrePath::Hooked(hooked) => {
+                hooked_path(hooked, rotation, [diameter, embedded_length], &of, taken)
+            }
         }
         .map_err(|(value, requirement)| wrong("path", value, &requirement))?;
         let default = Fibre { lean, path, ..default };
@@ -280,7 +281,10 @@ fn hooked_path(
 ) -> Result<(f64, Vec<Segment>), PathProblem> {
     let count = given.hook.len();
     if let Some(bends) = given.bends.filter(|bends| *bends != count) {
-        return Err((format!("a hook of {count} pieces with {bends} bends"), "one with as many bends as pieces".to_owned()));
+        return Err((
+            format!("a hook of {count} pieces with {bends} bends"),
+            "one with as many bends as pieces".to_owned(),
+        ));
     }
     let angle = taken.real(&of("path.angle_deg"), given.angle_deg, HOOK_ANGLE).to_radians();
     let radius = taken.real(&of("path.radius"), given.radius, HOOK_RADIUS * diameter);

@@ -73,10 +73,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
 pub fn wires(reader: &mut Reader<'_>, case: &PulloutCase, mesh: &Mesh, fibres: &[PulledFibre]) -> Vec<Wire> {
     let root = Place::root().key("parts");
     let Some(given) = reader.piece(&case.parts, &root) else { return Vec::new() };
-    let names: Vec<&str> = fibres
-        .iter()
-        .map(|fibre| called(&mesh.parts()[fibre.part].name, |name| given.contains_key(name)))
-        .collect();
+    let names: Vec<&str> =
+        fibres.iter().map(|fibre| called(&mesh.parts()[fibre.part].name, |name| given.contains_key(name))).collect();
     for (name, piece) in given {
         let Ok(part) = &piece.0 else { continue };
         for (key, is_given) in [("strength", part.strength.is_some()), ("elongation", part.elongation.is_some())] {

@@ -3,8 +3,8 @@
 use super::overlap::Overlap;
 use super::peak::PeakLoad;
 use crate::columns::{Group, SPECIMEN};
-use fe_core::assembly::Location;
 use crate::number::significant;
+use fe_core::assembly::Location;
 use fe_core::model::Measured;
 use fe_core::stepping::{Analysis, Record, Times, WireRecord};
 use indexmap::IndexMap;

@@ -451,3 +451,41 @@ fn snubbing_counts_pressure_from_the_soft_laws_zero_gap() {
     let expected = bond + point.state("d") * 0.2 * (pressure - 2.0);
     approx::assert_relative_eq!(traction, expected, max_relative = 1e-12);
 }
+
+/// p_b = 100 MPa reached 0.03 mm deep, under a penalty of 1e4 MPa/mm; no friction.
+fn bearing() -> Vec<f64> {
+    let set = [(LAW, 2.0), (NORMAL_LAW, 0.0), (NORMAL_STIFFNESS, 1e4), (P_0, 0.0), (MU, 0.0)];
+    [&props(&set)[..], &[0.0, 100.0, 0.03]].concat()
+}
+
+/// By hand: 40 MPa at first, p_b √(0.16 + 0.84 u_b/δ_b) up to p_b, then p_b; back along the penalty.
+#[test]
+fn concrete_under_the_contact_is_crushed_up_to_its_bearing_strength() {
+    let props = bearing();
+    let mut point = ContactPoint::<BondSlip>::virgin(&props, 2);
+    // u_b = δ_b/2 bears 100 √0.58
+    let half = 100.0 * 0.58_f64.sqrt();
+    for (penetration, pressure) in
+        [(0.004, 40.0), (0.015 + half / 1e4, half), (0.1, 100.0), (0.095, 50.0), (0.0995, 95.0), (0.05, 0.0)]
+    {
+        approx::assert_relative_eq!(
+            point.advance(&[penetration, 0.0, 0.0]).traction[0],
+            pressure,
+            max_relative = 1e-11
+        );
+    }
+    approx::assert_relative_eq!(point.state("crushed"), 0.09, max_relative = 1e-14);
+    // 2/3 p_b δ_b (1 − 0.4³)/0.84 along the rise, p_b (0.09 − δ_b) beyond it
+    let dissipated = 2.0 / 3.0 * 100.0 * 0.03 * (1.0 - 0.064) / 0.84 + 100.0 * 0.06;
+    approx::assert_relative_eq!(point.state("dissipated_energy"), dissipated, max_relative = 1e-12);
+}
+
+#[test]
+fn without_a_depth_the_bearing_strength_is_reached_at_once_and_a_soft_contact_has_none() {
+    let mut props = bearing();
+    props[19] = 0.0;
+    let mut point = ContactPoint::<BondSlip>::virgin(&props, 2);
+    assert_eq!(point.advance(&[0.02, 0.0, 0.0]).traction[0], 100.0);
+    props[NORMAL_LAW] = 1.0;
+    assert!(<BondSlipParameters<'_> as umat_abi::table::Parameters<'_>>::read(&props).is_err());
+}
