@@ -66,6 +66,9 @@ pub fn is_shipped(path: PathBuf) -> bool {
     isolation::is_shipped(&path)
 }
 
+/// Axes and free strains of the last call: what was asked for, the mode, and what came of it.
+type LastFrame = (String, Mode, Option<Arc<Frame>>);
+
 /// A loaded library, and the law of it that is called.
 #[derive(Debug)]
 #[pyclass(frozen, module = "pullout_fe._core")]
@@ -79,7 +82,7 @@ pub struct Plugin {
     /// Why calls with the components of a plane go through six instead, once trial calls have told.
     planes: Mutex<Vec<(StressState, Option<String>)>>,
     /// The frame that was read last, with the text and the mode that it is of.
-    frame: Mutex<Option<(String, Mode, Option<Arc<Frame>>)>>,
+    frame: Mutex<Option<LastFrame>>,
 }
 
 #[pymethods]

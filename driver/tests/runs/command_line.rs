@@ -564,7 +564,11 @@ fn nothing_to_do_names_what_to_type_and_a_lone_file_its_command() {
     desk.case("case.json", &elastic());
     desk.case("family.json", &json!({ "kind": "study", "base": "case.json", "members": [{ "label": "a" }] }));
     desk.write("umat.f", "      END\n");
-    for (file, command) in [("case.json", "pullout run case.json"), ("family.json", "pullout study family.json"), ("umat.f", "pullout lab umat.f")] {
+    for (file, command) in [
+        ("case.json", "pullout run case.json"),
+        ("family.json", "pullout study family.json"),
+        ("umat.f", "pullout lab umat.f"),
+    ] {
         let outcome = desk.pullout([file]).expect(2);
         assert!(outcome.stderr.contains(command), "{}", outcome.stderr);
     }
@@ -581,7 +585,10 @@ fn new_files_are_those_of_the_book_and_never_replace_others() {
         let files: Vec<&str> = outcome.stdout.lines().take_while(|line| !line.is_empty()).collect();
         assert!(!files.is_empty() && files.iter().all(|file| desk.path(file).is_file()), "{}", outcome.stdout);
         // their libraries are not built yet, and sweeps are checked by their plan
-        for case in files.iter().filter(|file| file.ends_with(".json") && !file.contains("umat") && !file.ends_with("bonds.json")) {
+        for case in files
+            .iter()
+            .filter(|file| file.ends_with(".json") && !file.contains("umat") && !file.ends_with("bonds.json"))
+        {
             desk.pullout(["check", "--quiet", case]).expect(0);
         }
     }

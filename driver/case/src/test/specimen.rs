@@ -1313,7 +1313,11 @@ fn what_concrete_bears_under_a_wire_follows_from_its_own_strength() {
     let half = bearing(&["contact.bearing=2.535"]);
     assert_close(half[0][0], 2.535 * 80.0 / std::f64::consts::PI, 1e-6);
     assert!(bearing(&["contact.bearing=rigid"]).iter().all(|values| *values == [0.0; 2]));
-    assert!(bearing(&["contact.bearing=crushed", "contact.law.props.normal_law=soft"]).iter().all(|values| *values == [0.0; 2]));
+    assert!(
+        bearing(&["contact.bearing=crushed", "contact.law.props.normal_law=soft"])
+            .iter()
+            .all(|values| *values == [0.0; 2])
+    );
     assert_eq!(bearing(&["contact.bearing=crushed", "contact.law.props.p_b=77"])[0], [77.0, 0.0]);
     // elastic concrete has no strength
     let elastic = r#"parts.matrix.material={"plugin": "linear_elastic", "props": {"E": 30000, "nu": 0.2}}"#;
