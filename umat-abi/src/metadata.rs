@@ -320,7 +320,7 @@ impl RepeatingGroup {
         self
     }
 
-    /// Returns how many of the `fixed` parameters before the group PROPS give: all of them, or all but some that were added.
+    /// Returns how many of the `fixed` parameters before the group PROPS give: all of them, or all but those that were added.
     #[inline(always)]
     pub fn given(&self, props: &[f64], fixed: usize) -> usize {
         let count = usize::try_from(self.count_parameter).ok().and_then(|place| props.get(place));
@@ -335,12 +335,13 @@ impl RepeatingGroup {
     }
 }
 
-/// Returns how many of the `fixed` parameters before a group of `size` are given by PROPS of this `length`: of the last `added` of
-/// them those behind any may be missing, and `count` holds the number of occurrences.
+/// Returns how many of the `fixed` parameters before a group of `size` are given by PROPS of this `length`: the last `added` of
+/// them may be missing, and `count` holds the number of occurrences.
 #[inline(always)]
 pub(crate) fn given(added: usize, size: usize, count: Option<&f64>, length: usize, fixed: usize) -> usize {
-    let fits = |given: &usize| count.is_some_and(|count| *given as f64 + size as f64 * count == length as f64);
-    (fixed - added..fixed).find(fits).unwrap_or(fixed)
+    let earlier = fixed - added;
+    let is_earlier = added > 0 && count.is_some_and(|count| earlier as f64 + size as f64 * count == length as f64);
+    if is_earlier { earlier } else { fixed }
 }
 
 /// One entry of STATEV.

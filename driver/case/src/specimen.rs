@@ -17,7 +17,6 @@ use pullout_run::pullout::{PictureAt, PulloutProgram};
 use std::path::Path;
 use umat_abi::host::ExternalDatabases;
 
-mod bearing;
 mod boundary;
 mod contact;
 mod couplings;
@@ -30,7 +29,7 @@ mod steps;
 
 /// Increments between two written fields, unless the case says otherwise.
 const FIELDS_EVERY: usize = 10;
-/// Mean axial strain of a section beyond which a steel fibre counts as ruptured, unless the case says otherwise (an assumption).
+/// Plastic strain beyond which a steel fibre counts as ruptured, unless the case says otherwise (an assumption).
 const RUPTURE_STRAIN: f64 = 0.03;
 /// Slip over which torn matter bears nothing before it is released, and over which its forces fade, where a case does not
 /// say, mm.
@@ -67,10 +66,6 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let skipping = skipping(reader, case);
     let Boundary { drives, supports, loads, mut measured } = boundary;
     let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
-    let bearings = contact::bearings(reader, case);
-    let matrix = mesh.parts().iter().position(|part| part.name == mesh::MATRIX).map(|part| (part, &parts.laws[part]));
-    let scene = Scene { ground: ground.as_ref(), mesh: Some(&mesh), loose: &[] };
-    bearing::fill(reader, &bearings, &mut contacts, scene, matrix);
     let ground = ground?;
     let lines = contact::interface_lines(&contacts, &ground.specimen.contact_pairs);
     let part_at =
@@ -82,14 +77,13 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         fibre.lines = own.map(|(line, _)| line).collect();
     }
     measured.interface_lines = lines.into_values().collect();
-    measured.wires = parts::wires(reader, case, &mesh, &ground.specimen.fibres);
     measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter());
+    let yields = |part: Option<usize>| part.is_some_and(|part| parts.laws[part].equivalent_plastic_strain().is_some());
+    let mut pulled = measured.fibres.iter().map(|fibre| fibre.part).chain([measured.part]);
     let place = root.key("output");
-    let is_open = measured.wires.iter().any(|wire| wire.strength.is_none() && wire.elongation.is_none());
-    match (is_open, output.rupture_strain) {
+    match (pulled.any(yields), output.rupture_strain) {
         (false, Some(_)) => {
-            let reason = "no fibre is without a strength and an elongation of its own";
-            reader.warn_no_effect(&place.key("rupture_strain"), reason);
+            reader.warn_no_effect(&place.key("rupture_strain"), "no law of a fibre has the state 'peeq'");
         }
         (true, None) => reader.note_defaults(&place, &[format!("rupture_strain = {RUPTURE_STRAIN}")]),
         _ => {}

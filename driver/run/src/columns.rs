@@ -229,7 +229,7 @@ pub static CONTACT: [Column<ContactPoint>; 12] = [
 ];
 
 /// Columns of a specimen.
-pub(crate) static SPECIMEN: [Column<Record>; 35] = [
+pub(crate) static SPECIMEN: [Column<Record>; 33] = [
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |record| record.time),
     // Displacement of the grip along the pull direction.
@@ -297,14 +297,6 @@ pub(crate) static SPECIMEN: [Column<Record>; 35] = [
     column("plastic_strain_max", "", "greatest plastic strain of the fibre", Other, |record| record.plastic_strain),
     // Largest principal stress of the fibre, from tension and bending.
     column("stress_max", "MPa", "greatest stress of the fibre", Other, |record| record.principal_stress),
-    // Largest axial strain of a fibre's section, without that of bending over the exit or in a hook.
-    column("axial_strain_max", "", "greatest mean strain of a section", Other, |record| {
-        record.wires.iter().map(|wire| wire.strain).fold(f64::NAN, f64::max)
-    }),
-    // Largest mean axial stress of a fibre's section, on its initial area.
-    column("axial_stress_max", "MPa", "greatest mean stress of a section", Other, |record| {
-        record.wires.iter().map(|wire| wire.stress).fold(f64::NAN, f64::max)
-    }),
 ];
 
 /// Columns of each of several fibres of a specimen, behind those of the specimen: `load.NAME`.

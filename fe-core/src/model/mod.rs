@@ -129,62 +129,9 @@ pub struct Measured {
     pub interface_lines: Vec<Vec<usize>>,
     /// Each of several fibres; empty for a single one, to which the fields above apply.
     pub fibres: Vec<MeasuredFibre>,
-    /// The wires of the fibres, in their order; one of a fibre that is alone.
-    pub wires: Vec<Wire>,
     /// A bearing pressure t_N/(φ L) over the contact pressure: π/2 for a round fibre of which each line has half the
     /// circumference, 1 else.
     pub bearing_factor: f64,
-}
-
-/// The wire of a fibre: its sections, and what they bear along the axis. Bending is not rupture: a section breaks by the mean of its
-/// stress or by the stretch of its axis.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Wire {
-    /// Sections from the embedded end to the grip.
-    pub sections: Vec<WireSection>,
-    /// Tensile strength, the greatest force over the initial area, MPa; `None`: not given.
-    pub strength: Option<f64>,
-    /// Strain of the axis at which a section breaks; `None`: not given.
-    pub elongation: Option<f64>,
-}
-
-/// A section of a wire: a column of elements across it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct WireSection {
-    /// Nodes of the axis at its ends.
-    pub ends: [usize; 2],
-    /// Elements.
-    pub elements: Vec<usize>,
-}
-
-impl Wire {
-    /// Divides the elements of a fibre among the pieces of its axis, each to the nearest one.
-    pub fn new(mesh: &Mesh, part: usize, axis_nodes: &[usize]) -> Self {
-        let pieces = axis_nodes.windows(2).map(|ends| WireSection { ends: [ends[0], ends[1]], elements: Vec::new() });
-        let mut sections: Vec<WireSection> = pieces.collect();
-        let middle = |nodes: &[usize]| {
-            let sum = nodes.iter().fold([0.0; 2], |[x, y], &node| {
-                let [u, v] = mesh.nodes()[node];
-                [x + u, y + v]
-            });
-            sum.map(|sum| sum / nodes.len() as f64)
-        };
-        let middles: Vec<[f64; 2]> = sections.iter().map(|section| middle(&section.ends)).collect();
-        for (index, element) in mesh.elements().iter().enumerate().filter(|(_, element)| element.part() == part) {
-            let at = middle(element.nodes());
-            let distance = |k: &usize| crate::plane::distance(middles[*k], at);
-            if let Some(nearest) = (0..sections.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))) {
-                sections[nearest].elements.push(index);
-            }
-        }
-        Self { sections, strength: None, elongation: None }
-    }
-
-    /// Returns whether a section with this strain and this stress, of the initial area, has broken.
-    pub fn breaks(&self, strain: f64, stress: f64) -> bool {
-        let over = |value: f64, limit: Option<f64>| limit.is_some_and(|limit| value >= limit);
-        over(strain, self.elongation) || over(stress, self.strength)
-    }
 }
 
 /// Quantities that are measured of one of several fibres.
@@ -244,7 +191,6 @@ impl Default for Measured {
             part: None,
             interface_lines: Vec::new(),
             fibres: Vec::new(),
-            wires: Vec::new(),
             bearing_factor: 1.0,
         }
     }

@@ -24,7 +24,7 @@ pub use control::{ENERGY_BUDGET, STABILISATION_BUDGET};
 pub use energy::Energies;
 pub use error::RunError;
 pub use newton::{Flips, Iteration};
-pub use record::{Counts, Directive, FibreRecord, Observer, Record, WireRecord};
+pub use record::{Counts, Directive, FibreRecord, Observer, Record};
 pub use recorded::{Recorded, Tried, Verdict, Way};
 pub use snapshot::Snapshot;
 pub use times::Times;

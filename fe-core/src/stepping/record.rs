@@ -48,8 +48,6 @@ pub struct Record {
     pub plastic_strain: f64,
     /// The greatest principal stress of fibres, MPa; NaN without one.
     pub principal_stress: f64,
-    /// The greatest axial strain of each wire of [`crate::model::Measured::wires`], and the greatest axial stress.
-    pub wires: Vec<WireRecord>,
     /// Number of attempts given up before it.
     pub cutbacks: u32,
     /// Number of Newton iterations.
@@ -81,15 +79,6 @@ pub struct FibreRecord {
     pub plastic_strain: f64,
     /// The greatest principal stress of its points, MPa.
     pub principal_stress: f64,
-}
-
-/// What a wire bears along its axis, on the mean over its sections.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WireRecord {
-    /// The greatest stretch of the axis in a section.
-    pub strain: f64,
-    /// The greatest mean stress of a section along the axis, on its initial area, MPa.
-    pub stress: f64,
 }
 
 /// Numbers of points by their state.
@@ -207,7 +196,6 @@ impl Analysis<'_> {
             greatest_bearing_pressure: measured.bearing_factor * snapshot.greatest_pressure(),
             plastic_strain: greatest(|fibre| fibre.plastic_strain, alone.plastic_strain),
             principal_stress: greatest(|fibre| fibre.principal_stress, alone.principal_stress),
-            wires: measured.wires.iter().map(|wire| snapshot.wire(wire)).collect(),
             cutbacks,
             iterations,
             fibres,

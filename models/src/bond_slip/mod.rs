@@ -55,11 +55,9 @@ umat_abi::states! {
         );
         /// d.
         pub damage: f64 = StateVariable::new(c"d", c"-", c"law B: damage of the bond");
-        /// Energy dissipated by friction, bond, opening and crushing.
+        /// Energy dissipated by friction, bond and opening.
         pub dissipated_energy: f64 =
             StateVariable::new(c"dissipated_energy", c"N/mm", c"energy dissipated since the virgin state");
-        /// u_b.
-        pub crushed: f64 = StateVariable::new(c"crushed", c"mm", c"crushed depth of the concrete under the contact");
     }
 }
 
@@ -89,25 +87,20 @@ impl InterfaceLaw for BondSlip {
         let present = |i: usize| if i < increment.directions { increment.relative_displacement[i] } else { 0.0 };
         let slip = Slip { start: state.slip, end: [present(1), present(2)] };
         let BondSlipParameters { tangential, friction, normal } = parameters;
-        let crushed_before = state.crushed;
-        let elastic = normal.crush(present(0), state);
-        let (mut normal, tangential) = if let Some(hard) = parameters.mixed_mode() {
+        let (normal, tangential) = if let Some(hard) = parameters.mixed_mode() {
             // the damage first: slip and gap drive it, and it takes shear and tension
-            let penetration = [present(0) - increment.increment[0] - crushed_before, elastic.value];
+            let penetration = [present(0) - increment.increment[0], present(0)];
             let (gap, pressed) = ((-penetration[1]).max(0.0), hard.stiffness * penetration[1].max(0.0));
             let whole = BondFraction { start: 1.0, end: 1.0 };
             let bond = tangential.advance(friction, &slip, gap, pressed, whole, state);
             (hard.damaged(penetration, &bond.integrity, state), bond)
         } else {
             let start = normal.bond_fraction(state);
-            let normal = normal.advance(elastic.value, state);
+            let normal = normal.advance(present(0), state);
             let fraction = BondFraction { start, end: normal.bond_fraction };
             (normal, tangential.advance(friction, &slip, 0.0, normal.pressure, fraction, state))
         };
-        // all of them depend on the elastic part of the penetration
-        normal.stiffness *= elastic.slope;
-        normal.bond_fraction_slope *= elastic.slope;
-        state.dissipated_energy += normal.dissipation + tangential.dissipation + elastic.dissipation;
+        state.dissipated_energy += normal.dissipation + tangential.dissipation;
 
         let mut response = InterfaceResponse {
             stored_energy: normal.stored_energy + tangential.stored_energy,

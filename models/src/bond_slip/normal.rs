@@ -21,68 +21,7 @@ pub(super) struct Hard {
     pub tension: f64,
     /// δ_N, mm; 0: brittle.
     pub fade: f64,
-    /// What the concrete under the contact bears.
-    pub bearing: Bearing,
 }
-
-/// Crushing of the concrete under the contact: a plastic penetration that hardens up to the bearing strength.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bearing {
-    /// p_b, MPa; 0: it is not crushed.
-    pub strength: f64,
-    /// δ_b, mm: crushed depth at which p_b is reached.
-    pub depth: f64,
-}
-
-/// Penetration less the crushed depth, and what crushing took.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ElasticPenetration {
-    pub value: f64,
-    /// Derivative by the penetration.
-    pub slope: f64,
-    /// Energy of crushing in this increment, ≥ 0.
-    pub dissipation: f64,
-}
-
-/// First crushing, as a part of p_b: where plastic flow begins in front of a cylinder in Drucker–Prager concrete
-/// (`tests/reference/bearing`).
-const FIRST_CRUSHING: f64 = 0.4;
-
-impl Bearing {
-    /// p_b √(a² + (1 − a²) u_b/δ_b): what a crushed depth bears.
-    fn capacity(&self, crushed: f64) -> f64 {
-        let share = if crushed < self.depth { crushed / self.depth } else { 1.0 };
-        self.strength * (FIRST_CRUSHING * FIRST_CRUSHING + RISE * share).sqrt()
-    }
-
-    /// Crushes what bears less than the penalty's pressure, and returns the elastic part of the penetration.
-    fn crush(&self, penetration: f64, stiffness: f64, crushed: &mut f64) -> ElasticPenetration {
-        let elastic = penetration - *crushed;
-        let capacity = self.capacity(*crushed);
-        if self.strength == 0.0 || stiffness * elastic <= capacity {
-            return ElasticPenetration { value: elastic, slope: 1.0, dissipation: 0.0 };
-        }
-        let before = *crushed;
-        // ε (u − u_b(y)) = p_b y with u_b(y) = δ_b (y² − a²)/(1 − a²): a quadratic in y = p/p_b
-        let per_square = self.depth / RISE;
-        let elastic_depth = self.strength / stiffness;
-        let constant = penetration + per_square * FIRST_CRUSHING * FIRST_CRUSHING;
-        let root = (elastic_depth * elastic_depth + 4.0 * per_square * constant).sqrt();
-        let y = 2.0 * constant / (elastic_depth + root);
-        let (y, slope) = if y < 1.0 { (y, elastic_depth / root) } else { (1.0, 0.0) };
-        let value = elastic_depth * y;
-        *crushed = (penetration - value).max(before);
-        // ∫ p du_b: along the rise, 2/3 p_b δ_b Δy³/(1 − a²), and beyond it
-        let along = |y: f64| 2.0 / 3.0 * self.strength * per_square * y * y * y;
-        let beyond = |depth: f64| self.strength * (depth - self.depth).max(0.0);
-        let start = capacity / self.strength;
-        let dissipation = along(y) - along(start) + beyond(*crushed) - beyond(before);
-        ElasticPenetration { value, slope, dissipation: dissipation.max(0.0) }
-    }
-}
-
-/// 1 − a².
-const RISE: f64 = 1.0 - FIRST_CRUSHING * FIRST_CRUSHING;
 
 /// Repulsion that begins at the gap g_0 and reaches p_0 at gap 0.
 #[derive(Clone, Copy, Debug)]
@@ -114,15 +53,6 @@ impl NormalLaw {
         match self {
             Self::Hard(law) => law.advance(penetration, state),
             Self::Soft(law) => law.advance(penetration, state),
-        }
-    }
-
-    /// Crushes the concrete under the contact, and returns the elastic part of the penetration.
-    #[inline]
-    pub fn crush(&self, penetration: f64, state: &mut State) -> ElasticPenetration {
-        match self {
-            Self::Hard(law) => law.bearing.crush(penetration, law.stiffness, &mut state.crushed),
-            Self::Soft(_) => ElasticPenetration { value: penetration, slope: 1.0, dissipation: 0.0 },
         }
     }
 

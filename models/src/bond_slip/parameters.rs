@@ -5,7 +5,7 @@ use super::envelope::Envelope;
 use super::friction::Friction;
 use super::law_a::LawA;
 use super::law_b::LawB;
-use super::normal::{Bearing, Hard, NormalLaw, Soft};
+use super::normal::{Hard, NormalLaw, Soft};
 use super::tangential::TangentialLaw;
 use umat_abi::law::ConfigurationError;
 use umat_abi::metadata::{Parameter, RepeatingGroup};
@@ -101,15 +101,7 @@ umat_abi::parameters! {
         c_n: f64 = Parameter::new(
             c"c_N", c"-", 0.0, c"law B, hard: weight of the gap beside the slip in the damage; 0: p_0 opens",
         ).at_least(0.0).typically(0.01, 1000.0);
-        /// p_b.
-        p_b: f64 = Parameter::new(
-            c"p_b", c"MPa", 0.0, c"hard: pressure at which the concrete under the contact is crushed; 0: never, a host may fill it",
-        ).at_least(0.0).typically(1.0, 1e4).with_role(c"bearing_strength");
-        /// δ_b.
-        delta_b: f64 = Parameter::new(
-            c"delta_b", c"mm", 0.0, c"hard: crushed depth at which p_b is reached; 0: p_b at once, a host may fill it",
-        ).at_least(0.0).typically(1e-4, 10.0).with_role(c"bearing_depth");
-        ..RepeatingGroup::new(c"points", 2, 0, POINT_COUNT).with_added(3) =>
+        ..RepeatingGroup::new(c"points", 2, 0, POINT_COUNT).with_added(1) =>
         points: &'p [[f64; 2]] =
             Parameter::new(c"slip", c"mm", 0.0, c"slip of a point of the piecewise form")
                 .at_least(0.0)
@@ -154,7 +146,7 @@ impl<'p> Parameters<'p> for BondSlipParameters<'p> {
     fn read(props: &'p [f64]) -> Result<Self, ConfigurationError> {
         let properties = Properties::read(props)?;
         let Properties { law, form, normal_law, normal_stiffness, p_0, delta_n, g_0, .. } = properties;
-        let Properties { k_e, rise, fall, tau_res, k_u, mu, k_f, c_n, p_b, delta_b, points, .. } = properties;
+        let Properties { k_e, rise, fall, tau_res, k_u, mu, k_f, c_n, points, .. } = properties;
         // law none ignores what is of the bond: surfaces without bond have the props of those with it
         let may_mix = law != Tangential::A && normal_law == Normal::Hard;
         require(c_n == 0.0 || may_mix, "mixed mode (c_N > 0) needs law B and the hard normal law", c_n)?;
@@ -180,13 +172,11 @@ impl<'p> Parameters<'p> for BondSlipParameters<'p> {
         let normal = match normal_law {
             Normal::Soft => {
                 require(g_0 > 0.0, "the soft normal law needs g_0 > 0", g_0)?;
-                require(p_b == 0.0, "crushing (p_b > 0) needs the hard normal law", p_b)?;
                 NormalLaw::Soft(Soft { pressure: p_0, clearance: g_0 })
             }
             Normal::Hard => {
                 let tension = if law == Tangential::None { 0.0 } else { p_0 };
-                let bearing = Bearing { strength: p_b, depth: delta_b };
-                NormalLaw::Hard(Hard { stiffness: normal_stiffness, tension, fade: delta_n, bearing })
+                NormalLaw::Hard(Hard { stiffness: normal_stiffness, tension, fade: delta_n })
             }
         };
         let stiffness = if k_f == 0.0 { FRICTION_STIFFNESS_FACTOR * k_e } else { k_f };

@@ -98,12 +98,6 @@ pub struct Part {
     pub nlgeom: Option<Piece<bool>>,
     /// The state before the first step.
     pub initial: Option<Piece<PartInitial>>,
-    /// Of a fibre: the tensile strength of its wire, MPa, on the initial area. The run ends, with a warning, where the mean axial stress of
-    /// a section reaches it (default: the wire does not break).
-    pub strength: Option<Piece<Positive>>,
-    /// Of a fibre: the strain at which its wire breaks, 0.01 for 1 %: where the axis of a section is stretched by as much the run ends as
-    /// at its strength (default: it does not break by strain). Bending, over the exit or in a hook, does not stretch the axis.
-    pub elongation: Option<Piece<Positive>>,
     /// Average the dilatation of its Q4 elements against locking (default true).
     pub average_dilatation: Option<Piece<bool>>,
 }
@@ -145,9 +139,6 @@ pub enum Section {
     EqualArea,
     /// The second moment of area: thickness 3πφ/16.
     EqualInertia,
-    /// Area and plastic moment, by layers: the inner half of the height is 1.023 φ thick, the outer 0.548 φ. The second moment of area is
-    /// 1.03 times the round one. Takes an `elements_across` of 4 or 8.
-    Layers,
 }
 
 /// A step: drives go to their ends, or a cycle of steps.
@@ -215,8 +206,8 @@ pub struct PulloutOutput {
     /// Pictures, and fields unless there are none, also at these moments: as soon as the slip first reaches each of these, mm, or at
     /// these increments of the run. Beside those of the greatest load and of the end.
     pub pictures_at: Option<PicturesAt>,
-    /// The mean axial strain of a section beyond which a fibre without `strength` and `elongation` counts as ruptured: the summary tells
-    /// at which slip (default 0.03). Nothing else follows from it.
+    /// The equivalent plastic strain beyond which a fibre counts as ruptured: the summary tells at which slip (default 0.03). Nothing else
+    /// follows from it.
     pub rupture_strain: Option<Positive>,
 }
 

@@ -1,7 +1,6 @@
 //! Contact pairs.
 
 use super::Scene;
-use super::bearing::Bearings;
 use super::boundary::Drives;
 use super::mesh::MATRIX;
 use crate::document::pullout as document;
@@ -97,26 +96,6 @@ pub fn resolve(
     }
     note_widths(reader, pairs.as_deref().unwrap_or_default(), defaults, scene);
     pairs
-}
-
-/// Reads what the case says of the bearing of its pairs.
-pub fn bearings(reader: &mut Reader<'_>, case: &PulloutCase) -> Bearings {
-    let place = Place::root().key("contact");
-    let mut bearings = Bearings::default();
-    let Some(Ok(given)) = case.contact.as_ref().map(|given| given.0.as_ref()) else { return bearings };
-    let mut of =
-        |pair: &document::Pair, place: &Place| reader.optional(pair.bearing.as_ref(), &place.key("bearing")).copied();
-    match given {
-        document::Contact::All(pair) => bearings.all = of(pair, &place),
-        document::Contact::Pairs(pairs) => {
-            for (k, pair) in pairs.iter().enumerate() {
-                let Ok(pair) = &pair.0 else { continue };
-                let named = pair.name.clone().zip(of(pair, &place.index(k)));
-                bearings.named.extend(named);
-            }
-        }
-    }
-    bearings
 }
 
 /// Returns whether a specimen's pair is in contact only where the case says so.

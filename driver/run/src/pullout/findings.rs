@@ -3,10 +3,9 @@
 use super::overlap::Overlap;
 use super::peak::PeakLoad;
 use crate::columns::{Group, SPECIMEN};
-use crate::number::significant;
 use fe_core::assembly::Location;
-use fe_core::model::Measured;
-use fe_core::stepping::{Analysis, Record, Times, WireRecord};
+use fe_core::model::MeasuredFibre;
+use fe_core::stepping::{Analysis, Record, Times};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
@@ -23,8 +22,8 @@ pub struct Findings {
     /// Share of the work taken by stabilisation and by the overstress of laws that extrapolate.
     #[serde(default)]
     pub stabilisation_share: f64,
-    /// First increment in which a section of each fibre passed its strength or its elongation, or without both the strain
-    /// `output.rupture_strain`, on the mean over it, by the fibres' names ("fibre" for one without a name).
+    /// First increment in which the plastic strain of each fibre passed `output.rupture_strain`, by the fibres' names
+    /// ("fibre" for one without a name).
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub ruptures: IndexMap<String, Rupture>,
     /// The deepest overlap of deformed bodies at the greatest load and at the end, mm; 0 where there is none.
@@ -66,12 +65,6 @@ pub struct Rupture {
     pub plastic_strain: f64,
     /// Greatest principal stress of that fibre, MPa.
     pub stress: f64,
-    /// Greatest axial strain of a section, on the mean over it.
-    #[serde(default)]
-    pub axial_strain: f64,
-    /// Greatest axial stress of a section, on its initial area, MPa.
-    #[serde(default)]
-    pub axial_stress: f64,
     /// Step, from 1.
     pub step: u32,
     /// Increment, from 1.
@@ -79,45 +72,20 @@ pub struct Rupture {
 }
 
 impl Rupture {
-    /// Adds those of an increment that break for the first time; returns whether one of them breaks by its own strength or elongation.
-    pub fn add(ruptures: &mut IndexMap<String, Self>, record: &Record, measured: &Measured, limit: f64) -> bool {
+    /// Adds those of an increment that pass a strain for the first time.
+    pub fn add(ruptures: &mut IndexMap<String, Self>, record: &Record, names: &[MeasuredFibre], limit: f64) {
         let &Record { step, increment, .. } = record;
-        let mut breaks = false;
-        for (index, (wire, of_wire)) in measured.wires.iter().zip(&record.wires).enumerate() {
-            let has_data = wire.strength.is_some() || wire.elongation.is_some();
-            let &WireRecord { strain: axial_strain, stress: axial_stress } = of_wire;
-            let is_over = if has_data { wire.breaks(axial_strain, axial_stress) } else { axial_strain > limit };
-            let name = measured.fibres.get(index).map_or("fibre", |fibre| &fibre.name);
-            if !is_over || ruptures.contains_key(name) {
-                continue;
+        let mut note = |name: &str, [slip, load, plastic_strain, stress]: [f64; 4]| {
+            if plastic_strain > limit && !ruptures.contains_key(name) {
+                ruptures.insert(name.to_owned(), Self { slip, load, plastic_strain, stress, step, increment });
             }
-            let [slip, load, plastic_strain, stress] = match record.fibres.get(index) {
-                Some(of) => [of.slip, of.load, of.plastic_strain, of.principal_stress],
-                None => [record.slip, record.load, record.plastic_strain, record.principal_stress],
-            };
-            let rupture = Self { slip, load, plastic_strain, stress, axial_strain, axial_stress, step, increment };
-            ruptures.insert(name.to_owned(), rupture);
-            breaks |= has_data;
-        }
-        breaks
-    }
-
-    /// Says which fibres have broken by their own strength or elongation.
-    pub fn warnings(ruptures: &IndexMap<String, Self>, measured: &Measured) -> Vec<String> {
-        let of = |index: usize| measured.fibres.get(index).map_or("fibre", |fibre| &fibre.name);
-        let data = measured.wires.iter().enumerate().filter(|(_, wire)| wire.strength.or(wire.elongation).is_some());
-        let broken = data.filter_map(|(index, _)| ruptures.get_key_value(of(index)));
-        let message = |(name, rupture): (&String, &Self)| {
-            format!(
-                "{name}: the wire breaks at a slip of {} mm under {} N: a section bears {} MPa on its initial area, and its axis is \
-                 stretched by {} %; the run ends there, and is no pull-out",
-                significant(rupture.slip, 4),
-                significant(rupture.load, 4),
-                significant(rupture.axial_stress, 4),
-                significant(100.0 * rupture.axial_strain, 3)
-            )
         };
-        broken.map(message).collect()
+        if names.is_empty() {
+            note("fibre", [record.slip, record.load, record.plastic_strain, record.principal_stress]);
+        }
+        for (fibre, of) in names.iter().zip(&record.fibres) {
+            note(&fibre.name, [of.slip, of.load, of.plastic_strain, of.principal_stress]);
+        }
     }
 }
 

@@ -46,10 +46,6 @@ pub struct Pair {
     /// Factor on min(E t/h of either body)/width of the hard normal law's penalty (default 100). From 1e5 on the rounding
     /// of positions can show in the pressure.
     pub penalty_factor: Option<Piece<Positive>>,
-    /// Bearing of the concrete under a wire, in plane specimens with round fibres: "rigid" (default), the contact is never crushed;
-    /// "crushed", it is at 5.07 f_c on the wire's diameter (dowel formula of Model Code 1990), where bond_slip has a hard normal law
-    /// without p_b of its own and the matrix's law has a compressive strength; a number, another factor on f_c.
-    pub bearing: Option<Piece<Bearing>>,
     /// Enforcement of the hard normal law (default uzawa).
     pub enforcement: Option<Piece<Enforcement>>,
     /// Slip up to which the bond is elastic, mm: limits increments until the load has peaked (default: the law is asked).
@@ -162,26 +158,6 @@ pub enum Width {
     Given(Positive),
     /// "part".
     Part(PartWord),
-}
-
-/// What the concrete under a wire bears.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Bearing {
-    /// Bearing strength over f_c, on the diameter.
-    Factor(Positive),
-    /// "rigid" or "crushed".
-    Word(BearingWord),
-}
-
-/// Bearing by a word.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum BearingWord {
-    /// The contact is never crushed.
-    Rigid,
-    /// The contact is crushed at the bearing strength of a dowel.
-    Crushed,
 }
 
 /// The word "part".
