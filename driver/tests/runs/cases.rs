@@ -140,8 +140,8 @@ const DUCTILE: &[&str] = &[
 
 const CHAPTER_4: &[Figure] = &[
     // model I: trend only, and table 5.1's parameters for want of a case
-    ("4.5-tension-plane-stress", &[], Tension, 2021.9, Gate::None, "stresses reach ~2000 MPa"),
-    ("4.5-compression-plane-stress", &[], Compression, -2021.8, Gate::None, "stresses reach ~2000 MPa"),
+    ("4.5-tension-plane-stress", &[], Tension, 2021.9, Gate::None, "stresses reach about 2000 MPa"),
+    ("4.5-compression-plane-stress", &[], Compression, -2021.8, Gate::None, "stresses reach about 2000 MPa"),
     ("4.5-tension-plane-stress", MODEL_I_TENSION, Tension, 3.5826, reached(F_T), ""),
     ("4.5-compression-plane-stress", MODEL_I_COMPRESSION, Compression, -27.675, reached(F_C), ""),
     // model II
@@ -203,7 +203,7 @@ const MODEL_III: &[Figure] = &[
     ("5.2-compression-lateral-hold", &[], Rms, 1.422, Reached(0.0, 2.0), ""),
     // it ends at the limit point: the RMS is that of the first points only
     ("5.2-compression-free-sides", &[], Compression, -11.715, not_reached(F_C), "not reproduced"),
-    ("5.2-compression-free-sides", &[], Points, 6.0, NotReached(27.0, 27.0), "the run stops just before it"),
+    ("5.2-compression-free-sides", &[], Points, 6.0, NotReached(27.0, 27.0), "The run stops just before it"),
     ("5.2-compression-regular", &[], Compression, -28.134, reached(F_C), "Found: -28.13 MPa at e11 = -1.62e-3"),
     ("5.2-compression-regular", &[], Lateral, -5.064, Gate::None, "-5.06 MPa laterally"),
     ("5.2-compression-lateral-hold", &[], Lateral, -18.924, Gate::None, ""),
@@ -288,7 +288,7 @@ const CONCRETE_DAMAGE: &[Figure] = &[
     ("5.3-compression-concrete-damage", FINE, Compression, -27.6, reached(F_C), "27.600 MPa"),
     ("5.3-compression-concrete-damage", &[], Rms, 1.2747, Reached(0.0, 2.0), "27 points of the test 1.27 MPa"),
     ("5.3-compression-concrete-damage", &[], Farthest, 2.386, Gate::None, "largest 2.4"),
-    ("5.5-compression-1-0-concrete-damage", &[], Compression, -27.6, Gate::None, "27.600 MPa uniaxial"),
+    ("5.5-compression-1-0-concrete-damage", &[], Compression, -27.6, Gate::None, "27.600 MPa in uniaxial compression"),
     (
         "5.6-compression-1-1-concrete-damage",
         &[],
