@@ -115,7 +115,6 @@ impl Work {
             "status": done.summary.status,
             "message": done.summary.message,
             "warnings": done.summary.warnings,
-            "peaks": done.summary.peaks_without_rounding(),
             "findings": done.summary.bridging,
             "increments": done.summary.increments,
             "iterations": done.summary.iterations,
