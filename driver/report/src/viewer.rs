@@ -22,6 +22,25 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::iter::once;
 
+#[cfg(feature = "pictures")]
+mod animation;
+#[cfg(feature = "pictures")]
+pub use animation::gif;
+
+/// Refuses to make a GIF.
+///
+/// # Errors
+/// Always: this build lacks the feature `pictures`.
+#[cfg(not(feature = "pictures"))]
+pub fn gif(
+    _run: &std::path::Path,
+    _field: Option<&str>,
+    _view: Option<[f64; 4]>,
+    _frames: usize,
+) -> io::Result<Vec<u8>> {
+    Err(crate::plots::export::missing())
+}
+
 const SCRIPT: &str = include_str!("viewer.js");
 
 /// States that are kept at most: with one more, every second one goes.

@@ -1,5 +1,6 @@
 //! The command line (docs/reference/command-line.md): what each command does, and the exit codes.
 
+mod animate;
 mod bench;
 mod examples;
 mod fit;
@@ -100,6 +101,8 @@ enum Command {
     Schema,
     /// Redraw the pictures of one or several runs, overlaid.
     Plot(plot::Arguments),
+    /// Make a looping GIF of a specimen's run: the deformed mesh beside the curve.
+    Animate(animate::Arguments),
     /// A command line in a process of its own; started by the program itself.
     #[command(name = isolation::worker::COMMAND, hide = true)]
     Worker(isolation::Task),
@@ -208,6 +211,7 @@ impl Command {
             | Self::Lab(_)
             | Self::Sweep { .. }
             | Self::Schema
+            | Self::Animate(_)
             | Self::Plot(_)
             | Self::Worker(_)
             | Self::Pages { .. }
@@ -324,6 +328,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
             Ok(DONE)
         }
         Command::Plot(arguments) => plot::plot(&arguments),
+        Command::Animate(arguments) => animate::animate(&arguments),
         Command::Import(arguments) => import::run(&arguments),
         Command::Fit(fit) => fit::act(&fit, line),
         Command::Bench(arguments) => Err(bench::run(&arguments)),

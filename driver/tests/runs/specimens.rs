@@ -168,11 +168,24 @@ fn a_pull_out_leaves_fields_pictures_summary_and_report() {
         let pdf = std::fs::read(desk.path(&format!("paper/{picture}.pdf"))).expect(picture);
         assert!(pdf.starts_with(b"%PDF-"), "{picture}");
     }
+    // in motion: frames of the same specimen, which a reader of GIF finds
+    assert!(desk.pullout(["animate", "out", "--frames", "8"]).expect(0).stdout.contains("animation.gif"));
+    let file = std::fs::read(desk.path("out/plots/animation.gif")).expect("an animation");
+    let mut decoder = gif::DecodeOptions::new().read_info(&file[..]).expect("a GIF");
+    let frames = std::iter::from_fn(|| decoder.read_next_frame().expect("a frame").map(|frame| frame.buffer.len()));
+    assert_eq!(frames.count(), 8);
+    let refused = desk.pullout(["animate", "out", "--field", "humidity"]).expect(2).stderr;
+    assert!(refused.contains("principal stress, greatest"), "{refused}");
+    desk.pullout(["animate", "out", "--view", "1,0,0,1"]).expect(2);
+    assert!(desk.pullout(["animate", "paper"]).expect(2).stderr.contains("report.html"));
     // runs that are overlaid leave the pictures of the first as they are
     let own = |name: &str| std::fs::read(run.folder.join(name)).expect("a picture");
     let before = own("plots/load_slip.svg");
     desk.pullout(["plot", "out", "out"]).expect(0);
     assert!(own("plots/load_slip.svg") == before && own("compared/load_slip.svg") != before);
+    // and are drawn again, beside results that can be replaced
+    desk.pullout(["plot", "out", "out"]).expect(0);
+    desk.pullout(["plot", "out"]).expect(0);
 }
 
 /// The viewer's states are rows of the history, from the first to the last, and its numbers are as many as its head says.

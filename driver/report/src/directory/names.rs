@@ -71,7 +71,20 @@ const FIT: [&str; 14] = [
 ];
 
 /// Files of pictures, beside results or in a directory of their own.
-const PICTURES: [&str; 7] = ["*.svg", "*.png", "*.pdf", "plots/*.svg", "plots/*.png", "plots/*.pdf", "spec.json"];
+const PICTURES: [&str; 12] = [
+    "*.svg",
+    "*.png",
+    "*.pdf",
+    "*.gif",
+    "plots/*.svg",
+    "plots/*.png",
+    "plots/*.pdf",
+    "plots/*.gif",
+    "compared/*.svg",
+    "compared/*.png",
+    "compared/*.pdf",
+    "spec.json",
+];
 
 /// Returns whether results of any kind may have this name, or are claimed by it as a pattern.
 pub(super) fn is_of_results(name: &str) -> bool {

@@ -93,12 +93,11 @@ impl Account {
 
     /// Makes an account of fibres across a crack: the parts of the case as it has them.
     fn of_bridging(program: &bridging::BridgingProgram) -> Self {
-        let json = |value: serde_json::Result<String>| value.unwrap_or_default();
-        let mut settings = vec![("Fibre".to_owned(), json(serde_json::to_string(&program.fibre)))];
+        let mut settings = vec![("Fibre".to_owned(), entries(&program.fibre))];
         match &program.source {
             bridging::Source::Bond(bond, inclination) => {
-                settings.push(("Bond".into(), json(serde_json::to_string(bond))));
-                settings.push(("Angle".into(), json(serde_json::to_string(inclination))));
+                settings.push(("Bond".into(), entries(bond)));
+                settings.push(("Angle".into(), entries(inclination)));
             }
             bridging::Source::Curves(curves, cut) => {
                 settings.push(("Curves".into(), format!("{}, none beyond {}°", curves.len(), rounded(*cut))));
@@ -119,12 +118,12 @@ impl Account {
             ("Sides".to_owned(), sides.to_owned()),
             ("V_f".into(), exact(program.volume_fraction)),
             ("η_E".into(), exact(program.modular_ratio)),
-            ("Matrix".into(), json(serde_json::to_string(&program.matrix))),
-            ("Orientation".into(), json(serde_json::to_string(&program.orientation))),
+            ("Matrix".into(), entries(&program.matrix)),
+            ("Orientation".into(), entries(&program.orientation)),
             ("w_a".into(), format!("{} mm", exact(program.activation))),
         ]);
-        settings.extend(program.beam.map(|beam| ("Beam".to_owned(), json(serde_json::to_string(&beam)))));
-        settings.extend(program.scatter.map(|scatter| ("Scatter".to_owned(), json(serde_json::to_string(&scatter)))));
+        settings.extend(program.beam.map(|beam| ("Beam".to_owned(), entries(&beam))));
+        settings.extend(program.scatter.map(|scatter| ("Scatter".to_owned(), entries(&scatter))));
         Self { settings, ..Self::default() }
     }
 
@@ -152,6 +151,28 @@ impl Account {
             ..Self::default()
         }
     }
+}
+
+/// The entries of an object in one line: "diameter 0.75, length 60".
+fn entries(value: &impl serde::Serialize) -> String {
+    fn told(value: &serde_json::Value) -> String {
+        match value {
+            serde_json::Value::Object(entries) => {
+                let entry = |(key, value): (&String, &serde_json::Value)| match value {
+                    // what kind it is
+                    serde_json::Value::String(kind) if key == "type" || key == "model" => kind.clone(),
+                    serde_json::Value::Object(_) => format!("{key} ({})", told(value)),
+                    value => format!("{key} {}", told(value)),
+                };
+                entries.iter().filter(|(_, value)| !value.is_null()).map(entry).collect::<Vec<_>>().join(", ")
+            }
+            serde_json::Value::Array(values) => values.iter().map(told).collect::<Vec<_>>().join(" × "),
+            serde_json::Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), exact),
+            serde_json::Value::String(text) => text.clone(),
+            other => other.to_string(),
+        }
+    }
+    serde_json::to_value(value).map(|value| told(&value)).unwrap_or_default()
 }
 
 fn tell<S>(steps: &[S], step: impl Fn(&S) -> String) -> (Vec<String>, usize) {

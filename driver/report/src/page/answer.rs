@@ -12,15 +12,19 @@ use std::path::Path;
 const MOST_ROWS: usize = 5;
 
 /// A name, a value and a unit.
-type Row = (String, f64, String);
+pub(super) type Row = (String, String, String);
 
 /// The table of the first numbers.
 pub(super) fn numbers(summary: &Summary) -> Markup {
-    let rows = if summary.specimen.is_some() { of_specimen(summary) } else { of_point(summary) };
+    table(if summary.specimen.is_some() { of_specimen(summary) } else { of_point(summary) })
+}
+
+/// The first rows as a table.
+pub(super) fn table(rows: Vec<Row>) -> Markup {
     html! {
         table.numbers {
             @for (name, value, unit) in rows.into_iter().take(MOST_ROWS) {
-                tr { td.key { (PreEscaped(indexed(&name))) } td.number { (significant(value, 4)) } td { (unit) } }
+                tr { td.key { (PreEscaped(indexed(&name))) } td.number { (value) } td { (unit) } }
             }
         }
     }
@@ -29,7 +33,6 @@ pub(super) fn numbers(summary: &Summary) -> Markup {
 fn of_specimen(summary: &Summary) -> Vec<Row> {
     let peaks = summary.peaks_without_rounding();
     let Some(findings) = &summary.specimen else { return Vec::new() };
-    let row = |name: &str, value: f64, unit: &str| (name.to_owned(), value, unit.to_owned());
     let load = findings.peak_load.iter();
     let loads = load.flat_map(|peak| [row("Greatest load", peak.load, "N"), row("at a slip of", peak.slip, "mm")]);
     let work = findings.energies.get("external_work").map(|work| row("Work", *work, "N·mm"));
@@ -57,20 +60,25 @@ fn of_point(summary: &Summary) -> Vec<Row> {
         let Quantity { name, unit } = Quantity::of(name, &Default::default());
         let ends = [("greatest", peak.max), ("least", peak.min)];
         let moved = ends.into_iter().filter_map(|(end, value)| Some((end, value.filter(|value| *value != 0.0)?)));
-        rows.extend(moved.map(|(end, value)| (capital(&format!("{end} {name}")), value, unit.clone())));
+        rows.extend(moved.map(|(end, value)| row(&capital(&format!("{end} {name}")), value, &unit)));
     }
     rows
+}
+
+/// A row with four digits.
+pub(super) fn row(name: &str, value: f64, unit: &str) -> Row {
+    (name.to_owned(), significant(value, 4), unit.to_owned())
 }
 
 /// How far the run is from the first measured curve.
 fn compared(summary: &Summary) -> Vec<Row> {
     let first = summary.compare.first().and_then(|first| Some((first, first.rms?)));
-    let row = |(first, rms): (&crate::compare::Comparison, f64)| {
+    let of = |(first, rms): (&crate::compare::Comparison, f64)| {
         let unit = Quantity::of(&first.y, &Default::default()).unit;
         let file = Path::new(&first.file).file_name().unwrap_or_default().to_string_lossy();
-        (format!("RMS difference from {file}"), rms, unit)
+        row(&format!("RMS difference from {file}"), rms, &unit)
     };
-    first.map(row).into_iter().collect()
+    first.map(of).into_iter().collect()
 }
 
 /// Markup of the pictures (`_{11}`) as that of a page.

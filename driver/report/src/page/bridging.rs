@@ -1,28 +1,64 @@
 //! Bridging on the report's page: a page that a designer may file.
 
+use super::answer::{self, Row, row};
 use super::{Account, comparison, status, warnings};
 use crate::plots::Picture;
 use crate::summary::Summary;
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 use pullout_run::bridging::{BeamFindings, Findings, ScatterFindings, Spread};
 use pullout_run::number::{rounded, significant};
 
 pub(super) fn body(account: &Account, summary: &Summary, findings: &Findings, pictures: &[Picture]) -> Markup {
+    let (first, others) = pictures.split_first().map_or((None, &[][..]), |(first, others)| (Some(first), others));
     html! {
-        (status(summary, ""))
-        (super::description(&account.description))
-        (warnings(&summary.warnings))
+        div.answer {
+            (status(summary, ""))
+            div.pictures {
+                @if let Some(first) = first { figure { (PreEscaped(&first.svg)) } }
+                (answer::table(numbers(findings)))
+            }
+            @if let Some(beam) = &findings.beam { (strengths(beam, findings.scatter.as_ref())) }
+            (warnings(&summary.warnings))
+            (super::description(&account.description))
+        }
         (crack(findings))
-        @if let Some(beam) = &findings.beam { (strengths(beam, findings.scatter.as_ref())) }
-        @if !pictures.is_empty() { (super::pictures(pictures)) }
+        @if !others.is_empty() { (super::pictures(others)) }
         (comparison(summary))
         h2 { "What was run" }
         table {
             tr { td.key { "Case" } td { code { (account.case_file) } } }
             @for (key, value) in &account.settings { tr { td.key { (key) } td { (value) } } }
-            tr { td.key { "Program" } td { "pullout " (env!("CARGO_PKG_VERSION")) } }
         }
+        (super::provenance(account, summary))
     }
+}
+
+/// Strengths of the beam, or of the crack without one.
+fn numbers(findings: &Findings) -> Vec<Row> {
+    let Some(beam) = &findings.beam else {
+        return vec![
+            row("Greatest σ", findings.sigma_peak, "MPa"),
+            row("at w =", findings.w_peak, "mm"),
+            row("Greatest σ of the fibres", findings.sigma_fibre_peak, "MPa"),
+            row("Orientation factor η", findings.efficiency, ""),
+            row("Fibres per cm²", findings.fibres_per_cm2, ""),
+        ];
+    };
+    let [f_r1, _, f_r3, _] = beam.residual;
+    let Some(scatter) = &findings.scatter else {
+        let residual = beam.residual.into_iter().enumerate();
+        let rows = residual.map(|(k, strength)| row(&format!("f_{{R{}}}", k + 1), strength, "MPa"));
+        return std::iter::once(row("f_{L}", beam.limit, "MPa")).chain(rows).collect();
+    };
+    let class = scatter.class.clone().unwrap_or_else(|| "none".to_owned());
+    let [f_r1k, _, f_r3k, _] = &scatter.residual;
+    vec![
+        ("Class".to_owned(), class, "fib Model Code 2010".to_owned()),
+        row("f_{R1k}, characteristic", f_r1k.characteristic, "MPa"),
+        row("f_{R3k}, characteristic", f_r3k.characteristic, "MPa"),
+        row("f_{R1}, mean", f_r1, "MPa"),
+        row("f_{R3}, mean", f_r3, "MPa"),
+    ]
 }
 
 fn number(value: f64) -> String {
@@ -30,23 +66,23 @@ fn number(value: f64) -> String {
 }
 
 fn crack(findings: &Findings) -> Markup {
-    let row =
+    let line =
         |what: &str, value: String, unit: &str| html! { tr { td.key { (what) } td.number { (value) } td { (unit) } } };
     let at = |opening: f64| format!(" at w = {} mm", number(opening));
     html! {
         h2 { "The crack" }
         table {
-            (row("Orientation factor η", number(findings.efficiency), ""))
+            (line("Orientation factor η", number(findings.efficiency), ""))
             @if let Some(zones) = findings.efficiency_by_zones {
-                (row("the same by zones", number(zones), "Dupont, Vandewalle 2005"))
+                (line("the same by zones", number(zones), "Dupont, Vandewalle 2005"))
             }
-            (row("Fibres", number(findings.fibres_per_cm2), "per cm²"))
-            (row("Greatest σ", number(findings.sigma_peak) + &at(findings.w_peak), "MPa"))
-            (row("Greatest σ of the fibres", number(findings.sigma_fibre_peak) + &at(findings.w_fibre_peak), "MPa"))
+            (line("Fibres", number(findings.fibres_per_cm2), "per cm²"))
+            (line("Greatest σ", number(findings.sigma_peak) + &at(findings.w_peak), "MPa"))
+            (line("Greatest σ of the fibres", number(findings.sigma_fibre_peak) + &at(findings.w_fibre_peak), "MPa"))
             @for work in &findings.work {
-                (row(&format!("Work up to {} mm", rounded(work.to)), number(work.work), "N/mm"))
+                (line(&format!("Work up to {} mm", rounded(work.to)), number(work.work), "N/mm"))
             }
-            (row("Greatest error of quadrature, relative to the peak", significant(findings.error, 2), ""))
+            (line("Greatest error of quadrature, relative to the peak", significant(findings.error, 2), ""))
         }
     }
 }

@@ -5,6 +5,8 @@ use std::io;
 #[cfg(feature = "pictures")]
 mod conversion;
 #[cfg(feature = "pictures")]
+pub(crate) use conversion::draw_upon;
+#[cfg(feature = "pictures")]
 pub use conversion::{pdf, png};
 
 /// A picture in another format.
@@ -19,8 +21,8 @@ pub fn can_export() -> io::Result<()> {
 }
 
 /// The error of a build that lacks the feature.
-fn missing() -> io::Error {
-    crate::lacks("PNG and PDF need", "pictures")
+pub(crate) fn missing() -> io::Error {
+    crate::lacks("PNG, PDF and GIF need", "pictures")
 }
 
 /// Refuses to make a PNG.

@@ -33,7 +33,7 @@ pub mod selection;
 mod test;
 
 /// Folder of the pictures of a run in its result directory.
-pub(crate) const FOLDER: &str = "plots";
+pub const FOLDER: &str = "plots";
 /// File beside the pictures that holds the [`Spec`].
 pub const SPEC_FILE: &str = "spec.json";
 

@@ -331,16 +331,17 @@ fn pullout(run: &Run<'_>) -> Vec<Layout> {
     layouts
 }
 
-/// σ(w) with its band, what fibres of each angle carry of it, those that broke, and the beam.
+/// The beam, if there is one; σ(w) with its band, what fibres of each angle carry of it, and those that broke.
 fn bridging(run: &Run<'_>) -> Vec<Layout> {
-    let mut layouts = vec![
+    let beam = Layout::over("cmod", "load_cmod", ["load", "load_05", "load_50", "load_95"]);
+    let mut layouts: Vec<Layout> = run.history.column("cmod").map(|_| beam).into_iter().collect();
+    layouts.extend([
         Layout::over("w", "sigma_w", ["sigma", "sigma_fibre", "sigma_matrix", "sigma_05", "sigma_95"]),
         Layout::over("w", "shares_w", columns(run, |column| group_of(column) == Group::Share)),
-    ];
+    ]);
     if span(run, "ruptured") > 0.0 {
         layouts.push(Layout::pair("ruptured_w", "w", "ruptured"));
     }
-    layouts.push(Layout::over("cmod", "load_cmod", ["load", "load_05", "load_50", "load_95"]));
     layouts
 }
 

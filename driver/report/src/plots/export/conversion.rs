@@ -29,6 +29,15 @@ pub fn png(svg: &str) -> io::Result<Vec<u8>> {
     pixels.encode_png().map_err(io::Error::other)
 }
 
+/// Draws a picture upon pixels, one to a px.
+///
+/// # Errors
+/// No valid SVG, or no font.
+pub fn draw_upon(pixels: &mut Pixmap, svg: &str) -> io::Result<()> {
+    resvg::render(&tree(svg)?, Transform::identity(), &mut pixels.as_mut());
+    Ok(())
+}
+
 /// Returns a picture as PDF: one page of its size, lines and text as such.
 ///
 /// # Errors
