@@ -4,17 +4,16 @@
 mod program;
 
 use end_to_end_tests::{Tool, find, run as compile, workspace};
-use program::{Desk, cases, command};
+use program::{Desk, cases};
 use pullout_case::{JsonPlace, ProblemKind};
-use pullout_engine::{Error, Outcome, Settings, Source, set_program};
+use pullout_engine::{Error, Job, Message, Options, Outcome, Settings, Source, set_program};
 use pullout_report::history::History;
 use pullout_report::summary::Status;
-use pullout_run::isolation;
+use pullout_run::isolation::Child;
 use pullout_run::path::FailureKind;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
-use std::process::Stdio;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -278,10 +277,11 @@ fn a_child_outlives_the_thread_that_asked_for_it() {
     let mut case = bond();
     case["steps"][0]["increments"] = json!(200_000);
     let case = desk.case("case.json", &case);
-    let mut command = command();
-    command.args(["run", "--quiet", "--parent", &std::process::id().to_string()]);
-    command.arg("--out").arg(desk.path("out")).arg(case).stdout(Stdio::null());
-    let asked = std::thread::spawn(move || isolation::spawn(command).expect("a child"));
+    let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
+    set_program(program, program);
+    let job = Job::new(Source::file(&case), desk.path("out"), Options { quiet: true, ..Options::default() });
+    let asked = std::thread::spawn(move || Child::start(&job, None).expect("a child"));
     let mut child = asked.join().expect("no panic");
-    assert_eq!(child.wait().expect("a status").code(), Some(0));
+    let status = child.wait(&|| None, None, &mut |_: Vec<Message>| {}).expect("a status");
+    assert_eq!(status.code(), Some(0));
 }
