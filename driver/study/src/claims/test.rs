@@ -14,8 +14,6 @@ fn study(peaks: &[&[Option<f64>]]) -> (Study, Results) {
     let runs = (0..peaks.len() * members.len()).map(|k| Run {
         series: k / members.len(),
         member: k % members.len(),
-        base: "case.json".into(),
-        overrides: Vec::new(),
         folder: "folder".into(),
         fingerprint: String::new(),
         warnings: Vec::new(),
