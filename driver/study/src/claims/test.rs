@@ -14,6 +14,7 @@ fn study(peaks: &[&[Option<f64>]]) -> (Study, Results) {
     let runs = (0..peaks.len() * members.len()).map(|k| Run {
         series: k / members.len(),
         member: k % members.len(),
+        case: pullout_engine::Source::default(),
         folder: "folder".into(),
         fingerprint: String::new(),
         warnings: Vec::new(),
