@@ -130,11 +130,12 @@ fn run(scene: &Scene, program: &PulloutProgram, threads: usize, folder: &Path) -
     let failed = |message: String| BenchError::Failed(format!("{}: {message}", scene.name));
     let count = NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN);
     let work = || {
-        let mut program = program.clone();
-        program.threads = Threads::new(count).map_err(|error| failed(error.to_string()))?;
+        let threads = Threads::new(count).map_err(|error| failed(error.to_string()))?;
+        let checkpoints = Checkpoints::default();
+        let settings = pullout::Settings { threads, ..pullout::Settings::new(program, folder, &checkpoints) };
         let mut rows = Rows::default();
         let (start, processors) = (Instant::now(), process_time());
-        let outcome = pullout::run(&program, folder, &Checkpoints::default(), &mut rows);
+        let outcome = pullout::run(program, &settings, &mut rows);
         let (clock, processors) = (start.elapsed().as_secs_f64(), (process_time() - processors).as_secs_f64());
         match outcome.result {
             Ok(()) => Ok(Ran { clock, processors, rows }),

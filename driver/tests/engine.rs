@@ -4,17 +4,16 @@
 mod program;
 
 use end_to_end_tests::{Tool, find, run as compile, workspace};
-use program::{Desk, cases, command};
+use program::{Desk, cases};
 use pullout_case::{JsonPlace, ProblemKind};
-use pullout_engine::{Error, Outcome, Settings, Source, set_program};
+use pullout_engine::{Error, Job, Message, Options, Outcome, Settings, Source, set_program};
 use pullout_report::history::History;
 use pullout_report::summary::Status;
-use pullout_run::isolation;
+use pullout_run::isolation::Child;
 use pullout_run::path::FailureKind;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
-use std::process::Stdio;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -125,6 +124,17 @@ fn what_is_wrong_has_its_place() {
     let places: Vec<&str> =
         errors.problems.iter().map(|problem| problem.place.as_ref().expect("a place").as_str()).collect();
     assert_eq!(places, ["$.steps[0].increments", "$.material.props.k"]);
+    let desk = Desk::new();
+    desk.case("case.json", &bond());
+    desk.case("study.json", &json!({ "kind": "study", "base": "case.json", "members": [{ "label": "a" }] }));
+    desk.write("commented.json", "{\n  // of steel\n}");
+    let found = |file: &str| {
+        let problems = Source::file(&desk.path(file)).read().expect_err("an error").problems;
+        let [problem] = &problems[..] else { panic!("{problems:?}") };
+        (problem.kind, problem.place.as_ref().map(|place| place.as_str().to_owned()))
+    };
+    assert_eq!(found("commented.json"), (ProblemKind::Input, None));
+    assert_eq!(found("study.json"), (ProblemKind::Structure, Some("$.kind".to_owned())));
 }
 
 #[test]
@@ -278,10 +288,11 @@ fn a_child_outlives_the_thread_that_asked_for_it() {
     let mut case = bond();
     case["steps"][0]["increments"] = json!(200_000);
     let case = desk.case("case.json", &case);
-    let mut command = command();
-    command.args(["run", "--quiet", "--parent", &std::process::id().to_string()]);
-    command.arg("--out").arg(desk.path("out")).arg(case).stdout(Stdio::null());
-    let asked = std::thread::spawn(move || isolation::spawn(command).expect("a child"));
+    let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
+    set_program(program, program);
+    let job = Job::new(Source::file(&case), desk.path("out"), Options { quiet: true, ..Options::default() });
+    let asked = std::thread::spawn(move || Child::start(&job, None).expect("a child"));
     let mut child = asked.join().expect("no panic");
-    assert_eq!(child.wait().expect("a status").code(), Some(0));
+    let status = child.wait(&|| None, None, &mut |_: Vec<Message>| {}).expect("a status");
+    assert_eq!(status.code(), Some(0));
 }

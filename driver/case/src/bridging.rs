@@ -17,7 +17,6 @@ use pullout_run::pullout;
 use serde_json::{Value, json};
 use std::array::from_fn;
 use std::io;
-use std::num::NonZeroUsize;
 use std::path::Path;
 
 /// Beyond this angle fibres of tables carry nothing, degrees.
@@ -112,7 +111,6 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
             openings: openings(given),
             beam,
             scatter,
-            threads: NonZeroUsize::MIN,
         }
     });
     let columns = program.as_ref().map(BridgingProgram::columns);

@@ -34,8 +34,8 @@ pub use plugin::{ALL_LAWS, frame_from_json, not_found, where_to_look};
 pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind, hint};
 pub use props::props_from_json;
 pub use read::{
-    Case, document, inputs, is_study, need, overridden, read, read_document, read_study, read_sweep, read_text,
-    read_untrusted, read_untrusted_document,
+    Case, document, inputs, is_study, named_inputs, need, overridden, read, read_by, read_document, read_study,
+    read_sweep, read_text,
 };
 pub use reader::{Reader, outside_usual};
 pub use structure::schema;

@@ -104,6 +104,11 @@ impl Problem {
         Self { place: Some(place), message: message.into(), kind: ProblemKind::PluginNotLoadable }
     }
 
+    /// A plugin that cannot be loaded, wherever the case names it.
+    pub fn library(message: impl Into<String>) -> Self {
+        Self { kind: ProblemKind::PluginNotLoadable, ..Self::unreadable(message) }
+    }
+
     /// A file that cannot be read at all.
     pub fn unreadable(message: impl Into<String>) -> Self {
         Self { place: None, message: message.into(), kind: ProblemKind::Input }

@@ -100,21 +100,7 @@ impl Case {
 /// # Errors
 /// Everything that is wrong with it.
 pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
-    read_by(Reader::new(folder_of(path), plugin_paths), path, overrides)
-}
-
-/// Reads a case file from an unknown source: it may name plugins of the search path by their names, no symbol in
-/// them, and files within its folder.
-///
-/// # Errors
-/// Everything that is wrong with it.
-pub fn read_untrusted(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
-    read_by(Reader::of_untrusted(folder_of(path), plugin_paths), path, overrides)
-}
-
-fn read_by(mut reader: Reader<'_>, path: &Path, overrides: &[String]) -> Result<Case, CaseErrors> {
-    let case = text_with(path, overrides, &mut reader.problems).and_then(|text| read_with(&mut reader, path, text));
-    finished(reader, path, case)
+    read_by(Reader::new(folder_of(path), plugin_paths, false), path, None, overrides)
 }
 
 /// Reads a case that was made in memory as if it stood in the file `path`.
@@ -122,19 +108,25 @@ fn read_by(mut reader: Reader<'_>, path: &Path, overrides: &[String]) -> Result<
 /// # Errors
 /// Everything that is wrong with it.
 pub fn read_document(document: Value, path: &Path, plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
-    read_document_by(Reader::new(folder_of(path), plugin_paths), document, path)
+    read_by(Reader::new(folder_of(path), plugin_paths, false), path, Some(document), &[])
 }
 
-/// Reads a case from an unknown source that was made in memory as if it stood in the file `path`.
+/// Reads a case file, or a document as if it stood there. One from an unknown source may name plugins of the search path by
+/// their names, no symbol in them, and files within its folder.
 ///
 /// # Errors
 /// Everything that is wrong with it.
-pub fn read_untrusted_document(document: Value, path: &Path, plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
-    read_document_by(Reader::of_untrusted(folder_of(path), plugin_paths), document, path)
-}
-
-fn read_document_by(mut reader: Reader<'_>, document: Value, path: &Path) -> Result<Case, CaseErrors> {
-    let case = read_with(&mut reader, path, document);
+pub fn read_by(
+    mut reader: Reader<'_>,
+    path: &Path,
+    document: Option<Value>,
+    overrides: &[String],
+) -> Result<Case, CaseErrors> {
+    let text = match document.map(|document| overridden(document, overrides)) {
+        Some(text) => text.map_err(|problems| reader.problems.extend(problems)).ok(),
+        None => text_with(path, overrides, &mut reader.problems),
+    };
+    let case = text.and_then(|text| read_with(&mut reader, path, text));
     finished(reader, path, case)
 }
 
@@ -188,8 +180,15 @@ pub fn need(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Opti
 /// the overrides. Plugins that are found by name are not among them.
 pub fn inputs(path: &Path, overrides: &[String]) -> Vec<PathBuf> {
     let mut files = vec![path.to_owned()];
-    named_files(&document(path, overrides).unwrap_or_default(), folder_of(path), &mut files);
+    files.extend(named_inputs(&document(path, overrides).unwrap_or_default(), path));
     files
+}
+
+/// The files that texts of a document name which stands in the file `path`, that one left out.
+pub fn named_inputs(document: &Value, path: &Path) -> Vec<PathBuf> {
+    let mut files = vec![path.to_owned()];
+    named_files(document, folder_of(path), &mut files);
+    files.split_off(1)
 }
 
 fn named_files(value: &Value, folder: &Path, files: &mut Vec<PathBuf>) {
@@ -323,8 +322,7 @@ fn specimen(reader: &Reader<'_>, file: &Path, overrides: &[String]) -> bridging:
     if document(file, overrides).is_some_and(|document| document["kind"] != "pullout") {
         return Err(no_specimen());
     }
-    let read = if reader.is_untrusted { read_untrusted } else { read };
-    match read(file, overrides, reader.plugin_paths) {
+    match read_by(Reader::new(folder_of(file), reader.plugin_paths, reader.is_untrusted), file, None, overrides) {
         Ok(Case::Pullout(program)) => Ok(Some(program)),
         Ok(_) => Err(no_specimen()),
         Err(errors) => {
@@ -342,10 +340,7 @@ fn law(reader: &Reader<'_>, material: &Value, steps: &[Value]) -> bridging::Read
         let message = "runs in a process of its own, where no other case can ask it: give points [slip, traction]";
         return Err(Problem::new(bridging::law_place(), message));
     }
-    let new_reader = if reader.is_untrusted { Reader::of_untrusted } else { Reader::new };
-    let mut own = new_reader(reader.folder, reader.plugin_paths);
-    let case = read_with(&mut own, &file, document);
-    match finished(own, &file, case) {
+    match read_by(Reader::new(reader.folder, reader.plugin_paths, reader.is_untrusted), &file, Some(document), &[]) {
         Ok(Case::Path(program)) => Ok(program),
         Ok(_) => Err(Problem::new(bridging::law_place(), "is no law of contact")),
         Err(errors) => {

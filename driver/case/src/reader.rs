@@ -31,12 +31,12 @@ pub struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Makes a reader for a file in this folder.
-    pub fn new(folder: &'a Path, plugin_paths: &'a [PathBuf]) -> Self {
+    /// Makes a reader for a file in this folder, from an unknown source perhaps.
+    pub fn new(folder: &'a Path, plugin_paths: &'a [PathBuf], is_untrusted: bool) -> Self {
         Self {
             folder,
             plugin_paths,
-            is_untrusted: false,
+            is_untrusted,
             libraries: BTreeMap::new(),
             files: BTreeMap::new(),
             tables: BTreeMap::new(),
@@ -45,11 +45,6 @@ impl<'a> Reader<'a> {
             notes: Vec::new(),
             defaults: Vec::new(),
         }
-    }
-
-    /// Makes a reader for a file from an unknown source.
-    pub fn of_untrusted(folder: &'a Path, plugin_paths: &'a [PathBuf]) -> Self {
-        Self { is_untrusted: true, ..Self::new(folder, plugin_paths) }
     }
 
     /// Folders where plugins are looked for first.

@@ -9,7 +9,6 @@ use boundary::{Boundary, Drives};
 use fe_core::mesh::{Element, Mesh};
 use fe_core::model::{ContactLaw, Controls, Model, PluginLaw, Skipping, Spalling};
 use fe_core::stepping::Analysis;
-use fe_core::threads::Threads;
 use mesh::Ground;
 use pullout_run::columns;
 use pullout_run::program::About;
@@ -171,9 +170,6 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         mesh: ground.words,
         model,
         step_untils: steps.into_iter().map(|step| step.until).collect(),
-        threads: Threads::default(),
-        keeps_trail: false,
-        along: None,
     })
 }
 

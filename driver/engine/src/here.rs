@@ -1,58 +1,174 @@
 //! Runs in this process.
 
-use super::{Outcome, Settings};
+use super::{Job, Keep, Message, Outcome, Settings};
 use fe_core::stepping::Recorded;
 use fe_core::threads::Threads;
 use pullout_case::Case;
-use pullout_report::ending::{Specimen, compare_all, summarise};
+use pullout_report::directory::ResultDirectory;
+use pullout_report::ending::{Specimen, compare_all, conclude, summarise};
 use pullout_report::history::History;
 use pullout_report::page;
 use pullout_report::progress::{Extent, Progress};
-use pullout_report::record::RunRecorder;
-use pullout_report::summary::Status;
+use pullout_report::record::{Kept, RunRecorder};
+use pullout_report::summary::{Status, Summary};
 use pullout_report::viewer::States;
+use pullout_run::isolation::prints::Prints;
+use pullout_run::isolation::{tell, worker};
 use pullout_run::path::{self, Statistics, Stop};
-use pullout_run::pullout;
-use pullout_run::pullout::checkpoint::Checkpoints;
+use pullout_run::pullout::checkpoint::{self, Checkpoints};
+use pullout_run::{pullout, signals};
+use serde_json::Value;
 use std::io;
 use std::num::NonZeroUsize;
-use std::path::Path;
 use std::sync::Arc;
 
-/// Results of a run besides its rows.
-pub struct Followed<'c> {
-    /// Cost of the run.
-    pub statistics: Statistics,
-    /// End of the run.
-    pub result: Result<(), Stop>,
-    /// Findings of a specimen.
-    pub specimen: Option<Specimen<'c>>,
+/// State of an earlier run with which a restarted one goes on.
+const KEPT: [&str; 7] =
+    ["history.csv", checkpoint::FILE, "fields.pvd", "fields/#.vtu", "fields/contact_#.vtu", "umat.log", "umat.msg"];
+
+/// Returns how far a run goes.
+fn extent(case: &Case) -> Extent {
+    match case {
+        Case::Path(program) => Extent::Increments(path::increments(program)),
+        Case::Pullout(program) => Extent::Time(program.model.steps.iter().map(|step| step.time).sum()),
+        Case::Bridging(_) => Extent::Increments(0),
+    }
 }
 
-/// Follows a case of any kind but "bridging" to its end; fields and checkpoints, if it has any, go to `folder`.
-pub fn follow<'c>(case: &'c Case, record: &mut RunRecorder, folder: &Path, checkpoints: &Checkpoints) -> Followed<'c> {
-    let (statistics, result, specimen) = match case {
+/// Returns what is said of a run that was told to end at a place.
+pub fn interrupted(place: &str, has_checkpoints: bool) -> String {
+    let Some(signal) = signals::received() else { return format!("told to end after {place}") };
+    let go_on = if has_checkpoints { "; --restart goes on from its last checkpoint" } else { "" };
+    format!("interrupted by {} after {place}: what was done so far is kept{go_on}", signal.words())
+}
+
+/// A run that has ended; its rows are in the record.
+struct Ended<'c> {
+    record: RunRecorder,
+    summary: Summary,
+    specimen: Option<Specimen<'c>>,
+    replay: Option<Value>,
+    increments: Option<Recorded>,
+    /// Rows or fields that could not be written.
+    unwritten: Option<io::Error>,
+}
+
+/// Follows a case of any kind but "bridging" to its end. `settings`: those of a specimen; `records`: its increments are kept.
+fn carry_out<'c>(
+    case: &'c Case,
+    mut record: RunRecorder,
+    records: bool,
+    settings: &pullout::Settings<'_>,
+) -> io::Result<Ended<'c>> {
+    record.recorded = records.then(Recorded::default);
+    let (statistics, result, mut specimen) = match case {
         Case::Bridging(_) => (Statistics::default(), Ok(()), None),
         Case::Path(program) => {
-            let (statistics, result) = path::run(program, record);
+            let (statistics, result) = path::run(program, &mut record);
             (statistics, result, None)
         }
         Case::Pullout(program) => {
-            let mut outcome = pullout::run(program, folder, checkpoints, record);
+            let mut outcome = pullout::run(program, settings, &mut record);
             let result = std::mem::replace(&mut outcome.result, Ok(()));
             (outcome.statistics, result, Some((&**program, outcome)))
         }
     };
     record.progress.finish();
-    Followed { statistics, result, specimen }
+    match &result {
+        // it may be a plugin that took the right to write
+        Err(Stop::Write(_)) => worker::end_if_spoilt(),
+        _ => worker::look_after_plugins(),
+    }
+    let (mut failed_at, mut replay, mut unwritten) = (None, None, None);
+    let message = match result {
+        Ok(()) => record.was_ended().then(|| interrupted(&record.place(), settings.checkpoints.every.is_some())),
+        Err(Stop::Write(error)) => {
+            let message = format!("{}: {error}", record.place());
+            unwritten = Some(error);
+            Some(message)
+        }
+        Err(Stop::Failed(failure)) => {
+            failed_at = Some(failure.place());
+            replay = Some(failure.replay).filter(|replay| !replay.is_null());
+            Some(failure.message)
+        }
+    };
+    let summary = summarise(case, &mut record, statistics, message, failed_at, specimen.as_mut())?;
+    // those of a run that was not at its end would repeat a part of it
+    let increments = record.recorded.take().filter(|_| summary.status == Status::Done);
+    Ok(Ended { record, summary, specimen, replay, increments, unwritten })
 }
 
-/// Returns how far a run goes.
-pub fn extent(case: &Case) -> Extent {
-    match case {
-        Case::Path(program) => Extent::Increments(path::increments(program)),
-        Case::Pullout(program) => Extent::Time(program.model.steps.iter().map(|step| step.time).sum()),
-        Case::Bridging(_) => Extent::Increments(0),
+/// Hands rows on to the process that started this one.
+fn teller(columns: Vec<String>) -> pullout_report::progress::Listener {
+    tell(&Message::Columns(columns));
+    Box::new(|part, row| {
+        let place = [row.step, row.increment].map(f64::from);
+        let numbers =
+            [part].into_iter().chain(place).chain(row.values.iter().copied()).chain([f64::from(row.iterations)]);
+        tell(&Message::Row(numbers.map(|value| Some(value).filter(|value| value.is_finite())).collect()));
+    })
+}
+
+/// Runs a case of any kind but "bridging" into a folder. The second result is what could not be written. `warnings`: what the
+/// options of the job bring with them.
+///
+/// # Errors
+/// Nothing can be written at all.
+pub fn run_into(
+    case: &Case,
+    job: &Job,
+    directory: &mut ResultDirectory,
+    threads: Threads,
+    checkpoints: &Checkpoints,
+    warnings: Vec<String>,
+) -> io::Result<(Summary, io::Result<()>)> {
+    let kept = checkpoints.from.as_deref().and_then(Kept::of);
+    directory.begin(if kept.is_some() { &KEPT } else { &[] })?;
+    // a plugin may change the folder in which this process works
+    let folder = std::path::absolute(directory.path())?;
+    let draws = job.keep.draws(case);
+    case.announce();
+    let prints = Prints::keep(&folder, job.options.echo)?;
+    let columns = case.columns();
+    let history = folder.join("history.csv");
+    worker::note_start();
+    let progress = match job.tells_rows {
+        true => Progress::to(Some(teller(columns.clone())), extent(case)),
+        false => Progress::of(case, extent(case), job.options.quiet),
+    };
+    let mut record = match kept {
+        None => RunRecorder::new(&history, &columns, progress, checkpoints.every.is_some())?,
+        Some(kept) => RunRecorder::resume(&history, &columns, progress, kept)?,
+    };
+    record.warnings = warnings;
+    let folder = Some(&*folder);
+    let settings = pullout::Settings { threads, folder, checkpoints, pictures: draws, keeps_trail: false, along: None };
+    let ended = carry_out(case, record, job.options.record_increments, &settings)?;
+    let Ended { mut record, mut summary, specimen, replay, increments, unwritten: _ } = ended;
+    if let Some(recorded) = increments {
+        directory.write("increments.json", serde_json::to_string(&recorded)?)?;
+    }
+    // what plugins printed is complete before the results are listed
+    drop(prints);
+    if let Some(case) = replay {
+        let replay = directory.write("replay.json", format!("{case:#}\n"))?;
+        job.keep.name_replay(&mut summary.message, &replay);
+    }
+    conclude(case, directory, summary, specimen.as_ref(), &record.take_states(), draws)
+}
+
+impl Keep {
+    /// Returns whether pictures of a case are drawn.
+    pub fn draws(self, case: &Case) -> bool {
+        self != Self::Passing && case.about().plots
+    }
+
+    /// Says in a message where the replay case stands, if it stays there.
+    pub fn name_replay(self, message: &mut Option<String>, replay: &std::path::Path) {
+        if let Some(message) = message.as_mut().filter(|_| self != Self::Passing) {
+            *message += &format!(" (replay case: {})", replay.display());
+        }
     }
 }
 
@@ -61,57 +177,34 @@ fn view((program, outcome): &Specimen<'_>, history: &History, states: &States) -
     Ok(states.page(program, history, outcome.peak.as_ref())?.map(|viewer| page::around("Over the run", &viewer)))
 }
 
-/// Runs a case; what it would write is left out.
+/// Runs a case in memory; what it would write but fields is left out.
 pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let Settings { threads, stop, records, along, views, columns, listener, fields } = settings;
     let threads = threads.unwrap_or(NonZeroUsize::MIN);
-    let with_own;
-    let case = match case {
-        Case::Pullout(program) => {
-            let mut program = program.clone();
-            program.threads = Threads::new(threads).map_err(io::Error::other)?;
-            if fields.is_none() {
-                program.fields_every = None;
-            }
-            // what is drawn is told of while the run goes on
-            program.about.plots = views;
-            program.keeps_trail = records;
-            if let Some(along) = along {
-                if along.trail.has_steps_of(&program.model) {
-                    program.about.recorded = Some(Arc::new(along.trail.recorded.clone()));
-                }
-                program.along = Some(along);
-            }
-            with_own = Case::Pullout(program);
-            &with_own
-        }
-        _ => case,
-    };
     case.announce();
     if let Some(columns) = columns {
         columns(case.columns());
     }
     let progress = Progress::to(listener, extent(case));
     let mut record = RunRecorder::in_memory(case.columns(), progress, stop, threads == NonZeroUsize::MIN);
-    record.recorded = records.then(Recorded::default);
     if views {
         record.keep_states();
     }
-    let Followed { statistics, result, mut specimen } =
-        follow(case, &mut record, fields.as_deref().unwrap_or(Path::new("")), &Checkpoints::default());
-    let (message, failed_at, replay) = match result {
-        Ok(()) if record.was_ended() => (Some(format!("told to end after {}", record.place())), None, None),
-        Ok(()) => (None, None, None),
-        Err(Stop::Write(error)) => return Err(error),
-        Err(Stop::Failed(failure)) => {
-            let failed_at = failure.place();
-            (Some(failure.message), Some(failed_at), Some(failure.replay).filter(|replay| !replay.is_null()))
-        }
+    let settings = pullout::Settings {
+        threads: Threads::new(threads).map_err(io::Error::other)?,
+        folder: fields.as_deref(),
+        checkpoints: &Checkpoints::default(),
+        // what is drawn is told of while the run goes on
+        pictures: views,
+        keeps_trail: records,
+        along,
     };
-    let mut summary = summarise(case, &mut record, statistics, message, failed_at, specimen.as_mut())?;
-    // those of a run that was not at its end would repeat a part of it
-    let recorded = record.recorded.take().filter(|_| summary.status == Status::Done);
-    let increments = recorded.map(serde_json::to_value).transpose()?;
+    let ended = carry_out(case, record, records, &settings)?;
+    let Ended { mut record, mut summary, mut specimen, replay, increments, unwritten } = ended;
+    if let Some(error) = unwritten {
+        return Err(error);
+    }
+    let increments = increments.map(serde_json::to_value).transpose()?;
     let trail = specimen.as_mut().and_then(|(_, outcome)| outcome.trail.take());
     let trail = trail.filter(|_| summary.status == Status::Done).map(Arc::new);
     let states = record.take_states();

@@ -2,25 +2,31 @@
 //!
 //! A case is read ([`Source::read`]) and run ([`Prepared::run`]); rows, summary, and the kind and place of a failure
 //! make an [`Outcome`]. Another thread ends a run by a flag. The command `pullout run` follows a case by the same
-//! function, [`follow`], and differs in where the rows go.
+//! function and differs in where the rows go: [`run_into`] a folder.
 //!
 //! Libraries that were not built with this program may end the process that calls them. Cases that call one run in a child,
-//! as do those of kind "bridging", which may start others: that is `pullout run` into a folder of which nothing stays.
+//! as do those of kind "bridging", which may start others: a [`Job`] into a folder of which nothing stays.
 //! [`set_program`] says which file the program is.
 
 mod apart;
 mod here;
+mod job;
+mod key;
 
 pub use fe_core::stepping::{Along, Trail};
-pub use here::{Followed, extent, follow};
+pub use here::{interrupted, run_into};
+pub use job::{Inspection, Job, Keep, Message, Options};
+pub use key::Key;
 pub use pullout_run::isolation::{identity, let_all_in, set_program};
 
-use pullout_case::{Case, CaseErrors};
+use pullout_case::{Case, CaseErrors, Reader};
 use pullout_report::history::History;
 use pullout_report::progress::Listener;
 use pullout_report::summary::{Status, Summary};
 use pullout_run::columns;
+use pullout_run::input::{self, Input};
 use pullout_run::isolation::{self, Need};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io;
 use std::num::NonZeroUsize;
@@ -29,15 +35,17 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// A case before it is read.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
     /// The case file; of a document the file in which it would stand, by whose folder names in it are resolved.
+    #[serde(with = "isolation::path")]
     pub file: PathBuf,
     /// The document, in place of the file's.
     pub document: Option<Value>,
     /// Changes, each as `a.b.c=VALUE`.
     pub overrides: Vec<String>,
     /// Folders where plugins are looked for first.
+    #[serde(with = "isolation::paths")]
     pub plugin_paths: Vec<PathBuf>,
     /// Whether it is from an unknown source (`--untrusted`).
     pub is_untrusted: bool,
@@ -121,7 +129,7 @@ pub enum Error {
 impl Source {
     /// A case file.
     pub fn file(file: &Path) -> Self {
-        Self { file: file.into(), document: None, overrides: Vec::new(), plugin_paths: Vec::new(), is_untrusted: false }
+        Self { file: file.into(), ..Self::default() }
     }
 
     /// A document, which names other files relative to a folder.
@@ -134,6 +142,14 @@ impl Source {
         match &self.document {
             Some(document) => pullout_case::overridden(document.clone(), &self.overrides).ok(),
             None => pullout_case::document(&self.file, &self.overrides),
+        }
+    }
+
+    /// The files that the case is read from: its own, and those that it names.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        match &self.document {
+            Some(_) => pullout_case::named_inputs(&self.text().unwrap_or_default(), &self.file),
+            None => pullout_case::inputs(&self.file, &self.overrides),
         }
     }
 
@@ -150,21 +166,36 @@ impl Source {
         if self.need().is_some() {
             return Ok(Prepared { source: self, case: None });
         }
-        let case = match self.document.clone() {
-            Some(document) => {
-                let wrong = |problems| CaseErrors { file: self.file.clone(), problems };
-                let document = pullout_case::overridden(document, &self.overrides).map_err(wrong)?;
-                let read =
-                    if self.is_untrusted { pullout_case::read_untrusted_document } else { pullout_case::read_document };
-                read(document, &self.file, &self.plugin_paths)
-            }
-            None => {
-                let read = if self.is_untrusted { pullout_case::read_untrusted } else { pullout_case::read };
-                read(&self.file, &self.overrides, &self.plugin_paths)
-            }
-        }?;
+        let case = self.case()?;
         let runs_here = !matches!(case, Case::Bridging(_));
         Ok(Prepared { source: self, case: runs_here.then(|| Box::new(case)) })
+    }
+
+    /// Reads and checks the case in this process, wherever it is to be run.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it.
+    pub fn case(&self) -> Result<Case, CaseErrors> {
+        pullout_case::read_by(self.reader(), &self.file, self.document.clone(), &self.overrides)
+    }
+
+    /// Makes a reader for the file, or for what stands beside it.
+    pub fn reader(&self) -> Reader<'_> {
+        Reader::new(input::folder_of(&self.file), &self.plugin_paths, self.is_untrusted)
+    }
+
+    /// Returns the key of its run; `libraries`: those that it calls, where they are known.
+    pub fn key(&self, libraries: Option<Vec<PathBuf>>) -> String {
+        let of_need = || self.need().map(|need| need.libraries.into_keys().collect()).unwrap_or_default();
+        let document = self.text().unwrap_or_default();
+        let mut files = pullout_case::named_inputs(&document, &self.file);
+        files.extend(libraries.unwrap_or_else(of_need));
+        files.sort();
+        files.dedup();
+        // one that cannot be read is told of by the run
+        let hash = |file: &PathBuf| input::hash(file, Input::Mesh).unwrap_or_default();
+        let key = Key::new(identity().unwrap_or_default());
+        files.iter().fold(key, |key, file| key.with(hash(file))).with_case(document).digits()
     }
 
     /// Checks the case, in the process that its run takes place in, and returns the columns of its rows behind step and
@@ -175,7 +206,7 @@ impl Source {
     pub fn columns(&self) -> Result<Option<Vec<String>>, CaseErrors> {
         match self.clone().read()?.case {
             Some(case) => Ok(Some(case.columns_of_numbers())),
-            None => apart::columns(self).map_err(|problems| CaseErrors { file: self.file.clone(), problems }),
+            None => apart::columns(self),
         }
     }
 }

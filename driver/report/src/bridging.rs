@@ -29,7 +29,7 @@ const DIRECTIONS: usize = 180;
 pub type Done<'a> = (&'a BridgingProgram, &'a Composite, &'a Results);
 
 /// Writes tables, summary, pictures and report; of a run that failed its message. The second result is what could not be
-/// written.
+/// written. `draws`: whether pictures are wanted.
 ///
 /// # Errors
 /// A table cannot be written.
@@ -38,6 +38,7 @@ pub fn conclude(
     directory: &mut ResultDirectory,
     done: Result<Done<'_>, String>,
     [wall_time_s, cpu_time_s]: [f64; 2],
+    draws: bool,
 ) -> io::Result<(Summary, io::Result<()>)> {
     if let Ok((program, _, results)) = &done {
         if !results.curves.is_empty() {
@@ -78,7 +79,7 @@ pub fn conclude(
         Err(_) => (History::default(), Ok(Vec::new())),
     };
     ending::write(case, directory, summary, compared, |directory| match &done {
-        Ok(done) if case.about().plots => Ok((draw(case, directory, &history, done)?, None)),
+        Ok(done) if draws => Ok((draw(case, directory, &history, done)?, None)),
         _ => Ok(Default::default()),
     })
 }

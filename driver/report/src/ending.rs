@@ -22,7 +22,7 @@ use umat_abi::host::{LawDescription, Library};
 pub type Specimen<'p> = (&'p pullout::PulloutProgram, pullout::Outcome);
 
 /// Writes summary, plots and report beside a history: the summary first, so that nothing that is drawn can take it away.
-/// The second result is what could not be written.
+/// The second result is what could not be written. `draws`: whether pictures are wanted.
 ///
 /// # Errors
 /// The summary cannot be told as JSON.
@@ -32,12 +32,15 @@ pub fn conclude(
     summary: Summary,
     specimen: Option<&Specimen<'_>>,
     states: &States,
+    draws: bool,
 ) -> io::Result<(Summary, io::Result<()>)> {
     let compared = match case.about().compare.is_empty() {
         true => Ok(Vec::new()),
         false => HistoryFile::open(&directory.path().join("history.csv")).and_then(|rows| compare_all(case, &rows)),
     };
-    write(case, directory, summary, compared, |directory| draw(case, directory, specimen, states))
+    write(case, directory, summary, compared, |directory| {
+        if draws { draw(case, directory, specimen, states) } else { Ok(Default::default()) }
+    })
 }
 
 /// Writes a summary with comparisons, and the report of it with what is drawn. The second result is what could not be
@@ -69,16 +72,13 @@ pub fn compare_all(case: &Case, history: &impl Rows) -> io::Result<Vec<Compariso
     case.about().compare.iter().map(|curve| compare(history, curve)).collect()
 }
 
-/// Draws what the case asks for.
+/// Draws the history, and a specimen.
 fn draw(
     case: &Case,
     directory: &mut ResultDirectory,
     specimen: Option<&Specimen<'_>>,
     states: &States,
 ) -> io::Result<(Drawings, Option<Markup>)> {
-    if !case.about().plots {
-        return Ok(Default::default());
-    }
     let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
     let mut drawings = plots::draw(directory, plots::FOLDER, &history, &Spec::of(case, Account::of(case).inputs()))?;
     let Some((program, outcome)) = specimen else { return Ok((drawings, None)) };

@@ -64,8 +64,6 @@ pub struct BridgingProgram {
     pub beam: Option<NotchedBeam>,
     /// Beams made at random.
     pub scatter: Option<Scatter>,
-    /// Threads that share the work; the results have the same bits with any number.
-    pub threads: NonZeroUsize,
 }
 
 /// Source of a fibre's load.
@@ -404,12 +402,12 @@ fn number(value: f64) -> String {
     significant(value, 4)
 }
 
-/// Runs it.
+/// Runs it by so many threads; the results have the same bits with any number.
 ///
 /// # Errors
 /// Numbers without sense, results that are no finite numbers, or no threads.
-pub fn run(program: &BridgingProgram, composite: &Composite) -> Result<Results, String> {
-    let threads = rayon::ThreadPoolBuilder::new().num_threads(program.threads.get());
+pub fn run(program: &BridgingProgram, composite: &Composite, threads: NonZeroUsize) -> Result<Results, String> {
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
     let pool = threads.build().map_err(|error| error.to_string())?;
     let results = pool.install(|| run_here(program, composite))?;
     finite_strengths(&results)?;

@@ -15,10 +15,10 @@ pub(super) struct Arguments {
 
 pub(super) fn list(arguments: &Arguments) -> Result<u8, Refusal> {
     let folder = folder().ok_or_else(|| Refusal {
-        message:
-            "no examples: neither share/pullout/cases of the installation nor the cases of the source tree are there"
-                .into(),
         code: NO_PLUGIN,
+        ..Refusal::failed(
+            "no examples: neither share/pullout/cases of the installation nor the cases of the source tree are there",
+        )
     })?;
     let mut files = Vec::new();
     collect(&folder, &mut files)?;

@@ -166,7 +166,7 @@ fn act_on_bond(bond: &Bond, line: &[OsString]) -> Result<u8, Refusal> {
     let curve = curve.map_err(|problems| Refusal::input(problems.join("\n")))?;
     let request = bond.request();
     if let Some(need) = pullout_fit::need(&request) {
-        return Ok(isolated::carry_out(line, &need, &bond.curve, bond.quiet));
+        return Ok(isolated::carry_out(&line.to_vec(), &need, &bond.curve, bond.quiet));
     }
     let mut directory = bond.open()?;
     let progress = |form: &str, runs: usize, rms: f64| {

@@ -1,55 +1,46 @@
-//! `pullout run` and `pullout check` of cases in processes of their own, and what such a process does.
+//! `pullout run` and `pullout check` of cases in processes of their own.
 
-use super::run::{self, Arguments};
-use super::{DONE, FAILED, NO_PLUGIN, Reading, Refusal, complain, option};
+use super::{DONE, FAILED, NO_PLUGIN, Refusal, complain};
+use pullout_case::CaseProblem;
+use pullout_engine::{Inspection, Job, Message, Options, Source, interrupted};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::summary::{self, PluginFile, Summary};
-use pullout_run::isolation::{self, Aftermath, End, Failure, Job, Need, Task, Told};
-use pullout_run::isolation::{prints, worker};
+use pullout_run::isolation::{self, Aftermath, End, Failure, Need, Passage, Told, Watch, Work, prints};
 use pullout_run::program::job_folder;
 use pullout_run::{replay, signals};
 use serde_json::Value;
-use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::time::Instant;
 
 /// Validates a case.
-pub(super) fn check(file: &Path, reading: &Reading, need: &Need, quiet: bool) -> u8 {
-    carry_out(&check_line(file, reading, quiet.then_some("--quiet")), need, file, quiet)
+pub(super) fn check(inspection: &Inspection, need: &Need) -> u8 {
+    carry_out(inspection, need, &inspection.case.file, inspection.quiet)
 }
 
-/// Validates a case that is to be run: what ends the process now will end the run, and be reported then.
-/// `columns`: where those of the rows are written; `told`: what was told of other cases, and is not told again.
-pub(super) fn check_before_run(
-    file: &Path,
-    reading: &Reading,
-    need: &Need,
-    columns: Option<&Path>,
-    told: Option<&Told>,
-) -> u8 {
-    let mut command = check_line(file, reading, Some("--before-run"));
-    if let Some(path) = columns {
-        command.insert(1, option("--columns", path));
-    }
-    match isolation::supervise(&Job { command: &command, told, ..Job::default() }, need) {
+/// Validates a case that is to be run: what ends the process now will end the run, and be reported then. The second result is
+/// the columns of the rows, where this process is told. `told`: what was told of other cases, and is not told again.
+pub(super) fn check_before_run(case: &Source, need: &Need, told: Option<&Told>) -> (u8, Option<Vec<String>>) {
+    let inspection = Inspection { case: case.clone(), quiet: true, before_run: true };
+    let mut columns = None;
+    let ended = Passage::new(&inspection).and_then(|mut passage| {
+        let ended = isolation::supervise(&mut passage, &Watch { told, ..Watch::default() }, need)?;
+        columns = passage.heard().into_iter().find_map(|message| match message {
+            Message::Columns(names) => Some(names),
+            Message::Row(_) | Message::Refused(_) => None,
+        });
+        Ok(ended)
+    });
+    let code = match ended {
         Ok(End::Done(code)) => code,
         Ok(End::Failed(failure)) if failure.report.at_loading => {
             let is_new = told.is_none_or(|told| told.is_new(failure.report.message.as_bytes()));
-            if is_new { fail(file, &failure, &failure.report.message) } else { NO_PLUGIN }
+            if is_new { fail(&case.file, &failure, &failure.report.message) } else { NO_PLUGIN }
         }
         Ok(End::Failed(_)) => DONE,
-        Err(error) => refuse_to_start(file, &error),
-    }
-}
-
-/// The command line that validates a case.
-fn check_line(file: &Path, reading: &Reading, flag: Option<&str>) -> Vec<OsString> {
-    let mut line = vec!["check".into()];
-    line.extend(flag.map(Into::into));
-    line.extend(reading.command_line());
-    line.extend(["--".into(), file.into()]);
-    line
+        Err(error) => refuse_to_start(&case.file, &error),
+    };
+    (code, columns)
 }
 
 /// Says that a wish of the case is not granted.
@@ -60,25 +51,31 @@ pub(super) fn tell_of_wish(file: &Path, need: &Need, quiet: bool) {
     }
 }
 
-/// Carries out a command line of this program in a worker; the exit code. `file` is what messages begin with; `quiet`:
-/// only errors are reported.
-pub(super) fn carry_out(line: &[OsString], need: &Need, file: &Path, quiet: bool) -> u8 {
+/// Does work in a worker; the exit code. `file` is what messages begin with; `quiet`: only errors are reported.
+pub(super) fn carry_out(work: &impl Work, need: &Need, file: &Path, quiet: bool) -> u8 {
     tell_of_wish(file, need, quiet);
-    match isolation::supervise(&Job { command: line, ..Job::default() }, need) {
+    match supervise(work, &Watch::default(), need) {
         Ok(End::Done(code)) => code,
         Ok(End::Failed(failure)) => fail(file, &failure, &failure.report.message),
         Err(error) => refuse_to_start(file, &error),
     }
 }
 
+/// Hands work over to a worker, and watches it.
+fn supervise(work: &impl Work, wishes: &Watch<'_>, need: &Need) -> io::Result<End> {
+    isolation::supervise(&mut Passage::new(work)?, wishes, need)
+}
+
 /// Runs a case into a directory that this process holds.
-pub(super) fn run(file: &Path, directory: ResultDirectory, arguments: &Arguments, need: &Need) -> u8 {
-    let Arguments { quiet, echo, .. } = arguments;
+pub(super) fn run(job: &Job, directory: ResultDirectory, need: &Need) -> u8 {
+    let (file, Options { quiet, echo, .. }) = (&job.case.file, &job.options);
     tell_of_wish(file, need, *quiet);
     let start = Instant::now();
-    let command = arguments.of_worker(file, directory.path(), None);
-    let job = Job { command: &command, echo: echo.then_some(directory.path()), ..Job::default() };
-    let failure = match isolation::supervise(&job, need) {
+    // this process shows what is printed
+    let mut silent = job.clone();
+    silent.options.echo = false;
+    let wishes = Watch { echo: echo.then_some(directory.path()), ..Watch::default() };
+    let failure = match supervise(&silent, &wishes, need) {
         Ok(End::Done(code)) => return code,
         Ok(End::Failed(failure)) => failure,
         Err(error) => return refuse_to_start(file, &error),
@@ -94,10 +91,10 @@ pub(super) fn run(file: &Path, directory: ResultDirectory, arguments: &Arguments
         return signal.exit_code();
     }
     // a run that did not go on leaves what was there as it was
-    if failure.report.at_loading || (arguments.interruption.restart.is_some() && !failure.has_rows) {
+    if failure.report.at_loading || (job.goes_on && !failure.has_rows) {
         return fail(file, &failure, &failure.report.message);
     }
-    match conclude(file, directory, arguments, need, &failure, start.elapsed().as_secs_f64()) {
+    match conclude(&silent, directory, need, &failure, start.elapsed().as_secs_f64()) {
         Ok(code) => code,
         Err(error) => {
             complain(format!("{}: {error}", file.display()));
@@ -107,9 +104,9 @@ pub(super) fn run(file: &Path, directory: ResultDirectory, arguments: &Arguments
 }
 
 /// The case that repeats the call that ended a worker.
-pub(super) fn replay(failure: &Failure, file: &Path, overrides: &[String]) -> Option<Value> {
+pub(super) fn replay(failure: &Failure, case: &Source) -> Option<Value> {
     let mut replay = failure.replay.clone()?;
-    let document = pullout_case::document(file, overrides).unwrap_or_default();
+    let (document, file) = (case.text().unwrap_or_default(), &case.file);
     let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let title = document["title"].as_str().map_or_else(stem, str::to_owned);
     replay::entitle(&mut replay, replay::OF_CALL, &title, &job_folder(file, &document));
@@ -118,9 +115,8 @@ pub(super) fn replay(failure: &Failure, file: &Path, overrides: &[String]) -> Op
 
 /// Writes the replay case and the results of a run that was ended.
 fn conclude(
-    file: &Path,
+    job: &Job,
     mut directory: ResultDirectory,
-    arguments: &Arguments,
     need: &Need,
     failure: &Failure,
     wall_time_s: f64,
@@ -131,20 +127,21 @@ fn conclude(
         directory.begin(&[])?;
     }
     prints::remove_empty(directory.path());
-    let mut message = failure.report.message.clone();
-    match replay(failure, file, &arguments.reading.overrides) {
+    let mut message = Some(failure.report.message.clone());
+    match replay(failure, &job.case) {
         Some(case) => {
             let replay = directory.write("replay.json", format!("{case:#}\n"))?;
-            message += &format!(" (replay case: {})", replay.display());
+            job.keep.name_replay(&mut message, &replay);
         }
         None if failure.report.call.as_ref().is_some_and(|call| !call.arguments.is_routine()) => {
-            message += " (no replay case: an argument was NaN or infinite)";
+            message = message.map(|message| message + " (no replay case: an argument was NaN or infinite)");
         }
         None => {}
     }
+    let mut message = message.unwrap_or_default();
     let is_interrupted = signals::received().is_some();
     if is_interrupted {
-        message = format!("{}; {message}", run::interrupted("the last row", false));
+        message = format!("{}; {message}", interrupted("the last row", false));
     }
     let aftermath = Aftermath {
         message: Some(message.clone()),
@@ -154,20 +151,19 @@ fn conclude(
         wall_time_s,
     };
     if failure.has_rows {
-        let text = serde_json::to_string(&aftermath)?;
-        let command = arguments.of_worker(file, directory.path(), Some(&text));
+        let rest = Job { aftermath: Some(aftermath.clone()), folder: directory.path().to_owned(), ..job.clone() };
         // the worker hears of the signal too, before it tells of its end or after
         let own = signals::received().map_or(FAILED, signals::Interrupt::exit_code);
-        match isolation::supervise(&Job { command: &command, ..Job::default() }, need)? {
+        match supervise(&rest, &Watch::default(), need)? {
             End::Done(code) if code == FAILED || code == own => return Ok(own),
             End::Done(_) | End::Failed(_) => {}
         }
         directory.reread()?;
     }
-    directory.write(summary::FILE, summary(file, failure, aftermath)?.text()?)?;
+    directory.write(summary::FILE, summary(&job.case.file, failure, aftermath)?.text()?)?;
     directory.remove_earlier()?;
     directory.finish()?;
-    Ok(fail(file, failure, &message))
+    Ok(fail(&job.case.file, failure, &message))
 }
 
 /// Returns what can be said of a run without its case.
@@ -181,12 +177,11 @@ fn summary(file: &Path, failure: &Failure, aftermath: Aftermath) -> io::Result<S
 }
 
 fn fail(file: &Path, failure: &Failure, message: &str) -> u8 {
-    complain(format!("{}: {message}", file.display()));
-    match signals::received() {
-        Some(signal) => signal.exit_code(),
-        None if failure.report.at_loading => NO_PLUGIN,
-        None => FAILED,
+    if failure.report.at_loading && signals::received().is_none() {
+        return Refusal::of(file, CaseProblem::library(message)).told();
     }
+    complain(format!("{}: {message}", file.display()));
+    signals::received().map_or(FAILED, signals::Interrupt::exit_code)
 }
 
 fn refuse_to_start(file: &Path, error: &io::Error) -> u8 {
@@ -204,9 +199,4 @@ fn refuse_to_start(file: &Path, error: &io::Error) -> u8 {
         }
     });
     FAILED
-}
-
-/// Does what a worker is there for.
-pub(super) fn work(task: &Task) -> Refusal {
-    Refusal::failed(worker::work(task, || super::act_on(&task.command)))
 }

@@ -1,6 +1,6 @@
 //! `pullout lab`.
 
-use super::{BAD_INPUT, DONE, Refusal, complain, say};
+use super::{DONE, Refusal, complain, say};
 use pullout_lab::{Error, Lab, Settings};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -24,7 +24,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: Arguments) -> Result<u8, Refusal> {
     let Arguments { subject, port, no_open, plugin_paths } = arguments;
     let refused = |error: Error| match error {
-        Error::Subject(message) => Refusal { message, code: BAD_INPUT },
+        Error::Subject(message) => Refusal::input(message),
         Error::System(error) => Refusal::failed(error),
     };
     let lab = Lab::open(&Settings { subject, plugin_paths, port }).map_err(refused)?;

@@ -18,14 +18,17 @@ mod sweep;
 
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
-use pullout_case::{Case, CaseErrors};
+use pullout_case::{Case, CaseErrors, CaseProblem};
 use pullout_check::build;
+use pullout_engine::{Inspection, Job, Message, Source};
 use pullout_run::PLUGIN_STACK;
-use pullout_run::isolation;
 use pullout_run::isolation::prints::plain;
 use pullout_run::isolation::prints::{Prints, say};
+use pullout_run::isolation::{self, Work};
 use pullout_run::signals;
 use pullout_run::sources;
+use pullout_sweep::Batch;
+use serde::de::DeserializeOwned;
 use std::ffi::OsString;
 use std::io;
 use std::num::NonZeroUsize;
@@ -85,12 +88,6 @@ enum Command {
         /// Say nothing but errors.
         #[arg(long)]
         quiet: bool,
-        /// Say nothing but errors, and leave to the run what belongs to it.
-        #[arg(long, hide = true)]
-        before_run: bool,
-        /// Write the columns of the rows, behind step and increment, into this file, as JSON.
-        #[arg(long, hide = true, requires = "before_run")]
-        columns: Option<PathBuf>,
     },
     /// List, describe or test plugins.
     Plugin {
@@ -103,7 +100,7 @@ enum Command {
     Plot(plot::Arguments),
     /// Make a looping GIF of a specimen's run: the deformed mesh beside the curve.
     Animate(animate::Arguments),
-    /// A command line in a process of its own; started by the program itself.
+    /// Work for another process of the program, which starts this one.
     #[command(name = isolation::worker::COMMAND, hide = true)]
     Worker(isolation::Task),
     /// Write the manual pages and the shells' completions below a folder `share`; for the installer.
@@ -143,9 +140,6 @@ struct Reading {
     /// file's folder.
     #[arg(long, conflicts_with = "in_process")]
     untrusted: bool,
-    /// Write what is wrong with the case into this file, as JSON.
-    #[arg(long, hide = true)]
-    problems: Option<PathBuf>,
     #[command(flatten)]
     isolation: Isolation,
 }
@@ -159,30 +153,21 @@ struct Isolation {
 }
 
 impl Reading {
-    /// Returns these arguments as a worker takes them.
-    fn command_line(&self) -> Vec<OsString> {
-        let overrides = self.overrides.iter().map(|entry| format!("--set={entry}").into());
-        let folders = self.plugin_paths.iter().map(|folder| option("--plugin-path", folder));
-        let problems = self.problems.iter().map(|file| option("--problems", file));
-        overrides.chain(folders).chain(problems).chain(self.untrusted.then(|| "--untrusted".into())).collect()
-    }
-
-    /// Reads a case. What its plugins print meanwhile belongs to no run.
-    fn case(&self, file: &Path) -> Result<Case, CaseErrors> {
-        let _prints = Prints::discard();
-        let read = if self.untrusted { pullout_case::read_untrusted } else { pullout_case::read };
-        let read = read(file, &self.overrides, &self.plugin_paths);
-        if let (Err(errors), Some(to)) = (&read, &self.problems) {
-            // who cannot read them has the words
-            let _ = serde_json::to_string(&errors.problems).map(|text| std::fs::write(to, text));
+    /// A case file, read as these arguments say.
+    fn source(&self, file: &Path) -> Source {
+        Source {
+            overrides: self.overrides.clone(),
+            plugin_paths: self.plugin_paths.clone(),
+            is_untrusted: self.untrusted,
+            ..Source::file(file)
         }
-        read
     }
+}
 
-    /// Returns what a case needs a process of its own for, if it does.
-    fn need(&self, file: &Path) -> Option<isolation::Need> {
-        pullout_case::need(file, &self.overrides, &self.plugin_paths)
-    }
+/// Reads a case. What its plugins print meanwhile belongs to no run.
+fn read(source: &Source) -> Result<Case, CaseErrors> {
+    let _prints = Prints::discard();
+    source.case()
 }
 
 impl Command {
@@ -287,41 +272,29 @@ fn act(command: Command, line: &[OsString]) -> u8 {
     if command.isolation().in_process {
         isolation::let_all_in();
     }
-    // a case that nobody vouches for has nothing compiled, and what a worker is there for is another command line
-    if !command.is_untrusted() && !matches!(command, Command::Worker(_)) {
-        sources::build_by(|source| {
-            build::kept(source, &|words| complain(words)).map_err(|refusal| refusal.to_string())
-        });
+    // what another process asks for says itself whom it trusts
+    if !matches!(command, Command::Worker(_)) {
+        compile_sources(command.is_untrusted());
     }
     // a study and a supervisor end at a second signal, and what they started with them
     let listening = match &command {
         // it listens already
         _ if isolation::worker::is_this_process() => Ok(()),
-        Command::Run(arguments) => signals::listen(arguments.parent.is_none()),
         Command::Worker(_) => signals::listen(false),
-        Command::Lab(_) => signals::listen(true),
-        Command::Study(_) | Command::Sweep { .. } => signals::listen(true),
+        Command::Run(_) | Command::Lab(_) | Command::Study(_) | Command::Sweep { .. } => signals::listen(true),
         _ => signals::write_beyond_limits_fails(),
     };
     if let Err(error) = listening {
         complain(format!("signals cannot be listened to: {error}"));
     }
     let done = match command {
-        Command::Run(arguments) => {
-            if let Some(parent) = arguments.parent {
-                // where it cannot be asked for, a run outlives its study
-                let _ = isolation::die_with(parent);
-            }
-            Ok(run::run(&arguments))
-        }
+        Command::Run(arguments) => Ok(run::run(&arguments)),
         Command::New(arguments) => new::write(&arguments),
         Command::Examples(arguments) => examples::list(&arguments),
         Command::Lab(arguments) => lab::run(arguments),
         Command::Study(arguments) => Ok(study::run_all(&arguments)),
         Command::Sweep { action } => sweep::act(&action),
-        Command::Check { cases, reading, quiet, before_run, columns } => {
-            Ok(run::check(&cases, &reading, quiet || before_run, before_run, columns.as_deref()))
-        }
+        Command::Check { cases, reading, quiet } => Ok(run::check(&cases, &reading, quiet)),
         Command::Plugin { action } => plugin::act(&action, line),
         Command::Schema => {
             say(&format!("{:#}\n", pullout_case::schema()));
@@ -333,18 +306,52 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         Command::Fit(fit) => fit::act(&fit, line),
         Command::Bench(arguments) => Err(bench::run(&arguments)),
         Command::Props { law } => props::print(&law),
-        Command::Worker(task) => Err(isolated::work(&task)),
+        Command::Worker(task) => isolation::worker::work(&task, work).map_err(Refusal::failed),
         Command::Pages { share } => pages::write(&share),
     };
     done.unwrap_or_else(Refusal::told)
 }
 
-/// An option with its value, which may begin with a hyphen.
-fn option(name: &str, value: &Path) -> OsString {
-    let mut option = OsString::from(name);
-    option.push("=");
-    option.push(value);
-    option
+/// Lets cases name sources of plugins, which are compiled, unless nobody vouches for the cases.
+fn compile_sources(is_untrusted: bool) {
+    if !is_untrusted {
+        sources::build_by(|source| {
+            build::kept(source, &|words| complain(words)).map_err(|refusal| refusal.to_string())
+        });
+    }
+}
+
+/// Does work for another process, by its name and as JSON; the result is the exit code.
+fn work(name: &str, work: &str) -> u8 {
+    /// Reads work, and does it.
+    fn done<W: Work + DeserializeOwned>(work: &str, act: impl FnOnce(W) -> Result<u8, Refusal>) -> Result<u8, Refusal> {
+        serde_json::from_str(work).map_err(Refusal::failed).and_then(act)
+    }
+    let done = match name {
+        <Vec<OsString>>::NAME => done(work, |line: Vec<OsString>| Ok(act_on(&line))),
+        Job::NAME => done(work, |job: Job| {
+            compile_sources(job.case.is_untrusted);
+            Ok(run::carry_out(&job))
+        }),
+        Inspection::NAME => done(work, |inspection: Inspection| {
+            compile_sources(inspection.case.is_untrusted);
+            Ok(run::inspect(&inspection))
+        }),
+        plugin::Laws::NAME => done(work, |laws: plugin::Laws| {
+            compile_sources(false);
+            laws.tell()
+        }),
+        plugin::Checks::NAME => done(work, |checks: plugin::Checks| {
+            compile_sources(false);
+            checks.carry_out()
+        }),
+        Batch::NAME => done(work, |batch: Batch| {
+            compile_sources(batch.is_untrusted);
+            Ok(batch.carry_out().map(|()| DONE)?)
+        }),
+        _ => Err(Refusal::failed(format!("{name}: nobody knows this work"))),
+    };
+    done.unwrap_or_else(Refusal::told)
 }
 
 /// The result directory of a file: the one that was asked for, of several files their parent; else one below `out`.
@@ -366,21 +373,31 @@ fn complain(text: impl std::fmt::Display) {
 struct Refusal {
     message: String,
     code: u8,
+    /// What is wrong with the input.
+    problems: Vec<CaseProblem>,
 }
 
 impl Refusal {
     /// Bad input.
     fn input(message: impl std::fmt::Display) -> Self {
-        Self { message: message.to_string(), code: BAD_INPUT }
+        CaseProblem::unreadable(message.to_string()).into()
+    }
+
+    /// What is wrong with a file.
+    fn of(file: &Path, problem: CaseProblem) -> Self {
+        Self { message: format!("{}: {problem}", file.display()), ..problem.into() }
     }
 
     /// A failure of the system, or of a run.
     fn failed(message: impl std::fmt::Display) -> Self {
-        Self { message: message.to_string(), code: FAILED }
+        Self { message: message.to_string(), code: FAILED, problems: Vec::new() }
     }
 
-    /// Prints the message and returns the exit code.
+    /// Prints the message, and hands on what is wrong with the input; returns the exit code.
     fn told(self) -> u8 {
+        if !self.problems.is_empty() {
+            isolation::tell(&Message::Refused(self.problems));
+        }
         complain(self.message);
         self.code
     }
@@ -392,8 +409,15 @@ impl From<io::Error> for Refusal {
     }
 }
 
+impl From<CaseProblem> for Refusal {
+    fn from(problem: CaseProblem) -> Self {
+        let message = problem.to_string();
+        Self { message, ..CaseErrors { file: PathBuf::new(), problems: vec![problem] }.into() }
+    }
+}
+
 impl From<CaseErrors> for Refusal {
     fn from(errors: CaseErrors) -> Self {
-        Self { message: errors.to_string(), code: errors.exit_code() }
+        Self { message: errors.to_string(), code: errors.exit_code(), problems: errors.problems }
     }
 }

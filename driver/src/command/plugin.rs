@@ -3,17 +3,21 @@
 mod build;
 mod check;
 
-use super::{DONE, Isolation, NO_PLUGIN, Refusal, complain, isolated, say};
+use super::{DONE, Isolation, Refusal, complain, isolated, say};
 use clap::Subcommand;
+use pullout_case::CaseProblem;
 use pullout_check::description;
 use pullout_run::isolation::prints::Prints;
-use pullout_run::isolation::{self, End, Job, Need};
+use pullout_run::isolation::{self, End, Need, Passage, Watch, Work};
 use pullout_run::sources;
+use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use umat_abi::host::{Found, LawDescription, Library, library_path, names_a_file, search_paths};
 use umat_abi::metadata::PLUGIN_SYMBOL;
+
+pub(super) use check::Checks;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
@@ -22,12 +26,6 @@ pub(super) enum Action {
         /// Look here first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
-        /// The laws of this library alone, for the process that started this one.
-        #[arg(long, hide = true, requires = "rows")]
-        of: Option<PathBuf>,
-        /// File in which that process reads them.
-        #[arg(long, hide = true)]
-        rows: Option<PathBuf>,
     },
     /// Parameters (unit, default, bounds), state variables, modes of a plugin.
     Info {
@@ -60,8 +58,7 @@ const TIME_LIMIT: f64 = 5.0;
 /// Does what the command line says, whose words are `line`.
 pub(super) fn act(action: &Action, line: &[OsString]) -> Result<u8, Refusal> {
     match action {
-        Action::List { of: Some(library), rows: Some(rows), .. } => list_one(library, rows),
-        Action::List { plugin_paths, .. } => Ok(list(plugin_paths)),
+        Action::List { plugin_paths } => Ok(list(plugin_paths)),
         Action::Info { plugin, abaqus, json, plugin_paths, .. } => {
             let work = match (abaqus, json) {
                 (true, _) => abaqus_input,
@@ -96,7 +93,7 @@ fn with_library(
 ) -> Result<u8, Refusal> {
     let file = file_of(name, plugin_paths)?;
     if let Some(need) = Need::of_library(&file, TIME_LIMIT) {
-        return Ok(isolated::carry_out(line, &need, &file, false));
+        return Ok(isolated::carry_out(&line.to_vec(), &need, &file, false));
     }
     // what it prints in thousands of calls is nobody's
     let _prints = Prints::discard();
@@ -105,7 +102,7 @@ fn with_library(
 
 /// A library that cannot be loaded, or is none.
 fn no_plugin(message: impl std::fmt::Display) -> Refusal {
-    Refusal { message: message.to_string(), code: NO_PLUGIN }
+    CaseProblem::library(message.to_string()).into()
 }
 
 /// The file of a library, by its law's name or by its path.
@@ -164,12 +161,10 @@ fn info_as_json(library: &Library) -> Result<u8, Refusal> {
 fn rows_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
     let Some(need) = Need::of_library(library, TIME_LIMIT) else { return laws_of(library) };
     let in_words = |error: std::io::Error| format!("{}: cannot be looked at: {error}", library.display());
-    let rows = tempfile::NamedTempFile::new().map_err(in_words)?;
-    let command = ["plugin".into(), "list".into(), "--of".into(), library.into(), "--rows".into(), rows.path().into()];
-    match isolation::supervise(&Job { command: &command, ..Job::default() }, &need).map_err(in_words)? {
-        End::Done(DONE) => serde_json::from_reader(rows.as_file()).map_err(|error| in_words(error.into())),
-        // it has said why
-        End::Done(_) => Ok(Vec::new()),
+    let mut passage = Passage::new(&Laws { library: library.to_owned() }).map_err(in_words)?;
+    match isolation::supervise(&mut passage, &Watch::default(), &need).map_err(in_words)? {
+        // or it has said why there are none
+        End::Done(_) => Ok(passage.heard().pop().unwrap_or_default()),
         End::Failed(failure) => Err(failure.report.message),
     }
 }
@@ -181,11 +176,23 @@ fn laws_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
     Ok(library.laws().iter().map(row).collect())
 }
 
-/// Leaves the laws of a library to the process that started this one.
-fn list_one(library: &Path, rows: &Path) -> Result<u8, Refusal> {
-    let laws = laws_of(library).map_err(Refusal::failed)?;
-    std::fs::write(rows, serde_json::json!(laws).to_string())?;
-    Ok(DONE)
+/// The laws of a library, as another process asks for them.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Laws {
+    #[serde(with = "isolation::path")]
+    library: PathBuf,
+}
+
+impl Work for Laws {
+    const NAME: &'static str = "laws";
+}
+
+impl Laws {
+    /// Tells them.
+    pub(super) fn tell(&self) -> Result<u8, Refusal> {
+        isolation::tell(&laws_of(&self.library).map_err(Refusal::failed)?);
+        Ok(DONE)
+    }
 }
 
 fn abaqus_input(library: &Library) -> Result<u8, Refusal> {

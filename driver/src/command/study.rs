@@ -6,11 +6,10 @@ use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_run::isolation::Told;
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
-use pullout_study::{Demand, Execution, Progress, Results, Run, Study, claims};
+use pullout_study::{Demand, Execution, Progress, Results, Study, claims};
 use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// Settings for running studies.
 #[derive(Debug, clap::Args)]
@@ -102,39 +101,28 @@ pub(super) fn check(file: &Path, reading: &Reading, quiet: bool) -> u8 {
 
 /// A study whose cases are all in order, or the exit code.
 fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
-    let of_run = |overrides: &[String]| Reading { overrides: overrides.to_vec(), ..reading.clone() };
     let mut apart = Vec::new();
     let prints = Prints::discard();
-    let read = pullout_study::read(
-        file,
-        &reading.overrides,
-        &reading.plugin_paths,
-        reading.untrusted,
-        &mut |base, overrides| {
-            let own = of_run(overrides);
-            let need = own.need(base);
-            let is_isolated = need.is_some();
-            apart.extend(need.map(|need| (base.to_owned(), own, need)));
-            is_isolated
-        },
-    );
+    let read = pullout_study::read(&reading.source(file), &mut |own| {
+        let need = own.need();
+        let is_isolated = need.is_some();
+        apart.extend(need.map(|need| (own.clone(), need)));
+        is_isolated
+    });
     drop(prints);
     let own = read.as_ref().map_or_else(|errors| Refusal::from(errors.clone()).told(), |_| DONE);
     let lines = Told::default();
     let mut told: Option<Vec<CaseProblem>> = None;
-    let theirs = apart.iter().map(|(base, own, need)| {
-        let columns = tempfile::NamedTempFile::new().ok();
-        let code = isolated::check_before_run(base, own, need, columns.as_ref().map(NamedTempFile::path), Some(&lines));
+    let theirs = apart.iter().map(|(own, need)| {
+        let (code, known) = isolated::check_before_run(own, need, Some(&lines));
         let Ok(study) = &read else { return code };
         // what is wrong has been said, of the case alone
         if code == BAD_INPUT {
-            let of_case = |run: &&Run| run.base == *base && run.overrides == own.overrides;
-            for run in study.runs.iter().filter(of_case) {
+            for run in study.runs.iter().filter(|run| run.case == *own) {
                 complain(format!("{}: that is the case of {}", file.display(), run.folder.display()));
             }
         }
-        let known = columns.and_then(|file| serde_json::from_slice(&std::fs::read(file.path()).ok()?).ok());
-        let unmet = known.map_or_else(Vec::new, |known: Vec<String>| Demand::unmet(&study.demands, &known));
+        let unmet = known.map_or_else(Vec::new, |known| Demand::unmet(&study.demands, &known));
         if code != DONE || unmet.is_empty() {
             return code;
         }
@@ -158,12 +146,10 @@ fn execution<'a>(folder: &'a Path, arguments: &'a Arguments) -> Execution<'a> {
         out: folder,
         jobs,
         threads: (processors / jobs).max(1),
-        plugin_paths: &arguments.reading.plugin_paths,
         only: &arguments.only,
         force: arguments.force,
         keep_failed: false,
         overwrite: arguments.overwrite,
-        is_untrusted: arguments.reading.untrusted,
     }
 }
 
@@ -189,7 +175,7 @@ fn open(study: &Study, folder: &Path, arguments: &Arguments) -> Result<ResultDir
     let mut inputs = vec![study.file.clone()];
     let mut of_runs = Vec::new();
     for run in &study.runs {
-        let own = pullout_case::inputs(&run.base, &run.overrides);
+        let own = run.case.inputs();
         inputs.extend_from_slice(&own);
         if execution.is_due(study, run) {
             of_runs.push((folder.join(&run.folder), own));

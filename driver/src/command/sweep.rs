@@ -3,7 +3,7 @@
 use super::{DONE, FAILED, Refusal, say};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
-use pullout_sweep::{Collection, Planning, Standing, Store, Work, Worked, batch, slurm};
+use pullout_sweep::{Collection, Planning, Standing, Store, Work, Worked, slurm};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -65,14 +65,6 @@ pub(super) enum Action {
         #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
         jobs: u16,
     },
-    /// Run a batch in a child; started by the program itself.
-    #[command(hide = true)]
-    Batch {
-        /// Runs of the batch.
-        batch: PathBuf,
-        /// File of the rows.
-        rows: PathBuf,
-    },
 }
 
 /// Settings for working a sweep off.
@@ -125,7 +117,7 @@ pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
             let how = Planning { design: design.as_deref(), plugin_paths, is_untrusted: *untrusted };
             pullout_sweep::plan(file, how, &store).map_err(|errors| {
                 let code = signals::received().map_or(errors.exit_code(), signals::Interrupt::exit_code);
-                Refusal { message: errors.to_string(), code }
+                Refusal { code, ..errors.into() }
             })?;
             status(&store)
         }
@@ -138,7 +130,6 @@ pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
                 DONE
             })
         }
-        Action::Batch { batch, rows } => batch::carry_out(batch, rows).map(|()| DONE),
     };
     done.map_err(|error| match error.kind() {
         io::ErrorKind::InvalidData => Refusal::input(error),

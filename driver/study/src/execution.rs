@@ -1,28 +1,24 @@
 //! Runs what has to be run, each in a process of its own, so many at a time.
 
 use super::{Run, Study};
+use pullout_engine::{Job, Keep, Message, Options};
 use pullout_report::directory::{Kind, ResultDirectory};
 use pullout_report::summary::{Status, Summary};
 use pullout_run::input::{self, Input};
-use pullout_run::isolation;
+use pullout_run::isolation::Child;
 use pullout_run::signals;
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::io::{self, Read, Seek, SeekFrom};
-use std::os::unix::process::CommandExt;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::io;
+use std::num::NonZeroUsize;
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
 
 /// File in a result directory that says which case it is of.
 const MARK: &str = "run.json";
 /// File in a result directory with what the run printed, if it printed anything.
 const PRINTED: &str = "output.txt";
-
-/// Time between two looks at signals.
-const POLL: Duration = Duration::from_millis(50);
 
 /// Settings of a study's execution.
 #[derive(Clone, Debug)]
@@ -33,8 +29,6 @@ pub struct Execution<'a> {
     pub jobs: usize,
     /// Threads of each.
     pub threads: usize,
-    /// Folders of plugins.
-    pub plugin_paths: &'a [PathBuf],
     /// SERIES, SERIES/LABEL or */LABEL: these are run in any case and no others; empty: all, as far as it is needed.
     pub only: &'a [String],
     /// Run again what is done already.
@@ -43,8 +37,6 @@ pub struct Execution<'a> {
     pub keep_failed: bool,
     /// Replace what stands in the way in result directories.
     pub overwrite: bool,
-    /// Whether the study and its cases are from an unknown source.
-    pub is_untrusted: bool,
 }
 
 /// Outcome of a run.
@@ -107,42 +99,14 @@ impl Execution<'_> {
     fn run(&self, run: &Run) -> io::Result<u8> {
         let folder = self.out.join(&run.folder);
         fs::create_dir_all(&folder)?;
-        let mut arguments = vec![run.base.display().to_string()];
-        arguments.extend(run.overrides.iter().map(|text| format!("--set={text}")));
-        let mut command = Command::new(isolation::program()?);
-        command.arg0("pullout").args(["run", "--quiet", "--parent", &std::process::id().to_string()]);
-        command.args(["--threads", &self.threads.to_string()]);
-        command.arg("--out").arg(&folder).args(&arguments[1..]);
-        if self.overwrite {
-            command.arg("--overwrite");
-        }
-        if self.is_untrusted {
-            command.arg("--untrusted");
-        }
-        if isolation::all_are_let_in() {
-            command.arg("--in-process");
-        }
-        self.plugin_paths.iter().for_each(|path| {
-            command.arg("--plugin-path").arg(path);
-        });
-        let mut output = tempfile::tempfile()?;
-        command.arg(&run.base).stdin(Stdio::null()).stdout(output.try_clone()?).stderr(output.try_clone()?);
-        let mut child = isolation::spawn(command)?;
-        let mut passed_on = false;
-        let status = loop {
-            if let Some(status) = isolation::wait_for(&mut child, POLL)? {
-                break status;
-            }
-            if let Some(interrupt) = signals::received()
-                && !passed_on
-            {
-                passed_on = true;
-                interrupt.pass_on_to(&child);
-            }
-        };
-        let mut printed = Vec::new();
-        output.seek(SeekFrom::Start(0))?;
-        output.read_to_end(&mut printed)?;
+        let mut arguments = vec![run.case.file.display().to_string()];
+        arguments.extend(run.case.overrides.iter().map(|text| format!("--set={text}")));
+        let (threads, overwrite) = (NonZeroUsize::new(self.threads), self.overwrite);
+        let options = Options { threads, overwrite, quiet: true, ..Options::default() };
+        let job = Job { keep: Keep::Member, ..Job::new(run.case.clone(), folder.clone(), options) };
+        let mut child = Child::start(&job, None)?;
+        let status = child.wait(&signals::received, None, &mut |_: Vec<Message>| {})?;
+        let printed = child.printed()?;
         let mut directory = ResultDirectory::join(&folder, Kind::Member)?;
         if !printed.is_empty() {
             directory.write(PRINTED, printed)?;

@@ -4,9 +4,9 @@
 //! on where it was interrupted.
 
 use super::execution::{Execution, State, execute};
-use super::fingerprint::Fingerprints;
 use super::{Member, Run, Series, Study};
 use pullout_bridging::Curve;
+use pullout_engine::Source;
 use pullout_report::directory::Lock;
 use pullout_report::history::History;
 use pullout_report::summary::{Status, Summary};
@@ -20,16 +20,17 @@ const FALLEN: f64 = 0.5;
 /// Digits of a fingerprint that name a folder.
 const DIGITS: usize = 24;
 
-/// Runs what is not there yet, and reads the curves. `finished` receives name, exit code, number done and total for each run.
+/// Runs what is not there yet for a case of kind "bridging", and reads the curves. `finished` receives name, exit code, number done and total for each run.
 ///
 /// # Errors
 /// A case that is refused, a run that failed before its load had fallen to half the peak, by its angle and length.
 pub fn curves_of_fibres(
     simulations: &Simulations,
+    bridging: &Source,
     execution: &Execution<'_>,
     finished: &(dyn Fn(&str, u8, usize, usize) + Sync),
 ) -> Result<(Vec<Curve>, SimulationFindings), String> {
-    let study = study(simulations, execution)?;
+    let study = study(simulations, bridging)?;
     std::fs::create_dir_all(&simulations.cache).map_err(|error| format!("{}: {error}", simulations.cache.display()))?;
     let lock = Lock::wait(&simulations.cache, || signals::received().is_some());
     let lock = lock.map_err(|error| error.to_string())?;
@@ -81,28 +82,21 @@ pub fn curves_of_fibres(
 }
 
 /// The runs as a study of one series.
-fn study(simulations: &Simulations, execution: &Execution<'_>) -> Result<Study, String> {
-    let fingerprints = Fingerprints::new();
+fn study(simulations: &Simulations, bridging: &Source) -> Result<Study, String> {
     let (mut members, mut runs) = (Vec::new(), Vec::new());
     for (member, simulation) in simulations.runs.iter().enumerate() {
         let title = format!("{}°, {} mm", significant(simulation.angle_deg, 4), significant(simulation.embedded, 4));
         members.push(Member { label: member.to_string(), title, x: None });
-        let mut run =
-            Run { member, base: simulations.base.clone(), overrides: simulation.overrides.clone(), ..Run::default() };
-        run.fingerprint = fingerprint(&fingerprints, &run, execution)?;
-        run.folder = run.fingerprint.chars().take(DIGITS).collect::<String>().into();
-        runs.push(run);
+        let (file, overrides) = (simulations.base.clone(), simulation.overrides.clone());
+        let case = Source { file, overrides, document: None, ..bridging.clone() };
+        let libraries = match case.need() {
+            Some(_) => None,
+            None => Some(case.case().map_err(|errors| errors.to_string())?.libraries()),
+        };
+        let fingerprint = case.key(libraries);
+        let folder = fingerprint.chars().take(DIGITS).collect::<String>().into();
+        runs.push(Run { member, case, fingerprint, folder, ..Run::default() });
     }
     let series = vec![Series { name: "fibres".into(), title: String::new() }];
     Ok(Study { file: simulations.base.clone(), members, series, runs, ..Study::default() })
-}
-
-fn fingerprint(fingerprints: &Fingerprints, run: &Run, execution: &Execution<'_>) -> Result<String, String> {
-    let paths = execution.plugin_paths;
-    if pullout_case::need(&run.base, &run.overrides, paths).is_some() {
-        return Ok(fingerprints.of_isolated(run, paths));
-    }
-    let read = if execution.is_untrusted { pullout_case::read_untrusted } else { pullout_case::read };
-    let case = read(&run.base, &run.overrides, paths).map_err(|errors| errors.to_string())?;
-    Ok(fingerprints.of(run, &case.libraries()))
 }

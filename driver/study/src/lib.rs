@@ -3,7 +3,7 @@
 //! A study file (`document`) is read and every run's case is checked (`read`) before anything runs. Each run is a process
 //! of its own, so that a plugin meets the same program as in a single run; its results are an ordinary result directory
 //! (`execution`). What is done already is not done again while neither the case, nor its files, nor the program changed
-//! (`fingerprint`), and the user hears of each run that ends ([`Progress`]). Then the runs are compared ([`results`]), the
+//! ([`Source::key`]), and the user hears of each run that ends ([`Progress`]). Then the runs are compared ([`results`]), the
 //! claims are tested ([`claims`]), and pictures, tables and a report are made ([`pictures`], `table`, `report`).
 
 pub mod claims;
@@ -11,7 +11,6 @@ pub mod claims;
 mod demand;
 mod execution;
 mod fibres;
-mod fingerprint;
 pub mod pictures;
 mod progress;
 mod read;
@@ -30,6 +29,7 @@ pub use report::write as write_report;
 pub use results::{Results, RunResult};
 pub use table::{write_csv, write_json};
 
+use pullout_engine::Source;
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -140,13 +140,11 @@ pub struct Run {
     pub series: usize,
     /// Index of its member.
     pub member: usize,
-    /// The case file.
-    pub base: PathBuf,
-    /// Overrides, as texts of `--set`.
-    pub overrides: Vec<String>,
+    /// The case.
+    pub case: Source,
     /// Result directory below the study's.
     pub folder: PathBuf,
-    /// Fingerprint of everything that its results depend on.
+    /// Hash of everything that its rows depend on.
     pub fingerprint: String,
     /// Things the user should know of its case although nothing is wrong.
     pub warnings: Vec<String>,

@@ -2,14 +2,14 @@
 //! once.
 
 use super::claims::Expectation;
-use super::fingerprint::Fingerprints;
 use super::{Abscissa, Claim, Columns, Demand, Member, Quantity, Run, Series, Study};
 use pullout_case::study::{
     self, ClaimOfFile, MemberName, MemberOfFile, NamedQuantity, OneOrMany, SeriesOfFile, StudyFile,
 };
-use pullout_case::{Case, CaseErrors, CaseProblem, JsonPlace, Reader, hint, read_study};
+use pullout_case::{CaseErrors, CaseProblem, JsonPlace, Reader, hint, read_study};
+use pullout_engine::Source;
 use pullout_report::plots::quantity::Quantity as Shown;
-use pullout_run::input::{folder_of, is_stream};
+use pullout_run::input::is_stream;
 use pullout_run::number;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
@@ -34,26 +34,16 @@ const LONGEST_NAME: usize = 200;
 
 /// Reads a study file and checks the cases of all its runs.
 ///
-/// `overrides` are texts of `--set`, for all runs and behind their own; `plugin_paths` are searched for plugins before the
-/// usual folders; `is_untrusted`: the study and its cases are from an unknown source. Cases for which `isolated` says so are not
-/// read here, because their plugins must not be loaded.
+/// The overrides of `of` are those of all runs, behind their own. Cases for which `isolated` says so are not read here, because
+/// their plugins must not be loaded.
 ///
 /// # Errors
 /// Everything that is wrong with the file and with the cases.
-pub fn read(
-    file: &Path,
-    overrides: &[String],
-    plugin_paths: &[PathBuf],
-    is_untrusted: bool,
-    isolated: &mut dyn FnMut(&Path, &[String]) -> bool,
-) -> Result<Study, CaseErrors> {
-    let folder = folder_of(file);
-    let (mut reader, read_case): (_, ReadCase) = match is_untrusted {
-        true => (Reader::of_untrusted(folder, plugin_paths), pullout_case::read_untrusted),
-        false => (Reader::new(folder, plugin_paths), pullout_case::read),
-    };
+pub fn read(of: &Source, isolated: &mut dyn FnMut(&Source) -> bool) -> Result<Study, CaseErrors> {
+    let file = &of.file;
+    let mut reader = of.reader();
     let study = read_study(&mut reader, file, |reader, document: StudyFile| {
-        Resolver { reader, read_case, file, overrides, plugin_paths, demands: Vec::new() }.study(&document, isolated)
+        Resolver { reader, of, demands: Vec::new() }.study(&document, isolated)
     });
     let problems = reader.into_problems();
     match study {
@@ -62,15 +52,10 @@ pub fn read(
     }
 }
 
-/// Reads the case of a run.
-type ReadCase = fn(&Path, &[String], &[PathBuf]) -> Result<Case, CaseErrors>;
-
 struct Resolver<'r, 'p> {
     reader: &'r mut Reader<'p>,
-    read_case: ReadCase,
-    file: &'r Path,
-    overrides: &'r [String],
-    plugin_paths: &'r [PathBuf],
+    /// The study's file.
+    of: &'r Source,
     /// The history columns that are named.
     demands: Vec<Demand>,
 }
@@ -83,7 +68,7 @@ impl Resolver<'_, '_> {
         self.reader.problem(place, message);
     }
 
-    fn study(mut self, document: &StudyFile, isolated: &mut dyn FnMut(&Path, &[String]) -> bool) -> Option<Study> {
+    fn study(mut self, document: &StudyFile, isolated: &mut dyn FnMut(&Source) -> bool) -> Option<Study> {
         let root = JsonPlace::root();
         let title = self.reader.optional(document.head.title.as_ref(), &root.key("title")).cloned();
         let description = self.reader.optional(document.head.description.as_ref(), &root.key("description")).cloned();
@@ -132,8 +117,8 @@ impl Resolver<'_, '_> {
         }
         let unit = |column: &str| Shown::of(column, &Default::default()).unit;
         Some(Study {
-            file: self.file.into(),
-            title: title.unwrap_or_else(|| stem(self.file)),
+            file: self.of.file.clone(),
+            title: title.unwrap_or_else(|| stem(&self.of.file)),
             description: description.unwrap_or_default(),
             x: x.filter(|_| members.iter().all(|member| member.x.is_some())),
             units: [unit(&curve.x), unit(&curve.y)],
@@ -230,12 +215,11 @@ impl Resolver<'_, '_> {
         plan: &Runs<'_>,
         members: &[Member],
         series: &[Series],
-        isolated: &mut dyn FnMut(&Path, &[String]) -> bool,
+        isolated: &mut dyn FnMut(&Source) -> bool,
     ) -> (Option<Vec<Run>>, Option<Vec<String>>) {
         let mut runs = Vec::new();
         let mut complaints: Vec<Complaint> = Vec::new();
         let mut columns: Option<Vec<String>> = None;
-        let fingerprints = Fingerprints::new();
         for (s, one_series) in series.iter().enumerate() {
             let given = plan.series.get(s).map(|(_, series)| *series);
             let base = given.and_then(|series| series.base.as_deref()).unwrap_or(plan.base);
@@ -256,21 +240,20 @@ impl Resolver<'_, '_> {
                 let own = plan.members[m].1.set.as_ref();
                 let sets = [Some(plan.set), of_series, own].into_iter().flatten();
                 let mut overrides: Vec<String> = sets.flat_map(texts).collect();
-                overrides.extend_from_slice(self.overrides);
+                overrides.extend_from_slice(&self.of.overrides);
                 let mut run = Run {
                     series: s,
                     member: m,
                     folder: Path::new(&one_series.name).join(&member.label),
-                    base: base.clone(),
-                    overrides,
+                    case: Source { file: base.clone(), overrides, ..self.of.clone() },
                     ..Run::default()
                 };
-                if isolated(&run.base, &run.overrides) {
-                    run.fingerprint = fingerprints.of_isolated(&run, self.plugin_paths);
+                if isolated(&run.case) {
+                    run.fingerprint = run.case.key(None);
                 } else {
-                    match (self.read_case)(&run.base, &run.overrides, self.plugin_paths) {
+                    match run.case.case() {
                         Ok(case) => {
-                            run.fingerprint = fingerprints.of(&run, &case.libraries());
+                            run.fingerprint = run.case.key(Some(case.libraries()));
                             run.warnings = case.about().warnings.to_vec();
                             let own = case.columns_of_numbers();
                             let common = columns.take();

@@ -138,8 +138,8 @@ fn what_was_run(study: &Study) -> Markup {
             @for run in &study.runs {
                 tr {
                     td { code { (run.folder.display()) } }
-                    td { code { (run.base.display()) } }
-                    td { @for text in &run.overrides { code { (text) } br; } }
+                    td { code { (run.case.file.display()) } }
+                    td { @for text in &run.case.overrides { code { (text) } br; } }
                 }
             }
         } }

@@ -93,7 +93,7 @@ pub fn write_json(
             "energy_error_max": result.energy_error_max(),
             "cpu_time_s": summary.and_then(|summary| summary.cpu_time_s),
             "wall_time_s": summary.map(|summary| summary.wall_time_s),
-            "folder": run.folder, "base": run.base, "set": run.overrides,
+            "folder": run.folder, "base": run.case.file, "set": run.case.overrides,
             "fingerprint": run.fingerprint, "warnings": run.warnings,
         })
     };

@@ -4,7 +4,7 @@
 //! another ([`batch`]); what ends a child is a row of its own, and the next child goes on behind it ([`work`]). Rows have the
 //! hash of everything that they depend on as their key: runs that are there are not made again, whichever process made them.
 
-pub mod batch;
+mod batch;
 mod claim;
 mod collect;
 mod collection;
@@ -17,6 +17,7 @@ pub mod store;
 pub mod table;
 mod work;
 
+pub use batch::Batch;
 pub use collect::{Standing, collect};
 pub use collection::Collection;
 pub use plan::{Planning, plan};

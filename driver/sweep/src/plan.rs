@@ -101,8 +101,7 @@ pub fn plan(file: &Path, how: Planning<'_>, store: &Store) -> Result<Sweep, Case
         document["design"] = absolute.to_string_lossy().into();
     }
     store.may_plan().map_err(|error| refused(error.to_string()))?;
-    let new_reader = if is_untrusted { Reader::of_untrusted } else { Reader::new };
-    let mut reader = new_reader(input::folder_of(file), plugin_paths);
+    let mut reader = Reader::new(input::folder_of(file), plugin_paths, is_untrusted);
     let draft = pullout_case::read_sweep(&mut reader, document, |reader, of_file: SweepFile| {
         resolve(reader, &of_file, file, how)
     });
@@ -374,7 +373,7 @@ fn table(path: &Path) -> Result<Design, String> {
 /// Puts the files that the cases name into the store, and their names there into the sweep.
 fn bundle(sweep: &mut Sweep, folder: &Path, how: Planning<'_>, store: &Store) -> io::Result<()> {
     let original = sweep.base.clone();
-    let reader = if how.is_untrusted { Reader::of_untrusted } else { Reader::new }(folder, how.plugin_paths);
+    let reader = Reader::new(folder, how.plugin_paths, how.is_untrusted);
     let mut bundle = Bundle::default();
     bundle.take(&mut sweep.base, folder, &reader)?;
     sweep.bundles.push(bundle.put_into(store)?);

@@ -13,6 +13,7 @@
 use crate::table::{Column, Table, replace};
 use pullout_case::Reader;
 use pullout_case::study::{Columns, QuantityOfFile};
+use pullout_engine::Key;
 use pullout_report::{at, directory::refuse_file};
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::{self, Need};
@@ -388,7 +389,7 @@ pub fn with(base: &Value, paths: &[String], values: &[Value]) -> Value {
 pub struct Keys<'s> {
     sweep: &'s Sweep,
     /// The program and what is kept.
-    common: Sha256,
+    common: Key,
     /// Hashes of libraries by their names.
     libraries: HashMap<String, Option<[u8; 32]>>,
 }
@@ -396,62 +397,23 @@ pub struct Keys<'s> {
 impl<'s> Keys<'s> {
     /// Makes the keys of a sweep that is run by a program.
     pub fn new(sweep: &'s Sweep, engine: [u8; 32]) -> Self {
-        let mut common = Sha256::new();
-        common.update(engine);
-        let mut keep = String::new();
-        canonical(&serde_json::to_value(&sweep.keep).unwrap_or_default(), &mut keep);
-        common.update(keep);
+        let common = Key::new(engine).with_value(&serde_json::to_value(&sweep.keep).unwrap_or_default());
         Self { sweep, common, libraries: HashMap::new() }
     }
 
     /// Returns the key of a run.
     pub fn of(&mut self, run: usize) -> String {
-        let mut document = self.sweep.document(run);
-        if let Some(members) = document.as_object_mut() {
-            members.retain(|name, _| !matches!(name.as_str(), "title" | "description" | "$schema"));
-        }
-        let mut digest = self.common.clone();
-        digest.update(self.sweep.bundle_of(run));
+        let document = self.sweep.document(run);
+        let mut key = self.common.clone().with(self.sweep.bundle_of(run));
         for material in isolation::materials(&document) {
             let Some(name) = material["plugin"].as_str().filter(|name| !host::names_a_file(name)) else { continue };
             let hash = self.libraries.entry(name.to_owned()).or_insert_with(|| {
                 let path = isolation::locate(name, Path::new(""), &[])?;
                 input::hash(&path, Input::Library).ok()
             });
-            digest.update(hash.unwrap_or_default());
+            key = key.with(hash.unwrap_or_default());
         }
-        let mut text = String::new();
-        canonical(&document, &mut text);
-        digest.update(text);
-        input::hexadecimal(digest)
-    }
-}
-
-/// Appends the canonical text of a value, the same for the same content: members in the order of their names, 1 and 1.0
-/// alike.
-fn canonical(value: &Value, text: &mut String) {
-    match value {
-        Value::Object(members) => {
-            let sorted: BTreeMap<&String, &Value> = members.iter().collect();
-            text.push('{');
-            for (name, member) in sorted {
-                text.push_str(&Value::from(name.as_str()).to_string());
-                text.push(':');
-                canonical(member, text);
-                text.push(',');
-            }
-            text.push('}');
-        }
-        Value::Array(entries) => {
-            text.push('[');
-            for entry in entries {
-                canonical(entry, text);
-                text.push(',');
-            }
-            text.push(']');
-        }
-        Value::Number(number) => text.push_str(&number.as_f64().unwrap_or_default().to_string()),
-        other => text.push_str(&other.to_string()),
+        key.with_case(document).digits()
     }
 }
 

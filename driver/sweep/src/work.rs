@@ -5,14 +5,13 @@ use crate::claim::{Claim, Due, Head, Left, Taken, left_behind};
 use crate::collect::{Known, MOST_LOSSES, Maker, part};
 use crate::run::{Measured, measure};
 use crate::store::{Keep, Keys, Store, Sweep};
-use pullout_run::isolation::{self, End, Failure, Job, Need, shared_file};
+use pullout_run::isolation::{self, End, Failure, Need, Passage, Watch};
 use pullout_run::path::{FailedAt, FailureKind};
 use pullout_run::{replay, signals};
 use serde_json::Value;
 use std::collections::{HashMap, HashSet, VecDeque};
-use std::ffi::OsString;
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -363,13 +362,10 @@ impl Office<'_> {
         let sweep = self.sweep.part(&numbers);
         let need = self.need(&numbers);
         let folder = fs::canonicalize(self.store.folder())?;
-        let batch = Batch { folder, sweep, seconds: seconds.clamp(0.0, 1e9), is_untrusted: self.work.is_untrusted };
-        let (mut told, told_path) = shared_file()?;
-        told.write_all(&serde_json::to_vec(&batch)?)?;
-        let heard: OsString = fs::canonicalize(&claim.path)?.into();
-        let command: [OsString; 4] = ["sweep".into(), "batch".into(), told_path.into(), heard];
+        let (rows, seconds) = (fs::canonicalize(&claim.path)?, seconds.clamp(0.0, 1e9));
+        let batch = Batch { folder, rows, sweep, seconds, is_untrusted: self.work.is_untrusted };
         let start = Instant::now();
-        let ended = isolation::supervise(&Job { command: &command, ..Job::default() }, &need)?;
+        let ended = isolation::supervise(&mut Passage::new(&batch)?, &Watch::default(), &need)?;
         let count = claim.rows()?.len() - before;
         match ended {
             End::Done(0) => Ok(()),

@@ -34,7 +34,7 @@ pub fn frame_from_json(material: &Value, mode: Mode) -> Result<Option<Arc<Frame>
     }
     let material: Material = serde_json::from_value(document["material"].take())
         .map_err(|error| vec![Problem::new(place.clone(), error.to_string())])?;
-    let mut reader = Reader::new(Path::new(""), &[]);
+    let mut reader = Reader::new(Path::new(""), &[], false);
     let purpose = Use {
         level: Level::Point,
         entry: Entry::Umat,

@@ -217,7 +217,7 @@ fn of_law(corners: &[[f64; 2]]) -> BridgingProgram {
 
 fn results(overrides: &[&str]) -> Result<Results, String> {
     let Ok(Case::Bridging(program)) = Bench::new().read(&case(), overrides) else { panic!("a case") };
-    run(&program, &program.composite(&[]).expect("a composite"))
+    run(&program, &program.composite(&[]).expect("a composite"), std::num::NonZeroUsize::MIN)
 }
 
 /// How far and how closely σ is given is no matter of the strengths.

@@ -1,7 +1,7 @@
 //! Cases from unknown sources: each text of the format that names a file goes through [`crate::Reader`].
 
 use super::{Bench, interface_case, point_case};
-use crate::{read_untrusted, schema};
+use crate::{Reader, read_by, schema};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -151,7 +151,9 @@ fn each_path_of_a_case_goes_through_the_reader() {
             }
             let text = case.to_string().replace("\"@\"", &json!(name).to_string());
             std::fs::write(bench.path(), text).expect("the case file");
-            let errors = read_untrusted(&bench.path(), &[], &[]).expect_err("it is refused");
+            let file = bench.path();
+            let reader = Reader::new(file.parent().expect("a folder"), &[], true);
+            let errors = read_by(reader, &file, None, &[]).expect_err("it is refused");
             let at_place = |problem: &crate::CaseProblem| {
                 problem.place.as_ref().is_some_and(|at| at.to_string() == format!("$.{place}"))
                     && problem.message.contains("leads out")

@@ -39,6 +39,7 @@ pub use subject::Entry;
 use case_path::CasePath;
 use pullout_run::program::Program;
 use report::Ledger;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 use subject::Subject;
@@ -92,7 +93,7 @@ impl Default for Options {
 }
 
 /// Checks that are made in one process, where a plugin may end it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 pub enum Group {
     /// The metadata, the case's path and the sample around it.
     States,

@@ -7,11 +7,8 @@ use pullout_run::isolation::worker;
 use pullout_run::number;
 use pullout_run::path::Row;
 use pullout_run::program::Kind;
-use serde_json::json;
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{self, Write};
-use std::path::Path;
+use std::io::Write;
 use std::time::{Duration, Instant};
 
 #[cfg(test)]
@@ -67,23 +64,6 @@ enum Display {
 
 /// Receives the share of a run that is done, and the present row, some 20 times a second.
 pub type Listener = Box<dyn FnMut(f64, &Row<'_>) + Send>;
-
-/// Makes a listener that writes the columns into a file, then the part that is done and the present row: a line each, as JSON.
-///
-/// # Errors
-/// The file cannot be written.
-pub fn writer(file: &Path, columns: &[String]) -> io::Result<Listener> {
-    let mut file = File::create(file)?;
-    let line = |values: serde_json::Value| format!("{values}\n");
-    file.write_all(line(json!(columns)).as_bytes())?;
-    Ok(Box::new(move |part, row| {
-        let place = [row.step, row.increment].map(f64::from);
-        let numbers =
-            [part].into_iter().chain(place).chain(row.values.iter().copied()).chain([f64::from(row.iterations)]);
-        // nobody may be there to read it
-        let _ = file.write_all(line(numbers.collect::<Vec<_>>().into()).as_bytes());
-    }))
-}
 
 impl Progress {
     /// Shows the progress of a case's run of some extent.

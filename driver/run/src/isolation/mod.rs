@@ -14,7 +14,7 @@
 //!                                                         │
 //! keeper                    wait for worker and supervisor ─── end what plugins started, end like the worker
 //!                           (keeper)
-//! worker                    carry out a command line: rows, fields, plots; before each call its arguments … done-mark
+//! worker                    do the work (passage): rows, fields, plots; before each call its arguments … done-mark
 //!                           (worker)                       in shared memory (umat_abi::host::recorder)
 //! ```
 //!
@@ -22,7 +22,7 @@
 //! initialisers run at that moment. It starts itself again, by `exec` and not by `fork` alone, so that nothing of it is
 //! shared but the recorder's file, which has no name and so leaves nothing behind.
 //!
-//! The **worker** carries out a command line of this program as the program does without isolation, and on the same
+//! The **worker** does its work as the program does without isolation, and on the same
 //! terminal: rows, progress and messages are its own. Its done-mark carries the exit code. Its end without the mark is a
 //! failure, with any exit code (Fortran's STOP gives 0). It dies with the supervisor.
 //!
@@ -58,6 +58,7 @@
 //! names the last call. A plugin that sets its own memory apart (SAVE) may fail only after a history that a replay of
 //! one call does not have.
 
+mod child;
 mod ending;
 #[cfg(target_os = "linux")]
 mod keeper;
@@ -69,6 +70,7 @@ mod keeper {
 }
 mod last_words;
 mod need;
+mod passage;
 pub mod prints;
 pub(crate) mod replay;
 mod spoilt;
@@ -79,13 +81,12 @@ mod test;
 mod trust;
 pub mod worker;
 
+pub use child::Child;
 pub use ending::Aftermath;
 pub use last_words::Told;
 pub use need::{CALL_TIME_LIMIT, Need, locate, materials, need};
-pub use supervisor::{End, Failure, Job, supervise};
-pub use system::{
-    die_with, identity, is_out_of_descriptors, out_of_reach, program, set_program, shared_file, spawn,
-    this_is_the_program, wait_for,
-};
+pub use passage::{Passage, Work, path, paths, tell};
+pub use supervisor::{End, Failure, Watch, supervise};
+pub use system::{identity, is_out_of_descriptors, out_of_reach, program, set_program, this_is_the_program};
 pub use trust::{all_are_let_in, is_shipped, let_all_in, let_in, load, look_where_it_was_built};
 pub use worker::Task;

@@ -2,27 +2,25 @@
 
 use super::ending::{Cause, Report, behind_the_end};
 use super::last_words::{LastWords, Told};
+use super::passage::Passage;
 use super::prints::{self, Echo};
 use super::spoilt::Spoilt;
-use super::worker::{COMMAND, Note};
-use super::{Need, replay, system};
-use crate::input;
+use super::worker::Note;
+use super::{Need, child, replay, system};
 use crate::path::Statistics;
 use crate::signals::{self, Companion};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::cell::Cell;
-use std::ffi::OsString;
-use std::fs::File;
 use std::io::{self, Write};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::path::Path;
+use std::process::{Child, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use umat_abi::host::recorder::{Beat, Recording};
 
 /// Time between two looks at the heartbeat.
-const POLL: Duration = Duration::from_millis(20);
+pub(super) const POLL: Duration = Duration::from_millis(20);
 /// Time in which a call must come back once a signal has asked for the end.
 const GRACE: Duration = Duration::from_secs(1);
 /// Time in which a keeper must have ended what plugins started.
@@ -31,11 +29,9 @@ const PATIENCE: Duration = Duration::from_secs(3);
 /// Lets gfortran's runtime write each record at once: what a plugin printed is there if it then ends the process.
 const UNBUFFERED: &str = "GFORTRAN_UNBUFFERED_ALL";
 
-/// Task of a worker.
+/// Wishes of a supervisor.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Job<'a> {
-    /// The command line of this program that it carries out, without the program's name.
-    pub command: &'a [OsString],
+pub struct Watch<'a> {
     /// The result directory, if what the plugins print there is shown as they do.
     pub echo: Option<&'a Path>,
     /// Longest time of all that it does. Where there is one, time in which it waits for a processor counts neither here nor for
@@ -69,31 +65,34 @@ pub struct Failure {
     pub statistics: Statistics,
     /// Calls of the check that a plugin did not survive.
     pub calls_of_check: u64,
-    /// Whether the only thing that went wrong is that [`Job::time_limit`] has passed.
+    /// Whether the only thing that went wrong is that [`Watch::time_limit`] has passed.
     pub is_out_of_time: bool,
 }
 
-/// Runs a worker to its end.
+/// Runs a worker to its end, which does the work of `passage`.
 ///
 /// # Errors
 /// The worker cannot be started or watched.
-pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
+pub fn supervise(passage: &mut Passage, wishes: &Watch<'_>, need: &Need) -> io::Result<End> {
     let (file, path) = system::shared_file()?;
     let recording = Recording::create(&file)?;
-    let streams = streams()?;
-    let handed_on = streams.iter().map(|(stream, _, content)| [stream, content]);
-    let mut command = command(job, &path, handed_on)?;
+    let mut command = child::command(passage.hand_over(Some(&path))?)?;
+    if std::env::var_os(UNBUFFERED).is_none() {
+        command.env(UNBUFFERED, "y");
+    }
+    // a runtime error tells the routine as well
+    command.env("GFORTRAN_ERROR_BACKTRACE", "y");
     // signals of the terminal are passed on
-    command.stderr(Stdio::piped()).process_group(0);
+    command.stdout(prints::for_child()).stderr(Stdio::piped()).process_group(0);
     let mut child = system::spawn(command)?;
-    let last_words = LastWords::of(&mut child, job.told);
-    let mut echo = job.echo.map(Echo::of);
+    let last_words = LastWords::of(&mut child, wishes.told);
+    let mut echo = wishes.echo.map(Echo::of);
     // before the run has begun, the files are an earlier one's
     let mut tell = || match &mut echo {
         Some(echo) if recording.note(Note::Running as usize) == 1 => echo.tell(),
         _ => {}
     };
-    let ended = watch(&mut child, &recording, need, job, &mut tell);
+    let ended = watch(&mut child, &recording, need, wishes, &mut tell);
     tell();
     if ended.is_err() {
         // nothing watches it any more
@@ -134,33 +133,6 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     })))
 }
 
-/// Returns what this process read from pipes, each in a file that a child can open while it lives.
-fn streams() -> io::Result<Vec<(PathBuf, File, PathBuf)>> {
-    let handed_on = input::streams().into_iter().map(|(stream, content)| {
-        let (mut file, path) = system::shared_file()?;
-        file.write_all(&content)?;
-        Ok((stream, file, path))
-    });
-    handed_on.collect()
-}
-
-fn command<'a>(job: &Job<'_>, recorder: &Path, streams: impl Iterator<Item = [&'a PathBuf; 2]>) -> io::Result<Command> {
-    let mut command = Command::new(system::program()?);
-    command.arg0("pullout").stdout(prints::for_child());
-    if std::env::var_os(UNBUFFERED).is_none() {
-        command.env(UNBUFFERED, "y");
-    }
-    // a runtime error tells the routine as well
-    command.env("GFORTRAN_ERROR_BACKTRACE", "y");
-    command.arg(COMMAND).args(["--supervisor", &std::process::id().to_string()]);
-    command.arg("--recorder").arg(recorder);
-    streams.for_each(|stream| {
-        command.arg("--stream").args(stream);
-    });
-    command.arg("--").args(job.command);
-    Ok(command)
-}
-
 /// Outcome of watching a worker.
 enum Watched {
     /// Ended by itself.
@@ -194,7 +166,7 @@ fn watch(
     child: &mut Child,
     recording: &Recording,
     need: &Need,
-    job: &Job<'_>,
+    wishes: &Watch<'_>,
     look: &mut dyn FnMut(),
 ) -> io::Result<Watched> {
     let mut heartbeat = Heartbeat::default();
@@ -214,10 +186,10 @@ fn watch(
             }
         }
         let waited =
-            job.time_limit.map_or(Duration::ZERO, |_| system::waiting_time(recording.note(Note::Process as usize)));
+            wishes.time_limit.map_or(Duration::ZERO, |_| system::waiting_time(recording.note(Note::Process as usize)));
         let passed = clock.count(last.elapsed(), waited);
         last = Instant::now();
-        if let Some(spent) = job.spent {
+        if let Some(spent) = wishes.spent {
             spent.set(clock.counted);
         }
         let overdue = heartbeat.overdue(recording, need, passed);
@@ -225,7 +197,7 @@ fn watch(
             Watched::Killed(limit)
         } else if passed_on.is_some_and(|since| since.elapsed() > GRACE) && heartbeat.longest() > GRACE {
             Watched::Interrupted
-        } else if let Some(limit) = job.time_limit.filter(|limit| clock.counted > *limit) {
+        } else if let Some(limit) = wishes.time_limit.filter(|limit| clock.counted > *limit) {
             Watched::OutOfTime(limit.as_secs_f64())
         } else {
             continue;

@@ -2,11 +2,9 @@
 
 use super::prints::restore_mode_of_files;
 use super::spoilt::{self, Spoilt};
-use super::{keeper, system};
-use crate::input;
+use super::{keeper, passage, system};
 use crate::path::Statistics;
 use console::Term;
-use std::ffi::OsString;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -19,21 +17,11 @@ use umat_abi::host::recorder::{self, Recorder};
 /// Name of the hidden command.
 pub const COMMAND: &str = "worker";
 
-/// The command line of a worker. Only the program itself writes it.
+/// The command line of a process that works for another one. Only the program itself writes it.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Task {
-    /// The recorder's file.
-    #[arg(long)]
-    pub recorder: PathBuf,
-    /// The process that supervises this one.
-    #[arg(long)]
-    pub supervisor: u32,
-    /// Stream that the supervisor read from a pipe: the pipe's path, and a file with its content.
-    #[arg(long = "stream", num_args = 2)]
-    pub streams: Vec<PathBuf>,
-    /// The command line that is carried out, without the program's name.
-    #[arg(last = true)]
-    pub command: Vec<OsString>,
+    /// File with the work.
+    passage: PathBuf,
 }
 
 /// Numbers that a worker leaves for its supervisor.
@@ -91,14 +79,24 @@ fn terminal_of(supervisor: u32) -> Option<Term> {
     file.is_terminal().then(|| Term::read_write_pair(io::stdin(), file))
 }
 
-/// Does the work below a keeper, and ends this process; the exit code goes into the done-mark. Returns only why there is no
-/// worker.
-pub fn work(task: &Task, work: impl FnOnce() -> u8) -> String {
-    if let Err(error) = keeper::work_below(task.supervisor) {
-        return error.to_string();
-    }
+/// Does the work by a function of its name and text, whose result is the exit code. A watched worker does it below a keeper, and
+/// ends this process; the exit code goes into the done-mark.
+///
+/// # Errors
+/// The work cannot be taken over.
+pub fn work(task: &Task, work: impl FnOnce(&str, &str) -> u8) -> io::Result<u8> {
+    let (head, text) = passage::taken(&task.passage)?;
+    let Some(recorder) = &head.recorder else {
+        // where it cannot be asked for, this process outlives the other one
+        let _ = system::die_with(head.starter);
+        return Ok(work(&head.name, &text));
+    };
+    keeper::work_below(head.starter)?;
     // the thread that waits for this one and ends the process is the keeper's
-    let done = catch_unwind(AssertUnwindSafe(|| work_here(task, work)));
+    let done = catch_unwind(AssertUnwindSafe(|| {
+        let recorder = open(recorder).map_err(|error| format!("{}: {error}", recorder.display()))?;
+        Ok::<_, String>(work_below(recorder, head.starter, || work(&head.name, &text)))
+    }));
     std::process::exit(match done {
         Ok(Ok(code)) => code.into(),
         Ok(Err(message)) => {
@@ -109,19 +107,14 @@ pub fn work(task: &Task, work: impl FnOnce() -> u8) -> String {
     })
 }
 
-/// Does the work.
-fn work_here(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
-    let recorder = open(&task.recorder).map_err(|error| format!("{}: {error}", task.recorder.display()))?;
+/// Does the work of a watched worker.
+fn work_below(recorder: &Recorder, supervisor: u32, work: impl FnOnce() -> u8) -> u8 {
     recorder.note(Note::Process as usize, std::process::id().into());
     spoilt::keep();
     print_by_lines();
     recorder.fence_arrays(true);
-    if let Some(terminal) = terminal_of(task.supervisor) {
+    if let Some(terminal) = terminal_of(supervisor) {
         let _ = TERMINAL.set(terminal);
-    }
-    for stream in task.streams.chunks_exact(2) {
-        let content = std::fs::read(&stream[1]).map_err(|error| format!("{}: {error}", stream[1].display()))?;
-        input::supply(&stream[0], content);
     }
     let code = work();
     if code != 0 {
@@ -129,10 +122,10 @@ fn work_here(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
         end_if_spoilt();
     }
     recorder.done(code);
-    Ok(code)
+    code
 }
 
-fn open(path: &Path) -> std::io::Result<&'static Recorder> {
+fn open(path: &Path) -> io::Result<&'static Recorder> {
     recorder::install(&File::options().read(true).write(true).open(path)?)
 }
 

@@ -47,11 +47,17 @@ impl Row<'_> {
         until.greater_than.is_some_and(|bound| value > bound) || until.less_than.is_some_and(|bound| value < bound)
     }
 
-    /// Returns how a run goes on behind the increment; `is_told_to_end`: by its observer.
-    pub(crate) fn directive(&self, about: &About, step_until: Option<&Until>, is_told_to_end: bool) -> Directive {
-        let is_passed =
-            |until: Option<&Until>| about.recorded.is_none() && until.is_some_and(|until| self.passes(until));
-        if is_told_to_end || is_passed(about.until.as_ref()) {
+    /// Returns how a run goes on behind the increment; `repeats`: another run, so that no bound ends it; `is_told_to_end`: by its
+    /// observer.
+    pub(crate) fn directive(
+        &self,
+        until: Option<&Until>,
+        step_until: Option<&Until>,
+        repeats: bool,
+        is_told_to_end: bool,
+    ) -> Directive {
+        let is_passed = |until: Option<&Until>| !repeats && until.is_some_and(|until| self.passes(until));
+        if is_told_to_end || is_passed(until) {
             Directive::EndRun
         } else if is_passed(step_until) {
             Directive::EndStep
@@ -275,7 +281,12 @@ impl<'a> Recorder<'a> {
         fill(&mut self.values);
         let IncrementPosition { step, increment, last } = position;
         let row = Row { step, increment, values: &self.values, iterations };
-        let next = row.directive(self.about, step_until, self.observer.ends_here());
+        let next = row.directive(
+            self.about.until.as_ref(),
+            step_until,
+            self.about.recorded.is_some(),
+            self.observer.ends_here(),
+        );
         if next != Directive::GoOn || last || (increment as usize).is_multiple_of(self.about.every.max(1)) {
             self.observer.row(row)?;
         }

@@ -1,11 +1,13 @@
 //! Contents of a case of kind "pullout": a model of the FE core, and the output that is written.
 
+use super::checkpoint::Checkpoints;
 use crate::columns;
 use crate::program::{About, Until};
 use fe_core::model::{ContactLaw, Model, PluginLaw};
-use fe_core::stepping::Along;
+use fe_core::stepping::{Along, Recorded};
 use fe_core::threads::Threads;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A moment that pictures show.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,12 +37,44 @@ pub struct PulloutProgram {
     pub pictures_at: Vec<PictureAt>,
     /// The plastic strain beyond which a fibre counts as ruptured.
     pub rupture_strain: f64,
+}
+
+/// Settings of a run that are no part of its case.
+#[derive(Debug)]
+pub struct Settings<'a> {
     /// Threads that share the work. No bit of the results depends on it.
     pub threads: Threads,
+    /// Folder of the fields that the case asks for, and of checkpoints; `None`: there are none.
+    pub folder: Option<&'a Path>,
+    /// Checkpoints that are made and gone on from.
+    pub checkpoints: &'a Checkpoints,
+    /// Whether states that pictures show are kept.
+    pub pictures: bool,
     /// Whether the states that the run goes through are kept.
     pub keeps_trail: bool,
     /// The states of a run with nearly the same parameters, along which this one goes.
     pub along: Option<Along>,
+}
+
+impl<'a> Settings<'a> {
+    /// Settings of a run with one thread that keeps what its case asks for.
+    pub fn new(program: &PulloutProgram, folder: &'a Path, checkpoints: &'a Checkpoints) -> Self {
+        Self {
+            threads: Threads::default(),
+            folder: Some(folder),
+            checkpoints,
+            pictures: program.about.plots,
+            keeps_trail: false,
+            along: None,
+        }
+    }
+
+    /// The increments that a run repeats: those of the run along which it goes, or of its case.
+    pub(super) fn recorded<'s>(&'s self, program: &'s PulloutProgram) -> Option<&'s Recorded> {
+        let along = self.along.as_ref().map(|along| &along.trail);
+        let along = along.filter(|trail| trail.has_steps_of(&program.model)).map(|trail| &trail.recorded);
+        along.or(program.about.recorded.as_deref())
+    }
 }
 
 impl PulloutProgram {

@@ -1,11 +1,11 @@
 //! Runs a model, and turns its records into rows of the history.
 
-use super::checkpoint::{Checkpoints, Saved};
+use super::checkpoint::Saved;
 use super::fields::{FieldWriter, WrittenFields};
 use super::findings::{self, Findings, Rupture};
 use super::moments::Moments;
 use super::peak::PeakKeeper;
-use super::{PictureAt, PulloutProgram, crack_band, overlap, replay, section};
+use super::{PictureAt, PulloutProgram, Settings, crack_band, overlap, replay, section};
 use crate::columns::{self, place_in_specimen};
 use crate::number::significant;
 use crate::path::{self, Failure, Row, Statistics, Stop};
@@ -19,7 +19,7 @@ use fe_core::stepping::{
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 #[cfg(test)]
@@ -72,13 +72,9 @@ pub struct State {
     pub fields: Fields,
 }
 
-/// Runs a program to its end, to an `until`, or to a failure; fields and checkpoints go to `folder`.
-pub fn run(
-    program: &PulloutProgram,
-    folder: &Path,
-    checkpoints: &Checkpoints,
-    observer: &mut dyn path::Observer,
-) -> Outcome {
+/// Runs a program to its end, to an `until`, or to a failure.
+pub fn run(program: &PulloutProgram, settings: &Settings<'_>, observer: &mut dyn path::Observer) -> Outcome {
+    let Settings { threads, folder, checkpoints, pictures, keeps_trail, along } = settings;
     let model = &program.model;
     let from = checkpoints.from.as_deref();
     let start = Instant::now();
@@ -87,33 +83,32 @@ pub fn run(
         Ok(analysis) => analysis,
         Err(error) => return Outcome::stopped(Stop::unusable(error.to_string())),
     };
-    analysis.set_threads(program.threads.clone());
+    analysis.set_threads(threads.clone());
     if let Some(flag) = observer.stop() {
         analysis.stop_at(flag);
     }
     if let Some(every) = checkpoints.every {
         analysis.checkpoint_every(every);
     }
-    match (&program.along, &program.about.recorded) {
+    match (along, &program.about.recorded) {
         (Some(along), _) => analysis.follow(along),
         (None, Some(recorded)) => analysis.repeat(recorded.as_ref().clone()),
         (None, None) => {}
     }
-    if program.keeps_trail {
+    if *keeps_trail {
         analysis.keep_trail();
     }
     let set_up = start.elapsed();
     let written = from.and_then(|saved| saved.recorder.fields.as_ref());
-    let writer = || match written {
+    let writer = |folder: &Path| match written {
         Some(written) => FieldWriter::resume(folder, model, written),
         None => FieldWriter::create(folder, model, checkpoints.every.is_some()),
     };
-    let fields = match program.fields_every.map(|_| writer()).transpose() {
+    let fields = match folder.filter(|_| program.fields_every.is_some()).map(writer).transpose() {
         Ok(fields) => fields,
         Err(error) => return Outcome::stopped(Stop::Write(error)),
     };
-    let mut recorder = Recorder::new(program, observer, fields);
-    recorder.destination = checkpoints.every.map(|_| (folder.to_owned(), checkpoints));
+    let mut recorder = Recorder::new(program, settings, observer, fields);
     if let Some(saved) = from {
         recorder.state = saved.recorder.clone();
     }
@@ -176,7 +171,7 @@ pub fn run(
         result,
         findings,
         peak: peak.into_state().filter(goes_on),
-        end: program.about.plots.then(end),
+        end: pictures.then(end),
         moments: moments.map(|kept| kept.into_states(&program.pictures_at)).unwrap_or_default(),
         trail,
     }
@@ -216,12 +211,11 @@ fn imbalance(model: &Model, error: f64) -> Option<String> {
 /// Writer of the increments; decides when a step or the run ends early.
 struct Recorder<'p, 'o> {
     program: &'p PulloutProgram,
+    settings: &'p Settings<'p>,
     observer: &'o mut dyn path::Observer,
     fields: Option<FieldWriter>,
     /// State with which a resumed run goes on, but for the fields.
     state: RecorderState,
-    /// Folder of the checkpoints, and their owner.
-    destination: Option<(PathBuf, &'o Checkpoints)>,
 }
 
 /// State with which a recorder goes on.
@@ -271,13 +265,18 @@ impl Present {
 }
 
 impl<'p, 'o> Recorder<'p, 'o> {
-    fn new(program: &'p PulloutProgram, observer: &'o mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
+    fn new(
+        program: &'p PulloutProgram,
+        settings: &'p Settings<'p>,
+        observer: &'o mut dyn path::Observer,
+        fields: Option<FieldWriter>,
+    ) -> Self {
         let values = vec![0.0; columns::count_in_specimen(&program.model.measured.fibres)];
         let present = Present { step: 0, increment: 0, values, iterations: 0, written: true };
         let state = RecorderState {
             fields: None,
             peak: PeakKeeper::default(),
-            moments: program.about.plots.then(|| Moments::new(&program.pictures_at)),
+            moments: settings.pictures.then(|| Moments::new(&program.pictures_at)),
             ruptures: IndexMap::new(),
             present,
             energies: Energies::default(),
@@ -286,7 +285,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
             initial_displacement: None,
             step_start: 0.0,
         };
-        Self { program, observer, fields, state, destination: None }
+        Self { program, settings, observer, fields, state }
     }
 
     fn state(&self) -> RecorderState {
@@ -296,7 +295,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
     /// Writes the last row and the last fields if they were not due: a run that fails keeps all that it reached.
     fn finish(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
         self.finish_history()?;
-        if self.program.about.plots {
+        if self.settings.pictures {
             let [slip, load] = ["slip", "load"].map(|name| self.state.present.value(name));
             self.observer.state_reached(slip, load, snapshot, true);
         }
@@ -310,12 +309,14 @@ impl<'p, 'o> Recorder<'p, 'o> {
     fn directive(&self) -> Directive {
         let step = (self.state.present.step as usize).checked_sub(1);
         let step_until = step.and_then(|step| self.program.step_untils.get(step)).and_then(Option::as_ref);
-        self.state.present.row().directive(&self.program.about, step_until, self.observer.ends_here())
+        let repeats = self.settings.recorded(self.program).is_some();
+        let row = self.state.present.row();
+        row.directive(self.program.about.until.as_ref(), step_until, repeats, self.observer.ends_here())
     }
 
     /// Returns whether the present step ends with the present row.
     fn is_at_end_of_step(&self) -> bool {
-        if let Some(recorded) = &self.program.about.recorded {
+        if let Some(recorded) = self.settings.recorded(self.program) {
             return recorded.of_step(self.state.present.step).len() == self.state.present.increment as usize;
         }
         let step =
@@ -371,7 +372,7 @@ impl Observer for Recorder<'_, '_> {
             self.observer.tried(record.step, &record.tried);
         }
         let directive = self.accept(record)?;
-        self.state.peak.observe(record, snapshot, self.program.about.plots);
+        self.state.peak.observe(record, snapshot, self.settings.pictures);
         let number = self.state.so_far.increments;
         let is_moment = self
             .state
@@ -384,7 +385,7 @@ impl Observer for Recorder<'_, '_> {
             &self.program.model.measured.fibres,
             self.program.rupture_strain,
         );
-        if self.program.about.plots {
+        if self.settings.pictures {
             self.observer.state_reached(record.slip, record.load, snapshot, false);
         }
         if let Some(every) = self.program.fields_every
@@ -397,9 +398,9 @@ impl Observer for Recorder<'_, '_> {
     }
 
     fn checkpoint(&mut self, checkpoint: &Checkpoint) -> io::Result<()> {
-        let Some((folder, checkpoints)) = &self.destination else { return Ok(()) };
+        let Some(folder) = self.settings.folder else { return Ok(()) };
         let saved = Saved { analysis: checkpoint.clone(), recorder: self.state(), observer: self.observer.state() };
-        checkpoints.write(folder, &saved)
+        self.settings.checkpoints.write(folder, &saved)
     }
 }
 

@@ -1,6 +1,6 @@
 //! `pullout fit beam`.
 
-use super::super::{DONE, Reading, Refusal, complain, folder_of, say};
+use super::super::{DONE, Reading, Refusal, complain, folder_of, read, say};
 use pullout_case::Case;
 use pullout_fit::{BeamColumns, BeamFit, describe_beam, read_beam_test, write_beam};
 use std::path::PathBuf;
@@ -40,17 +40,18 @@ impl Beam {
     pub(super) fn act(&self) -> Result<u8, Refusal> {
         let columns = BeamColumns { cmod: self.cmod.clone(), load: self.load.clone(), load_factor: self.load_factor };
         let test = read_beam_test(&self.test, &columns).map_err(|problems| Refusal::input(problems.join("\n")))?;
-        let Case::Bridging(program) = self.reading.case(&self.case)? else {
+        let source = self.reading.source(&self.case);
+        let Case::Bridging(program) = read(&source)? else {
             let message = "$.kind: a beam is fitted with a case of kind \"bridging\"";
             return Err(Refusal::input(format!("{}: {message}", self.case.display())));
         };
         let folder = folder_of(&self.test, self.out.as_deref(), true);
-        let mut inputs = pullout_case::inputs(&self.case, &self.reading.overrides);
+        let mut inputs = source.inputs();
         inputs.push(self.test.clone());
         let mut directory = super::open(&folder, &inputs, self.overwrite)?;
         let refused = |error| Refusal::input(format!("{}: {error}", self.test.display()));
         let fit = BeamFit::new(&program, &test).map_err(refused)?;
-        let document = pullout_case::document(&self.case, &self.reading.overrides).unwrap_or_default();
+        let document = source.text().unwrap_or_default();
         directory.begin(&[])?;
         let warnings = write_beam(&mut directory, &self.test.display().to_string(), &document, &test, &fit)?;
         directory.remove_earlier()?;

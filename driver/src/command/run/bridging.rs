@@ -1,8 +1,9 @@
 //! Runs of cases of kind "bridging": no history grows while they go on.
 
-use super::super::{DONE, Reading, say};
+use super::super::{DONE, say};
 use pullout_bridging::Curve;
 use pullout_case::Case;
+use pullout_engine::Job;
 use pullout_report::bridging::conclude;
 use pullout_report::directory::ResultDirectory;
 use pullout_report::record::cpu_time;
@@ -10,22 +11,23 @@ use pullout_report::summary::Summary;
 use pullout_run::bridging::{BridgingProgram, SimulationFindings, Source, run};
 use pullout_study::Execution;
 use std::io;
+use std::num::NonZeroUsize;
 use std::time::Instant;
 
 /// Runs a case, and writes its results. The second result is what could not be written.
 pub(super) fn run_case(
     case: &Case,
     program: &BridgingProgram,
+    job: &Job,
+    threads: NonZeroUsize,
     directory: &mut ResultDirectory,
-    reading: &Reading,
-    quiet: bool,
 ) -> io::Result<(Summary, io::Result<()>)> {
     directory.begin(&[])?;
     let (start, cpu_start) = (Instant::now(), cpu_time());
-    let done = curves(program, reading, quiet).and_then(|simulated| {
+    let done = curves(program, job, threads).and_then(|simulated| {
         let (curves, simulations) = simulated.unzip();
         let composite = program.composite(curves.as_deref().unwrap_or_default()).map_err(|error| error.to_string())?;
-        let mut results = run(program, &composite)?;
+        let mut results = run(program, &composite, threads)?;
         results.findings.simulations = simulations;
         let assumptions = program.assumptions(curves.as_deref().unwrap_or_default());
         results.warnings.extend(assumptions.map_err(|error| error.to_string())?);
@@ -34,32 +36,30 @@ pub(super) fn run_case(
     });
     let times = [start.elapsed().as_secs_f64(), (cpu_time() - cpu_start).as_secs_f64()];
     let done = done.as_ref().map(|(composite, results)| (program, composite, results)).map_err(Clone::clone);
-    conclude(case, directory, done, times)
+    conclude(case, directory, done, times, job.keep.draws(case))
 }
 
 /// Curves of runs of a specimen, if the case asks for them.
 fn curves(
     program: &BridgingProgram,
-    reading: &Reading,
-    quiet: bool,
+    job: &Job,
+    threads: NonZeroUsize,
 ) -> Result<Option<(Vec<Curve>, SimulationFindings)>, String> {
     let Source::Simulated(simulations) = &program.source else { return Ok(None) };
     let execution = Execution {
         out: &simulations.cache,
-        jobs: program.threads.get(),
+        jobs: threads.get(),
         threads: 1,
-        plugin_paths: &reading.plugin_paths,
         only: &[],
         force: false,
         keep_failed: true,
         overwrite: false,
-        is_untrusted: reading.untrusted,
     };
     let tell = |name: &str, code: u8, count: usize, of: usize| {
-        if !quiet {
+        if !job.options.quiet {
             let how = if code == DONE { "done" } else { "FAILED" };
             say(&format!("[{count}/{of}] fibre at {name}: {how}\n"));
         }
     };
-    pullout_study::curves_of_fibres(simulations, &execution, &tell).map(Some)
+    pullout_study::curves_of_fibres(simulations, &job.case, &execution, &tell).map(Some)
 }

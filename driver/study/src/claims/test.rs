@@ -14,8 +14,7 @@ fn study(peaks: &[&[Option<f64>]]) -> (Study, Results) {
     let runs = (0..peaks.len() * members.len()).map(|k| Run {
         series: k / members.len(),
         member: k % members.len(),
-        base: "case.json".into(),
-        overrides: Vec::new(),
+        case: pullout_engine::Source::default(),
         folder: "folder".into(),
         fingerprint: String::new(),
         warnings: Vec::new(),

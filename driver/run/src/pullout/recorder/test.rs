@@ -1,12 +1,12 @@
 use super::*;
 use crate::columns::{SPECIMEN, place_in_specimen};
 use crate::program::{About, Until};
+use crate::pullout::checkpoint::Checkpoints;
 use fe_core::element::ElementKind::Q4;
 use fe_core::kinematics::PlaneModel::PlaneStrain;
 use fe_core::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
 use fe_core::model::{Controls, Measured, Model, Skipping, Step, StepControl};
 use fe_core::stepping::{Counts, Energies, Iteration};
-use fe_core::threads::Threads;
 
 /// Two steps of 1 s and 2 s on a mesh that is not computed.
 fn program(every: usize) -> PulloutProgram {
@@ -22,8 +22,6 @@ fn program(every: usize) -> PulloutProgram {
         fields_every: None,
         pictures_at: Vec::new(),
         rupture_strain: 0.03,
-        keeps_trail: false,
-        along: None,
         mesh: String::new(),
         fibre_diameter: None,
         model: Model {
@@ -44,7 +42,6 @@ fn program(every: usize) -> PulloutProgram {
             skipping: Skipping::ALL,
         },
         step_untils: vec![None, None],
-        threads: Threads::default(),
     }
 }
 
@@ -106,7 +103,9 @@ impl path::Observer for Rows {
 /// Step 1 in four increments, step 2 in three of its four.
 fn observed(program: &PulloutProgram) -> (Rows, Vec<Directive>) {
     let mut rows = Rows::default();
-    let mut recorder = Recorder::new(program, &mut rows, None);
+    let checkpoints = Checkpoints::default();
+    let settings = Settings::new(program, Path::new(""), &checkpoints);
+    let mut recorder = Recorder::new(program, &settings, &mut rows, None);
     let records = (1..=4).map(|k| record(1, k, 0.25 * f64::from(k))).chain((1..=3).map(|k| {
         // three halves of a second: not the end of the step
         record(2, k, 1.0 + 0.5 * f64::from(k))

@@ -1,14 +1,15 @@
 //! Each group of checks in a process of its own: what ends one does not end the others.
 
-use super::{Arguments, Judged, TIME_LIMIT, conclude};
+use super::{Arguments, Checks, Judged, TIME_LIMIT, conclude};
 use crate::command::{BAD_INPUT, DONE, NO_PLUGIN, complain, isolated, say};
 use clap::ValueEnum;
 use pullout_check::conformance::{Event, Group, Report, Row, Verdict};
-use pullout_run::isolation::{self, End, Failure, Job, Need};
+use pullout_engine::Source;
+use pullout_run::isolation::{self, End, Failure, Need, Passage, Watch};
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Read, Seek, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -31,19 +32,21 @@ struct Told {
 /// Findings of all groups.
 struct Tally<'a> {
     arguments: &'a Arguments,
+    /// The case, if there is one.
+    case: Source,
     judged: Vec<Judged>,
     /// Writes behind arrays, by law and entry point: what the first group found that found any.
     bounds: Vec<(usize, Row)>,
 }
 
 /// Makes all groups.
-pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
+pub(super) fn run(arguments: &Arguments, mut checks: Checks, library: &Path, mut need: Need) -> u8 {
     isolated::tell_of_wish(arguments.case.as_deref().unwrap_or(library), &need, false);
     for limit in need.libraries.values_mut().filter(|limit| **limit == isolation::CALL_TIME_LIMIT) {
         *limit = TIME_LIMIT;
     }
-    let mut tally = Tally { arguments, judged: Vec::new(), bounds: Vec::new() };
-    let (mut skip, mut longest_path) = (Vec::new(), None);
+    let case = checks.case.clone().unwrap_or_else(|| Source::file(Path::new("")));
+    let mut tally = Tally { arguments, case, judged: Vec::new(), bounds: Vec::new() };
     let mut spent = Duration::ZERO;
     let groups = Group::value_variants();
     for (index, group) in groups.iter().enumerate() {
@@ -51,45 +54,45 @@ pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
             // the first is what the others rest on
             let part = 2.0 / (1 + groups.len() - index) as f64;
             let time_limit = TIME_OF_ALL.saturating_sub(spent).mul_f64(part);
-            let Ok(mut rows) = tempfile::NamedTempFile::new() else {
-                complain("no temporary file can be made");
-                return BAD_INPUT;
-            };
-            let command = arguments.command_line(*group, rows.path(), &skip, longest_path, time_limit.as_secs_f64());
+            (checks.group, checks.seconds) = (Some(*group), Some(time_limit.as_secs_f64()));
             let time = Cell::new(Duration::ZERO);
-            let job = Job { command: &command, time_limit: Some(time_limit), spent: Some(&time), ..Job::default() };
-            let end = isolation::supervise(&job, &need);
+            let wishes = Watch { time_limit: Some(time_limit), spent: Some(&time), ..Watch::default() };
+            let ended = Passage::new(&checks).and_then(|mut passage| {
+                let end = isolation::supervise(&mut passage, &wishes, &need)?;
+                Ok((end, passage.heard()))
+            });
             spent += time.get();
-            let mut text = String::new();
-            let _ = rows.as_file_mut().rewind().and_then(|()| rows.as_file_mut().read_to_string(&mut text));
-            let told = tally.read(&text);
-            let failure = match end {
-                Ok(End::Done(DONE)) => break,
-                Ok(End::Done(code)) => return code,
-                Ok(End::Failed(failure)) if failure.report.at_loading => {
-                    complain(failure.report.message);
-                    return NO_PLUGIN;
-                }
-                Ok(End::Failed(failure)) => failure,
+            let (end, events) = match ended {
+                Ok(ended) => ended,
                 Err(error) => {
                     complain(format!("{}: no process can be started for it: {error}", library.display()));
                     return BAD_INPUT;
                 }
+            };
+            let told = tally.read(events);
+            let failure = match end {
+                End::Done(DONE) => break,
+                End::Done(code) => return code,
+                End::Failed(failure) if failure.report.at_loading => {
+                    complain(failure.report.message);
+                    return NO_PLUGIN;
+                }
+                End::Failed(failure) => failure,
             };
             if failure.is_out_of_time {
                 tally.leave(library, *group, &told, &failure, time_limit);
                 break;
             }
             // what the plugin does not survive at all is told once
-            if longest_path == Some(0) && told.begun.as_ref().is_some_and(|(check, _)| check == "virgin state") {
+            if checks.longest_path == Some(0) && told.begun.as_ref().is_some_and(|(check, _)| check == "virgin state") {
                 return tally.conclude();
             }
             tally.end(library, *group, &told, &failure);
             let is_first = *group == Group::States;
             match (&told.begun, told.drawn) {
-                (_, Some((state, _))) if is_first && skip.len() < MOST_ENDS => skip.push(state),
-                (Some((check, _)), _) if is_first && check == "case's path" && longest_path.is_none() => {
-                    longest_path = Some(failure.calls_of_check);
+                (_, Some((state, _))) if is_first && checks.skip.len() < MOST_ENDS => checks.skip.push(state),
+                (Some((check, _)), _) if is_first && check == "case's path" && checks.longest_path.is_none() => {
+                    checks.longest_path = Some(failure.calls_of_check);
                 }
                 (_, Some(_)) | (Some(_), _) if is_first && told.is_in_the_sample() => {
                     complain(format!("{}: no sample can be drawn: nothing else is checked", library.display()));
@@ -113,10 +116,10 @@ impl Told {
 
 impl Tally<'_> {
     /// Takes what a group has told.
-    fn read(&mut self, text: &str) -> Told {
+    fn read(&mut self, events: Vec<Event>) -> Told {
         let mut told = Told::default();
         let mut law = 0;
-        for event in text.lines().filter_map(|line| serde_json::from_str(line).ok()) {
+        for event in events {
             match event {
                 Event::Law(name, library) => law = self.law(&name, &library),
                 Event::Begins(check, entry) => told = Told { begun: Some((check, entry)), drawn: None },
@@ -207,8 +210,7 @@ impl Tally<'_> {
             None if check == "case's path" => message.clone(),
             None => format!("call {} of this check: {message}", failure.calls_of_check),
         };
-        let file = self.arguments.case.as_deref().unwrap_or(Path::new(""));
-        if let Some(case) = isolated::replay(failure, file, &self.arguments.overrides()) {
+        if let Some(case) = isolated::replay(failure, &self.case) {
             detail += &match keep(&format!("{case:#}\n")) {
                 Ok(path) => format!(" (replay case: {})", path.display()),
                 Err(error) => format!(" (no replay case could be written: {error})"),
@@ -224,7 +226,7 @@ impl Tally<'_> {
     /// Tells the rows that concern all groups, and the conclusion; the exit code.
     fn conclude(mut self) -> u8 {
         if self.judged.is_empty() {
-            complain(format!("{}: nothing was told of any check", self.arguments.plugin));
+            complain(format!("{}: nothing was told of any check", self.arguments.of.plugin));
         }
         for (law, row) in std::mem::take(&mut self.bounds) {
             if !self.arguments.json {

@@ -1,0 +1,108 @@
+//! Runs and checks as one process asks another for them, and what it hears.
+
+use super::Source;
+use pullout_case::CaseProblem;
+use pullout_run::isolation::{self, Aftermath, Work};
+use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+/// Options of a run, which are the same in this process and in another one.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::Args)]
+pub struct Options {
+    /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Keep the state after every N increments in checkpoint.bin of the result directory (kind "pullout").
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub checkpoint_every: Option<u64>,
+    /// Threads that share the work of a case of kind "pullout"; default: the number of processors. The results have the
+    /// same bits with any number.
+    #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
+    pub threads: Option<NonZeroUsize>,
+    /// Write increments.json: what a case that repeats the increments of this run names as "increments": {"recorded": FILE}.
+    #[arg(long)]
+    pub record_increments: bool,
+    /// Say nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Show what the plugins print (Fortran's units 6 and 7, printf), which is kept in umat.log and umat.msg of the
+    /// result directory.
+    #[arg(long)]
+    pub echo: bool,
+}
+
+/// Number of threads.
+fn at_least_one(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "a number from 1 on is needed".into())
+}
+
+/// Results that are wanted of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Keep {
+    /// All that the case asks for.
+    #[default]
+    All,
+    /// The same, as a part of a study, which has something to add.
+    Member,
+    /// What another process reads at once: no pictures and no report; the folder goes, so that nothing names it.
+    Passing,
+}
+
+/// A run of a case into a folder.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Job {
+    /// The case.
+    pub case: Source,
+    /// The result directory.
+    #[serde(with = "isolation::path")]
+    pub folder: PathBuf,
+    /// Results that are wanted.
+    pub keep: Keep,
+    /// Options.
+    pub options: Options,
+    /// Whether it goes on with the run that was interrupted in the folder.
+    pub goes_on: bool,
+    /// Whether columns, and now and then the present row, are told ([`Message`]).
+    pub tells_rows: bool,
+    /// What is known of a run that was ended from outside: nothing is run, results are made of its rows.
+    pub aftermath: Option<Aftermath>,
+}
+
+impl Job {
+    /// A run with all results.
+    pub fn new(case: Source, folder: PathBuf, options: Options) -> Self {
+        Self { case, folder, keep: Keep::All, options, goes_on: false, tells_rows: false, aftermath: None }
+    }
+}
+
+impl Work for Job {
+    const NAME: &'static str = "run";
+}
+
+/// A check of a case.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Inspection {
+    /// The case.
+    pub case: Source,
+    /// Whether nothing is said but errors.
+    pub quiet: bool,
+    /// Whether the case is to be run: what belongs to the run is left to it, and the columns are told ([`Message`]).
+    pub before_run: bool,
+}
+
+impl Work for Inspection {
+    const NAME: &'static str = "check";
+}
+
+/// Message of a process that runs or checks a case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Message {
+    /// Columns of the rows; of a check those behind step and increment.
+    Columns(Vec<String>),
+    /// The part that is done, and the present row with step, increment, values, iterations; `None`: NaN or infinite.
+    Row(Vec<Option<f64>>),
+    /// Reasons why nothing is run.
+    Refused(Vec<CaseProblem>),
+}
