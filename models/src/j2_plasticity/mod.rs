@@ -28,7 +28,7 @@ umat_abi::parameters! {
         /// σ_y(p).
         pub hardening: Hardening<'p> =
             Parameter::new(c"yield_stress", c"MPa", 347.0, c"yield stress at this equivalent plastic strain")
-                .typically(1.0, 1e4)
+                .typically(10.0, 1e4)
                 .above(0.0),
             Parameter::new(c"equivalent_plastic_strain", c"-", 0.0, c"0 in the first pair, then increasing")
                 .at_least(0.0);

@@ -139,6 +139,9 @@ pub enum Section {
     EqualArea,
     /// The second moment of area: thickness 3πφ/16.
     EqualInertia,
+    /// Area and plastic moment, by layers: the inner half of the height is 1.023 φ thick, the outer 0.548 φ. The second moment of area is
+    /// 1.03 times the round one. Takes an `elements_across` of 4 or 8.
+    Layers,
 }
 
 /// A step: drives go to their ends, or a cycle of steps.

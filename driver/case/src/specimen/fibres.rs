@@ -19,6 +19,14 @@ const SLOPE: f64 = 1.0;
 /// Inclination of a fibre, degrees.
 const ANGLE: f64 = 45.0;
 
+/// The least diameter of a fibre, mm: carbon has 0.007.
+const THINNEST: f64 = 0.002;
+/// The greatest embedded length, in diameters.
+const MOST_DIAMETERS: f64 = 5000.0;
+/// Angle of the bends of a hook, degrees, and the radius of its axis, in diameters.
+const HOOK_ANGLE: f64 = 45.0;
+const HOOK_RADIUS: f64 = 2.0;
+
 /// Length of a bent fibre between its bend and the grip, mm.
 const FREE_LENGTH_AFTER_BEND: f64 = 3.0;
 
@@ -86,6 +94,8 @@ pub(super) fn perpendicular_fibre(
             largest_size: taken.real("largest_size", given.largest_size, sizes.largest_size),
         },
     };
+    let lengths = [("fibre_diameter", fibre_diameter), ("embedded_length", parameters.embedded_length)];
+    check_unit(None, lengths)?;
     let made = specimen::perpendicular_fibre(&parameters)?;
     let ways: &[&'static str] =
         if axisymmetric { &["outer", "bottom"] } else { &["sides", "face_near", "face_away", "bottom"] };
@@ -108,6 +118,7 @@ pub(super) fn inclined_fibre(
     let default = Fibre::new(angle, Vec::new());
     let diameter = taken.real("fibre_diameter", given.fibre_diameter, default.diameter);
     let embedded_length = taken.real("embedded_length", given.embedded_length, default.embedded_length);
+    check_unit(None, [("fibre_diameter", diameter), ("embedded_length", embedded_length)])?;
     let mut path = vec![Segment::Straight { length: embedded_length }];
     if given.shape.is_none() {
         taken.note("shape", "bent");
@@ -162,30 +173,20 @@ pub(super) fn fibres(
 ) -> Result<Ground, SpecimenError> {
     let mut made = Vec::new();
     for given in &given.fibres {
-        let wrong = |piece: usize, value: &str, requirement: &str| SpecimenError::Parameters {
-            problems: vec![ParameterProblem {
-                fibre: Some(made.len()),
-                name: "path",
-                value: format!("{value} in piece {}", piece + 1),
-                requirement: requirement.into(),
-            }],
-        };
-        let mut path = Vec::new();
-        for (index, piece) in given.path.iter().enumerate() {
-            if index > 0 && piece.tilt_deg.is_some() {
-                let requirement =
-                    "in the first piece only: each goes on where the one before it ends, and an arc turns it";
-                return Err(wrong(index, "given tilt_deg", requirement));
-            }
-            let unclear =
-                || wrong(index, "unclear", "given as one of \"straight\", \"arc\" and \"wave\" in each piece");
-            path.push(segment(piece).ok_or_else(unclear)?);
-        }
-        let tilt = given.path.first().and_then(|piece| piece.tilt_deg).unwrap_or(0.0);
-        let default = Fibre::new(tilt.to_radians(), path);
         let of = |key: &str| format!("{}.{key}", given.name);
+        let default = Fibre::new(0.0, Vec::new());
         let diameter = taken.real(&of("diameter"), given.diameter, default.diameter);
         let embedded_length = taken.real(&of("embedded"), given.embedded, default.embedded_length);
+        check_unit(Some(made.len()), [("diameter", diameter), ("embedded", embedded_length)])?;
+        let rotation = given.rotate_deg.unwrap_or(0.0).to_radians();
+        let (lean, path) = match &given.path {
+            document::FibrePath::Pieces(pieces) => pieces_of_path(pieces, rotation, embedded_length),
+            document::FibrePath::Hooked(hooked) => {
+                hooked_path(hooked, rotation, [diameter, embedded_length], &of, taken)
+            }
+        }
+        .map_err(|(value, requirement)| wrong(Some(made.len()), "path", value, requirement))?;
+        let default = Fibre { lean, path, ..default };
         made.push(Fibre {
             name: Some(given.name.clone()),
             diameter,
@@ -204,16 +205,133 @@ pub(super) fn fibres(
     Ok(ground)
 }
 
-/// A piece of a path, if it is one thing.
-fn segment(given: &document::PathPiece) -> Option<Segment> {
-    match (given.straight, given.arc, given.wave) {
-        (Some(length), None, None) => Some(Segment::Straight { length: length.0 }),
-        (None, Some(arc), None) => Some(Segment::Arc { radius: arc.radius.0, to: arc.to_deg.to_radians() }),
-        (None, None, Some(wave)) => {
-            Some(Segment::Wave { amplitude: wave.amplitude, length: wave.length.0, count: wave.n.0 })
-        }
-        _ => None,
+fn wrong(fibre: Option<usize>, name: &'static str, value: String, requirement: String) -> SpecimenError {
+    SpecimenError::Parameters {
+        problems: vec![ParameterProblem { fibre, name, value, requirement: requirement.into() }],
     }
+}
+
+/// Refuses a diameter in metres, and an embedded length in micrometres, before they are meshed.
+fn check_unit(
+    fibre: Option<usize>,
+    [(diameter_key, diameter), (length_key, length)]: [(&'static str, f64); 2],
+) -> Result<(), SpecimenError> {
+    if diameter < THINNEST {
+        let requirement = format!("at least {THINNEST}: lengths are in mm, and no fibre is thinner");
+        return Err(wrong(fibre, diameter_key, diameter.to_string(), requirement));
+    }
+    if length > MOST_DIAMETERS * diameter {
+        let requirement = format!("at most {MOST_DIAMETERS} diameters: are all lengths in mm?");
+        return Err(wrong(fibre, length_key, length.to_string(), requirement));
+    }
+    Ok(())
+}
+
+/// What is wrong with a path: a value, and what it must be.
+type PathProblem = (String, String);
+
+/// The lean of a path where it begins, rad, and its segments; those inside the block are turned by `rotation`.
+fn pieces_of_path(
+    pieces: &[document::PathPiece],
+    rotation: f64,
+    embedded_length: f64,
+) -> Result<(f64, Vec<Segment>), PathProblem> {
+    let wrong = |index: usize, value: &str, requirement: &str| {
+        Err((format!("{value} in piece {}", index + 1), requirement.to_owned()))
+    };
+    let lean = pieces.first().and_then(|piece| piece.tilt_deg).unwrap_or(0.0).to_radians() + rotation;
+    let (mut direction, mut length) = (lean, 0.0);
+    let mut path = Vec::new();
+    for (index, piece) in pieces.iter().enumerate() {
+        if index > 0 && piece.tilt_deg.is_some() {
+            let requirement = "in the first piece only: each goes on where the one before it ends, and an arc turns it";
+            return wrong(index, "given tilt_deg", requirement);
+        }
+        let segment = match (piece.straight, piece.arc, piece.wave) {
+            (Some(length), None, None) => Segment::Straight { length: length.0 },
+            (None, Some(arc), None) => {
+                let to = match (arc.to_deg.map(f64::to_radians), arc.by_deg.map(f64::to_radians)) {
+                    (Some(to), None) => {
+                        // by its middle: embedded lengths are rounded
+                        let is_inside = length + 0.5 * arc.radius.0 * (to - direction).abs() < embedded_length;
+                        if is_inside { to + rotation } else { to }
+                    }
+                    (None, Some(by)) => direction + by,
+                    _ => return wrong(index, "unclear", "given as one of \"to_deg\" and \"by_deg\" in each arc"),
+                };
+                Segment::Arc { radius: arc.radius.0, to }
+            }
+            (None, None, Some(wave)) => {
+                Segment::Wave { amplitude: wave.amplitude, length: wave.length.0, count: wave.n.0 }
+            }
+            _ => {
+                let requirement = "given as one of \"straight\", \"arc\" and \"wave\" in each piece";
+                return wrong(index, "unclear", requirement);
+            }
+        };
+        length += segment.length(direction);
+        if let Segment::Arc { to, .. } = segment {
+            direction = to;
+        }
+        path.push(segment);
+    }
+    Ok((lean, path))
+}
+
+/// The lean and the segments of a shaft with a hooked end.
+fn hooked_path(
+    given: &document::HookedPath,
+    rotation: f64,
+    [diameter, embedded_length]: [f64; 2],
+    of: &dyn Fn(&str) -> String,
+    taken: &mut Taken,
+) -> Result<(f64, Vec<Segment>), PathProblem> {
+    let count = given.hook.len();
+    if let Some(bends) = given.bends.filter(|bends| *bends != count) {
+        return Err((
+            format!("a hook of {count} pieces with {bends} bends"),
+            "one with as many bends as pieces".to_owned(),
+        ));
+    }
+    let angle = taken.real(&of("path.angle_deg"), given.angle_deg, HOOK_ANGLE).to_radians();
+    let radius = taken.real(&of("path.radius"), given.radius, HOOK_RADIUS * diameter);
+    let free_length = taken.real(&of("path.free_length"), given.free_length, FREE_LENGTH_AFTER_BEND);
+    // what an arc takes of the lines on both sides of its corner
+    let cut = radius * (0.5 * angle).tan();
+    // from the shaft: aslant, along it, aslant to the other side, along it
+    let lean = |from_shaft: usize| rotation + [0.0, angle, 0.0, -angle][from_shaft % 4];
+    let mut path = Vec::new();
+    let mut hook_length = 0.0;
+    for (index, piece) in given.hook.iter().enumerate() {
+        // the tip has one bend
+        let straight = piece.0 - if index == 0 { cut } else { 2.0 * cut };
+        if straight <= 0.0 {
+            let least = piece.0 - straight;
+            return Err((
+                format!("a hook whose piece {} is {} mm long", index + 1, piece.0),
+                format!("one whose bends have room: more than {least:.4} mm there, or a smaller radius or angle"),
+            ));
+        }
+        path.push(Segment::Straight { length: straight });
+        path.push(Segment::Arc { radius, to: lean(count - 1 - index) });
+        hook_length += straight + radius * angle;
+    }
+    let shaft = embedded_length - hook_length;
+    if shaft <= 0.0 {
+        return Err((
+            format!("a hook of {hook_length:.4} mm in an embedded length of {embedded_length} mm"),
+            "one that lies in the block with a piece of its shaft".to_owned(),
+        ));
+    }
+    if rotation == 0.0 {
+        path.push(Segment::Straight { length: shaft + free_length });
+    } else {
+        let bend_radius = taken.real(&of("path.bend_radius"), given.bend_radius, 1.5 * diameter);
+        path.push(Segment::Straight { length: shaft });
+        path.push(Segment::Arc { radius: bend_radius, to: 0.0 });
+        path.push(Segment::Straight { length: free_length });
+    }
+    Ok((lean(count), path))
 }
 
 /// Returns the length that is meshed finely. What slides out is: coarse elements that bend over the exit's edge make the load a saw.

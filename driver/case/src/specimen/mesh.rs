@@ -12,6 +12,7 @@ use fe_core::mesh::{Mesh, MeshDefinition, Part, gmsh};
 use pullout_run::input::{self, Input};
 use pullout_run::pullout::section::{EQUAL_AREA, EQUAL_INERTIA};
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::PI;
 
 /// The part around a fibre.
 pub const MATRIX: &str = "matrix";
@@ -77,8 +78,12 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                     let Specimen { definition, fibres, notes, .. } = &mut ground.specimen;
                     adapt_parts(reader, case, definition, diameter);
                     for fibre in fibres.iter() {
+                        let name = definition.parts[fibre.part].name.clone();
+                        let (key, section) = section_of(case, &name);
                         let part = &definition.parts[fibre.part];
-                        if part.model != PlaneModel::Axisymmetric {
+                        if matches!(section, Some(document::Thickness::Section(document::Section::Layers))) {
+                            layer(reader, definition, fibre, &Place::root().key("parts").key(key).key("thickness"));
+                        } else if part.model != PlaneModel::Axisymmetric {
                             note_section(reader, fibre.diameter, part.thickness);
                         }
                     }
@@ -140,6 +145,54 @@ fn note_section(reader: &mut Reader<'_>, diameter: f64, thickness: f64) {
     } else {
         reader.warn(format!("{section}: its axial stress is {:.3} times that of the round one", 1.0 / area));
     }
+}
+
+/// Thicknesses of the inner and the outer half of a layered fibre's height over its diameter, t and T: its area t φ/2 + T φ/2 = πφ²/4 and
+/// its plastic moment (t + 3 T) φ²/16 = φ³/6 are the circle's.
+const LAYERS: [f64; 2] = [0.75 * PI - 4.0 / 3.0, 4.0 / 3.0 - 0.25 * PI];
+
+/// The name under which the case describes a part, and its thickness there.
+fn section_of<'n>(case: &PulloutCase, name: &'n str) -> (&'n str, Option<document::Thickness>) {
+    let Ok(parts) = &case.parts.0 else { return (name, None) };
+    let key = called(name, |name| parts.contains_key(name));
+    let part = parts.get(key).and_then(|part| part.0.as_ref().ok());
+    (key, part.and_then(|part| part.thickness.as_ref()?.0.as_ref().ok().copied()))
+}
+
+/// Gives the elements of a round fibre the thicknesses of its layers.
+fn layer(reader: &mut Reader<'_>, definition: &mut MeshDefinition, fibre: &PulledFibre, place: &Place) {
+    let at = |node: usize| definition.nodes[node];
+    let axis: Vec<[[f64; 2]; 2]> = fibre.axis_nodes.windows(2).map(|ends| [at(ends[0]), at(ends[1])]).collect();
+    // of the middle of an element: the middle between its corners on both sides of a column
+    let distance = |[x, y]: [f64; 2]| {
+        let of = |[[a, b], [c, d]]: [[f64; 2]; 2]| {
+            let (u, v) = (c - a, d - b);
+            let share = (((x - a) * u + (y - b) * v) / (u * u + v * v)).clamp(0.0, 1.0);
+            (x - a - share * u).hypot(y - b - share * v)
+        };
+        axis.iter().map(|piece| of(*piece)).fold(f64::INFINITY, f64::min)
+    };
+    let mut rows = [0_usize; 2];
+    let mut thicknesses = BTreeMap::new();
+    let elements = definition.elements.iter().enumerate().filter(|(_, element)| element.part == fibre.part);
+    for (index, element) in elements {
+        let corners = &element.nodes[..element.kind.corner_count()];
+        let sum = corners.iter().fold([0.0; 2], |[x, y], &node| [x + at(node)[0], y + at(node)[1]]);
+        let is_outer = distance(sum.map(|sum| sum / corners.len() as f64)) > 0.25 * fibre.diameter;
+        rows[usize::from(is_outer)] += 1;
+        thicknesses.insert(index, LAYERS[usize::from(is_outer)] * fibre.diameter);
+    }
+    if rows[0] != rows[1] || rows[0] % (2 * axis.len()) != 0 {
+        reader.problem(place, "layers take an elements_across of 4 or 8 in the specimen");
+        return;
+    }
+    definition.thicknesses.append(&mut thicknesses);
+    reader.note(format!(
+        "fibre: height {} mm, in layers {:.4} and {:.4} mm thick; area and plastic moment of the round one, 1.03 of its bending inertia",
+        fibre.diameter,
+        LAYERS[0] * fibre.diameter,
+        LAYERS[1] * fibre.diameter
+    ));
 }
 
 /// Usual thicknesses of plane parts, mm.
@@ -211,7 +264,7 @@ pub fn thickness(given: document::Thickness, diameter: Option<f64>) -> Result<f6
     };
     let diameter = diameter.ok_or("the mesh has no round fibre: give the thickness in mm")?;
     Ok(match section {
-        document::Section::EqualArea => EQUAL_AREA * diameter,
+        document::Section::EqualArea | document::Section::Layers => EQUAL_AREA * diameter,
         document::Section::EqualInertia => EQUAL_INERTIA * diameter,
     })
 }

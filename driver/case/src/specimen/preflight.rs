@@ -1,5 +1,6 @@
 //! Checks of a specimen as a whole: it may be impossible to compute although each of its parts is sound.
 
+use super::mesh::{COVER, MATRIX};
 use crate::problem::Place;
 use crate::reader::Reader;
 use fe_core::mesh::preflight::{self, Body, Finding, RigidMode};
@@ -21,7 +22,10 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
     }
     let mut told: Vec<&str> = Vec::new();
     for support in &model.supports {
-        let is_graded = |element: &&Element| element.thickness() < model.mesh.parts()[element.part()].thickness;
+        let is_graded = |element: &&Element| {
+            let part = &model.mesh.parts()[element.part()];
+            [MATRIX, COVER].contains(&part.name.as_str()) && element.thickness() < part.thickness
+        };
         let mut graded = model.mesh.elements().iter().filter(is_graded).flat_map(Element::nodes);
         if !told.contains(&support.name.as_str()) && graded.any(|node| support.nodes.contains(node)) {
             told.push(&support.name);

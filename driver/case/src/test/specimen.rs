@@ -1197,6 +1197,12 @@ fn impossible_fibres_are_told_with_their_place() {
             "$.mesh.specimen.fibres[0]",
             "path",
         ),
+        (set(path, r#"[{"straight": 9}, {"arc": {"radius": 1}}]"#), "$.mesh.specimen.fibres[0].path", "by_deg"),
+        (set(path, r#"{"type": "hooked", "hook": [2, 3], "bends": 3}"#), "$.mesh.specimen.fibres[0].path", "as many"),
+        (set(path, r#"{"type": "hooked", "hook": [0.2, 3]}"#), "$.mesh.specimen.fibres[0].path", "room"),
+        (set(path, r#"{"type": "hooked", "hook": [9, 3]}"#), "$.mesh.specimen.fibres[0].path", "shaft"),
+        (fibre("diameter", "0.0009"), "$.mesh.specimen.fibres[0].diameter", "mm"),
+        (fibre("embedded", "9000"), "$.mesh.specimen.fibres[0].embedded", "mm"),
         (
             set(path, r#"[{"wave": {"amplitude": 0.4, "length": 1.5, "n": 8}}]"#),
             "$.mesh.specimen.fibres[0].path",
@@ -1215,6 +1221,88 @@ fn impossible_fibres_are_told_with_their_place() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn lengths_in_metres_are_refused_in_every_specimen_of_a_fibre() {
+    for kind in ["perpendicular_fibre", "inclined_fibre"] {
+        let case = specimen_case(json!({ "type": kind }), &["fibre", "matrix"]);
+        for (key, value) in [("fibre_diameter", "0.0004"), ("embedded_length", "9000")] {
+            let text = problems_of(&case, &[&format!("mesh.specimen.{key}={value}")]);
+            assert!(text.contains(&format!("$.mesh.specimen.{key}")) && text.contains("mm"), "{text}");
+        }
+    }
+}
+
+/// Asserts that a value is within a part of what it must be.
+fn assert_close(value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance * expected.abs(), "{value}, not {expected}");
+}
+
+/// A 3D hook by its data sheet, and by the pieces that follow from it with a pocket calculator: tan 22.5° × 2 mm = 0.828427 mm.
+#[test]
+fn a_hooked_path_is_that_of_its_pieces_and_may_be_inclined_by_one_key() {
+    let mut case = two_fibres();
+    case["mesh"]["specimen"] = json!({ "type": "fibres", "width": 24, "depth": 24, "mesh_size": 3, "fibres": [
+        { "name": "a", "diameter": 0.9, "embedded": 15.0,
+          "path": { "type": "hooked", "hook": [2.12, 2.95], "angle_deg": 45, "bends": 2, "radius": 2.0, "free_length": 2 } } ] });
+    let cut = 2.0 * (std::f64::consts::PI / 8.0).tan();
+    let arc = 2.0 * std::f64::consts::FRAC_PI_4;
+    let [tip, aslant] = [2.12 - cut, 2.95 - 2.0 * cut];
+    let shaft = 15.0 - tip - aslant - 2.0 * arc;
+    let nodes = |path: Option<Value>, rotate: f64| {
+        let mut case = case.clone();
+        let fibre = &mut case["mesh"]["specimen"]["fibres"][0];
+        if let Some(path) = path {
+            fibre["path"] = path;
+        }
+        fibre["rotate_deg"] = json!(rotate);
+        accepted(&case, &[]).model.mesh.nodes().to_vec()
+    };
+    let same = |a: Vec<[f64; 2]>, b: Vec<[f64; 2]>| {
+        // rounding may change the order of the block's nodes
+        let nearest = |a: &[f64; 2]| b.iter().map(|b| (a[0] - b[0]).hypot(a[1] - b[1])).fold(f64::INFINITY, f64::min);
+        let apart = a.iter().map(nearest).fold(0.0, f64::max);
+        assert!(a.len() == b.len() && apart < 1e-9, "{} and {} nodes, {apart:e}", a.len(), b.len());
+    };
+    let pieces = |turns: [Value; 2], behind: Value| {
+        let mut path = vec![json!({ "straight": tip })];
+        path.extend([turns[0].clone(), json!({ "straight": aslant }), turns[1].clone()]);
+        path.extend(behind.as_array().cloned().unwrap_or_default());
+        Some(json!(path))
+    };
+    let to = |degrees: f64| json!({ "arc": { "radius": 2.0, "to_deg": degrees } });
+    let by = |degrees: f64| json!({ "arc": { "radius": 2.0, "by_deg": degrees } });
+    same(nodes(None, 0.0), nodes(pieces([to(45.0), to(0.0)], json!([{ "straight": shaft + 2.0 }])), 0.0));
+    let out = json!([{ "straight": shaft }, { "arc": { "radius": 1.35, "to_deg": 0 } }, { "straight": 2 }]);
+    let inclined = nodes(None, 30.0);
+    same(inclined.clone(), nodes(pieces([to(45.0), to(0.0)], out.clone()), 30.0));
+    same(inclined, nodes(pieces([by(45.0), by(-45.0)], out), 30.0));
+}
+
+#[test]
+fn a_layered_fibre_has_the_area_and_the_plastic_moment_of_the_round_one() {
+    let mut case = two_fibres();
+    case["parts"]["fibre"]["thickness"] = json!("layers");
+    let model = accepted(&case, &["mesh.specimen.elements_across=4"]).model;
+    let (mut area, mut moment) = (0.0, 0.0);
+    // the lowest row of the fibre at x = −2
+    let at = |node: usize| model.mesh.nodes()[node];
+    let row = model.mesh.elements().iter().filter(|element| {
+        let is_lowest = element.nodes()[..4].iter().any(|&node| (at(node)[1] + 10.6).abs() < 1e-9);
+        model.mesh.parts()[element.part()].name == "fibre.a" && is_lowest
+    });
+    for element in row {
+        let corners = &element.nodes()[..4];
+        let [low, high] =
+            [f64::min, f64::max].map(|of| corners.iter().map(|&node| at(node)[0] + 2.0).reduce(of).expect("corners"));
+        area += element.thickness() * (high - low);
+        moment += element.thickness() * 0.5 * (high * high - low * low).abs();
+    }
+    assert_close(area, std::f64::consts::FRAC_PI_4 * 0.406 * 0.406, 1e-9);
+    assert_close(moment, 0.406_f64.powi(3) / 6.0, 1e-9);
+    let text = problems_of(&case, &[]);
+    assert!(text.contains("$.parts.fibre.thickness") && text.contains("elements_across"), "{text}");
 }
 
 #[test]

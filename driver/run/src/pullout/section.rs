@@ -5,6 +5,7 @@ use super::fibre::Fibre;
 use crate::number::significant;
 use fe_core::assembly::Solids;
 use fe_core::kinematics::PlaneModel;
+use fe_core::mesh::Element;
 use std::f64::consts::PI;
 
 /// Thickness of a plane fibre over its height, the diameter, for the area of the circle.
@@ -23,16 +24,22 @@ pub fn warning(program: &PulloutProgram, solids: &Solids, work: f64) -> Option<S
     let diameter = program.fibre_diameter?;
     let index = Fibre::of(&program.model)?.part;
     let part = program.model.mesh.parts().get(index).filter(|part| part.model != PlaneModel::Axisymmetric)?;
+    // layers have the plastic moment of the circle
+    let is_layer = |element: &Element| element.part() == index && element.thickness() != part.thickness;
+    if program.model.mesh.elements().iter().any(is_layer) {
+        return None;
+    }
     let inertia = part.thickness / (EQUAL_INERTIA * diameter);
     let share = solids.part_energies().get(index)?.plastic / work.abs();
     (share > SMALL_SHARE && share.is_finite() && (inertia - 1.0).abs() > INERTIA_TOLERANCE).then(|| {
         format!(
             "fibre: its yielding takes {} % of the work, and its section has {} times the bending inertia of the round one: \
-             where it bends, that is by how much it is too stiff (parts.{}.thickness \"equal_inertia\" has 1, and {} of the area)",
+             where it bends, that is by how much it is too stiff, and it yields under {} of the round one's plastic moment \
+             (parts.{}.thickness \"layers\" with elements_across 4 has its area and plastic moment)",
             significant(100.0 * share, 2),
             significant(inertia, 3),
-            part.name,
-            significant(EQUAL_INERTIA / EQUAL_AREA, 3)
+            significant(1.5 * part.thickness / diameter, 3),
+            part.name
         )
     })
 }

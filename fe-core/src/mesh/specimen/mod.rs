@@ -96,6 +96,8 @@ pub struct PulledFibre {
     pub exit_node: usize,
     /// Node on its axis at its embedded end.
     pub tail_node: usize,
+    /// Nodes on its axis at the ends of its columns of elements, from the embedded end to the grip.
+    pub axis_nodes: Vec<usize>,
     /// Contact surfaces of its embedded end and of the end of its hole.
     pub end: ContactSurfaces,
 }

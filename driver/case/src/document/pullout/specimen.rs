@@ -232,9 +232,12 @@ pub struct Fibre {
     pub diameter: Option<Positive>,
     /// Position on the exit face at which the fibre's axis crosses it, from the middle of the block (default 0).
     pub exit: Option<f64>,
-    /// The axis from the embedded end to the grip: each piece goes on in the direction in which the one before it ends.
-    #[schemars(length(min = 1))]
-    pub path: Vec<PathPiece>,
+    /// The axis from the embedded end to the grip: pieces, each of which goes on in the direction in which the one before it ends, or a
+    /// hooked end by the numbers of a data sheet.
+    pub path: FibrePath,
+    /// Angle by which the path inside the block is turned to the right, degrees: a tilt of its first piece, and of all its to_deg (default
+    /// 0). What lies outside stays: a hooked fibre bends to the normal of the face there.
+    pub rotate_deg: Option<f64>,
     /// Length of the axis from the embedded end to the exit face (default 12.2).
     pub embedded: Option<Positive>,
     /// Diameters that differ, as a line through [distance from the embedded end, diameter]: an enlarged end (default none).
@@ -250,6 +253,50 @@ pub struct Fibre {
     /// Length of the embedded fibre that has the size of the exit (default 5 diameters, or what the steps pull out if that is
     /// more).
     pub fine_length: Option<Positive>,
+}
+
+/// The axis of a fibre.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum FibrePath {
+    /// Pieces.
+    Pieces(#[schemars(length(min = 1))] Vec<PathPiece>),
+    /// A hooked end.
+    Hooked(HookedPath),
+}
+
+/// The word "hooked".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum HookedWord {
+    /// A hooked end.
+    Hooked,
+}
+
+/// A straight shaft with a hooked end: from the shaft to the tip the axis turns by the angle, back, by the angle to the other side, and
+/// back, as far as there are pieces. The length of the shaft follows from `embedded`, the length of the axis in the block.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HookedPath {
+    /// The word "hooked".
+    #[serde(rename = "type")]
+    #[expect(dead_code, reason = "it tells this path from pieces")]
+    pub kind: HookedWord,
+    /// Lengths of the pieces of the hook from the tip to the shaft, between the corners in which their lines meet, mm: two of a 3D, three of
+    /// a 4D, four of a 5D end.
+    #[schemars(length(min = 1))]
+    pub hook: Vec<Positive>,
+    /// Angle of each bend, degrees (default 45).
+    #[schemars(range(min = 5.0, max = 90.0))]
+    pub angle_deg: Option<f64>,
+    /// Number of bends: that of the pieces, if it is given.
+    pub bends: Option<usize>,
+    /// Radius of the axis in the bends (default 2 diameters; data sheets do not give it).
+    pub radius: Option<Positive>,
+    /// Length outside the block, up to the grip (default 3, behind the bend of an inclined fibre).
+    pub free_length: Option<Positive>,
+    /// Radius of the bend of an inclined fibre outside the block (default 1.5 diameters).
+    pub bend_radius: Option<Positive>,
 }
 
 /// A piece of the axis of a fibre: one of straight, arc and wave.
@@ -274,7 +321,9 @@ pub struct ArcPiece {
     /// Radius of the axis.
     pub radius: Positive,
     /// Angle from the outward normal of the exit face where it ends, degrees.
-    pub to_deg: f64,
+    pub to_deg: Option<f64>,
+    /// The angle by which it turns the axis, degrees, positive to the right, in place of to_deg.
+    pub by_deg: Option<f64>,
 }
 
 /// Waves amplitude · (1 − cos(2π u/length)) to the left of the axis' direction.

@@ -276,6 +276,7 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
             direction,
             exit_node,
             tail_node,
+            axis_nodes: (0..divisions.along.len()).map(on_axis).collect(),
             end: ContactSurfaces {
                 name: fibre.pair("end", "tail"),
                 slave: fibre.set("hole", "end"),

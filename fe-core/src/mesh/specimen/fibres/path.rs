@@ -36,6 +36,18 @@ pub enum Segment {
 const PIECES: usize = 64;
 
 impl Segment {
+    /// Returns the arc length, mm, of a piece that begins at an angle `lean` from +y, rad.
+    pub fn length(self, lean: f64) -> f64 {
+        match self {
+            Self::Straight { length } => length,
+            Self::Arc { radius, to } => radius * (to - lean).abs(),
+            Self::Wave { amplitude, length, count } => {
+                let (table, _) = wave_table(amplitude, length, count);
+                table[table.len() - 1]
+            }
+        }
+    }
+
     /// The least radius of curvature, mm.
     pub(super) fn least_radius(self) -> f64 {
         match self {
@@ -97,13 +109,13 @@ impl Path {
         let (mut s, mut lean) = (-embedded, lean);
         let mut pieces: Vec<Piece> = Vec::new();
         for &segment in segments {
-            let (shape, length, end_lean) = match segment {
-                Segment::Straight { length } => (Shape::Line, length, lean),
-                Segment::Arc { radius, to } => (Shape::Arc(radius.copysign(to - lean)), radius * (to - lean).abs(), to),
+            let length = segment.length(lean);
+            let (shape, end_lean) = match segment {
+                Segment::Straight { .. } => (Shape::Line, lean),
+                Segment::Arc { radius, to } => (Shape::Arc(radius.copysign(to - lean)), to),
                 Segment::Wave { amplitude, length, count } => {
                     let (table, step) = wave_table(amplitude, length, count);
-                    let whole = table[table.len() - 1];
-                    (Shape::Wave { amplitude, length, table, step }, whole, lean)
+                    (Shape::Wave { amplitude, length, table, step }, lean)
                 }
             };
             if length > 0.0 {

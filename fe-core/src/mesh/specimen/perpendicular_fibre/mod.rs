@@ -180,6 +180,7 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
             direction: [0.0, 1.0],
             exit_node,
             tail_node,
+            axis_nodes: (0..=fibre.rows).map(on_axis).collect(),
             end: ContactSurfaces {
                 name: "end_tail".to_owned(),
                 slave: "hole_end".to_owned(),
