@@ -11,7 +11,7 @@
 //! Until the load has peaked no contact point's slip may grow by more than the law's elastic limit or half of its
 //! largest slip so far in one increment, and the peak itself is bisected, so that neither depends on the sizes asked for.
 
-use super::newton::{Committed, Converged, Leader, Target};
+use super::newton::{Committed, Converged, Leader, Target, hardest_round};
 use super::recorded::Way;
 use super::size::{EASY, GROWTH, IncrementSize};
 use crate::assembly::Trouble;
@@ -275,7 +275,7 @@ impl StepRun {
         self.jumps_refused = 0;
         self.energy_refused = 0;
         self.missed = None;
-        let iterations = converged.iterations.len();
+        let iterations = hardest_round(&converged.iterations);
         self.failures = 0;
         self.changes = 0;
         let slip = converged.end.mean_slip - start.mean_slip;

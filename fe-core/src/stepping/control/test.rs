@@ -3,6 +3,7 @@
 use super::judgement::repeat;
 use super::*;
 use crate::model::{PluginLaw, StepControl};
+use crate::stepping::newton::Iteration;
 use crate::stepping::test::strip;
 
 impl StepRun {
@@ -234,4 +235,28 @@ fn overstress_leaves_increments_less_the_more_is_spent() {
     }
     assert!((0.005..STABILISATION_BUDGET).contains(&spent), "{spent}");
     assert!(refused * 10 < accepted, "{refused} of {accepted}");
+}
+
+/// Contact that settles needs the same few iterations after each update of its multipliers, however small the increment is: increments
+/// that were judged by the sum of them shrank to the least that a step allows.
+#[test]
+fn an_increment_is_as_hard_as_its_hardest_round() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
+    let control = StepControl::Automatic { initial: 0.01, maximum: 0.1, minimum: 1e-9 };
+    let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
+    let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
+    let findings = Findings { load: 10.0, ..Findings::default() };
+    let after = |rounds: usize, each: usize| {
+        let begins = |k: usize| Iteration { begins_round: k.is_multiple_of(each), ..Iteration::default() };
+        let iterations: Vec<Iteration> = (0..rounds * each).map(begins).collect();
+        let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
+        for _ in 0..2 {
+            run.target();
+            let converged = Converged { iterations: iterations.clone(), ..Converged::default() };
+            run.accept(&Committed::default(), &converged, findings, load);
+        }
+        run.size.next(1.0)
+    };
+    assert_eq!(after(5, 4), after(1, 4));
+    assert!(after(5, 4) > 0.01 && after(1, 20) < 0.01);
 }

@@ -12,6 +12,12 @@ const LEAST_RELATIVE_MOVE: f64 = 1e-2;
 /// An iteration has diverged when its residual has grown this often in a row, after as many iterations.
 const DIVERGENCE: usize = 4;
 
+/// Returns how many iterations the round that took most of them has: how hard an increment was. The rounds in which contact settles say
+/// nothing of its size, which would shrink without end where each increment needs some of them.
+pub(in crate::stepping) fn hardest_round(iterations: &[Iteration]) -> usize {
+    iterations.chunk_by(|_, next| !next.begins_round).map(<[Iteration]>::len).max().unwrap_or(0)
+}
+
 impl Equilibrium<'_> {
     /// Iterates by Newton's method from the present evaluation until the residual is small.
     pub(super) fn newton(&mut self, attempt: &mut Attempt<'_>) -> Result<(), Trouble> {

@@ -23,6 +23,7 @@ mod turn;
 
 pub(super) use beside::{Guide, Round};
 pub use flips::Flips;
+pub(super) use iteration::hardest_round;
 pub(super) use state::EquilibriumState;
 pub(super) use turn::Turn;
 
@@ -288,7 +289,7 @@ impl<'m> Equilibrium<'m> {
                 }
                 self.memory.statistics.settlements += 1;
             } else {
-                self.memory.last_iterations = attempt.iterations.len();
+                self.memory.last_iterations = hardest_round(&attempt.iterations);
                 self.prepare_next(&attempt)?;
                 if self.far_field_holds(&mut attempt)? {
                     break;

@@ -31,7 +31,7 @@ pub(in crate::stepping) struct Memory {
     pub(super) has_tangents: bool,
     /// Factor by which the last correction multiplied the residual.
     pub(super) last_reduction: f64,
-    /// Iterations of the last increment.
+    /// Iterations of the hardest round of the last increment.
     pub(super) last_iterations: usize,
     /// Whether the last evaluation is of the committed state, with the tangents that led there.
     pub(super) at_committed_state: bool,
