@@ -24,14 +24,19 @@ myst_dmath_double_inline = False
 
 # notebooks/: run where the package is installed; what goes wrong in one is an error of the book
 is_there = importlib.util.find_spec("pullout_fe") is not None
+has_dolfinx = importlib.util.find_spec("dolfinx") is not None
 nb_execution_mode = "force" if is_there else "off"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_merge_streams = True
 if not is_there:
+    print("pullout_fe is not installed in this environment: notebooks/ is shown without results")
+elif not has_dolfinx:
+    nb_execution_excludepatterns = ["notebooks/dolfinx.md"]
+    print("dolfinx is not installed in this environment (it needs Python 3.12 or later on x86_64): notebooks/dolfinx.md is shown without results")
+if not (is_there and has_dolfinx):
     # a cell that is not run does not say its language
     suppress_warnings = ["myst-nb.lexer"]
-    print("pullout_fe is not installed in this environment: notebooks/ is shown without results")
 
 # outputs and formulas are not for copying
 copybutton_selector = "div:not(.highlight-text):not(.output) > div.highlight pre"
