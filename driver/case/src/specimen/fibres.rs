@@ -207,7 +207,7 @@ pub(super) fn fibres(
 
 fn wrong(fibre: Option<usize>, name: &'static str, value: String, requirement: String) -> SpecimenError {
     SpecimenError::Parameters {
-        problems: vec![ParameterProblem { fibre, name, value, requirement: requirement.into() }],
+        problems: vec![ParameterProblem { fibre, name, value, requirement }],
     }
 }
 
