@@ -23,13 +23,6 @@ Free = Union[str, "tuple[str, str]"]
 
 #: relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium
 STEP = 1e-6
-#: values of the grid so little outside a run, as a part of their distance from its beginning, are at its end
-ROUNDING = 1e-9
-#: values that fall back by no more than this part of their range may be scatter, also if the run has no such loop; by more, they turn
-#: back. Turns of a grid and of a run this far apart are not the same
-SCATTER = 0.05
-#: parts of the range of values by which they turn back, for loops of which the run has the same ones
-THRESHOLDS = (0.001, 0.002, 0.005, 0.01, 0.02, SCATTER)
 #: a parameter so near to a bound, as a part of the distance of the bounds, lies on it
 ON_BOUND = 1e-6
 
@@ -171,7 +164,7 @@ class Model:
         if self.grid is None:
             self._length = len(values)
             return np.array(values), made
-        return _on_grid(along, values, self.grid), made
+        return _on_grid(self.curve[0], along, values, self.grid), made
 
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
         """The curves of rows of parameters: in threads, or by an executor of yours."""
@@ -247,14 +240,8 @@ class Model:
         made = self._run(x)[1]
         if made is None or self.grid is None:
             return "there is no curve at the parameters to start from: their run fails"
-        name, along = self.curve[0], made.history[self.curve[0]]
-        wanted, begin = float(self.grid[point]), float(along[0])
-        end = float(along[np.nanargmax(np.abs(along - begin))])
-        if min(begin, end) <= wanted <= max(begin, end):
-            return f"they turn back before {name} {wanted:g} (point {point + 1}), the run does not"
-        if (wanted - begin) * (end - begin) < 0.0:
-            return f"the run begins at {name} {begin:g}, the data also have {wanted:g}"
-        return f"the run ends at {name} {end:g}, the data go on to {wanted:g}"
+        words = _core.off_grid(self.curve[0], made.history[self.curve[0]], self.grid, point)
+        return words or "the curve is NaN at the parameters to start from"
 
     def fit(self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, *, starts: int = 1, **options: Any) -> Fit:
         """The parameters that fit data best, by ``scipy.optimize.least_squares`` (``options`` are its own).
@@ -350,34 +337,11 @@ class Model:
         )
 
 
-def _on_grid(along: Array, values: Array, grid: Array) -> Array:
+def _on_grid(name: str, along: Array, values: Array, grid: Array) -> Array:
     """The second column of a run on the values of the first, branch by branch where these turn back."""
-    turns, of_run = _same_turns(grid, along)
-    if not turns:
-        return _on_branch(along, values, grid)
-    found = np.full(len(grid), np.nan)
-    first, start = 0, 0
-    for number in range(min(len(turns), len(of_run)) + 1):
-        # a turn ends one branch and begins the next
-        end = turns[number] + 1 if number < len(turns) else len(grid)
-        stop = of_run[number] + 1 if number < len(of_run) else len(along)
-        found[first:end] = _on_branch(along[start:stop], values[start:stop], grid[first:end])
-        first, start = end, stop - 1
-    return found
-
-
-def _on_branch(along: Array, values: Array, grid: Array) -> Array:
-    """At the first passage on the way to the farthest value: a snap-back goes back along the first column."""
-    ways = grid - along[0]
-    way = float(ways[np.nanargmax(np.abs(ways))])
-    direction = -1.0 if way < 0.0 else 1.0
-    along = direction * along
-    first = np.concatenate([[True], along[1:] > np.maximum.accumulate(along)[:-1]])
-    passed = along[first]
-    # what was rounded is at the ends
-    wanted, rounding = direction * grid, ROUNDING * abs(way)
-    is_inside = (wanted >= passed[0] - rounding) & (wanted <= passed[-1] + rounding)
-    found: Array = np.where(is_inside, np.interp(wanted, passed, values[first]), np.nan)
+    found, warning = _core.on_grid(name, along, values, grid)
+    if warning is not None:
+        warnings.warn(warning, stacklevel=2)
     return found
 
 
@@ -390,52 +354,6 @@ def _in_threads(work: Callable[..., Array | None], *rows: Iterable[Any], stop: _
             # threads hear of no Ctrl-C, and their other runs are for nothing
             stop.set()
             raise
-
-
-def _same_turns(grid: Array, along: Array) -> tuple[list[int], list[int]]:
-    """The turns of a grid and of a run: those that both have by the smallest threshold that shows the same ones, else by the greatest."""
-    spread = float(np.ptp(grid[np.isfinite(grid)])) if np.isfinite(grid).any() else 0.0
-    of_grid = [_turns(grid, part * spread) for part in THRESHOLDS]
-    if not any(of_grid):
-        return [], []
-    of_run = [_turns(along, part * spread) for part in THRESHOLDS]
-    chosen = len(THRESHOLDS) - 1
-    for k, (turns, others) in enumerate(zip(of_grid, of_run)):
-        if len(turns) != len(others):
-            continue
-        # to where it turned off, the run may go back further than the grid
-        ahead = grid[turns] - along[others]
-        ahead[::2] = np.abs(ahead[::2])
-        ahead[1::2] *= np.sign(along[others[1::2]] - along[others[: len(others) - 1 : 2]])
-        if np.all(ahead <= SCATTER * spread):
-            chosen = k
-            break
-    back = [part for part, turns in zip(THRESHOLDS, of_grid) if len(turns) > len(of_grid[chosen])]
-    if back:
-        warnings.warn(
-            f"the grid goes back by more than {100.0 * back[-1]:g} % of its range where the run does not: it is taken for scatter, and no "
-            "branch of a loop",
-            stacklevel=2,
-        )
-    return of_grid[chosen], of_run[chosen]
-
-
-def _turns(values: Array, threshold: float) -> list[int]:
-    """Where values turn back by more than a threshold: the last of each branch but the last one."""
-    found: list[int] = []
-    direction, least, greatest = 0, 0, 0
-    for k, value in enumerate(values):
-        if not np.isfinite(value):
-            continue
-        least = k if not value > values[least] else least
-        greatest = k if not value < values[greatest] else greatest
-        if value < values[greatest] - threshold and direction >= 0:
-            found += [greatest] if direction else []
-            direction, least, greatest = -1, k, k
-        elif value > values[least] + threshold and direction <= 0:
-            found += [least] if direction else []
-            direction, least, greatest = 1, k, k
-    return found
 
 
 def _covariance(jacobian: Array, values: Array, scatter: float) -> tuple[Array, NDArray[np.bool_]]:
