@@ -113,6 +113,8 @@ fn on_branch([x, y]: [&[f64]; 2], grid: &[f64], is_turn: [bool; 2]) -> Vec<Resul
         let x = direction * value;
         let right = points.partition_point(|point| point[0] < x);
         match (right.checked_sub(1).map(|left| points[left]), points.get(right)) {
+            // without what the division rounds
+            (_, Some(b)) if b[0] == x => Ok(b[1]),
             (Some(a), Some(b)) => Ok(a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])),
             (None, Some(first)) if first[0] - x <= rounding => Ok(first[1]),
             (Some(last), None) if x - last[0] <= rounding => Ok(last[1]),
