@@ -363,7 +363,7 @@ class Model(_Fitted):
 class Models(_Fitted):
     """Models of several tests that share parameters: those of the same name are the same number.
 
-    The curve is those of the models, one behind the other, and data and deviations of :meth:`fit` have the same order:
+    The curves of the models are joined in their order, as are data and deviations of :meth:`fit`:
     ``Models([a, b]).fit(np.concatenate([data_a, data_b]), sigma=np.concatenate([sigma_a, sigma_b]))``. The deviations say what a
     test counts beside another. Of bounds that differ the narrower ones hold; each start is that of the first model that has one.
     """
@@ -401,7 +401,7 @@ class Models(_Fitted):
         return [(model, own, values[own]) for model, own in zip(self.models, self._places)]
 
     def __call__(self, x: ArrayLike) -> Array:
-        """The curves of these parameters, one behind the other."""
+        """The curves of these parameters, joined in the order of the models."""
         return np.concatenate([model(values) for model, _, values in self._of(x)])
 
     def jac(self, x: ArrayLike) -> Array:
