@@ -19,7 +19,7 @@ from .errors import (
     UpdateFailed,
 )
 from .law import Heat, Law, Parameter, State, Update, plugins
-from .model import Fit, Model
+from .model import Fit, Model, Models
 from .fields import Mesh
 from .run import Failure, History, Peak, Run, View, point, ramp, read, run, table
 from .sweep import Sweep, sweep
@@ -34,6 +34,7 @@ __all__ = [
     "Law",
     "Mesh",
     "Model",
+    "Models",
     "Parameter",
     "Peak",
     "PluginCrashed",

@@ -15,7 +15,7 @@ from .case import Case, CaseLike, array_of, whole
 from .errors import CaseError, PulloutError, RunFailed, Stopped
 from .run import Run, run
 
-__all__ = ["Fit", "Model"]
+__all__ = ["Fit", "Model", "Models"]
 
 Array = NDArray[np.float64]
 #: where a parameter stands in the case, and "log" where its logarithm is what varies
@@ -23,13 +23,6 @@ Free = Union[str, "tuple[str, str]"]
 
 #: relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium
 STEP = 1e-6
-#: values of the grid so little outside a run, as a part of their distance from its beginning, are at its end
-ROUNDING = 1e-9
-#: values that fall back by no more than this part of their range may be scatter, also if the run has no such loop; by more, they turn
-#: back. Turns of a grid and of a run this far apart are not the same
-SCATTER = 0.05
-#: parts of the range of values by which they turn back, for loops of which the run has the same ones
-THRESHOLDS = (0.001, 0.002, 0.005, 0.01, 0.02, SCATTER)
 #: a parameter so near to a bound, as a part of the distance of the bounds, lies on it
 ON_BOUND = 1e-6
 
@@ -56,7 +49,131 @@ class Fit(NamedTuple):
         return dict(zip(self.values, np.sqrt(np.diag(self.covariance)).tolist()))
 
 
-class Model:
+class _Fitted:
+    """Parameters and a curve that fits move."""
+
+    #: names of the parameters
+    names: list[str]
+    #: parameters to start from; NaN where no case says them
+    x0: Array
+    bounds: list[tuple[float, float]]
+    _is_log: NDArray[np.bool_]
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """The curve of these parameters."""
+        raise NotImplementedError
+
+    def jac(self, x: ArrayLike) -> Array:
+        """Derivatives of the curve (rows) by the parameters (columns)."""
+        raise NotImplementedError
+
+    def _outside(self, x: Array, point: int) -> str:
+        """Why the run of these parameters has no value at a point of the data."""
+        raise NotImplementedError
+
+    def residual(self, x: ArrayLike, data: ArrayLike, sigma: ArrayLike = 1.0) -> Array:
+        """Curve less data, in standard deviations; 0 where the data are NaN."""
+        target, curve = np.atleast_1d(array_of(data, "data")), self(x)
+        if target.shape != curve.shape:
+            raise CaseError([("data", f"have the shape {target.shape}, the curve has {curve.shape}")])
+        difference = (curve - target) / array_of(sigma, "sigma")
+        return np.where(np.isnan(target), 0.0, difference)
+
+    def fit(self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, *, starts: int = 1, **options: Any) -> Fit:
+        """The parameters that fit data best, by ``scipy.optimize.least_squares`` (``options`` are its own).
+
+        ``starts``: places to search from, ``x0`` and others between the ``bounds``, those of ``pullout fit``; the best end counts.
+
+        The covariance is that of errors of ``sigma`` each; without it, of errors as large as the differences that are left, as
+        ``pullout fit`` has it.
+        """
+        from scipy.optimize import least_squares
+
+        start = self.x0 if x0 is None else array_of(x0, "x0")
+        if start.shape != self.x0.shape:
+            raise CaseError([("x0", f"has the shape {start.shape}, {self.x0.shape} is needed")])
+        if not np.all(np.isfinite(start)):
+            missing = [name for name, value in zip(self.names, start) if not np.isfinite(value)]
+            raise CaseError(f"the case does not say {', '.join(missing)}: give x0")
+        starts = whole(starts, "starts")
+        logarithmic = self._is_log
+        target = array_of(data, "data")
+        deviations = array_of(1.0 if sigma is None else sigma, "sigma")
+        if np.isinf(target).any() or np.isnan(target).all():
+            raise CaseError([("data", "has no finite number" if np.isnan(target).all() else "is infinite: NaN is what is not known")])
+        if not np.all(np.isfinite(deviations) & (deviations > 0.0)):
+            raise CaseError([("sigma", "is a finite number > 0, or one for each point")])
+        weight = np.where(np.isnan(target), 0.0, 1.0) / deviations
+        freedom = int(np.count_nonzero(~np.isnan(target))) - len(self.names)
+        if sigma is None and freedom < 1:
+            raise CaseError(f"{freedom + len(self.names)} points tell no errors of {len(self.names)} parameters: give sigma")
+
+        def outer(z: Array) -> Array:
+            return np.where(logarithmic, np.exp(np.where(logarithmic, z, 0.0)), z)
+
+        def inner(x: Array) -> Array:
+            return np.where(logarithmic, np.log(np.where(logarithmic, x, 1.0)), x)
+
+        def derivatives(z: Array) -> Array:
+            x = outer(z)
+            matrix: Array = self.jac(x) * weight[:, None] * np.where(logarithmic, x, 1.0)
+            return matrix
+
+        runs = 0
+
+        def residual(z: Array) -> Array:
+            nonlocal runs
+            runs += 1
+            found = self.residual(outer(z), target, deviations)
+            if runs == 1 and np.isnan(found).any():
+                raise CaseError([("data", self._outside(start, int(np.argmax(np.isnan(found)))))])
+            return found
+
+        lower, upper = (np.array([bound[side] for bound in self.bounds], dtype=float) for side in (0, 1))
+        with np.errstate(divide="ignore"):
+            # of what is positive
+            limits = [inner(np.where(logarithmic, np.maximum(lower, 0.0), lower)), inner(upper)]
+        unbounded = [name for name, bound in zip(self.names, self.bounds) if not np.all(np.isfinite(bound))]
+        if starts > 1 and unbounded:
+            raise CaseError([("starts", f"lie between bounds: give those of {', '.join(unbounded)}")])
+
+        def search(begin: Array) -> Any:
+            return least_squares(residual, inner(begin), derivatives, bounds=(limits[0], limits[1]), x_scale="jac", **options)
+
+        found = search(start)
+        of_derivatives = int(found.njev or 0)
+        for number in range(1, starts):
+            begin = np.array(_core.place_between(np.transpose([outer(limit) for limit in limits]).tolist(), number))
+            try:
+                other = search(begin)
+            except (PulloutError, ValueError):
+                # the case does not run there
+                continue
+            of_derivatives += int(other.njev or 0)
+            found = min(found, other, key=lambda end: float(end.cost))
+        values = outer(found.x)
+        jacobian = np.asarray(found.jac) / np.where(logarithmic, values, 1.0)
+        scatter = 1.0 if sigma is not None else float(np.sqrt(2.0 * found.cost / freedom))
+        covariance, unknown = _covariance(jacobian, values, scatter)
+        errors = np.sqrt(np.diag(covariance))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            correlations = covariance / np.outer(errors, errors)
+        on_bound = {}
+        for name, value, (low, high) in zip(self.names, values.tolist(), self.bounds):
+            near = ON_BOUND * (high - low if np.isfinite(high - low) else abs(value))
+            on_bound.update({name: float(bound) for bound in (low, high) if abs(bound - value) <= near})
+        return Fit(
+            dict(zip(self.names, values.tolist())),
+            covariance,
+            correlations,
+            [name for name, is_unknown in zip(self.names, unknown) if is_unknown],
+            float(found.cost),
+            runs + of_derivatives * (1 + len(self.names)),
+            on_bound,
+        )
+
+
+class Model(_Fitted):
     """A case as a function of some numbers in it.
 
     ``parameters``: names, each with its place in the case (``"material.props.E"``), or a pair of the place and ``"log"``: then
@@ -171,7 +288,7 @@ class Model:
         if self.grid is None:
             self._length = len(values)
             return np.array(values), made
-        return _on_grid(along, values, self.grid), made
+        return _on_grid(self.curve[0], along, values, self.grid), made
 
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
         """The curves of rows of parameters: in threads, or by an executor of yours."""
@@ -234,150 +351,82 @@ class Model:
         derivatives: Array = ((curves - base) / (np.diag(moved) - start)[:, None]).T
         return derivatives
 
-    def residual(self, x: ArrayLike, data: ArrayLike, sigma: ArrayLike = 1.0) -> Array:
-        """Curve less data, in standard deviations; 0 where the data are NaN."""
-        target, curve = np.atleast_1d(array_of(data, "data")), self(x)
-        if target.shape != curve.shape:
-            raise CaseError([("data", f"have the shape {target.shape}, the curve has {curve.shape}")])
-        difference = (curve - target) / array_of(sigma, "sigma")
-        return np.where(np.isnan(target), 0.0, difference)
-
     def _outside(self, x: Array, point: int) -> str:
         """Why the run of these parameters has no value at a point of the data."""
         made = self._run(x)[1]
         if made is None or self.grid is None:
             return "there is no curve at the parameters to start from: their run fails"
-        name, along = self.curve[0], made.history[self.curve[0]]
-        wanted, begin = float(self.grid[point]), float(along[0])
-        end = float(along[np.nanargmax(np.abs(along - begin))])
-        if min(begin, end) <= wanted <= max(begin, end):
-            return f"they turn back before {name} {wanted:g} (point {point + 1}), the run does not"
-        if (wanted - begin) * (end - begin) < 0.0:
-            return f"the run begins at {name} {begin:g}, the data also have {wanted:g}"
-        return f"the run ends at {name} {end:g}, the data go on to {wanted:g}"
-
-    def fit(self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, *, starts: int = 1, **options: Any) -> Fit:
-        """The parameters that fit data best, by ``scipy.optimize.least_squares`` (``options`` are its own).
-
-        ``starts``: places to search from, ``x0`` and others between the ``bounds``, those of ``pullout fit``; the best end counts.
-
-        The covariance is that of errors of ``sigma`` each; without it, of errors as large as the differences that are left, as
-        ``pullout fit`` has it.
-        """
-        from scipy.optimize import least_squares
-
-        start = self.x0 if x0 is None else array_of(x0, "x0")
-        if start.shape != self.x0.shape:
-            raise CaseError([("x0", f"has the shape {start.shape}, {self.x0.shape} is needed")])
-        if not np.all(np.isfinite(start)):
-            missing = [name for name, value in zip(self.names, start) if not np.isfinite(value)]
-            raise CaseError(f"the case does not say {', '.join(missing)}: give x0")
-        starts = whole(starts, "starts")
-        logarithmic = self._is_log
-        target = array_of(data, "data")
-        deviations = array_of(1.0 if sigma is None else sigma, "sigma")
-        if np.isinf(target).any() or np.isnan(target).all():
-            raise CaseError([("data", "has no finite number" if np.isnan(target).all() else "is infinite: NaN is what is not known")])
-        if not np.all(np.isfinite(deviations) & (deviations > 0.0)):
-            raise CaseError([("sigma", "is a finite number > 0, or one for each point")])
-        weight = np.where(np.isnan(target), 0.0, 1.0) / deviations
-        freedom = int(np.count_nonzero(~np.isnan(target))) - len(self.names)
-        if sigma is None and freedom < 1:
-            raise CaseError(f"{freedom + len(self.names)} points tell no errors of {len(self.names)} parameters: give sigma")
-
-        def outer(z: Array) -> Array:
-            return np.where(logarithmic, np.exp(np.where(logarithmic, z, 0.0)), z)
-
-        def inner(x: Array) -> Array:
-            return np.where(logarithmic, np.log(np.where(logarithmic, x, 1.0)), x)
-
-        def derivatives(z: Array) -> Array:
-            x = outer(z)
-            matrix: Array = self.jac(x) * weight[:, None] * np.where(logarithmic, x, 1.0)
-            return matrix
-
-        runs = 0
-
-        def residual(z: Array) -> Array:
-            nonlocal runs
-            runs += 1
-            found = self.residual(outer(z), target, deviations)
-            if runs == 1 and np.isnan(found).any():
-                raise CaseError([("data", self._outside(start, int(np.argmax(np.isnan(found)))))])
-            return found
-
-        lower, upper = (np.array([bound[side] for bound in self.bounds], dtype=float) for side in (0, 1))
-        with np.errstate(divide="ignore"):
-            # of what is positive
-            limits = [inner(np.where(logarithmic, np.maximum(lower, 0.0), lower)), inner(upper)]
-        unbounded = [name for name, bound in zip(self.names, self.bounds) if not np.all(np.isfinite(bound))]
-        if starts > 1 and unbounded:
-            raise CaseError([("starts", f"lie between bounds: give those of {', '.join(unbounded)}")])
-
-        def search(begin: Array) -> Any:
-            return least_squares(residual, inner(begin), derivatives, bounds=(limits[0], limits[1]), x_scale="jac", **options)
-
-        found = search(start)
-        of_derivatives = int(found.njev or 0)
-        for number in range(1, starts):
-            begin = np.array(_core.place_between(np.transpose([outer(limit) for limit in limits]).tolist(), number))
-            try:
-                other = search(begin)
-            except (PulloutError, ValueError):
-                # the case does not run there
-                continue
-            of_derivatives += int(other.njev or 0)
-            found = min(found, other, key=lambda end: float(end.cost))
-        values = outer(found.x)
-        jacobian = np.asarray(found.jac) / np.where(logarithmic, values, 1.0)
-        scatter = 1.0 if sigma is not None else float(np.sqrt(2.0 * found.cost / freedom))
-        covariance, unknown = _covariance(jacobian, values, scatter)
-        errors = np.sqrt(np.diag(covariance))
-        with np.errstate(invalid="ignore", divide="ignore"):
-            correlations = covariance / np.outer(errors, errors)
-        on_bound = {}
-        for name, value, (low, high) in zip(self.names, values.tolist(), self.bounds):
-            near = ON_BOUND * (high - low if np.isfinite(high - low) else abs(value))
-            on_bound.update({name: float(bound) for bound in (low, high) if abs(bound - value) <= near})
-        return Fit(
-            dict(zip(self.names, values.tolist())),
-            covariance,
-            correlations,
-            [name for name, is_unknown in zip(self.names, unknown) if is_unknown],
-            float(found.cost),
-            runs + of_derivatives * (1 + len(self.names)),
-            on_bound,
-        )
+        words = _core.off_grid(self.curve[0], made.history[self.curve[0]], self.grid, point)
+        return words or "the curve is NaN at the parameters to start from"
 
 
-def _on_grid(along: Array, values: Array, grid: Array) -> Array:
+class Models(_Fitted):
+    """Models of several tests that share parameters: those of the same name are the same number.
+
+    The curves of the models are joined in their order, as are data and deviations of :meth:`fit`:
+    ``Models([a, b]).fit(np.concatenate([data_a, data_b]), sigma=np.concatenate([sigma_a, sigma_b]))``. The deviations say what a
+    test counts beside another. Of bounds that differ the narrower ones hold; each start is that of the first model that has one.
+    """
+
+    def __init__(self, models: Iterable[Model]) -> None:
+        self.models = list(models)
+        self.names = list(dict.fromkeys(name for model in self.models for name in model.names))
+        places = {name: k for k, name in enumerate(self.names)}
+        #: where the parameters of each model stand among all
+        self._places = [np.array([places[name] for name in model.names], dtype=int) for model in self.models]
+        self.x0 = np.full(len(self.names), np.nan)
+        self._is_log = np.zeros(len(self.names), dtype=bool)
+        self.bounds = [(-np.inf, np.inf)] * len(self.names)
+        problems = [] if self.models else [("models", "are none")]
+        for number, (model, own) in enumerate(zip(self.models, self._places)):
+            for k, start, is_log, bound in zip(own.tolist(), model.x0.tolist(), model._is_log.tolist(), model.bounds):
+                name, place = self.names[k], f"models[{number}].parameters[{self.names[k]!r}]"
+                is_new = not any(name in other.names for other in self.models[:number])
+                if not is_new and is_log != self._is_log[k]:
+                    problems.append((place, "is a logarithm in some models only"))
+                self._is_log[k] = is_log
+                self.x0[k] = start if np.isnan(self.x0[k]) else self.x0[k]
+                low, high = max(bound[0], self.bounds[k][0]), min(bound[1], self.bounds[k][1])
+                if not low < high:
+                    problems.append((place, f"{low} is not below {high}: its bounds exclude those of the models before"))
+                self.bounds[k] = (low, high)
+        if problems:
+            raise CaseError(problems)
+
+    def _of(self, x: ArrayLike) -> Iterable[tuple[Model, NDArray[np.int_], Array]]:
+        """The models, where their parameters stand, and their values."""
+        values = np.atleast_1d(array_of(x, "x"))
+        if values.shape != (len(self.names),):
+            raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
+        return [(model, own, values[own]) for model, own in zip(self.models, self._places)]
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """The curves of these parameters, joined in the order of the models."""
+        return np.concatenate([model(values) for model, _, values in self._of(x)])
+
+    def jac(self, x: ArrayLike) -> Array:
+        """Derivatives of the curves (rows) by the parameters (columns); see :meth:`Model.jac`."""
+        blocks = []
+        for model, own, values in self._of(x):
+            of_model = model.jac(values)
+            block = np.zeros((len(of_model), len(self.names)))
+            block[:, own] = of_model
+            blocks.append(block)
+        return np.concatenate(blocks)
+
+    def _outside(self, x: Array, point: int) -> str:
+        for model, _, values in self._of(x):
+            length = len(model(values))
+            if point < length:
+                return model._outside(values, point)
+            point -= length
+        return "there is no such point"
+
+def _on_grid(name: str, along: Array, values: Array, grid: Array) -> Array:
     """The second column of a run on the values of the first, branch by branch where these turn back."""
-    turns, of_run = _same_turns(grid, along)
-    if not turns:
-        return _on_branch(along, values, grid)
-    found = np.full(len(grid), np.nan)
-    first, start = 0, 0
-    for number in range(min(len(turns), len(of_run)) + 1):
-        # a turn ends one branch and begins the next
-        end = turns[number] + 1 if number < len(turns) else len(grid)
-        stop = of_run[number] + 1 if number < len(of_run) else len(along)
-        found[first:end] = _on_branch(along[start:stop], values[start:stop], grid[first:end])
-        first, start = end, stop - 1
-    return found
-
-
-def _on_branch(along: Array, values: Array, grid: Array) -> Array:
-    """At the first passage on the way to the farthest value: a snap-back goes back along the first column."""
-    ways = grid - along[0]
-    way = float(ways[np.nanargmax(np.abs(ways))])
-    direction = -1.0 if way < 0.0 else 1.0
-    along = direction * along
-    first = np.concatenate([[True], along[1:] > np.maximum.accumulate(along)[:-1]])
-    passed = along[first]
-    # what was rounded is at the ends
-    wanted, rounding = direction * grid, ROUNDING * abs(way)
-    is_inside = (wanted >= passed[0] - rounding) & (wanted <= passed[-1] + rounding)
-    found: Array = np.where(is_inside, np.interp(wanted, passed, values[first]), np.nan)
+    found, warning = _core.on_grid(name, along, values, grid)
+    if warning is not None:
+        warnings.warn(warning, stacklevel=2)
     return found
 
 
@@ -390,52 +439,6 @@ def _in_threads(work: Callable[..., Array | None], *rows: Iterable[Any], stop: _
             # threads hear of no Ctrl-C, and their other runs are for nothing
             stop.set()
             raise
-
-
-def _same_turns(grid: Array, along: Array) -> tuple[list[int], list[int]]:
-    """The turns of a grid and of a run: those that both have by the smallest threshold that shows the same ones, else by the greatest."""
-    spread = float(np.ptp(grid[np.isfinite(grid)])) if np.isfinite(grid).any() else 0.0
-    of_grid = [_turns(grid, part * spread) for part in THRESHOLDS]
-    if not any(of_grid):
-        return [], []
-    of_run = [_turns(along, part * spread) for part in THRESHOLDS]
-    chosen = len(THRESHOLDS) - 1
-    for k, (turns, others) in enumerate(zip(of_grid, of_run)):
-        if len(turns) != len(others):
-            continue
-        # to where it turned off, the run may go back further than the grid
-        ahead = grid[turns] - along[others]
-        ahead[::2] = np.abs(ahead[::2])
-        ahead[1::2] *= np.sign(along[others[1::2]] - along[others[: len(others) - 1 : 2]])
-        if np.all(ahead <= SCATTER * spread):
-            chosen = k
-            break
-    back = [part for part, turns in zip(THRESHOLDS, of_grid) if len(turns) > len(of_grid[chosen])]
-    if back:
-        warnings.warn(
-            f"the grid goes back by more than {100.0 * back[-1]:g} % of its range where the run does not: it is taken for scatter, and no "
-            "branch of a loop",
-            stacklevel=2,
-        )
-    return of_grid[chosen], of_run[chosen]
-
-
-def _turns(values: Array, threshold: float) -> list[int]:
-    """Where values turn back by more than a threshold: the last of each branch but the last one."""
-    found: list[int] = []
-    direction, least, greatest = 0, 0, 0
-    for k, value in enumerate(values):
-        if not np.isfinite(value):
-            continue
-        least = k if not value > values[least] else least
-        greatest = k if not value < values[greatest] else greatest
-        if value < values[greatest] - threshold and direction >= 0:
-            found += [greatest] if direction else []
-            direction, least, greatest = -1, k, k
-        elif value > values[least] + threshold and direction <= 0:
-            found += [least] if direction else []
-            direction, least, greatest = 1, k, k
-    return found
 
 
 def _covariance(jacobian: Array, values: Array, scatter: float) -> tuple[Array, NDArray[np.bool_]]:

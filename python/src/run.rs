@@ -1,9 +1,10 @@
 //! Runs of cases.
 
 use crate::errors::{Exception, case_error, of_panic, without_panic};
-use numpy::{IntoPyArray, PyArray1};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pullout_case::CaseErrors;
 use pullout_engine::{Along, Error, Outcome, Settings, Source};
+use pullout_report::compare::OnGrid;
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
 use pyo3::prelude::*;
@@ -130,6 +131,34 @@ pub fn dotted(path: &str) -> String {
 #[pyfunction]
 pub fn place_between(bounds: Vec<[f64; 2]>, number: usize) -> Vec<f64> {
     pullout_fit::place_between(&bounds, number)
+}
+
+/// A curve on a grid, NaN where the run has no value, and what is to be said of turns of the grid; `name` is its first column.
+#[pyfunction]
+pub fn on_grid<'py>(
+    py: Python<'py>,
+    name: &str,
+    x: PyReadonlyArray1<'py, f64>,
+    y: PyReadonlyArray1<'py, f64>,
+    grid: PyReadonlyArray1<'py, f64>,
+) -> (Bound<'py, PyArray1<f64>>, Option<String>) {
+    let [x, y, grid] = [x, y, grid].map(|values| values.as_array().to_vec());
+    let OnGrid { values, turns } = OnGrid::of([&x, &y], &grid);
+    let values: Vec<f64> = values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+    (values.into_pyarray(py), turns.words(name))
+}
+
+/// Says why a run has no value at a point of a grid, if it has none.
+#[pyfunction]
+pub fn off_grid(
+    name: &str,
+    x: PyReadonlyArray1<'_, f64>,
+    grid: PyReadonlyArray1<'_, f64>,
+    point: usize,
+) -> Option<String> {
+    let [x, grid] = [x, grid].map(|values| values.as_array().to_vec());
+    let found = OnGrid::of([&x, &x], &grid).values.get(point).copied()?;
+    Some(found.err()?.words(name, grid[point]))
 }
 
 /// The schema of cases, as JSON.

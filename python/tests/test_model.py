@@ -332,6 +332,29 @@ def test_the_protocol_of_fenics(constraint: str) -> None:
     assert np.allclose(before, stress)
 
 
+def test_two_tests_share_their_parameters() -> None:
+    """A bar that is held and one that is free: s11 = E (1 - nu) / ((1 + nu) (1 - 2 nu)) e11 and E e11, neither of which tells both."""
+    pytest.importorskip("scipy")
+    free = po.point("linear_elastic", {"E": 60.0}, "3d", [po.ramp(10, e11=0.01)])
+    bounds = {"E": (10.0, 300.0), "nu": (0.0, 0.4)}
+    held = po.Model(BAR, PARAMETERS, ("e11", "s11"), GRID, bounds=bounds)
+    other = po.Model(free, {"E": PARAMETERS["E"]}, ("e11", "s11"), GRID[:3], bounds={"E": (20.0, 400.0)})
+    both = po.Models([other, held])
+    assert (both.names, both.x0.tolist(), both.bounds) == (["E", "nu"], [60.0, 0.25], [(20.0, 300.0), (0.0, 0.4)])
+    data = np.concatenate([80.0 * GRID[:3], oedometer(80.0, 0.3)])
+    found = both.fit(data, sigma=np.concatenate([np.full(3, 1e-3), np.full(len(GRID), 1e-2)]))
+    assert np.allclose(list(found.values.values()), [80.0, 0.3], rtol=1e-6)
+    assert found.not_identifiable == []
+    assert held.fit(oedometer(80.0, 0.3), sigma=1e-2).not_identifiable == ["E", "nu"]
+    # columns of a parameter that a model does not have are 0
+    slopes = both.jac([80.0, 0.3])
+    assert np.all(slopes[:3, 1] == 0.0) and np.allclose(slopes[:3, 0], GRID[:3])
+    with pytest.raises(po.CaseError, match="a logarithm in some models only"):
+        po.Models([held, po.Model(free, {"E": "material.props.E"}, ("e11", "s11"), GRID)])
+    with pytest.raises(po.CaseError, match="the run ends at e11 0.01, the data go on to 0.02"):
+        po.Models([held, po.Model(free, {"E": PARAMETERS["E"]}, ("e11", "s11"), [0.02])]).fit(np.ones(len(GRID) + 1), sigma=1.0)
+
+
 def test_a_curve_that_goes_backwards_and_a_grid_beyond_it() -> None:
     """Compression, whose strains fall: outside of what the run passes there is no value."""
     bar = po.point("linear_elastic", {"E": 100.0, "nu": 0.25}, "3d", [po.ramp(7, e11=-0.01)])

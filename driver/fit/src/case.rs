@@ -1,6 +1,7 @@
 //! `pullout fit CASE`: the numbers of any case by which its curve is nearest to a measured one.
 //!
-//! Least squares ([`search`]) from the values of the case and from others between the bounds: the best end counts. Bounds are kept
+//! Several tests may share the numbers: each has a case and a curve, whose differences count as parts of its greatest value. Least
+//! squares ([`search`]) from the values of the case and from others between the bounds: the best end counts. Bounds are kept
 //! by what is sought instead of the numbers: z with x = lo + (hi − lo)(1 + sin z)/2.
 
 use super::doubt::doubts;
@@ -12,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use pullout_bridging::{Estimate, estimates};
 use pullout_case::CsvFile;
 use pullout_engine::{Outcome, Source};
-use pullout_report::compare::Turns;
+use pullout_report::compare::{Off, OnGrid};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::plots;
 use pullout_report::plots::figure::{Figure, Line, Marks};
@@ -31,8 +32,6 @@ mod report;
 const SMALLEST: f64 = 1e-10;
 /// A start on a bound moves inwards by this part of the distance of the bounds: on them nothing has a slope.
 const INWARDS: f64 = 0.01;
-/// Data so little outside a run, as a part of their distance from its beginning, are at its end: they were rounded.
-const ROUNDING: f64 = 1e-9;
 /// Differences so small, as a part of the greatest value of the data, are what rounding leaves: nothing better is sought.
 const AT_ROUNDING: f64 = 1e-6;
 /// Ends of searches whose root mean squares differ by less than this part are the same.
@@ -51,20 +50,29 @@ pub struct Free {
     pub bounds: [f64; 2],
 }
 
-/// Numbers of a case to be fitted, and the curve that they are fitted to.
+/// A test: a case, and the curve that was measured.
 #[derive(Clone, Debug)]
-pub struct CaseRequest {
+pub struct Test {
     /// The case with its values to start from.
     pub source: Source,
-    /// Numbers that are sought.
-    pub free: Vec<Free>,
     /// The measured curve.
     pub data: PathBuf,
     /// Columns of the history that it is compared with.
     pub curve: [String; 2],
+    /// Weight of its squares beside those of the other tests.
+    pub weight: f64,
+}
+
+/// Numbers of cases to be fitted, and the tests that they are fitted to.
+#[derive(Clone, Debug)]
+pub struct CaseRequest {
+    /// The tests, which share the numbers.
+    pub tests: Vec<Test>,
+    /// Numbers that are sought.
+    pub free: Vec<Free>,
     /// Most places that it is searched from, the values of the case first.
     pub starts: usize,
-    /// Most runs of all searches.
+    /// Most runs of all searches, of each case.
     pub max_runs: usize,
 }
 
@@ -79,48 +87,62 @@ pub struct CaseFit {
     pub estimates: Vec<Estimate>,
     /// Correlation of the numbers.
     pub correlation: DMatrix<f64>,
-    /// Root mean square of the differences, in the unit of the curve.
+    /// Root mean square of the differences: of one test in the unit of the curve, of several as a part of their greatest values.
     pub rms: f64,
     /// Places that it was searched from, and how many of these searches ended here.
     pub searches: [usize; 2],
-    /// Runs that were made.
+    /// Runs that were made of each case.
     pub runs: usize,
     /// Reason why it is not the best.
     pub trouble: Option<String>,
     /// Warnings: facts that the user should know although nothing is wrong.
     pub warnings: Vec<String>,
-    /// The case with these numbers.
+    /// The tests with these numbers.
+    pub tests: Vec<FittedTest>,
+}
+
+/// A test with the numbers that fit best.
+#[derive(Clone, Debug)]
+pub struct FittedTest {
+    /// The case.
     pub case: Value,
     /// Data: both columns, and what the case computes.
     pub rows: Vec<[f64; 3]>,
 }
 
-/// Fits a case. `progress` is told the runs so far and the root mean square of the differences.
+impl FittedTest {
+    /// Root mean square of the differences, in the unit of the curve.
+    pub fn rms(&self) -> f64 {
+        let differences = self.rows.iter().map(|[_, measured, computed]| computed - measured);
+        root_mean_square(&DVector::from_iterator(self.rows.len(), differences))
+    }
+
+    /// The greatest measured value in magnitude.
+    fn scale(&self) -> f64 {
+        greatest(self.rows.iter().map(|row| row[1]))
+    }
+}
+
+/// Fits cases. `progress` is told the runs so far and the root mean square of the differences.
 ///
 /// # Errors
 /// Everything that is wrong with the input, one sentence each.
 pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<CaseFit, Vec<String>> {
-    let document = document(request)?;
-    let starts = starts(request, &document)?;
-    // read once, with its overrides: what is written into the file from now on changes nothing
-    let request = &CaseRequest {
-        source: Source { document: Some(document.clone()), overrides: Vec::new(), ..request.source.clone() },
-        ..request.clone()
-    };
-    let data = read_data(request)?;
-    let file = request.source.file.display();
-    let scale = data.iter().fold(0.0_f64, |greatest, row| greatest.max(row[1].abs()));
-    let fitted = Fitted { request, data: &data, scale };
+    let documents: Vec<Value> = request.tests.iter().map(|test| document(&test.source)).collect::<Result<_, _>>()?;
+    let starts = starts(request, &documents)?;
+    let fitted = Fitted::of(request, &documents)?;
+    let file = request.tests[0].source.file.display();
+    let unit = fitted.unit;
     let mut problem = Search::new(&fitted, request.max_runs, 0, progress);
     let bounds: Vec<[f64; 2]> = request.free.iter().map(|free| free.bounds).collect();
-    let mut ends: Vec<(Best<Computed>, Option<String>)> = Vec::new();
+    let mut ends: Vec<(Best<Vec<Computed>>, Option<String>)> = Vec::new();
     let mut searches = 0;
     while searches < request.starts.max(1) && (searches == 0 || problem.may_run(1 + starts.len())) {
         let start = if searches == 0 { starts.clone() } else { place_between(&bounds, searches) };
         searches += 1;
         let sought: Vec<f64> = start.iter().zip(&request.free).map(|(value, free)| free.sought(*value)).collect();
         match problem.begin(&sought) {
-            Err(message) if searches == 1 => return Err(vec![format!("{file}: {message}")]),
+            Err(message) if searches == 1 => return Err(vec![message]),
             Err(_) => continue,
             Ok(()) => {}
         }
@@ -128,13 +150,13 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         let trouble;
         (problem, trouble) = problem.search(method);
         ends.extend(problem.best.take().map(|best| (best, trouble)));
-        if ends.iter().any(|(best, _)| fitted.rms(&best.run) <= AT_ROUNDING * scale) {
+        if ends.iter().any(|(best, _)| fitted.rms(&best.run) <= AT_ROUNDING * unit) {
             break;
         }
     }
-    let rms = |(best, _): &(Best<Computed>, Option<String>)| fitted.rms(&best.run);
+    let rms = |(best, _): &(Best<Vec<Computed>>, Option<String>)| fitted.rms(&best.run);
     let least = ends.iter().map(rms).fold(f64::INFINITY, f64::min);
-    let is_same = |end: &&(Best<Computed>, _)| rms(end) <= least * (1.0 + SAME_END) + AT_ROUNDING * scale;
+    let is_same = |end: &&(Best<Vec<Computed>>, _)| rms(end) <= least * (1.0 + SAME_END) + AT_ROUNDING * unit;
     let searches = [searches, ends.iter().filter(is_same).count()];
     let Some((best, trouble)) = ends.into_iter().find(|end| rms(end) <= least) else {
         return Err(vec![format!("{file}: no run gives a curve")]);
@@ -145,14 +167,29 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
     let trouble = trouble.or_else(|| derivatives.as_ref().err().cloned());
     // relative changes of the numbers, so that all are of one size
     let sizes = DMatrix::from_diagonal(&DVector::from_iterator(values.len(), values.iter().map(|&value| size(value))));
-    let residuals = fitted.differences(&best.run) * scale;
+    let residuals = fitted.differences(&best.run) * unit;
     let unknown = |&value: &f64| Estimate { value, standard_error: f64::INFINITY };
     let (estimates, correlation) = match derivatives {
         Ok(derivatives) => estimates(&values, residuals.as_slice(), &(derivatives * &sizes), &[], &sizes),
         Err(_) => (values.iter().map(unknown).collect(), DMatrix::identity(values.len(), values.len())),
     };
-    let doubts = doubts(&[], [("", least / scale)]);
-    let rows = data.iter().zip(&best.run.curve).map(|(row, computed)| [row[0], row[1], *computed]).collect();
+    let tests: Vec<FittedTest> = std::iter::zip(&fitted.tests, &best.run)
+        .map(|(of, run)| FittedTest {
+            case: of.kept(&request.free, &values),
+            rows: std::iter::zip(&of.data, &run.curve).map(|(row, computed)| [row[0], row[1], *computed]).collect(),
+        })
+        .collect();
+    let is_alone = tests.len() == 1;
+    let names: Vec<String> = request.tests.iter().map(|test| test.data.display().to_string()).collect();
+    let misfit = |(name, test): (_, &FittedTest)| match is_alone {
+        true => ("", least / unit),
+        false => (name, test.rms() / test.scale()),
+    };
+    let said = best.run.iter().zip(&names).filter_map(|(run, name)| {
+        let warning = run.warning.clone()?;
+        Some(if is_alone { warning } else { format!("{name}: {warning}") })
+    });
+    let doubts = doubts(&[], names.iter().map(String::as_str).zip(&tests).map(misfit));
     Ok(CaseFit {
         free: request.free.clone(),
         starts,
@@ -162,9 +199,8 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         searches,
         runs: problem.runs(),
         trouble,
-        warnings: best.run.warning.into_iter().chain(doubts).collect(),
-        case: kept(request, document, &values),
-        rows,
+        warnings: said.chain(doubts).collect(),
+        tests,
     })
 }
 
@@ -224,28 +260,32 @@ impl Free {
     }
 }
 
-fn document(request: &CaseRequest) -> Result<Value, Vec<String>> {
-    let Source { file, overrides, plugin_paths, .. } = &request.source;
+fn greatest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |greatest, value| greatest.max(value.abs()))
+}
+
+fn document(source: &Source) -> Result<Value, Vec<String>> {
+    let Source { file, overrides, plugin_paths, .. } = source;
     let name = file.display();
-    if request.source.need().is_none() {
+    if source.need().is_none() {
         pullout_case::read(file, overrides, plugin_paths)
             .map_err(|errors| errors.problems.iter().map(|problem| format!("{name}: {problem}")).collect::<Vec<_>>())?;
     }
-    request.source.text().ok_or_else(|| vec![format!("{name}: is no case")])
+    source.text().ok_or_else(|| vec![format!("{name}: is no case")])
 }
 
-/// The values that the case has.
-fn starts(request: &CaseRequest, document: &Value) -> Result<Vec<f64>, Vec<String>> {
+/// The values that the cases have: of each number that of the first case which has it.
+fn starts(request: &CaseRequest, documents: &[Value]) -> Result<Vec<f64>, Vec<String>> {
     let mut problems = Vec::new();
     let mut starts = Vec::new();
-    let file = request.source.file.display();
     for (k, Free { path, bounds: [low, high] }) in request.free.iter().enumerate() {
         if request.free[..k].iter().any(|other| other.path == *path) {
             problems.push(format!("--free {path}: is given twice"));
         }
-        let found = pullout_case::value_at(document, path);
-        match found.map(|found| (found, found.as_f64())) {
-            Some((_, Some(value))) if (*low..=*high).contains(&value) => {
+        let found = std::iter::zip(&request.tests, documents)
+            .find_map(|(test, document)| Some((test.source.file.display(), pullout_case::value_at(document, path)?)));
+        match found.map(|(file, found)| (file, found, found.as_f64())) {
+            Some((.., Some(value))) if (*low..=*high).contains(&value) => {
                 let inwards = INWARDS * (high - low);
                 starts.push(if value == *low {
                     low + inwards
@@ -255,40 +295,41 @@ fn starts(request: &CaseRequest, document: &Value) -> Result<Vec<f64>, Vec<Strin
                     value
                 });
             }
-            Some((_, Some(value))) => {
+            Some((.., Some(value))) => {
                 problems.push(format!("--free {path}: the case begins with {value}, which is not within {low}:{high}"));
             }
-            Some((found, None)) => problems.push(format!("{file}: $.{path} is {found}, and no number")),
-            None => problems.push(format!("{file}: $.{path} is not there: give it the value to start from")),
+            Some((file, found, None)) => problems.push(format!("{file}: $.{path} is {found}, and no number")),
+            None => {
+                let files: Vec<String> =
+                    request.tests.iter().map(|test| test.source.file.display().to_string()).collect();
+                let files = files.join(", ");
+                problems.push(format!("{files}: $.{path} is not there: give it the value to start from"));
+            }
         }
     }
     if problems.is_empty() { Ok(starts) } else { Err(problems) }
 }
 
 /// The measured points.
-fn read_data(request: &CaseRequest) -> Result<Vec<[f64; 2]>, Vec<String>> {
-    let file = request.data.display();
-    let csv = CsvFile::read(&request.data)?;
+fn read_data(test: &Test) -> Result<Vec<[f64; 2]>, Vec<String>> {
+    let file = test.data.display();
+    let csv = CsvFile::read(&test.data)?;
     if csv.header.iter().all(|name| name.parse::<f64>().is_ok()) {
         return Err(csv.fault(1, "these are numbers, but the first line must name the columns"));
     }
     if csv.header.len() < 2 {
         return Err(csv.fault(1, "one column, but two are needed"));
     }
-    let by_name = request.curve.each_ref().map(|name| csv.column(name).ok());
+    let by_name = test.curve.each_ref().map(|name| csv.column(name).ok());
     let columns = match by_name {
         [Some(x), Some(y)] => [x, y],
         [None, None] => [0, 1],
         [there, _] => {
-            let missing = &request.curve[usize::from(there.is_some())];
+            let missing = &test.curve[usize::from(there.is_some())];
             return Err(csv.fault(1, format!("there is one of the columns of --curve, but not '{missing}'")));
         }
     };
     let rows = csv.numbers(&columns, true)?;
-    if rows.len() <= request.free.len() {
-        let message = format!("{} points do not tell {} numbers", rows.len(), request.free.len());
-        return Err(vec![format!("{file}: {message}")]);
-    }
     let rows: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
     if rows.iter().all(|row| row[1] == 0.0) {
         return Err(vec![format!("{file}: all values are 0: nothing is told by them")]);
@@ -296,16 +337,8 @@ fn read_data(request: &CaseRequest) -> Result<Vec<[f64; 2]>, Vec<String>> {
     Ok(rows)
 }
 
-/// The case with what was found; files are named so that it runs from any folder.
-fn kept(request: &CaseRequest, document: Value, values: &[f64]) -> Value {
-    let settings = overrides(&request.free, values);
-    let mut case = pullout_case::overridden(document, &settings).unwrap_or_default();
-    make_absolute(&mut case, folder_of(&request.source.file));
-    case
-}
-
-fn overrides(free: &[Free], values: &[f64]) -> Vec<String> {
-    free.iter().zip(values).map(|(free, value)| format!("{}={value:?}", free.path)).collect()
+fn overrides<'a>(numbers: impl IntoIterator<Item = (&'a Free, &'a f64)>) -> Vec<String> {
+    numbers.into_iter().map(|(free, value)| format!("{}={value:?}", free.path)).collect()
 }
 
 /// Results of a run.
@@ -319,67 +352,156 @@ struct Computed {
     increments: Option<Increments>,
 }
 
-/// A case with measured points.
-struct Fitted<'a> {
-    request: &'a CaseRequest,
-    data: &'a [[f64; 2]],
-    /// Differences are parts of this.
+/// A test with its points.
+struct Measured {
+    /// Its case, read once, with its overrides: what is written into the file from now on changes nothing.
+    source: Source,
+    curve: [String; 2],
+    data: Vec<[f64; 2]>,
+    /// Numbers that the case has.
+    has: Vec<usize>,
+    /// The greatest measured value.
     scale: f64,
+    /// Factor of the differences as parts of it.
+    weight: f64,
 }
 
-impl Fitted<'_> {
-    fn values(&self, sought: &[f64]) -> Vec<f64> {
-        self.request.free.iter().zip(sought).map(|(free, sought)| free.value(*sought)).collect()
+/// Cases with measured points.
+struct Fitted {
+    free: Vec<Free>,
+    tests: Vec<Measured>,
+    /// Unit in which differences are told, by those whose squares are summed: the scale of a test that is alone.
+    unit: f64,
+}
+
+impl Measured {
+    /// The numbers that the case has.
+    fn numbers<'a>(&self, free: &'a [Free], values: &'a [f64]) -> Vec<(&'a Free, &'a f64)> {
+        self.has.iter().map(|&k| (&free[k], &values[k])).collect()
+    }
+
+    /// The case with what was found; files are named so that it runs from any folder.
+    fn kept(&self, free: &[Free], values: &[f64]) -> Value {
+        let document = self.source.text().unwrap_or_default();
+        let settings = overrides(self.numbers(free, values));
+        let mut case = pullout_case::overridden(document, &settings).unwrap_or_default();
+        make_absolute(&mut case, folder_of(&self.source.file));
+        case
     }
 
     /// Returns the results of the case with other numbers.
-    fn computed(&self, values: &[f64], on: Option<&Increments>) -> Result<Computed, String> {
-        let CaseRequest { source, free, curve, .. } = self.request;
-        let mut source = source.clone();
-        source.overrides.extend(overrides(free, values));
+    fn computed(&self, free: &[Free], values: &[f64], on: Option<&Increments>) -> Result<Computed, String> {
+        let mut source = self.source.clone();
+        source.overrides.extend(overrides(self.numbers(free, values)));
         let (outcome, increments) = search::outcome(source, on)?;
         if !outcome.is_done() {
             return Err(outcome.summary.message.unwrap_or_else(|| "the run did not come to its end".into()));
         }
-        let (curve, warning) = at_data(&outcome, curve, self.data)?;
+        let (curve, warning) = at_data(&outcome, &self.curve, &self.data)?;
         Ok(Computed { curve, warning, increments })
     }
 
     /// ∂curve/∂values.
-    fn slopes(&self, values: &[f64], run: &Computed) -> Result<DMatrix<f64>, String> {
+    fn slopes(&self, free: &[Free], values: &[f64], run: &Computed) -> Result<DMatrix<f64>, String> {
+        let own: Vec<f64> = self.has.iter().map(|&k| values[k]).collect();
         let step = |k: usize| {
-            let step = STEP * size(values[k]);
-            if values[k] + step > self.request.free[k].bounds[1] { -step } else { step }
+            let step = STEP * size(own[k]);
+            if own[k] + step > free[self.has[k]].bounds[1] { -step } else { step }
         };
         let rows = DVector::from_column_slice(&run.curve);
-        search::derivatives(values, &rows, run.increments.as_ref(), step, |values, on| {
-            Ok(DVector::from_vec(self.computed(values, on)?.curve))
-        })
+        let beside = |own: &[f64], on: Option<&Increments>| {
+            let mut moved = values.to_vec();
+            self.has.iter().zip(own).for_each(|(&k, value)| moved[k] = *value);
+            Ok(DVector::from_vec(self.computed(free, &moved, on)?.curve))
+        };
+        let found = match own.is_empty() {
+            true => DMatrix::zeros(rows.len(), 0),
+            false => search::derivatives(&own, &rows, run.increments.as_ref(), step, beside)?,
+        };
+        let mut slopes = DMatrix::zeros(rows.len(), values.len());
+        self.has.iter().zip(found.column_iter()).for_each(|(&k, column)| slopes.set_column(k, &column));
+        Ok(slopes)
     }
 }
 
-impl Simulation for Fitted<'_> {
-    type Run = Computed;
-
-    fn run(&self, sought: &[f64]) -> Result<Computed, String> {
-        self.computed(&self.values(sought), None)
+impl Fitted {
+    fn of(request: &CaseRequest, documents: &[Value]) -> Result<Self, Vec<String>> {
+        let mean = request.tests.iter().map(|test| test.weight).sum::<f64>() / request.tests.len() as f64;
+        let measured = |(test, document): (&Test, &Value)| {
+            let data = read_data(test)?;
+            let has = |k: &usize| pullout_case::value_at(document, &request.free[*k].path).is_some();
+            Ok(Measured {
+                source: Source { document: Some(document.clone()), overrides: Vec::new(), ..test.source.clone() },
+                curve: test.curve.clone(),
+                has: (0..request.free.len()).filter(has).collect(),
+                scale: greatest(data.iter().map(|row| row[1])),
+                weight: (test.weight / mean).sqrt(),
+                data,
+            })
+        };
+        let tests: Vec<Measured> =
+            std::iter::zip(&request.tests, documents).map(measured).collect::<Result<_, Vec<String>>>()?;
+        let points: usize = tests.iter().map(|test| test.data.len()).sum();
+        if points <= request.free.len() {
+            let files: Vec<String> = request.tests.iter().map(|test| test.data.display().to_string()).collect();
+            let message = format!("{points} points do not tell {} numbers", request.free.len());
+            return Err(vec![format!("{}: {message}", files.join(", "))]);
+        }
+        let unit = if let [test] = &tests[..] { test.scale } else { 1.0 };
+        Ok(Self { free: request.free.clone(), tests, unit })
     }
 
-    fn differences(&self, run: &Computed) -> DVector<f64> {
-        let differences = run.curve.iter().zip(self.data).map(|(computed, row)| (computed - row[1]) / self.scale);
-        DVector::from_iterator(self.data.len(), differences)
+    fn values(&self, sought: &[f64]) -> Vec<f64> {
+        self.free.iter().zip(sought).map(|(free, sought)| free.value(*sought)).collect()
     }
 
-    fn derivatives(&self, sought: &[f64], run: &Computed) -> Result<DMatrix<f64>, String> {
-        let mut derivatives = self.slopes(&self.values(sought), run)?;
-        for ((mut column, free), sought) in derivatives.column_iter_mut().zip(&self.request.free).zip(sought) {
-            column *= 0.5 * (free.bounds[1] - free.bounds[0]) * sought.cos() / self.scale;
+    /// Derivatives of the differences in their unit by the values.
+    fn slopes(&self, values: &[f64], runs: &[Computed]) -> Result<DMatrix<f64>, String> {
+        let mut slopes = DMatrix::zeros(self.tests.iter().map(|test| test.data.len()).sum(), values.len());
+        let mut first = 0;
+        for (test, run) in self.tests.iter().zip(runs) {
+            let named = |message: String| match self.tests.len() {
+                1 => message,
+                _ => format!("{}: {message}", test.source.file.display()),
+            };
+            let own = test.slopes(&self.free, values, run).map_err(named)? * (test.weight * (self.unit / test.scale));
+            slopes.rows_mut(first, own.nrows()).copy_from(&own);
+            first += own.nrows();
+        }
+        Ok(slopes)
+    }
+}
+
+impl Simulation for Fitted {
+    type Run = Vec<Computed>;
+
+    fn run(&self, sought: &[f64]) -> Result<Vec<Computed>, String> {
+        let values = self.values(sought);
+        let run = |test: &Measured| {
+            let named = |message| format!("{}: {message}", test.source.file.display());
+            test.computed(&self.free, &values, None).map_err(named)
+        };
+        self.tests.iter().map(run).collect()
+    }
+
+    fn differences(&self, runs: &Vec<Computed>) -> DVector<f64> {
+        let of_test = |(test, run): (&Measured, &Computed)| -> Vec<f64> {
+            let difference = |(computed, row): (&f64, &[f64; 2])| (computed - row[1]) / test.scale * test.weight;
+            run.curve.iter().zip(&test.data).map(difference).collect()
+        };
+        DVector::from_vec(self.tests.iter().zip(runs).flat_map(of_test).collect())
+    }
+
+    fn derivatives(&self, sought: &[f64], runs: &Vec<Computed>) -> Result<DMatrix<f64>, String> {
+        let mut derivatives = self.slopes(&self.values(sought), runs)?;
+        for ((mut column, free), sought) in derivatives.column_iter_mut().zip(&self.free).zip(sought) {
+            column *= 0.5 * (free.bounds[1] - free.bounds[0]) * sought.cos() / self.unit;
         }
         Ok(derivatives)
     }
 
-    fn rms(&self, run: &Computed) -> f64 {
-        self.scale * root_mean_square(&self.differences(run))
+    fn rms(&self, runs: &Vec<Computed>) -> f64 {
+        self.unit * root_mean_square(&self.differences(runs))
     }
 }
 
@@ -395,82 +517,13 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
         history.column(name).ok_or_else(missing)
     };
     let (x, y, name) = (column(&names[0])?, column(&names[1])?, &names[0]);
-    let turns = turns(x, data);
-    let warning = turns.words(name);
-    let Turns { of_data, of_run, .. } = turns;
-    if of_data.is_empty() {
-        return Ok((branch_at([x, y], data, name, [false, false])?, warning));
+    if x.is_empty() {
+        return Err("the run has no rows".into());
     }
-    let mut computed = Vec::with_capacity(data.len());
-    let (mut first, mut start) = (0, 0);
-    for number in 0..=of_data.len() {
-        if number > of_run.len() {
-            return Err(format!(
-                "the data turn back at {name} {} (point {first}), the run does not: leave out the points from {} on, or give the \
-                 case a step that turns back as well",
-                data[first - 1][0],
-                first + 1
-            ));
-        }
-        // a turn is the end of one branch and the beginning of the next
-        let end = of_data.get(number).map_or(data.len(), |turn| turn + 1);
-        let stop = of_run.get(number).map_or(x.len(), |turn| turn + 1);
-        let branch = [&x[start..stop], &y[start..stop]];
-        computed.extend(branch_at(branch, &data[first..end], name, [number > 0, stop < x.len()])?);
-        (first, start) = (end, stop - 1);
-    }
-    Ok((computed, warning))
-}
-
-fn turns(x: &[f64], data: &[[f64; 2]]) -> Turns {
-    let of_data: Vec<f64> = data.iter().map(|row| row[0]).collect();
-    let run = |push: &mut dyn FnMut(f64)| {
-        x.iter().for_each(|x| push(*x));
-        Ok(())
-    };
-    // reading from memory does not fail
-    Turns::of(&of_data, run).unwrap_or_default()
-}
-
-/// y of a branch where x, called `name`, first passes the data's values. Whether the run turns back where the branch begins, and
-/// where it ends, is told of data off the branch.
-fn branch_at(
-    [x, y]: [&[f64]; 2],
-    data: &[[f64; 2]],
-    name: &str,
-    [begins_at_turn, ends_at_turn]: [bool; 2],
-) -> Result<Vec<f64>, String> {
-    let Some(&start) = x.first() else { return Err("the run has no rows".into()) };
-    let way =
-        data.iter().map(|row| row[0] - start).fold(0.0_f64, |far, way| if way.abs() > far.abs() { way } else { far });
-    let direction = if way < 0.0 { -1.0 } else { 1.0 };
-    let rounding = ROUNDING * way.abs();
-    // along the way
-    let mut points: Vec<[f64; 2]> = Vec::with_capacity(x.len());
-    for (&x, &y) in x.iter().zip(y.iter()) {
-        if points.last().is_none_or(|last| direction * x > last[0]) {
-            points.push([direction * x, y]);
-        }
-    }
-    let last = points.last().map_or(start, |last| direction * last[0]);
-    let at = |row: &[f64; 2]| {
-        let x = direction * row[0];
-        let right = points.partition_point(|point| point[0] < x);
-        match (right.checked_sub(1).map(|left| points[left]), points.get(right)) {
-            (Some(a), Some(b)) => Ok(a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])),
-            (None, Some(first)) if first[0] - x <= rounding => Ok(first[1]),
-            (Some(last), None) if x - last[0] <= rounding => Ok(last[1]),
-            (None, _) if begins_at_turn => {
-                Err(format!("the run turns back at {name} {start}, behind their turn the data also have {}", row[0]))
-            }
-            (None, _) => Err(format!("the run begins at {name} {start}, the data also have {}", row[0])),
-            (Some(_), None) => {
-                let how = if ends_at_turn { "turns back" } else { "ends" };
-                Err(format!("the run {how} at {name} {last}, the data go on to {}", row[0]))
-            }
-        }
-    };
-    data.iter().map(at).collect()
+    let grid: Vec<f64> = data.iter().map(|row| row[0]).collect();
+    let OnGrid { values, turns } = OnGrid::of([x, y], &grid);
+    let found = |(value, x): (Result<f64, Off>, &f64)| value.map_err(|off| off.words(name, *x));
+    Ok((values.into_iter().zip(&grid).map(found).collect::<Result<_, _>>()?, turns.words(name)))
 }
 
 impl CaseFit {
@@ -486,12 +539,13 @@ impl CaseFit {
         }
         let [made, here] = self.searches;
         let rms = significant(self.rms, 4);
-        let _ = writeln!(text, "  RMS difference {rms}, {} runs; {here} of {made} searches ended here", self.runs);
+        let of = if self.tests.len() > 1 { " of the greatest values" } else { "" };
+        let _ = writeln!(text, "  RMS difference {rms}{of}, {} runs; {here} of {made} searches ended here", self.runs);
         text
     }
 
-    /// Writes fit.json, fitted-case.json, fitted-curve.csv, and the curves as a picture with a report. The result is what could
-    /// not be drawn.
+    /// Writes fit.json, fitted-case.json, fitted-curve.csv, and the curves as a picture with a report; of several tests, files with
+    /// their numbers. The result is what could not be drawn.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -510,45 +564,61 @@ impl CaseFit {
             })
         };
         let parameters: Vec<Value> = (0..self.free.len()).map(number).collect();
-        let summary = json!({
+        let mut summary = json!({
             "status": if self.trouble.is_none() { "done" } else { "failed" },
             "message": self.trouble,
             // the first by itself, as it was
             "warning": self.warnings.first(),
             "warnings": self.warnings,
-            "case": request.source.file,
-            "data": request.data,
-            "curve": request.curve,
             "rms": self.rms,
             "runs": self.runs,
             "searches": { "made": self.searches[0], "ended_here": self.searches[1] },
             "parameters": parameters,
             "correlation": rows_of(&self.correlation),
         });
+        let of_test = |(test, fitted): (&Test, &FittedTest)| {
+            let Test { source, data, curve, weight } = test;
+            json!({ "case": source.file, "data": data, "curve": curve, "weight": weight, "rms": fitted.rms() })
+        };
+        let tests: Vec<Value> = request.tests.iter().zip(&self.tests).map(of_test).collect();
+        if let [test] = &tests[..] {
+            ["case", "data", "curve"].iter().for_each(|&key| summary[key] = test[key].clone());
+        }
+        summary["tests"] = tests.into();
         directory.write("fit.json", format!("{summary:#}\n"))?;
-        directory.write("fitted-case.json", format!("{:#}\n", self.case))?;
-        let [x, y] = &request.curve;
-        directory.write("fitted-curve.csv", table(&format!("{x},{y},computed"), self.rows.iter().copied()))?;
-        let drawings = plots::write_all(directory, "plots", &[self.figure(request)])?;
+        let mut figures = Vec::new();
+        for (k, (test, fitted)) in request.tests.iter().zip(&self.tests).enumerate() {
+            let number = if self.tests.len() > 1 { format!("-{}", k + 1) } else { String::new() };
+            let [x, y] = &test.curve;
+            directory.write(&format!("fitted-case{number}.json"), format!("{:#}\n", fitted.case))?;
+            let rows = table(&format!("{x},{y},computed"), fitted.rows.iter().copied());
+            directory.write(&format!("fitted-curve{number}.csv"), rows)?;
+            figures.push(figure(test, fitted, &number));
+        }
+        let drawings = plots::write_all(directory, "plots", &figures)?;
         directory.write("report.html", report::page(self, request, &drawings.pictures).into_string())?;
         Ok(drawings.warnings)
     }
+}
 
-    /// The measured points and the curve that was computed.
-    fn figure(&self, request: &CaseRequest) -> Figure {
-        let [x, y] = &request.curve;
-        let units = BTreeMap::new();
-        let points = |column: usize| self.rows.iter().map(move |row| (row[0], row[column]));
-        let computed = Line { columns: (x.clone(), y.clone()), ..Line::numbered("computed", points(2).collect(), 0) };
-        let every = self.rows.len().div_ceil(MOST_MARKS).max(1);
-        Figure {
-            name: "fitted-curve".into(),
-            title: "Measured and computed curve".into(),
-            x: Quantity::of(x, &units),
-            y: Quantity::of(y, &units),
-            lines: vec![computed],
-            marks: vec![Marks { label: "measured".into(), points: points(1).step_by(every).collect(), line: None }],
-            ..Figure::default()
-        }
+/// The measured points of a test and the curve that was computed.
+fn figure(test: &Test, fitted: &FittedTest, number: &str) -> Figure {
+    let [x, y] = &test.curve;
+    let units = BTreeMap::new();
+    let points = |column: usize| fitted.rows.iter().map(move |row| (row[0], row[column]));
+    let computed = Line { columns: (x.clone(), y.clone()), ..Line::numbered("computed", points(2).collect(), 0) };
+    let every = fitted.rows.len().div_ceil(MOST_MARKS).max(1);
+    let of = match number {
+        "" => String::new(),
+        _ => format!(": {}", test.data.file_stem().unwrap_or_default().to_string_lossy()),
+    };
+    Figure {
+        name: format!("fitted-curve{number}"),
+        title: format!("Measured and computed curve{of}"),
+        x: Quantity::of(x, &units),
+        y: Quantity::of(y, &units),
+        lines: vec![computed],
+        marks: vec![Marks { label: "measured".into(), points: points(1).step_by(every).collect(), line: None }],
+        ..Figure::default()
     }
 }

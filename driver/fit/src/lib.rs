@@ -24,7 +24,7 @@ mod test;
 mod uncertainty;
 
 pub use beam::{BeamColumns, BeamFit, describe as describe_beam, read_beam_test, write as write_beam};
-pub use case::{CaseFit, CaseRequest, Free, fit_case, place_between};
+pub use case::{CaseFit, CaseRequest, FittedTest, Free, Test, fit_case, place_between};
 pub use curve::LoadSlipCurve;
 pub use geometry::{Fibre, SlipAt};
 pub use law::{BondLaw, Piecewise, Powers, Quantity};

@@ -103,6 +103,68 @@ fn a_curve_that_goes_backwards() {
     assert_eq!(found["parameters"][0]["identifiable"], true);
 }
 
+/// E of a bar that is held and of one that is free, ν of both: s11 = E (1 − ν)/((1 + ν)(1 − 2ν)) e11 of the one and E e11 of the
+/// other, neither of which tells both.
+#[test]
+fn two_tests_share_their_numbers() {
+    let desk = Desk::new();
+    let (e, nu): (f64, f64) = (100.0, 0.25);
+    let mut free = bar();
+    free["steps"][0]["target"] = json!({ "e11": 0.01 });
+    desk.case("held.json", &bar());
+    desk.case("free.json", &free);
+    let held = e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
+    for (name, modulus) in [("held.csv", held), ("free.csv", e)] {
+        let rows: Vec<String> = [0.002, 0.005, 0.01].map(|x| format!("{x},{}\n", modulus * x)).into();
+        desk.write(name, &format!("strain,stress\n{}", rows.concat()));
+    }
+    let sought = ["--free=material.props.E=10:300", "--free=material.props.nu=0:0.4", "--curve=e11,s11"];
+    let tests = ["held.json", "--data=held.csv", "--data=free.csv", "--weight=1", "--weight=4"];
+    let found = values(&desk, Path::new("free.json"), &[&sought[..], &tests].concat());
+    approx::assert_relative_eq!(found[0], e, max_relative = 1e-6);
+    approx::assert_relative_eq!(found[1], nu, max_relative = 1e-6);
+    let result: Value = serde_json::from_slice(&fs::read(desk.path("found/fit.json")).unwrap()).unwrap();
+    let is_known = |number: &Value| number["identifiable"] == json!(true);
+    assert!(result["parameters"].as_array().unwrap().iter().all(is_known), "{result}");
+    assert_eq!((&result["tests"][0]["case"], &result["tests"][1]["weight"]), (&json!("held.json"), &json!(4.0)));
+    assert!(result.get("case").is_none());
+    for (number, modulus) in [(1, held), (2, e)] {
+        let again =
+            desk.run(&desk.path(&format!("found/fitted-case-{number}.json")), &[], &format!("again-{number}"), 0);
+        let history = program::Table::read(&again.folder.join("history.csv"));
+        approx::assert_relative_eq!(history.last("s11"), 0.01 * modulus, max_relative = 1e-6);
+        assert!(desk.path(&format!("found/fitted-curve-{number}.csv")).is_file());
+    }
+    let one = ["held.json", "--data=held.csv", "--data=free.csv", "--data=free.csv", "--free=material.props.E=10:300"];
+    let output = fit(&desk, Path::new("free.json"), &[&one[..], &["--curve=e11,s11"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("CASE.json is given 2 times, --data 3 times"));
+}
+
+/// Σ w (1 − E/E_k)² is least at E = Σ (w/E_k) / Σ (w/E_k²).
+#[test]
+fn weights_say_which_of_two_tests_counts() {
+    let desk = Desk::new();
+    let mut free = bar();
+    free["steps"][0]["target"] = json!({ "e11": 0.01 });
+    let case = desk.case("free.json", &free);
+    let moduli = [80.0_f64, 120.0];
+    for (k, modulus) in moduli.iter().enumerate() {
+        desk.write(&format!("{k}.csv"), &format!("e11,s11\n0.005,{}\n0.01,{}\n", modulus * 0.005, modulus * 0.01));
+    }
+    let weights = [1.0, 3.0];
+    let arguments = [
+        "--free=material.props.E=10:300",
+        "--curve=e11,s11",
+        "--data=0.csv",
+        "--data=1.csv",
+        "--weight=1",
+        "--weight=3",
+    ];
+    let sums = |power: i32| -> f64 { std::iter::zip(weights, moduli).map(|(w, e)| w / e.powi(power)).sum() };
+    approx::assert_relative_eq!(values(&desk, &case, &arguments)[0], sums(1) / sums(2), max_relative = 1e-6);
+}
+
 /// Unloading and reloading are branches of their own, not more points of the first one.
 #[test]
 fn a_curve_with_cycles() {

@@ -15,6 +15,7 @@
 mod cases;
 mod checkpoints;
 mod kills;
+mod leftovers;
 mod meshes;
 mod plugins;
 mod process;
@@ -28,12 +29,13 @@ use suite::{Form, Tally};
 /// A kind of hostile input.
 type Module = (&'static str, fn(&Form) -> Tally);
 
-const MODULES: [Module; 6] = [
+const MODULES: [Module; 7] = [
     ("cases", cases::run),
     ("meshes", meshes::run),
     ("checkpoints", checkpoints::run),
     ("kills", kills::run),
     ("plugins", plugins::run),
+    ("leftovers", leftovers::run),
     ("sweeps", sweeps::run),
 ];
 
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         form.concerns(name) && (wanted.is_empty() || wanted.iter().any(|word| name.contains(word.as_str())))
     };
     suite::silence_panics();
+    process::bound_processes();
     let mut has_failed = false;
     println!("{:12} {:>6} {:>6} {:>8}", "", "tried", "held", "s");
     for (name, run) in MODULES.into_iter().filter(|(name, _)| is_wanted(name)) {

@@ -1,24 +1,25 @@
 //! Plugins that misbehave in every way that `misbehaving.c` knows, called at material points, in elements, at contact points
 //! and when they are loaded.
 
-use crate::process::{Outcome, inventory, outcome, pullout};
+use crate::process::{MARK, Outcome, inventory, none_is_left, outcome, pullout};
 use crate::suite::{Form, Tally, each};
 use end_to_end_tests::{Tool, find, run as compile, workspace};
 use serde_json::{Value, json};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use std::time::{Duration, Instant};
 
 /// Attempts of the short form.
 const SHORT: u64 = 60;
 /// Young's modulus of the plugin, MPa.
-const MODULUS: f64 = 1000.0;
+pub const MODULUS: f64 = 1000.0;
 /// Step and increment in which the fault is made: rows of those before are finished.
-const PLACE: [u32; 2] = [2, 3];
+pub const PLACE: [u32; 2] = [2, 3];
 /// The name of a fault that is made when the library is loaded.
 const AT_LOADING: &str = "FAULT_AT_LOADING";
-const LIBRARY: &str = "libmisbehaving.so";
+/// The library, and its source.
+pub const LIBRARY: &str = "libmisbehaving.so";
+const SOURCE: &str = "driver/tests/isolation/misbehaving.c";
 
 /// Caller of the plugin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,13 +151,9 @@ const MODES: &str = "floating-point modes";
 
 /// Every fault with every host.
 pub fn run(form: &Form) -> Tally {
-    let Some(mut compiler) = find(Tool::C) else { return Tally::default() };
-    let source = workspace("driver/tests/isolation/misbehaving.c");
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let library = folder.path().join(LIBRARY);
-    compiler.args(["-shared", "-fPIC", "-O1", "-w", "-I"]).arg(workspace("umat-abi/include"));
-    compile(compiler.arg("-o").arg(&library).arg(&source).arg("-lm"));
-    let text = fs::read_to_string(source).expect("the source");
+    let Some(library) = built(folder.path()) else { return Tally::default() };
+    let text = fs::read_to_string(workspace(SOURCE)).expect("the source");
     let faults = names(&text);
     assert_eq!(faults, TABLE.map(|(name, ..)| name), "the table has every fault of the source, in order");
     let sound: [OnceLock<Attempt>; HOSTS.len()] = Default::default();
@@ -173,6 +170,20 @@ pub fn run(form: &Form) -> Tally {
         let ended = Attempt::make(&library, host, fault);
         ended.and_then(|ended| ended.judge(class, sound)).map_err(|reason| format!("{name}, {host:?}: {reason}"))
     })
+}
+
+/// Builds the library into a folder, if there is a compiler.
+pub fn built(folder: &Path) -> Option<PathBuf> {
+    let library = folder.join(LIBRARY);
+    let mut compiler = find(Tool::C)?;
+    compiler.args(["-shared", "-fPIC", "-O1", "-w", "-I"]).arg(workspace("umat-abi/include"));
+    compile(compiler.arg("-o").arg(&library).arg(workspace(SOURCE)).arg("-lm"));
+    Some(library)
+}
+
+/// The number of a fault.
+pub fn number_of(name: &str) -> usize {
+    TABLE.iter().position(|(fault, ..)| *fault == name).expect("a fault")
 }
 
 /// The faults that the source knows.
@@ -231,32 +242,6 @@ fn case(host: Host, fault: usize) -> Value {
     case
 }
 
-/// Variable by which processes of an attempt are known.
-const MARK: &str = "HOSTILE_ATTEMPT";
-/// Time in which everything that a plugin started must have ended.
-const PATIENCE: Duration = Duration::from_secs(2);
-
-/// Looks for processes that outlive an attempt.
-fn survivors(folder: &Path) -> Result<(), String> {
-    let mark = format!("{MARK}={}", folder.display());
-    let is_marked = |process: &fs::DirEntry| {
-        let variables = fs::read(process.path().join("environ")).unwrap_or_default();
-        variables.split(|byte| *byte == 0).any(|variable| variable == mark.as_bytes())
-    };
-    let start = Instant::now();
-    loop {
-        let processes = fs::read_dir("/proc").expect("processes").flatten();
-        let left: Vec<_> = processes.filter(is_marked).map(|process| process.file_name()).collect();
-        if left.is_empty() {
-            return Ok(());
-        }
-        if start.elapsed() > PATIENCE {
-            return Err(format!("{} processes live on: {left:?}", left.len()));
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    }
-}
-
 /// A run, and what it left behind.
 struct Attempt {
     outcome: Outcome,
@@ -283,7 +268,7 @@ impl Attempt {
         // what it starts has this in its environment
         command.env(MARK, folder);
         let ended = outcome(command)?;
-        survivors(folder)?;
+        none_is_left(folder)?;
         let is_contained = inventory(folder, &results) == before && !Path::new("/out").exists();
         let replay = results.join("replay.json").exists().then(|| {
             let arguments = ["run", "out/replay.json", "--quiet", "--set", "output.plots=false", "--out", "again"];

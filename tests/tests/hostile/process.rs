@@ -1,13 +1,13 @@
 //! The program as a process, and what is expected of each.
 
-use nix::sys::resource::{UsageWho, getrusage};
-use std::ffi::OsStr;
-use std::fs::File;
+use nix::sys::resource::{Resource, UsageWho, getrlimit, getrusage, setrlimit};
+use std::ffi::{OsStr, OsString};
+use std::fs::{DirEntry, File};
 use std::io::{Read, Seek};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use wait_timeout::ChildExt;
 
 /// The name by which the test program is `pullout`.
@@ -21,6 +21,16 @@ const PATIENCE: Duration = Duration::from_secs(20);
 const GRACE: Duration = Duration::from_secs(30);
 /// The most memory of a process, bytes.
 pub const MOST_MEMORY: u64 = 1 << 30;
+
+/// The most processes of this user while plugins copy theirs: the machine goes on if they are not ended.
+const MOST_PROCESSES: u64 = 8192;
+
+/// Bounds the processes of this program and of all that it starts.
+pub fn bound_processes() {
+    let (_, hard) = getrlimit(Resource::RLIMIT_NPROC).expect("a limit");
+    let most = hard.min(MOST_PROCESSES);
+    setrlimit(Resource::RLIMIT_NPROC, most, most).expect("a lower limit");
+}
 
 /// The program, in a folder.
 pub fn pullout<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = S>) -> Command {
@@ -133,5 +143,36 @@ pub fn copy(from: &Path, to: &Path) {
     for entry in std::fs::read_dir(from).expect("a folder").flatten() {
         let (from, to) = (entry.path(), to.join(entry.file_name()));
         if from.is_dir() { copy(&from, &to) } else { std::fs::copy(&from, &to).map(drop).expect("a file") }
+    }
+}
+
+/// Variable by which all processes of an attempt are known: what it starts has it in its environment.
+pub const MARK: &str = "HOSTILE_ATTEMPT";
+/// Time in which everything that a plugin started must have ended.
+const LEFT_FOR: Duration = Duration::from_secs(2);
+
+/// The processes that are marked by a folder.
+pub fn marked(folder: &Path) -> Vec<OsString> {
+    let mark = format!("{MARK}={}", folder.display());
+    let is_marked = |process: &DirEntry| {
+        let variables = std::fs::read(process.path().join("environ")).unwrap_or_default();
+        variables.split(|byte| *byte == 0).any(|variable| variable == mark.as_bytes())
+    };
+    let processes = std::fs::read_dir("/proc").expect("processes").flatten();
+    processes.filter(is_marked).map(|process| process.file_name()).collect()
+}
+
+/// Looks for processes that outlive an attempt.
+pub fn none_is_left(folder: &Path) -> Result<(), String> {
+    let start = Instant::now();
+    loop {
+        let left = marked(folder);
+        if left.is_empty() {
+            return Ok(());
+        }
+        if start.elapsed() > LEFT_FOR {
+            return Err(format!("{} processes live on: {left:?}", left.len()));
+        }
+        std::thread::sleep(Duration::from_millis(20));
     }
 }

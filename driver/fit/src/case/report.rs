@@ -1,6 +1,6 @@
 //! `report.html` of the fit of a case.
 
-use super::{CaseFit, CaseRequest};
+use super::{CaseFit, CaseRequest, FittedTest, Test};
 use crate::output::{explanation, percent, standard_error};
 use maud::{Markup, html};
 use pullout_report::page;
@@ -8,16 +8,25 @@ use pullout_report::plots::Picture;
 use pullout_run::number::significant;
 
 pub(super) fn page(fit: &CaseFit, request: &CaseRequest, pictures: &[Picture]) -> Markup {
-    let scale = fit.rows.iter().fold(0.0_f64, |greatest, row| greatest.max(row[1].abs()));
     let [made, here] = fit.searches;
-    let [x, y] = &request.curve;
+    let misfit = |test: &FittedTest, y: &str| {
+        html! { (significant(test.rms(), 4)) ", " (percent(test.rms() / test.scale())) " of the greatest measured " code { (y) } }
+    };
     let row = |key: &str, value: String| html! { tr { td.key { (key) } td { (value) } } };
     page::page(
-        "Parameters of a case from a measured curve",
+        if fit.tests.len() > 1 {
+            "Parameters of cases from measured curves"
+        } else {
+            "Parameters of a case from a measured curve"
+        },
         &html! {
             p {
                 @match fit.trouble { None => span.done { "done" }, Some(_) => span.failed { "failed" } }
-                " RMS difference " (significant(fit.rms, 4)) ", " (percent(fit.rms / scale)) " of the greatest measured " code { (y) }
+                " RMS difference "
+                @match &fit.tests[..] {
+                    [test] => { (misfit(test, &request.tests[0].curve[1])) }
+                    _ => { (percent(fit.rms)) " of the greatest measured values" }
+                }
                 "; " (here) " of " (made) " searches ended here."
             }
             @if let Some(message) = &fit.trouble { div.message { (message) } }
@@ -59,11 +68,23 @@ pub(super) fn page(fit: &CaseFit, request: &CaseRequest, pictures: &[Picture]) -
             p { (explanation()) }
             h2 { "What was fitted" }
             table {
-                (row("Case", request.source.file.display().to_string()))
-                (row("Data", format!("{}, {} points of {y} over {x}", request.data.display(), fit.rows.len())))
+                @for (test, fitted) in request.tests.iter().zip(&fit.tests) {
+                    (row("Case", test.source.file.display().to_string()))
+                    (row("Data", words(test, fitted)))
+                    @if fit.tests.len() > 1 {
+                        tr { td.key { "RMS difference" } td { (misfit(fitted, &test.curve[1])) } }
+                    }
+                }
                 (row("Runs", fit.runs.to_string()))
                 (row("Program", format!("pullout {}", env!("CARGO_PKG_VERSION"))))
             }
         },
     )
+}
+
+/// What was measured in a test.
+fn words(test: &Test, fitted: &FittedTest) -> String {
+    let [x, y] = &test.curve;
+    let weight = if test.weight == 1.0 { String::new() } else { format!(", weight {}", test.weight) };
+    format!("{}, {} points of {y} over {x}{weight}", test.data.display(), fitted.rows.len())
 }

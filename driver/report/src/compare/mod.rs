@@ -14,8 +14,11 @@ use serde::{Deserialize, Serialize};
 use std::io;
 use std::ops::ControlFlow;
 
+mod grid;
 #[cfg(test)]
 mod test;
+
+pub use grid::{Off, OnGrid};
 
 /// Reversals smaller than this part of x's range are iteration noise, not a branch's end; a point of the file as
 /// little outside the branch still belongs to it (scaling rounds).

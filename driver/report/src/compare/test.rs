@@ -148,3 +148,19 @@ proptest::proptest! {
         }
     }
 }
+
+/// A curve is itself on its own x, to the bit, also behind turns; what it does not reach is named.
+#[test]
+fn a_curve_on_its_own_grid_is_itself() {
+    let x = [0.0, 0.1, 0.3, 0.25, 0.2, 0.3, 0.7];
+    let y = [0.0, 0.1, 0.7, 0.3, 0.1, 0.9, 1.3];
+    let OnGrid { values, .. } = OnGrid::of([&x, &y], &x);
+    assert_eq!(values, y.map(Ok));
+    let OnGrid { values, .. } = OnGrid::of([&x[..3], &y[..3]], &[-0.1, 0.2, 0.4]);
+    let [before, Ok(between), behind] = values[..] else { panic!("{values:?}") };
+    assert!((between - 0.4).abs() < 1e-15);
+    assert_eq!(before, Err(Off::Before { start: 0.0, at_turn: false }));
+    assert_eq!(behind, Err(Off::Behind { end: 0.3, at_turn: false }));
+    let OnGrid { values, .. } = OnGrid::of([&x[..3], &y[..3]], &[0.1, 0.3, 0.1]);
+    assert_eq!(values[2], Err(Off::Turned { x: 0.3, point: 2 }));
+}

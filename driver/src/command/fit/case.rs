@@ -2,7 +2,7 @@
 
 use super::super::{DONE, Isolation, Refusal, complain, say};
 use pullout_engine::Source;
-use pullout_fit::{CaseRequest, Free, fit_case};
+use pullout_fit::{CaseRequest, Free, Test, fit_case};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::number::significant;
 use std::path::PathBuf;
@@ -10,18 +10,22 @@ use std::path::PathBuf;
 /// Arguments of a fit of a case, beside `fit bond` and `fit beam`: with one of these, none of them is required.
 #[derive(Debug, clap::Args)]
 pub(in super::super) struct Arguments {
-    /// The case, with the values to start from.
+    /// The case, with the values to start from. Several tests share the numbers: a case and a --data each, or one case for all.
     #[arg(value_name = "CASE.json", required = true)]
-    case: Option<PathBuf>,
+    cases: Vec<PathBuf>,
     /// A number of the case that is sought between two bounds, e.g. material.props.E=1e4:4e4 (may be repeated).
     #[arg(long = "free", value_name = "PATH=lo:hi", required = true, value_parser = Free::parse)]
     free: Vec<Free>,
-    /// The measured curve: CSV with a header line.
+    /// The measured curve: CSV with a header line (once for each test).
     #[arg(long, value_name = "CURVE.csv", required = true)]
-    data: Option<PathBuf>,
-    /// Columns of the history that it is compared with; those of the data have the same names, or are the first two.
+    data: Vec<PathBuf>,
+    /// Columns of the history that it is compared with; those of the data have the same names, or are the first two (once, or
+    /// once for each test).
     #[arg(long, value_name = "X,Y", default_value = "slip,load", value_parser = columns)]
-    curve: [String; 2],
+    curve: Vec<[String; 2]>,
+    /// Weight of a test's squared differences, which are parts of its greatest value (once for each test) [default: 1].
+    #[arg(long = "weight", value_name = "W", value_parser = super::positive, allow_negative_numbers = true)]
+    weights: Vec<f64>,
     /// Places to search from, those of the case and others between the bounds; the best end counts.
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
     starts: u32,
@@ -55,25 +59,19 @@ fn columns(text: &str) -> Result<[String; 2], String> {
 
 impl Arguments {
     pub(super) fn act(&self) -> Result<u8, Refusal> {
-        let (Some(case), Some(data)) = (&self.case, &self.data) else {
-            return Err(Refusal::input("CASE.json and --data are needed"));
-        };
-        let mut source = Source::file(case);
-        (source.overrides, source.plugin_paths) = (self.overrides.clone(), self.plugin_paths.clone());
         let request = CaseRequest {
-            source,
+            tests: self.tests()?,
             free: self.free.clone(),
-            data: data.clone(),
-            curve: self.curve.clone(),
             starts: self.starts as usize,
             max_runs: self.max_runs as usize,
         };
+        let case = &self.cases[0];
         let folder = self.out.clone().unwrap_or_else(|| {
             let stem = case.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             PathBuf::from("out").join(stem + "-fit")
         });
-        let mut inputs = pullout_case::inputs(case, &self.overrides);
-        inputs.push(data.clone());
+        let read = |case: &PathBuf| pullout_case::inputs(case, &self.overrides);
+        let inputs: Vec<PathBuf> = self.cases.iter().flat_map(read).chain(self.data.iter().cloned()).collect();
         let mut directory = super::open(&folder, &inputs, self.overwrite)?;
         let progress = |runs: usize, rms: f64| {
             if !self.quiet {
@@ -93,11 +91,41 @@ impl Arguments {
             say(&(fit.describe() + &format!("-> {}\n", folder.display())));
         }
         for warning in fit.warnings.iter().chain(&undrawn).filter(|_| !self.quiet) {
-            complain(format!("{}: warning: {warning}", data.display()));
+            match &self.data[..] {
+                [data] => complain(format!("{}: warning: {warning}", data.display())),
+                _ => complain(format!("warning: {warning}")),
+            }
         }
         match &fit.trouble {
             None => Ok(DONE),
+            Some(trouble) if request.tests.len() > 1 => Err(Refusal::failed(trouble)),
             Some(trouble) => Err(Refusal::failed(format!("{}: {trouble}", case.display()))),
         }
+    }
+
+    /// The tests, in the order of the data.
+    fn tests(&self) -> Result<Vec<Test>, Refusal> {
+        let count = self.data.len();
+        let several = |what: &str, given: usize| match given {
+            0 => Err(Refusal::input(format!("{what} is needed"))),
+            _ if given == 1 || given == count => Ok(()),
+            _ => Err(Refusal::input(format!(
+                "{what} is given {given} times, --data {count} times: one for each, or one for all"
+            ))),
+        };
+        several("CASE.json", self.cases.len())?;
+        several("--data", count)?;
+        several("--curve", self.curve.len())?;
+        several("--weight", self.weights.len().max(1))?;
+        let test = |(k, data): (usize, &PathBuf)| {
+            let (overrides, plugin_paths) = (self.overrides.clone(), self.plugin_paths.clone());
+            Test {
+                source: Source { overrides, plugin_paths, ..Source::file(&self.cases[k % self.cases.len()]) },
+                data: data.clone(),
+                curve: self.curve[k % self.curve.len()].clone(),
+                weight: if self.weights.is_empty() { 1.0 } else { self.weights[k % self.weights.len()] },
+            }
+        };
+        Ok(self.data.iter().enumerate().map(test).collect())
     }
 }
