@@ -15,7 +15,7 @@ mod _core {
     use super::law::{Plugin, find, is_shipped, plugins, sha256};
     #[pymodule_export]
     use super::run::{
-        Stop, Trail, check, document, dotted, main, place_between, program, run, schema, set_program, unit,
+        Stop, Trail, check, document, dotted, examples, main, place_between, program, run, schema, set_program, unit,
     };
 
     #[pymodule_export]

@@ -1,7 +1,7 @@
 //! The command line (docs/reference/command-line.md): what each command does, and the exit codes.
 
 mod bench;
-mod examples;
+pub mod examples;
 mod fit;
 mod import;
 mod isolated;
