@@ -63,7 +63,7 @@ struct Arguments {
     /// Directory of the results.
     #[arg(long, value_name = "DIR", default_value = "bench/results")]
     out: PathBuf,
-    /// peers: a Python that has simcoon (default: PULLOUT_PYTHON, or python3 of the PATH).
+    /// peers: a Python that has simcoon, jaxmat and singlepointsim (default: PULLOUT_PYTHON, or python3 of the PATH).
     #[arg(long, value_name = "PYTHON")]
     python: Option<PathBuf>,
     /// Look for plugins here first (may be repeated).
@@ -152,7 +152,7 @@ pub enum Item {
     Threads,
     /// Cost of a point's run for a program that runs thousands.
     Engine,
-    /// Comparison with CalculiX and simcoon, where they are installed, on the same work.
+    /// Comparison with CalculiX, simcoon, jaxmat and singlepointsim, where they are installed, on the same work.
     Peers,
     /// Random states thrown at the laws and plugins, variations of specimens: tried, failed, worst error.
     Stability,

@@ -189,22 +189,28 @@ fn peers_do_the_same_work_or_are_not_installed() {
     let (_, rows) = csv(&data);
     let column = |name: &str| numbers(&data, name);
     let (own, times) = (column("result"), column("time_over_ours"));
-    // two plates, the strip, two laws of a point; ours, then the peer's
-    assert_eq!(rows.len(), 10);
-    for k in (0..rows.len()).step_by(2) {
-        assert_eq!((rows[k][2].as_str(), times[k]), ("pullout", Some(1.0)), "{:?}", rows[k]);
-        let ours = own[k].expect("a result");
-        match own[k + 1] {
+    let errors = column("exact_error");
+    // two plates, the strip, two laws of a point; ours, then the peers'
+    assert_eq!(rows.len(), 13);
+    let of_ours: Vec<usize> = (0..rows.len()).filter(|k| rows[*k][2] == "pullout").collect();
+    assert_eq!(of_ours, [0, 2, 4, 6, 9]);
+    for k in 0..rows.len() {
+        let first = *of_ours.iter().rfind(|first| **first <= k).expect("ours");
+        let ours = own[first].expect("a result");
+        match own[k] {
+            _ if k == first => assert_eq!(times[k], Some(1.0), "{:?}", rows[k]),
             // penalty contact: CalculiX's drag is what it is
             Some(theirs) if rows[k][1].contains("strip") => assert!((theirs / ours - 1.0).abs() < 0.05),
             Some(theirs) => assert!((theirs / ours - 1.0).abs() < 1e-3, "{ours} {theirs}"),
-            None => assert_eq!(times[k + 1], None),
+            None => assert_eq!(times[k], None),
         }
-        assert_eq!(own[k + 1].is_some(), times[k + 1].is_some_and(|ratio| ratio.is_finite() && ratio > 0.0));
+        assert_eq!(own[k].is_some(), times[k].is_some_and(|ratio| ratio.is_finite() && ratio > 0.0));
+        // singlepointsim iterates until the lateral stress is a thousandth, the others to rounding
+        let bound = if rows[k][2].starts_with("singlepointsim") { 1e-5 } else { 1e-9 };
+        assert!(k < 6 || errors[k].is_none_or(|error| error < bound), "{:?}", rows[k]);
     }
-    let errors = column("exact_error");
     assert!((errors[4].expect("a drag")) < 5e-3);
-    assert!([errors[6], errors[8]].iter().all(|error| error.is_some_and(|error| error < 1e-12)), "{errors:?}");
+    assert!([errors[6], errors[9]].iter().all(|error| error.is_some_and(|error| error < 1e-12)), "{errors:?}");
     let page = std::fs::read_to_string(results.join("peers.md")).expect("a page");
     assert_eq!(page.contains("not installed"), own.iter().any(Option::is_none), "{page}");
 }

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from . import _core
 from ._core import Stop
-from .case import Case, schema
+from .case import Case, Example, examples, schema
 from .errors import (
     CaseError,
     PluginCrashed,
@@ -18,6 +18,7 @@ from .errors import (
     TimeLimit,
     UpdateFailed,
 )
+from .lab import Lab, lab
 from .law import Heat, Law, Parameter, State, Update, plugins
 from .model import Fit, Model, Models
 from .fields import Mesh
@@ -27,10 +28,12 @@ from .sweep import Sweep, sweep
 __all__ = [
     "Case",
     "CaseError",
+    "Example",
     "Failure",
     "Fit",
     "Heat",
     "History",
+    "Lab",
     "Law",
     "Mesh",
     "Model",
@@ -51,6 +54,8 @@ __all__ = [
     "UpdateFailed",
     "View",
     "__version__",
+    "examples",
+    "lab",
     "plugins",
     "point",
     "program",

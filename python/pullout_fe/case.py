@@ -7,7 +7,7 @@ import json
 import operator
 import os
 from pathlib import Path
-from typing import Any, Iterable, Iterator, Mapping, Union
+from typing import Any, Iterable, Iterator, Mapping, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from . import _core
 from .errors import CaseError
 
-__all__ = ["Case", "CaseLike", "schema"]
+__all__ = ["Case", "CaseLike", "Example", "examples", "schema"]
 
 
 #: what arrays hold, as they have it
@@ -26,6 +26,23 @@ def schema() -> dict[str, Any]:
     """The JSON schema of cases and studies."""
     made: dict[str, Any] = json.loads(_core.schema())
     return made
+
+
+class Example(NamedTuple):
+    """A case that came with the package."""
+
+    path: Path
+    #: "point", "interface", "pullout", "bridging", "study" or "sweep"
+    kind: str
+    title: str
+
+
+def examples(*words: str) -> list[Example]:
+    """List the cases that came with the package and have all these words in path, title or description.
+
+    ``po.run(example.path)`` runs one; those of kind "study" are for the command ``pullout study``.
+    """
+    return [Example(*found) for found in _core.examples(list(words))]
 
 
 def array_of(values: Any, name: str) -> NDArray[np.float64]:

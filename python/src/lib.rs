@@ -15,7 +15,7 @@ mod _core {
     use super::law::{Plugin, find, is_shipped, plugins, sha256};
     #[pymodule_export]
     use super::run::{
-        Stop, Trail, check, document, dotted, main, off_grid, on_grid, place_between, program, run, schema,
+        Stop, Trail, check, document, dotted, examples, main, off_grid, on_grid, place_between, program, run, schema,
         set_program, unit,
     };
 

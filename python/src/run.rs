@@ -1,6 +1,7 @@
 //! Runs of cases.
 
 use crate::errors::{Exception, case_error, of_panic, without_panic};
+use driver::command::examples::{Example, find as find_examples};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pullout_case::CaseErrors;
 use pullout_engine::{Along, Error, Outcome, Settings, Source};
@@ -336,6 +337,13 @@ pub fn main(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
 #[pyfunction]
 pub fn program() -> PyResult<PathBuf> {
     isolation::program().map(Into::into).map_err(|error| Exception::Plugin.with(error.to_string()))
+}
+
+/// The cases that came with the package and have all words in path, title or description: file, kind and title of each.
+#[pyfunction]
+pub fn examples(words: Vec<String>) -> PyResult<Vec<(PathBuf, String, String)>> {
+    let found = find_examples(&words).map_err(|error| Exception::Pullout.with(error.to_string()))?;
+    Ok(found.into_iter().map(|Example { path, kind, title }| (path, kind, title)).collect())
 }
 
 /// The unit of a column; empty for numbers and for columns that no history has.

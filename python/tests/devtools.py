@@ -79,6 +79,17 @@ class Browser:
         """Goes to a page."""
         self.call("Page.navigate", url=address)
 
+    def enter(self, address: str) -> None:
+        """Goes into the frame that shows a page of another site; what is called from then on is its."""
+        for _ in range(500):
+            frames = self._call("Target.getTargets")["targetInfos"]
+            for frame in frames:
+                if frame["type"] == "iframe" and frame["url"] == address:
+                    self._session = self._call("Target.attachToTarget", targetId=frame["targetId"], flatten=True)["sessionId"]
+                    return
+            time.sleep(0.02)
+        raise AssertionError(f"no frame shows {address}: {frames}")
+
     def evaluate(self, expression: str) -> Any:
         """The value of an expression in the page; of a promise what it becomes."""
         answer = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)

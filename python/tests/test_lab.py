@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
+import signal
+import socket
 import statistics
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import Any
+from urllib.request import urlopen
 
 import numpy as np
 import pytest
@@ -111,3 +119,106 @@ def test_a_umat_that_is_saved(tmp_path: Path) -> None:
         browser.wait("document.querySelector('#conclusion .pass') !== null && document.getElementById('problems').hidden", 60)
         if kept := os.environ.get("PULLOUT_KEEP_SCREENSHOT"):
             browser.picture(Path(kept))
+
+
+def start(lab: po.Lab) -> dict[str, Any]:
+    """What the page in a notebook's frame begins with."""
+    found = re.search('src="([^"]+)"', lab._repr_html_())
+    assert found is not None
+    with urlopen(found[1] + "start") as answer:
+        begun: dict[str, Any] = json.load(answer)
+    return begun
+
+
+def answers(address: str) -> bool:
+    """Whether a lab is there."""
+    port = int(address.split("/")[2].split(":")[1])
+    try:
+        socket.create_connection(("127.0.0.1", port), 5.0).close()
+    except ConnectionRefusedError:
+        return False
+    return True
+
+
+def test_a_notebook_shows_a_lab_in_a_frame(tmp_path: Path) -> None:
+    with po.lab("j2_plasticity", height=700) as lab:
+        page = f"<!doctype html><title>a notebook</title>{lab._repr_html_()}".encode()
+
+        class Notebook(BaseHTTPRequestHandler):
+            def do_GET(self) -> None:
+                self.send_response(200)
+                self.send_header("Content-Type", "text/html")
+                self.end_headers()
+                self.wfile.write(page)
+
+            def log_message(self, format: str, *arguments: Any) -> None:
+                pass
+
+        with ThreadingHTTPServer(("127.0.0.1", 0), Notebook) as server, Browser(tmp_path) as browser:
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            # another site than the lab's 127.0.0.1, as Jupyter's usual one is
+            browser.open(f"http://localhost:{server.server_port}/")
+            browser.enter(lab.address.replace("?token=", "") + "/")
+            browser.wait("document.querySelectorAll('#figures svg').length > 0")
+            before = browser.evaluate("document.querySelector('#figures svg').outerHTML")
+            browser.evaluate(DRAG % ("E, MPa", 400))
+            assert browser.evaluate("document.querySelector('#figures svg').outerHTML") != before
+            server.shutdown()
+
+
+def test_a_lab_of_laws_and_cases(tmp_path: Path) -> None:
+    case = next(po.Case(example.path) for example in po.examples() if example.path.name == "6.14-axisymmetric.json")
+    with po.lab(case.with_({"steps[0].slip": 0.25})) as lab:
+        document = start(lab)["document"]
+        assert (document["kind"], document["steps"][0]["slip"]) == ("pullout", 0.25)
+    with po.lab(po.Law("bond_slip")) as lab:
+        assert start(lab)["document"]["material"]["plugin"] == "bond_slip"
+    # by files, relative to the folder of the case
+    (tmp_path / "table.csv").write_text("time,e11\n1,1e-3\n")
+    (tmp_path / "case.json").write_text(json.dumps({"kind": "point", "material": {"plugin": "linear_elastic"}, "steps": [{"table": "table.csv"}]}))
+    for subject in (tmp_path / "case.json", po.Case(tmp_path / "case.json")):
+        with po.lab(subject) as lab:
+            begun = start(lab)["document"]
+            assert (begun["title"], begun["steps"]) == ("case", [{"table": "table.csv"}])
+    with pytest.raises(po.CaseError, match="nonsense: neither a law"):
+        po.lab("nonsense")
+
+
+def test_a_lab_of_a_library(umats: dict[str, Path]) -> None:
+    law = po.Law(umats["stops"], nstatv=3)
+    with po.lab(law) as lab:
+        begun = start(lab)
+        assert begun["document"]["material"] == {"plugin": str(umats["stops"]), "nstatv": 3, "props": []}
+        assert begun["library"]["library"] == str(umats["stops"])
+
+
+def test_a_lab_ends_with_its_block_and_with_the_interpreter() -> None:
+    lab = po.lab()
+    assert lab.is_open and answers(lab.address) and lab.address in repr(lab)
+    lab.close()
+    lab.close()
+    assert not lab.is_open and not answers(lab.address) and "iframe" not in lab._repr_html_()
+    opened = "import pullout_fe as po, sys; print(po.lab().address, flush=True); sys.stdin.readline()"
+    for how in (None, signal.SIGKILL):
+        with subprocess.Popen([sys.executable, "-c", opened], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            address = process.stdout.readline().strip()
+            assert answers(address)
+            if how is not None:
+                process.send_signal(how)
+            process.communicate("")
+        end = time.monotonic() + 10
+        while answers(address):
+            assert time.monotonic() < end, how
+            time.sleep(0.02)
+
+
+def test_examples_are_those_of_the_command() -> None:
+    found = po.examples()
+    assert len(found) > 100 and all(example.path.is_file() for example in found)
+    some = po.examples("AXISYMMETRIC", "fig. 6.14")
+    assert "6.14-axisymmetric.json" in {example.path.name for example in some} and len(some) < 10
+    assert all(example.kind == json.loads(example.path.read_text())["kind"] and example.title for example in some)
+    listed = subprocess.run([po.program(), "examples", "AXISYMMETRIC", "fig. 6.14"], capture_output=True, text=True, check=True).stdout
+    assert all(str(example.path) in listed for example in some)
+    assert po.examples("no such word") == []

@@ -1,9 +1,10 @@
-//! Comparison with other programs, where they are installed: specimens in CalculiX, a material point in simcoon.
+//! Comparison with other programs, where they are installed: specimens in CalculiX, a material point in simcoon,
+//! jaxmat and singlepointsim.
 
 mod calculix;
 mod deck;
 mod points;
-mod simcoon;
+mod rival;
 mod specimens;
 
 use super::page::Page;
@@ -42,9 +43,10 @@ const ABSENT: Cell = Cell::Absent("not installed");
 const METHOD: &str = "\
 **Specimens** (`cases/benchmark/`): the same mesh, law and steps in CalculiX (`ccx` of the PATH), one thread each; the processor's time of either with reading or meshing,
 and nothing written but the reaction; medians of turns that alternate. The strip's exact drag is 15 N. **Points**: uniaxial stress to a strain of 0.02 with
-free sides, the law's parameters the same, in simcoon (`--python PYTHON` or `PULLOUT_PYTHON` names a Python that has it) with its own laws in C++. *Analysis*: the
-processor's time of the solvers alone, in a process that is running; *process*: of a process from start to end. Errors are the worst of all stresses
-against the exact ones, relative to the largest. A ratio is the median over the turns of the peer's time over ours.";
+free sides, the law's parameters the same, in simcoon with its own laws in C++, in jaxmat with its own laws compiled by JAX, and in singlepointsim with a UMAT in
+Fortran (`--python PYTHON` or `PULLOUT_PYTHON` names a Python that has them). *Analysis*: the processor's time of the solvers alone, in a process that is running;
+*process*: of a process from start to end; JAX compiles in each. Errors are the worst of all stresses against the exact ones at the strain that was reached,
+relative to the largest; singlepointsim records the equivalent stress alone. A ratio is the median over the turns of the peer's time over ours.";
 
 /// All comparisons.
 pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
@@ -53,7 +55,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
     let mut notes = Vec::new();
     if !settings.quick {
         notes.extend(specimens.iter().filter_map(share_note));
-        notes.extend(points.iter().filter_map(ratio_note));
+        notes.extend(points.iter().flat_map(ratio_notes));
     }
     let trouble: Vec<String> = specimens.iter().filter_map(specimens::Compared::trouble).collect();
     Ok(Page {
@@ -85,10 +87,17 @@ fn share_note(compared: &specimens::Compared) -> Option<String> {
     ))
 }
 
-fn ratio_note(compared: &points::Compared) -> Option<String> {
-    let (Some(theirs), Some([ratio, _])) = (&compared.theirs, compared.ratios) else { return None };
+fn ratio_notes(compared: &points::Compared) -> impl Iterator<Item = String> {
+    compared
+        .theirs
+        .iter()
+        .filter_map(|peer| peer.run.as_ref())
+        .map(|(theirs, [ratio, _])| ratio_note(compared, theirs, *ratio))
+}
+
+fn ratio_note(compared: &points::Compared, theirs: &points::Run, ratio: f64) -> String {
     let is_as_good = compared.ours.error <= theirs.error;
-    Some(format!(
+    format!(
         "{}: {} times as fast as {} with an error of {} against {}; at least {TARGET_RATIO} times with no greater error is wanted: {}.",
         compared.law,
         significant(ratio, 3),
@@ -96,7 +105,7 @@ fn ratio_note(compared: &points::Compared) -> Option<String> {
         significant(compared.ours.error, 2),
         significant(theirs.error, 2),
         word(ratio >= TARGET_RATIO && is_as_good)
-    ))
+    )
 }
 
 fn data(specimens: &[specimens::Compared], points: &[points::Compared]) -> Table {
@@ -137,12 +146,12 @@ fn data(specimens: &[specimens::Compared], points: &[points::Compared]) -> Table
         push(compared.theirs.as_ref(), compared.share.map(f64::recip));
     }
     for compared in points {
-        let mut push = |run: Option<&points::Run>, ratios: Option<[f64; 2]>| {
+        let mut push = |name: &str, run: Option<&points::Run>, ratios: Option<[f64; 2]>| {
             let number = |of: fn(&points::Run) -> f64| run.map(of).map_or(ABSENT, Cell::from);
             table.push([
                 "point".into(),
                 compared.law.into(),
-                run.map_or("simcoon", |run| &run.program).into(),
+                run.map_or(name, |run| &run.program).into(),
                 Cell::Absent(""),
                 compared.increments.into(),
                 Cell::Absent(""),
@@ -154,8 +163,10 @@ fn data(specimens: &[specimens::Compared], points: &[points::Compared]) -> Table
                 ratios.map(|[_, process]| process).into(),
             ]);
         };
-        push(Some(&compared.ours), Some([1.0; 2]));
-        push(compared.theirs.as_ref(), compared.ratios);
+        push("pullout", Some(&compared.ours), Some([1.0; 2]));
+        for points::Peer { name, run } in &compared.theirs {
+            push(name, run.as_ref().map(|(run, _)| run), run.as_ref().map(|(_, ratios)| *ratios));
+        }
     }
     table
 }
@@ -200,11 +211,11 @@ fn specimen_table(specimens: &[specimens::Compared]) -> Table {
 fn point_table(points: &[points::Compared], which: usize, seconds: impl Fn(&points::Run) -> f64) -> Table {
     let mut table = Table::new(["law", "program", "increments", "increments/s", "ratio", "error", "turns"]);
     for compared in points {
-        let mut push = |run: Option<&points::Run>, ratio: Option<f64>| {
+        let mut push = |name: &str, run: Option<&points::Run>, ratio: Option<f64>| {
             let speed = |run: &points::Run| compared.increments as f64 / seconds(run);
             table.push([
                 compared.law.into(),
-                run.map_or("simcoon", |run| &run.program).into(),
+                run.map_or(name, |run| &run.program).into(),
                 compared.increments.into(),
                 run.map_or(ABSENT, |run| speed(run).into()),
                 ratio.into(),
@@ -212,8 +223,10 @@ fn point_table(points: &[points::Compared], which: usize, seconds: impl Fn(&poin
                 compared.rounds.into(),
             ]);
         };
-        push(Some(&compared.ours), Some(1.0));
-        push(compared.theirs.as_ref(), compared.ratios.map(|ratios| ratios[which]));
+        push("pullout", Some(&compared.ours), Some(1.0));
+        for points::Peer { name, run } in &compared.theirs {
+            push(name, run.as_ref().map(|(run, _)| run), run.as_ref().map(|(_, ratios)| ratios[which]));
+        }
     }
     table
 }
@@ -232,7 +245,8 @@ fn figure(specimens: &[specimens::Compared], points: &[points::Compared]) -> Opt
     });
     let of_points = points.iter().filter_map(|compared| {
         let name = if compared.law == "linear_elastic" { "elastic" } else { "J2" };
-        compared.ratios.map(|[analysis, _]| (name.to_owned(), analysis))
+        // the first of them; the tables have all
+        compared.theirs.first()?.run.as_ref().map(|(_, [analysis, _])| (name.to_owned(), *analysis))
     });
     let (names, ratios): (Vec<String>, Vec<f64>) = of_specimens.chain(of_points).unzip();
     let bars = ratios.iter().enumerate().map(|(k, ratio)| (k as f64, *ratio));

@@ -1,6 +1,6 @@
-//! A material point here and in simcoon: the same law, the same increments of uniaxial stress.
+//! A material point here and in other programs: the same law, the same increments of uniaxial stress.
 
-use super::simcoon::Simcoon;
+use super::rival::{Installed, RIVALS, Rival, RivalLaw, Worker};
 use crate::laws::driven::Driven;
 use crate::timing::{children_time, median, thread_time};
 use crate::{BenchError, Settings};
@@ -17,8 +17,8 @@ pub struct ComparedLaw {
     /// Name of our plugin.
     pub plugin: &'static str,
     props: &'static [f64],
-    /// Law of simcoon: name, number of states, parameters.
-    pub simcoon: (&'static str, usize, &'static [f64]),
+    /// The law of each of [`RIVALS`]; `None`: it has none.
+    rivals: [Option<RivalLaw>; RIVALS.len()],
     /// ε_11 at the end.
     pub strain: f64,
     /// σ_11 at a strain, MPa.
@@ -34,15 +34,19 @@ const LAWS: [ComparedLaw; 2] = [
     ComparedLaw {
         plugin: "linear_elastic",
         props: &ELASTIC,
-        simcoon: ("ELISO", 1, &[ELASTIC[0], ELASTIC[1], 0.0]),
+        rivals: [Some(("ELISO", 1, &[ELASTIC[0], ELASTIC[1], 0.0])), Some(("elastic", 0, &ELASTIC)), None],
         strain: 0.02,
         exact: |strain| ELASTIC[0] * strain,
     },
     ComparedLaw {
         plugin: "j2_plasticity",
         props: &[ELASTIC[0], ELASTIC[1], YIELD[0], 0.0, YIELD[0] + YIELD[1], 1.0],
-        // hardening k p^m with m = 1
-        simcoon: ("EPICP", 8, &[ELASTIC[0], ELASTIC[1], 0.0, YIELD[0], YIELD[1], 1.0]),
+        rivals: [
+            // hardening k p^m with m = 1
+            Some(("EPICP", 8, &[ELASTIC[0], ELASTIC[1], 0.0, YIELD[0], YIELD[1], 1.0])),
+            Some(("J2", 0, &[ELASTIC[0], ELASTIC[1], YIELD[0], YIELD[1]])),
+            Some(("j2.f90", 7, &[ELASTIC[0], ELASTIC[1], YIELD[0], YIELD[1]])),
+        ],
         strain: 0.02,
         exact: |strain| {
             let [modulus, _] = ELASTIC;
@@ -66,23 +70,30 @@ pub struct Run {
     pub result: f64,
 }
 
-/// A law on both sides.
+/// Strain ε_11 and the stress after an increment.
+pub type Row = (f64, [f64; 6]);
+
+/// A law on all sides.
 pub struct Compared {
     pub law: &'static str,
     pub increments: usize,
     pub rounds: usize,
     pub ours: Run,
-    /// `None`: not installed.
-    pub theirs: Option<Run>,
-    /// Medians of their time over ours: of the analysis, of the process.
-    pub ratios: Option<[f64; 2]>,
+    pub theirs: Vec<Peer>,
+}
+
+/// One of the other programs.
+pub struct Peer {
+    pub name: &'static str,
+    /// Its run, and medians of its time over ours: of the analysis, of the process; `None`: not installed.
+    pub run: Option<(Run, [f64; 2])>,
 }
 
 /// All laws.
 pub fn compare(settings: &Settings) -> Result<Vec<Compared>, BenchError> {
     let (increments, rounds) = if settings.quick { QUICK } else { FULL };
-    let simcoon = Simcoon::find(settings.python.as_deref());
-    LAWS.iter().map(|law| law.compare(settings, increments, rounds, simcoon.as_ref())).collect()
+    let rivals = RIVALS.each_ref().map(|rival| rival.find(settings.python.as_deref()));
+    LAWS.iter().map(|law| law.compare(settings, increments, rounds, &rivals)).collect()
 }
 
 /// Times and results, one of each round.
@@ -90,7 +101,7 @@ pub fn compare(settings: &Settings) -> Result<Vec<Compared>, BenchError> {
 struct Turns {
     analysis: Vec<f64>,
     process: Vec<f64>,
-    stresses: Vec<[f64; 6]>,
+    rows: Vec<Row>,
 }
 
 impl Turns {
@@ -101,16 +112,16 @@ impl Turns {
     }
 
     fn run(self, program: &str, law: &ComparedLaw, increments: usize) -> Result<Run, BenchError> {
-        if self.stresses.len() != increments {
-            let rows = self.stresses.len();
+        if self.rows.len() != increments {
+            let rows = self.rows.len();
             return Err(BenchError::Failed(format!("{program}: {rows} rows of {increments} increments")));
         }
         Ok(Run {
             program: program.into(),
             analysis: median(self.analysis),
             process: median(self.process),
-            error: law.error(&self.stresses),
-            result: self.stresses.last().map_or(f64::NAN, |stress| stress[0]),
+            error: law.error(&self.rows),
+            result: self.rows.last().map_or(f64::NAN, |(_, stress)| stress[0]),
         })
     }
 }
@@ -121,37 +132,58 @@ impl ComparedLaw {
         settings: &Settings,
         increments: usize,
         rounds: usize,
-        simcoon: Option<&Simcoon>,
+        rivals: &[Option<Installed>; RIVALS.len()],
     ) -> Result<Compared, BenchError> {
         let folder = tempfile::tempdir()?;
         let driven = Driven::read(self.document(increments), &settings.plugin_paths)?;
         let case = folder.path().join("case.json");
         std::fs::write(&case, self.document(increments).to_string())?;
-        let mut worker = simcoon.map(|simcoon| simcoon.start(self, increments, folder.path())).transpose()?;
-        let (mut ours, mut theirs) = (Turns::default(), Turns::default());
+        // those that have the law; of these, those that are installed
+        let peers = || {
+            RIVALS
+                .iter()
+                .zip(&self.rivals)
+                .zip(rivals)
+                .filter_map(|((rival, its), installed)| Some((rival, (*its)?, installed.as_ref())))
+        };
+        let theirs: Vec<(RivalLaw, &Installed)> =
+            peers().filter_map(|(_, its, installed)| Some((its, installed?))).collect();
+        let start = |(its, rival): &(RivalLaw, &Installed)| rival.start(self, *its, increments, folder.path());
+        let mut workers = theirs.iter().map(start).collect::<Result<Vec<Worker>, _>>()?;
+        let (mut ours, mut turns) = (Turns::default(), Vec::new());
+        turns.resize_with(theirs.len(), Turns::default);
         for _ in 0..rounds {
             let start = thread_time();
             let run = driven.run().map_err(BenchError::Failed)?;
             ours.analysis.push((thread_time() - start).as_secs_f64());
-            ours.stresses = run.stresses;
-            if let Some(worker) = &mut worker {
-                let (seconds, stresses) = worker.run()?;
-                theirs.analysis.push(seconds);
-                theirs.stresses = stresses;
+            let strain = |k: usize| self.strain * (k + 1) as f64 / increments as f64;
+            ours.rows = run.stresses.into_iter().enumerate().map(|(k, stress)| (strain(k), stress)).collect();
+            for (worker, its) in workers.iter_mut().zip(&mut turns) {
+                let (seconds, rows) = worker.run()?;
+                its.analysis.push(seconds);
+                its.rows = rows;
             }
         }
         // an idle child that is waited for would count
-        drop(worker);
+        drop(workers);
         for _ in 0..rounds {
             ours.process.push(of_children(|| self.run_whole(&case, settings, folder.path()))?);
-            if let Some(simcoon) = simcoon {
-                theirs.process.push(of_children(|| simcoon.run_whole(self, increments, folder.path()))?);
+            for ((law, rival), its) in theirs.iter().zip(&mut turns) {
+                its.process.push(of_children(|| rival.run_whole(self, *law, increments, folder.path()))?);
             }
         }
-        let ratios = simcoon.map(|_| theirs.over(&ours));
-        let theirs = simcoon.map(|simcoon| theirs.run(&simcoon.program, self, increments)).transpose()?;
+        let mut turns = turns.into_iter();
+        let peer = |(rival, _, installed): (&Rival, _, Option<&Installed>)| {
+            let run = installed.and_then(|installed| Some((installed, turns.next()?)));
+            let run = run.map(|(installed, its)| {
+                let ratios = its.over(&ours);
+                its.run(&installed.program, self, increments).map(|run| (run, ratios))
+            });
+            Ok::<_, BenchError>(Peer { name: rival.name, run: run.transpose()? })
+        };
+        let theirs = peers().map(peer).collect::<Result<_, _>>()?;
         let ours = ours.run("pullout", self, increments)?;
-        Ok(Compared { law: self.plugin, increments, rounds, ours, theirs, ratios })
+        Ok(Compared { law: self.plugin, increments, rounds, ours, theirs })
     }
 
     /// Returns a case with a single output row, so that file output is not timed.
@@ -185,10 +217,9 @@ impl ComparedLaw {
         }
     }
 
-    fn error(&self, stresses: &[[f64; 6]]) -> f64 {
-        let count = stresses.len() as f64;
-        let along = stresses.iter().enumerate().map(|(k, stress)| {
-            let exact = (self.exact)(self.strain * (k + 1) as f64 / count);
+    fn error(&self, rows: &[Row]) -> f64 {
+        let along = rows.iter().map(|(strain, stress)| {
+            let exact = (self.exact)(*strain);
             (exact, stress.iter().zip([exact, 0.0, 0.0, 0.0, 0.0, 0.0]).map(|(own, exact)| (own - exact).abs()))
         });
         let (mut largest, mut worst) = (0.0_f64, 0.0_f64);
@@ -228,11 +259,11 @@ mod test {
     #[test]
     fn an_error_is_the_worst_component() {
         let [elastic, _] = &LAWS;
-        let mut stresses = [[2100.0, 0.0, 0.0, 0.0, 0.0, 0.0], [4200.0, 0.0, 0.0, 0.0, 0.0, 0.0]];
-        assert!(elastic.error(&stresses) < 1e-15);
-        stresses[0][3] = -4.2;
-        assert!((elastic.error(&stresses) - 1e-3).abs() < 1e-15);
-        stresses[1][5] = f64::NAN;
-        assert!(elastic.error(&stresses).is_infinite());
+        let mut rows = [(0.01, [2100.0, 0.0, 0.0, 0.0, 0.0, 0.0]), (0.02, [4200.0, 0.0, 0.0, 0.0, 0.0, 0.0])];
+        assert!(elastic.error(&rows) < 1e-15);
+        rows[0].1[3] = -4.2;
+        assert!((elastic.error(&rows) - 1e-3).abs() < 1e-15);
+        rows[1].1[5] = f64::NAN;
+        assert!(elastic.error(&rows).is_infinite());
     }
 }

@@ -2,7 +2,7 @@
 (async () => {
   const part = (id) => document.getElementById(id);
   const page = crypto.randomUUID();
-  const begin = await (await fetch("/start")).json();
+  const begin = await (await fetch("start")).json();
   let library = begin.library;
   let given = begin.document;      // what the lab was opened with: its steps are the path "as given"
   let ghosts = [], curves = [], shown = null, law = null, kind = given.kind;
@@ -266,7 +266,7 @@
     isRunning = true;
     const start = performance.now();
     try {
-      const answer = await (await ask("/run", { document, ghosts: ghosts.map(({ name, document }) => ({ name, document })), curves })).json();
+      const answer = await (await ask("run", { document, ghosts: ghosts.map(({ name, document }) => ({ name, document })), curves })).json();
       if (answer.status !== "superseded") show(answer, document, performance.now() - start);
     } catch (error) {
       part("status").textContent = "the lab has ended: start it again";
@@ -324,7 +324,7 @@
     if (kind !== "point" && kind !== "interface") return;
     const document = caseNow(), asked = JSON.stringify(document);
     part("conclusion").textContent = "checking …";
-    const answer = await (await ask("/check", { document })).json().catch(() => null);
+    const answer = await (await ask("check", { document })).json().catch(() => null);
     if (answer === null || JSON.stringify(caseNow()) !== asked) return;
     if (answer.problems) {
       part("conclusion").replaceChildren(make("span", { className: "badge" }, "not checked"));
@@ -402,8 +402,8 @@
   };
   part("save-case").onclick = () => save("case.json", asJson(caseToKeep()), "application/json");
   part("save-python").onclick = () => save("case.py", `import json\n\nimport pullout_fe as po\n\ncase = po.Case(json.loads(r"""\n${asJson(caseToKeep())}"""))\nrun = po.run(case)\nprint(run)\n`);
-  part("save-abaqus").onclick = async () => save("material.inp", await (await ask("/abaqus", { document: caseNow() })).text());
-  part("save-csv").onclick = async () => save("history.csv", await (await ask("/csv", { document: caseNow() })).text(), "text/csv");
+  part("save-abaqus").onclick = async () => save("material.inp", await (await ask("abaqus", { document: caseNow() })).text());
+  part("save-csv").onclick = async () => save("history.csv", await (await ask("csv", { document: caseNow() })).text(), "text/csv");
   part("save-svg").onclick = () => { const first = shown?.figures[0]; if (first) save(`${first.name}.svg`, first.drawing.svg, "image/svg+xml"); };
   part("save-replay").onclick = () => { if (shown?.replay) save("replay.json", asJson(shown.replay), "application/json"); };
 
@@ -412,7 +412,7 @@
   const follow = async () => {
     for (;;) {
       let next;
-      try { next = await (await fetch(`/library?after=${library.version}`)).json(); } catch { return; }
+      try { next = await (await fetch(`library?after=${library.version}`)).json(); } catch { return; }
       if (next.version === library.version) continue;
       const before = shown?.document, wasGood = library.library;
       library = next;

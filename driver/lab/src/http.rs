@@ -17,9 +17,11 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Names under which a page asks for this machine; another one is a foreign page's (DNS rebinding).
 const OWN_NAMES: [&str; 3] = ["127.0.0.1", "localhost", "[::1]"];
 
-/// What nothing on the page may do: load from elsewhere, run scripts of its own text, be shown in another page's frame.
+/// What nothing on the page may do: load from elsewhere, run scripts of its own text.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; \
-                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+                      base-uri 'none'; form-action 'none'";
+/// What keeps it out of another page's frame.
+const UNFRAMED: &str = "; frame-ancestors 'none'";
 
 /// A request.
 #[derive(Debug, Default)]
@@ -43,13 +45,14 @@ pub(crate) struct Response {
     code: u16,
     kind: &'static str,
     more: String,
+    frames: &'static str,
     body: Vec<u8>,
 }
 
 impl Response {
     /// An answer with a body of a media type.
     pub fn of(kind: &'static str, body: impl Into<Vec<u8>>) -> Self {
-        Self { code: 200, kind, more: String::new(), body: body.into() }
+        Self { code: 200, kind, more: String::new(), frames: UNFRAMED, body: body.into() }
     }
 
     /// An answer as JSON.
@@ -69,6 +72,11 @@ impl Response {
         Self { code: 303, more, ..Self::of("text/plain", "") }
     }
 
+    /// Lets a page show the answer in a frame: for who has brought the token, which no other page knows.
+    pub fn framed(self) -> Self {
+        Self { frames: "", ..self }
+    }
+
     /// Sends the answer. A client that has gone is no error.
     pub fn send(self, stream: &mut TcpStream) {
         let reason = match self.code {
@@ -83,10 +91,11 @@ impl Response {
         };
         let head = format!(
             "HTTP/1.1 {} {reason}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
-             Referrer-Policy: no-referrer\r\nContent-Security-Policy: {POLICY}\r\n{}Connection: close\r\n\r\n",
+             Referrer-Policy: no-referrer\r\nContent-Security-Policy: {POLICY}{}\r\n{}Connection: close\r\n\r\n",
             self.code,
             self.kind,
             self.body.len(),
+            self.frames,
             self.more
         );
         let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&self.body));
@@ -178,6 +187,11 @@ impl Request {
     /// Returns whether the token is in the query.
     pub fn brings(&self, token: &str) -> bool {
         self.query.split('&').any(|pair| pair.strip_prefix("token=") == Some(token))
+    }
+
+    /// Returns what follows the token in a path that begins with it, as of a page in a frame, which gets no cookies.
+    pub fn within(&self, token: &str) -> Option<&str> {
+        self.path.strip_prefix('/')?.strip_prefix(token).filter(|path| path.starts_with('/'))
     }
 
     /// Returns whether the token is in the cookie of this port.

@@ -147,10 +147,18 @@ impl Shared {
         if request.method == "GET" && request.path == "/" && request.brings(token) {
             return Response::signed_in(port, token);
         }
+        if let Some(path) = request.within(token) {
+            return self.page(path, request).framed();
+        }
         if !request.knows(port, token) {
             return Response::refusal(403, "open the address that `pullout lab` has printed, with its token");
         }
-        match (request.method.as_str(), request.path.as_str()) {
+        self.page(&request.path, request)
+    }
+
+    /// What a path is to who knows the token.
+    fn page(&self, path: &str, request: &Request) -> Response {
+        match (request.method.as_str(), path) {
             ("GET", "/") => Response::of("text/html; charset=utf-8", PAGE),
             ("GET", "/lab.css") => Response::of("text/css; charset=utf-8", STYLE),
             ("GET", "/lab.js") => Response::of("text/javascript; charset=utf-8", SCRIPT),

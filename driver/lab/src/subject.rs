@@ -62,7 +62,7 @@ impl Subject {
         let here = PathBuf::from(".");
         let word = word.unwrap_or(FIRST_LAW);
         let path = Path::new(word);
-        if path.extension().is_some_and(|suffix| suffix == "json") {
+        if path.extension().is_some_and(|suffix| suffix == "json") || path.starts_with("/dev") {
             let text = input::read(path, Input::Case).map_err(|error| Error::Subject(format!("{word}: {error}")))?;
             let mut document: Value =
                 serde_json::from_slice(&text).map_err(|error| Error::Subject(format!("{word}: {error}")))?;

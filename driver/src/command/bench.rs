@@ -1,8 +1,10 @@
 //! `pullout bench`: hands over to the program `pullout-bench`, where it is installed.
 
 use super::Refusal;
+use pullout_run::isolation;
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
+use std::path::Path;
 use std::process::Command;
 
 /// The program, beside this one.
@@ -18,7 +20,7 @@ pub(super) struct Arguments {
 
 /// Becomes the other program; returns why not.
 pub(super) fn run(Arguments { arguments }: &Arguments) -> Refusal {
-    match std::env::current_exe().map(|path| path.with_file_name(PROGRAM)) {
+    match isolation::program().and_then(Path::canonicalize).map(|path| path.with_file_name(PROGRAM)) {
         Ok(program) if program.is_file() => {
             let error = Command::new(&program).args(arguments).exec();
             Refusal::failed(format!("{}: {error}", program.display()))

@@ -2,6 +2,7 @@
 
 use super::{DONE, Refusal, complain, say};
 use pullout_lab::{Error, Lab, Settings};
+use pullout_run::isolation;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
@@ -19,10 +20,17 @@ pub(super) struct Arguments {
     /// Look for plugins here first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
+    /// End with this process.
+    #[arg(long, hide = true)]
+    parent: Option<u32>,
 }
 
 pub(super) fn run(arguments: Arguments) -> Result<u8, Refusal> {
-    let Arguments { subject, port, no_open, plugin_paths } = arguments;
+    let Arguments { subject, port, no_open, plugin_paths, parent } = arguments;
+    if let Some(parent) = parent {
+        // where it cannot be asked for, a lab outlives who has opened it
+        let _ = isolation::die_with(parent);
+    }
     let refused = |error: Error| match error {
         Error::Subject(message) => Refusal::input(message),
         Error::System(error) => Refusal::failed(error),

@@ -2,7 +2,7 @@
 
 mod animate;
 mod bench;
-mod examples;
+pub mod examples;
 mod fit;
 mod import;
 mod isolated;

@@ -42,13 +42,19 @@ impl Lab {
 
     /// Code and body of the answer to bytes.
     fn send(&self, request: &[u8]) -> (u16, String) {
+        let answer = self.answer(request);
+        let code = answer.split(' ').nth(1).and_then(|code| code.parse().ok()).unwrap_or(0);
+        (code, answer.split_once("\r\n\r\n").map_or(String::new(), |(_, body)| body.to_owned()))
+    }
+
+    /// The answer to bytes.
+    fn answer(&self, request: &[u8]) -> String {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("it listens");
         stream.set_read_timeout(Some(Duration::from_secs(60))).expect("a time");
         let mut answer = String::new();
         // one that is refused early may be reset before it was read whole
         let _ = stream.write_all(request).and_then(|()| stream.read_to_string(&mut answer));
-        let code = answer.split(' ').nth(1).and_then(|code| code.parse().ok()).unwrap_or(0);
-        (code, answer.split_once("\r\n\r\n").map_or(String::new(), |(_, body)| body.to_owned()))
+        answer
     }
 
     fn request(&self, line: &str, headers: &str, body: &str) -> (u16, String) {
@@ -144,6 +150,28 @@ fn strangers_are_refused_and_no_other_library_is_called() {
     ] {
         assert_eq!(lab.request(line, headers, "").0, code, "{line} {headers}");
     }
+    // a frame gets no cookies: there the path begins with the token, and who does not know it cannot show the page
+    let token = own.trim().split_once('=').expect("a cookie").1;
+    let other = "0".repeat(token.len());
+    for (path, code) in [
+        (format!("/{token}/"), 200),
+        (format!("/{token}/lab.js"), 200),
+        (format!("/{token}/start"), 200),
+        (format!("/{token}/etc"), 404),
+        (format!("/{token}"), 403),
+        (format!("/{other}/"), 403),
+        (format!("/{token}0/"), 403),
+    ] {
+        assert_eq!(lab.request(&format!("GET {path}"), "", "").0, code, "{path}");
+    }
+    let policy = |path: &str, headers: &str| {
+        let head = format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n{headers}\r\n", lab.port);
+        let answer = lab.answer(head.as_bytes());
+        answer.lines().find(|line| line.starts_with("Content-Security-Policy")).expect("a policy").to_owned()
+    };
+    assert!(policy("/", &own).contains("frame-ancestors 'none'"));
+    assert!(policy("/", "").contains("frame-ancestors 'none'"));
+    assert!(!policy(&format!("/{token}/"), "").contains("frame-ancestors"));
     let body = json!({ "page": "test", "document": {} }).to_string();
     let foreign_page = format!("{own}Origin: http://example.org\r\n");
     assert_eq!(lab.request("POST /run", &foreign_page, &body).0, 403);

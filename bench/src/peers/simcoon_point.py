@@ -2,7 +2,7 @@
 
     python point.py LAW NSTATV INCREMENTS STRAIN PROPS...
 
-A line names a file for the stresses (six doubles an increment), or is empty. What is printed then is the processor's
+A line names a file for the rows (strain and six stresses, as doubles, an increment), or is empty. What is printed then is the processor's
 time of the solver alone, s.
 """
 
@@ -26,7 +26,8 @@ def main():
         result = simcoon.solver.solve(block, law, props, int(nstatv), record_tangent=False)
         seconds = time.process_time() - start
         if line.strip():
-            numpy.ascontiguousarray(numpy.asarray(result["Stress"]).T, dtype="<f8").tofile(line.strip())
+            strains = numpy.linspace(0.0, float(strain), int(increments) + 1)[1:]
+            numpy.column_stack([strains, numpy.asarray(result["Stress"]).T]).astype("<f8").tofile(line.strip())
         print(repr(seconds), flush=True)
 
 
