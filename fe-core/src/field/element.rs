@@ -58,7 +58,12 @@ impl FieldElement {
     }
 
     /// R and K, row by row, with θ at its nodes at the start and at the end, and RPL and DRPLDT of its points.
-    pub(super) fn equations(&self, medium: Medium, [start, end]: [&[f64]; 2], heat: &[[f64; 2]]) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn equations(
+        &self,
+        medium: Medium,
+        [start, end]: [&[f64]; 2],
+        heat: &[[f64; 2]],
+    ) -> (Vec<f64>, Vec<f64>) {
         let count = self.nodes.len();
         let Medium { conductivity, capacity_rate } = medium;
         let (mut residual, mut matrix) = (vec![0.0; count], vec![0.0; count * count]);

@@ -7,7 +7,7 @@
 //!
 //! with RPL and DRPLDT of the laws at the last displacements for r and ∂r/∂θ, integrated at the points of the laws; the law gets
 //! Σ N_i θ_i at its point as TEMP + DTEMP. Displacements and field are found in turn. A [`Field`] predicts θ, does one Newton
-//! iteration a pass, and says when it no longer changes ([`crate::model::Coupling`]):
+//! iteration a pass, and says when it no longer changes ([`crate::model::FieldCoupling`]):
 //!
 //! ```text
 //! θ ← θ_n + 0.9 Δt/Δt_n (θ_n − θ_{n−1}),   then in each pass   θ ← θ + 1.4 K⁻¹R,   until max |K⁻¹R| ≤ tolerance
@@ -21,7 +21,7 @@ mod element;
 use crate::assembly::Solids;
 use crate::assembly::loads::{Bearers, external};
 use crate::mesh::Mesh;
-use crate::model::{Coupling, CrackSurface, FieldKind, IncrementContext, LoadKind, ScalarField};
+use crate::model::{CrackSurface, FieldCoupling, FieldKind, IncrementContext, LoadKind, ScalarField};
 use crate::solver::{LinearSolver, Pattern, SolverError, SolverOptions, Symmetry, SystemMatrix};
 use element::FieldElement;
 use serde::{Deserialize, Serialize};
@@ -45,7 +45,7 @@ const NONE: usize = usize::MAX;
 /// What of a field is kept between increments.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FieldState {
-    /// θ, one per node: NaN where there is none.
+    /// θ, one per node: 0 where there is none.
     values: Vec<f64>,
     /// θ that the laws were given last; other than `values` in one-pass mode.
     given: Vec<f64>,
@@ -70,6 +70,8 @@ pub(crate) enum Pass {
 pub(crate) struct Field {
     definition: ScalarField,
     elements: Vec<FieldElement>,
+    /// Whether each node has a value.
+    has_field: Vec<bool>,
     /// The equation of each node, [`NONE`] without one.
     equations: Vec<usize>,
     /// Nodal fluxes of each flux of the definition at a drive of 1.
@@ -80,11 +82,11 @@ pub(crate) struct Field {
     trial: Vec<f64>,
     /// The field that follows, of one pass.
     next: Vec<f64>,
+    /// The time that the present attempt takes.
+    time: f64,
     passes: usize,
     last_change: f64,
     is_fast: bool,
-    /// Passes of all increments.
-    pub(crate) all_passes: u64,
 }
 
 impl std::fmt::Debug for Field {
@@ -114,8 +116,7 @@ impl Field {
         let pattern = Arc::new(Pattern::from_groups(nodes.len(), groups.iter().map(Vec::as_slice)));
         let positions = nodes.iter().map(|&node| mesh.nodes()[node]).collect();
         let solver = LinearSolver::new(&pattern, &nodes, SolverOptions::default()).with_positions(positions);
-        let values: Vec<f64> =
-            has_field.iter().map(|has| if *has { definition.initial } else { f64::NAN }).collect();
+        let values: Vec<f64> = has_field.iter().map(|has| if *has { definition.initial } else { 0.0 }).collect();
         let bearers = Bearers { thickness: &|_| None, shares: None };
         let fluxes = definition.fluxes.iter().map(|flux| {
             // as a force along x
@@ -135,15 +136,22 @@ impl Field {
             passes: 0,
             last_change: f64::INFINITY,
             is_fast: true,
-            all_passes: 0,
+            has_field,
             equations,
+            time: 0.0,
             definition: definition.clone(),
         }
     }
 
     /// θ at the end of the last increment, one per node; NaN where there is none.
-    pub(crate) fn values(&self) -> &[f64] {
-        &self.committed.values
+    pub(crate) fn values(&self) -> Vec<f64> {
+        let shown = |(value, has_field): (&f64, &bool)| if *has_field { *value } else { f64::NAN };
+        self.committed.values.iter().zip(&self.has_field).map(shown).collect()
+    }
+
+    /// Returns the largest θ.
+    pub(crate) fn largest(&self) -> f64 {
+        self.values().into_iter().fold(f64::NAN, f64::max)
     }
 
     /// Returns what is kept between increments.
@@ -161,7 +169,7 @@ impl Field {
     /// Begins an attempt at an increment: the field that the laws are given first.
     pub(crate) fn begin(&mut self, drives: &[f64], context: &IncrementContext, solids: &mut Solids) {
         let FieldState { values, earlier, time, .. } = &self.committed;
-        let is_one_pass = self.definition.coupling == Coupling::OnePass;
+        let is_one_pass = self.definition.coupling == FieldCoupling::OnePass;
         let share = match (self.definition.is_phase_field(), is_one_pass) {
             (false, false) => 0.0,
             (true, false) => PREDICTION,
@@ -180,16 +188,17 @@ impl Field {
                 fixed.nodes.iter().for_each(|&node| self.trial[node] = value);
             }
         }
+        self.time = context.time_increment;
         (self.passes, self.last_change, self.is_fast) = (0, f64::INFINITY, self.definition.is_phase_field());
         self.hand_over(solids);
     }
 
     /// Gives the laws the field.
-    fn hand_over(&self, solids: &mut Solids) {
+    pub(crate) fn hand_over(&self, solids: &mut Solids) {
         for element in &self.elements {
             let at = |values: &[f64], point: usize| element.value(point, values);
-            let temperatures = (0..element.point_count())
-                .map(|point| [at(&self.committed.given, point), at(&self.trial, point)]);
+            let temperatures =
+                (0..element.point_count()).map(|point| [at(&self.committed.given, point), at(&self.trial, point)]);
             solids.set_temperatures(element.element, temperatures);
         }
     }
@@ -211,7 +220,6 @@ impl Field {
             return Ok(Pass::Settled);
         }
         self.passes += 1;
-        self.all_passes += 1;
         let correction = self.correction(drives, context, solids)?;
         let change = correction.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let scale = match self.definition.kind {
@@ -219,7 +227,7 @@ impl Field {
             FieldKind::Temperature => self.trial.iter().fold(0.0_f64, |most, value| most.max(value.abs())),
         };
         self.next.clone_from(&self.trial);
-        if self.definition.coupling == Coupling::OnePass {
+        if self.definition.coupling == FieldCoupling::OnePass {
             self.apply(&correction, 1.0);
             return Ok(Pass::Settled);
         }
@@ -279,7 +287,9 @@ impl Field {
                 residual[row] += forces[i];
                 for (j, &column) in element.nodes.iter().enumerate() {
                     let column = self.equations[column];
-                    if column != NONE && let Some(place) = pattern.index(row, column) {
+                    if column != NONE
+                        && let Some(place) = pattern.index(row, column)
+                    {
                         self.matrix.values[place] += matrix[i * count + j];
                     }
                 }
@@ -296,11 +306,11 @@ impl Field {
     }
 
     /// Makes the last attempt the committed state.
-    pub(crate) fn commit(&mut self, context: &IncrementContext) {
+    pub(crate) fn commit(&mut self) {
         let values = std::mem::replace(&mut self.committed.values, self.next.clone());
         self.committed.earlier = values;
         self.committed.given.clone_from(&self.trial);
-        self.committed.time = context.time_increment;
+        self.committed.time = self.time;
     }
 
     /// The area of its cracks, mm², and their energy, N·mm; `None` if it is not known to have any.

@@ -92,6 +92,11 @@ impl ScalarField {
         }
     }
 
+    /// Name in files.
+    pub fn name(&self) -> &'static str {
+        if self.is_phase_field() { "phase_field" } else { "temperature" }
+    }
+
     /// Returns whether it is no energy.
     pub fn is_phase_field(&self) -> bool {
         self.kind != FieldKind::Temperature
