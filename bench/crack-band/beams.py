@@ -93,8 +93,8 @@ def uneven(kind, size, part=0.05):
     return {tuple(at): tag for tag, at in position.items()}, elements, sets
 
 
-def free(kind, size):
-    """Gmsh's mesh, which knows nothing of the crack: `size` within 20 mm of the ligament."""
+def free(kind, size, seed=1):
+    """Gmsh's mesh, which knows nothing of the crack: `size` within 20 mm of the ligament. Other seeds: other algorithms, shaken."""
     import gmsh
 
     gmsh.initialize(interruptible=False)
@@ -115,13 +115,15 @@ def free(kind, size):
     mesh.field.setAsBackgroundMesh(field)
     for option in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
         gmsh.option.setNumber("Mesh." + option, 0)
-    gmsh.option.setNumber("Mesh.RandomSeed", 1)
+    gmsh.option.setNumber("Mesh.RandomSeed", seed)
+    if seed > 1:
+        gmsh.option.setNumber("Mesh.RandomFactor", 1e-2)
     if kind in ("Q4", "Q8"):
         gmsh.option.setNumber("Mesh.Algorithm", 8)
         gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)
         mesh.setRecombine(2, 1)
     else:
-        gmsh.option.setNumber("Mesh.Algorithm", 6)
+        gmsh.option.setNumber("Mesh.Algorithm", [6, 5, 1][(seed - 1) % 3])
     mesh.generate(2)
     if kind in ("T6", "Q8"):
         gmsh.option.setNumber("Mesh.SecondOrderIncomplete", 1)

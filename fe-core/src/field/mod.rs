@@ -36,6 +36,8 @@ const PREDICTION: f64 = 0.9;
 const OVER_RELAXATION: f64 = 1.4;
 /// Passes of an increment with them; a slow one is better off without.
 const FAST_PASSES: usize = 25;
+/// Corrections of the field at the same displacements, in one pass.
+const FIELD_CORRECTIONS: usize = 12;
 /// Passes of an increment, after which it is given up.
 const MOST_PASSES: usize = 300;
 
@@ -62,6 +64,10 @@ pub(crate) enum Pass {
     Settled,
     /// The laws have got another field: displacements follow.
     Changed,
+    /// The laws have got another field at the same displacements, from which a further correction follows.
+    Again,
+    /// The laws have got the field again with which the displacements were found.
+    Back,
     /// So many passes that a smaller increment is to be tried.
     GivenUp,
 }
@@ -190,15 +196,21 @@ impl Field {
         }
         self.time = context.time_increment;
         (self.passes, self.last_change, self.is_fast) = (0, f64::INFINITY, self.definition.is_phase_field());
-        self.hand_over(solids);
+        self.next.clone_from(&self.trial);
+        self.give(&self.trial, solids);
     }
 
-    /// Gives the laws the field.
+    /// Gives the laws the field of the start.
     pub(crate) fn hand_over(&self, solids: &mut Solids) {
+        self.give(&self.trial, solids);
+    }
+
+    /// Gives the laws a field at the end of the increment.
+    fn give(&self, end: &[f64], solids: &mut Solids) {
         for element in &self.elements {
             let at = |values: &[f64], point: usize| element.value(point, values);
             let temperatures =
-                (0..element.point_count()).map(|point| [at(&self.committed.given, point), at(&self.trial, point)]);
+                (0..element.point_count()).map(|point| [at(&self.committed.given, point), at(end, point)]);
             solids.set_temperatures(element.element, temperatures);
         }
     }
@@ -216,7 +228,6 @@ impl Field {
     ) -> Result<Pass, SolverError> {
         if context.time_increment <= 0.0 {
             // nothing flows in no time
-            self.next.clone_from(&self.trial);
             return Ok(Pass::Settled);
         }
         self.passes += 1;
@@ -224,14 +235,16 @@ impl Field {
         let change = correction.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let scale = match self.definition.kind {
             FieldKind::PhaseField(_) => 1.0,
-            FieldKind::Temperature => self.trial.iter().fold(0.0_f64, |most, value| most.max(value.abs())),
+            FieldKind::Temperature => self.next.iter().fold(0.0_f64, |most, value| most.max(value.abs())),
         };
-        self.next.clone_from(&self.trial);
+        let is_small = change <= self.definition.tolerance * scale;
         if self.definition.coupling == FieldCoupling::OnePass {
             self.apply(&correction, 1.0);
-            return Ok(Pass::Settled);
+            let goes_on = !is_small && self.passes < FIELD_CORRECTIONS;
+            self.give(if goes_on { &self.next } else { &self.trial }, solids);
+            return Ok(if goes_on { Pass::Again } else { Pass::Back });
         }
-        if change <= self.definition.tolerance * scale {
+        if is_small {
             return Ok(Pass::Settled);
         }
         if self.passes >= MOST_PASSES || !change.is_finite() {
@@ -241,7 +254,7 @@ impl Field {
         self.last_change = change;
         self.apply(&correction, if self.is_fast { OVER_RELAXATION } else { 1.0 });
         self.trial.clone_from(&self.next);
-        self.hand_over(solids);
+        self.give(&self.trial, solids);
         Ok(Pass::Changed)
     }
 
@@ -276,7 +289,7 @@ impl Field {
         for element in &self.elements {
             let count = element.nodes.len();
             let at = |values: &[f64]| -> Vec<f64> { element.nodes.iter().map(|&node| values[node]).collect() };
-            let (end, start) = (at(&self.trial), at(&self.committed.values));
+            let (end, start) = (at(&self.next), at(&self.committed.values));
             let medium = element::Medium { conductivity: self.definition.conductivity, capacity_rate };
             let (forces, matrix) = element.equations(medium, [&start, &end], solids.heat(element.element));
             for (i, &row) in element.nodes.iter().enumerate() {

@@ -327,14 +327,19 @@ impl<'m> Equilibrium<'m> {
 
     /// Corrects the field by the heat of the solids: whether they agree. If not, the solids have got another one.
     fn field_settles(&mut self, attempt: &Attempt<'_>) -> Result<bool, Trouble> {
-        let Some(field) = &mut self.field else { return Ok(true) };
-        self.memory.statistics.field_passes += 1;
-        let Self { solids, times, .. } = self;
-        let pass = timed(&mut times.solution, || field.pass(&attempt.trial.drives, &attempt.context, solids));
-        match pass.map_err(|error| unsolvable(&error))? {
-            Pass::Settled => Ok(true),
-            Pass::Changed => Ok(false),
-            Pass::GivenUp => Err(trouble(Location::System, "field and displacements do not settle".into(), FIELD_CUT)),
+        loop {
+            let Self { field: Some(field), solids, times, memory, .. } = self else { return Ok(true) };
+            memory.statistics.field_passes += 1;
+            let pass = timed(&mut times.solution, || field.pass(&attempt.trial.drives, &attempt.context, solids));
+            match pass.map_err(|error| unsolvable(&error))? {
+                Pass::Settled => return Ok(true),
+                Pass::Changed => return Ok(false),
+                Pass::Again => self.evaluate(attempt)?,
+                Pass::Back => return self.evaluate(attempt).map(|()| true),
+                Pass::GivenUp => {
+                    return Err(trouble(Location::System, "field and displacements do not settle".into(), FIELD_CUT));
+                }
+            }
         }
     }
 
