@@ -94,9 +94,10 @@ def uneven(kind, size, part=0.05):
 
 
 def free(kind, size, seed=1):
-    """Gmsh's mesh, which knows nothing of the crack: `size` within 20 mm of the ligament. Other seeds: other algorithms, shaken."""
+    """Gmsh's mesh, which knows nothing of the crack: `size` within 20 mm of the ligament. Other seeds: other algorithms and sizes."""
     import gmsh
 
+    size *= 1.0 + 0.02 * (seed - 1)
     gmsh.initialize(interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
     geo, mesh = gmsh.model.geo, gmsh.model.mesh
@@ -115,9 +116,7 @@ def free(kind, size, seed=1):
     mesh.field.setAsBackgroundMesh(field)
     for option in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
         gmsh.option.setNumber("Mesh." + option, 0)
-    gmsh.option.setNumber("Mesh.RandomSeed", seed)
-    if seed > 1:
-        gmsh.option.setNumber("Mesh.RandomFactor", 1e-2)
+    gmsh.option.setNumber("Mesh.RandomSeed", 1)
     if kind in ("Q4", "Q8"):
         gmsh.option.setNumber("Mesh.Algorithm", 8)
         gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)

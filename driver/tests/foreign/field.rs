@@ -59,8 +59,8 @@ fn a_foreign_cohesive_phase_field_has_the_loads_of_our_law() {
     } });
     // sound ends: the crack is in the middle
     let fixed = json!([{ "nodes": "left", "value": 0 }, { "nodes": "right", "value": 0 }]);
-    let [foreign, own]: [Run; 2] =
-        [("foreign", foreign), ("own", own)].map(|(name, material)| run(&desk, name, &strip(material, fixed.clone(), 0.04)));
+    let [foreign, own]: [Run; 2] = [("foreign", foreign), ("own", own)]
+        .map(|(name, material)| run(&desk, name, &strip(material, fixed.clone(), 0.04)));
     let [theirs, ours] = [&foreign, &own].map(|run| run.history.column("load"));
     let peak = own.peak("load", "max");
     assert_eq!(theirs.len(), ours.len());
