@@ -2,14 +2,14 @@
 
 use super::evolution::{Branch, Evolution, History};
 use super::stress_and_tangent::Point;
-use super::{Parameters as Concrete, State as ImplicitState, plane_stress};
+use super::{HISTORY, Parameters as Concrete, State as ImplicitState, plane_stress};
 use crate::damage_law::DamageLaw;
-use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_modulus};
+use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33};
 use crate::tensor::{Elasticity, work};
 use std::f64::consts::PI;
 use umat_abi::law::{ConfigurationError, Failure, Heat, Increment, Law, LawInfo, Request, Response};
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
-use umat_abi::table::{Field, require};
+use umat_abi::table::{Field, Parameters as _, require};
 
 /// The law.
 pub struct ConcretePhaseField;
@@ -32,11 +32,14 @@ impl Field<3> for CrackSoftening {
     }
 }
 
+/// Rows of the parameters of `concrete_damage`.
+const CONCRETE: &[Parameter] = Concrete::TABLE;
+
 umat_abi::parameters! {
     /// The parameters.
     pub struct Parameters {
         /// E, ν.
-        pub elasticity: Elasticity = youngs_modulus(31800.0), poisson_ratio(0.18);
+        pub elasticity: Elasticity = CONCRETE[0], CONCRETE[1];
         /// f_t.
         pub tensile_strength: f64 =
             Parameter::new(c"f_t", c"MPa", 3.0, c"tensile strength").above(0.0).typically(0.1, 20.0);
@@ -52,19 +55,11 @@ umat_abi::parameters! {
             Parameter::new(c"a_2", c"-", -1.0, c"second coefficient of the degradation function"),
             Parameter::new(c"a_3", c"-", 1.9791, c"third coefficient of the degradation function");
         /// A_c, B_c, Y_c0.
-        pub compression: DamageLaw =
-            Parameter::new(c"A_c", c"1/MPa", 31.47479, c"rate of compressive damage").above(0.0).typically(1e-4, 1e6),
-            Parameter::new(c"B_c", c"-", 1.05, c"exponent of compressive damage").above(0.0),
-            Parameter::new(c"Y_c0", c"MPa", 3.0e-4, c"threshold of compressive damage")
-                .at_least(0.0)
-                .typically(1e-7, 1.0);
+        pub compression: DamageLaw = CONCRETE[5], CONCRETE[6], CONCRETE[7];
         /// β: how much of the hydrostatic stiffness compressive damage takes.
-        pub beta: f64 =
-            Parameter::new(c"beta", c"-", 0.17227, c"share of the hydrostatic stiffness that compressive damage takes")
-                .within(0.0, 1.0);
+        pub beta: f64 = CONCRETE[8];
         /// ζ_c: how much confinement delays compressive damage.
-        pub zeta_c: f64 =
-            Parameter::new(c"zeta_c", c"-", 0.0, c"delay of compressive damage by confinement").at_least(0.0);
+        pub zeta_c: f64 = CONCRETE[9];
     }
 }
 
@@ -74,14 +69,12 @@ umat_abi::states! {
         /// η of ω(d).
         pub eta_t: f64 = StateVariable::new(c"eta_t", c"-", c"tensile damage D_t/(1 - D_t) of the phase field");
         /// η_c.
-        pub eta_c: f64 = StateVariable::new(c"eta_c", c"-", c"compressive damage D_c/(1 - D_c)");
+        pub eta_c: f64 = HISTORY[1];
         /// H without its threshold.
         pub driving_force: f64 =
             StateVariable::new(c"H", c"MPa", c"largest energy that opening cracks would set free so far");
         /// The largest Y_c.
-        pub compression_maximum: f64 = StateVariable::new(
-            c"Y_c_max", c"MPa", c"largest compressive energy release rate above Y_c0 so far",
-        );
+        pub compression_maximum: f64 = HISTORY[3];
         /// Ψ.
         pub stored_energy: f64 = StateVariable::new(c"stored_energy", c"N*mm/mm^3", c"stored energy");
         /// ε33.
