@@ -93,10 +93,11 @@ def uneven(kind, size, part=0.05):
     return {tuple(at): tag for tag, at in position.items()}, elements, sets
 
 
-def free(kind, size):
-    """Gmsh's mesh, which knows nothing of the crack: `size` within 20 mm of the ligament."""
+def free(kind, size, seed=1):
+    """Gmsh's mesh, which knows nothing of the crack: `size` within 20 mm of the ligament. Other seeds: other algorithms and sizes."""
     import gmsh
 
+    size *= 1.0 + 0.02 * (seed - 1)
     gmsh.initialize(interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
     geo, mesh = gmsh.model.geo, gmsh.model.mesh
@@ -121,7 +122,7 @@ def free(kind, size):
         gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)
         mesh.setRecombine(2, 1)
     else:
-        gmsh.option.setNumber("Mesh.Algorithm", 6)
+        gmsh.option.setNumber("Mesh.Algorithm", [6, 5, 1][(seed - 1) % 3])
     mesh.generate(2)
     if kind in ("T6", "Q8"):
         gmsh.option.setNumber("Mesh.SecondOrderIncomplete", 1)

@@ -80,6 +80,7 @@ fn model(case: &Case, nlgeom: bool) -> Model {
         steps: Vec::new(),
         controls: Controls::default(),
         initial_drives: Vec::new(),
+        field: None,
         skipping: Skipping::NONE,
     }
 }

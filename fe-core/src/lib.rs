@@ -9,6 +9,7 @@
 //! - [`kinematics`]: small strains, B-bar, and the updated-Lagrangian increment of large displacements;
 //! - [`assembly`]: all material points through their UMATs, loads, constraints, the system of equations, the condensed
 //!   far field;
+//! - `field`: temperature, or the phase field of a law, on the nodes;
 //! - [`contact`]: points of one surface on another, their laws and how these are enforced;
 //! - [`solver`]: sparse direct solution with reused analyses and checked residuals;
 //! - [`stepping`]: Newton, automatic increments, indirect control, energies ([`stepping::Analysis`] runs a
@@ -39,6 +40,7 @@
 pub mod assembly;
 pub mod contact;
 pub mod element;
+mod field;
 pub mod kinematics;
 pub mod mesh;
 pub mod model;

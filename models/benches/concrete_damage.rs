@@ -33,6 +33,7 @@ fn run(props: &[f64], length: Option<f64>, path: &Path, request: Request) -> f64
                 stress,
                 characteristic_length: length,
                 time_increment: 1.0,
+                temperature: 0.0,
             };
             let parameters = parameters_of::<ConcreteDamage>(black_box(props)).expect("consistent");
             let response =

@@ -5,7 +5,7 @@
 //! other work of the machine then affects all of them alike.
 
 use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, sample, strain_path};
-use models::concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex};
+use models::concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex, ConcretePhaseField};
 use models::{
     biaxial_damage::BiaxialDamage, drucker_prager::DruckerPrager, inelastic_damage::InelasticDamage,
     j2_plasticity::J2Plasticity, linear_elastic::LinearElastic, pure_damage::PureDamage,
@@ -31,6 +31,7 @@ mod linked {
     umat_abi::umat_symbol!("linked_concrete_damage_", concrete_damage, umat::<ConcreteDamage>);
     umat_abi::umat_symbol!("linked_implex_", concrete_damage_implex, umat::<ConcreteDamageImplex>);
     umat_abi::umat_symbol!("linked_fixed_", concrete_damage_fixed, umat::<ConcreteDamageFixed>);
+    umat_abi::umat_symbol!("linked_phase_field_", concrete_phase_field, umat::<ConcretePhaseField>);
     umat_abi::umat_symbol!("linked_j2_plasticity_", j2_plasticity, umat::<J2Plasticity>);
     umat_abi::umat_symbol!("linked_drucker_prager_", drucker_prager, umat::<DruckerPrager>);
 }
@@ -91,6 +92,7 @@ fn measure<L: Law>(law: &Sample, linked: UmatFunction, calls: usize) -> bool {
         stress: start.stress,
         characteristic_length: None,
         time_increment: 1.0,
+        temperature: 0.0,
     };
     let mut state = start.statev.clone();
     let mut nanoseconds = [const { Vec::new() }; 3];
@@ -142,6 +144,7 @@ fn main() {
         measure::<ConcreteDamage>(sample("concrete_damage"), linked::concrete_damage, calls),
         measure::<ConcreteDamageImplex>(sample("concrete_damage_implex"), linked::concrete_damage_implex, calls),
         measure::<ConcreteDamageFixed>(sample("concrete_damage_fixed"), linked::concrete_damage_fixed, calls),
+        measure::<ConcretePhaseField>(sample("concrete_phase_field"), linked::concrete_phase_field, calls),
         measure::<J2Plasticity>(sample("j2_plasticity"), linked::j2_plasticity, calls),
         measure::<DruckerPrager>(sample("drucker_prager"), linked::drucker_prager, calls),
     ];

@@ -71,6 +71,13 @@ pub const LAWS: &[Sample] = &[
         inadmissible: (11, 0.3),
     },
     Sample {
+        name: "concrete_phase_field",
+        props: &[31800.0, 0.18, 3.0, 0.09, 5.0, 3.1667, -1.0, 1.9791, 31.47479, 1.05, 3e-4, 0.17227, 0.0],
+        states: 7,
+        strain: 4e-4,
+        inadmissible: (4, 0.0),
+    },
+    Sample {
         name: "j2_plasticity",
         props: &[210_000.0, 0.3, 347.0, 0.0, 400.0, 0.02, 420.0, 0.1],
         states: 9,

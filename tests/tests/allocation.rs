@@ -3,7 +3,7 @@
 use end_to_end_tests::{LAWS, PointMemory, Sample, strain_path};
 use models::{
     biaxial_damage::BiaxialDamage,
-    concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex},
+    concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex, ConcretePhaseField},
     drucker_prager::DruckerPrager,
     inelastic_damage::InelasticDamage,
     j2_plasticity::J2Plasticity,
@@ -74,6 +74,7 @@ const ENTRIES: &[(&str, Boundary)] = &[
     ("concrete_damage", umat::<ConcreteDamage>),
     ("concrete_damage_implex", umat::<ConcreteDamageImplex>),
     ("concrete_damage_fixed", umat::<ConcreteDamageFixed>),
+    ("concrete_phase_field", umat::<ConcretePhaseField>),
     ("j2_plasticity", umat::<J2Plasticity>),
     ("drucker_prager", umat::<DruckerPrager>),
 ];

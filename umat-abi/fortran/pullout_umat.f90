@@ -31,7 +31,7 @@ module pullout_umat
          real(c_double), intent(inout) :: sse  ! out: stored energy per volume.
          real(c_double), intent(inout) :: spd  ! out: dissipated energy per volume.
          real(c_double), intent(inout) :: scd  ! out: 0.
-         real(c_double), intent(inout) :: rpl  ! out: heat generation per volume and time; 0 at the start, not touched by our laws.
+         real(c_double), intent(inout) :: rpl  ! out: heat generation per volume and time; 0 at the start, touched by coupled laws alone.
          real(c_double), intent(inout) :: ddsddt(ntens)  ! out: d stress / d temperature; as RPL.
          real(c_double), intent(inout) :: drplde(ntens)  ! out: d RPL / d strain, engineering shear; as RPL.
          real(c_double), intent(inout) :: drpldt  ! out: d RPL / d temperature; as RPL.

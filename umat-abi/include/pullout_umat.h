@@ -489,7 +489,7 @@ void pullout_umat_batch_v1(size_t n,
  - sse: out: stored energy per volume.
  - spd: out: dissipated energy per volume.
  - scd: out: 0.
- - rpl: out: heat generation per volume and time; 0 at the start, not touched by our laws.
+ - rpl: out: heat generation per volume and time; 0 at the start, touched by coupled laws alone.
  - ddsddt(ntens): out: d stress / d temperature; as RPL.
  - drplde(ntens): out: d RPL / d strain, engineering shear; as RPL.
  - drpldt: out: d RPL / d temperature; as RPL.

@@ -116,6 +116,8 @@ pub struct Increment {
     pub characteristic_length: Option<f64>,
     /// DTIME, s; 1 if the host passed NULL, zero, a negative number or NaN.
     pub time_increment: f64,
+    /// TEMP + DTEMP: the temperature, or another field, at the end of the increment. 0 for laws that are not [`Law::COUPLED`].
+    pub temperature: f64,
 }
 
 impl Increment {
@@ -129,6 +131,7 @@ impl Increment {
             stress: [0.0; 6],
             characteristic_length: None,
             time_increment: 1.0,
+            temperature: 0.0,
         }
     }
 }
@@ -145,6 +148,26 @@ pub struct Response {
     pub stored_energy: f64,
     /// Energy dissipated per volume since the virgin state, N·mm/mm³.
     pub dissipated_energy: f64,
+}
+
+/// Heat that a material generates, and derivatives by and of the temperature: results for fully coupled steps alone. A UMAT leaves what
+/// it does not set at 0. The vectors have the components of the call; those of a [`Law`] are always embedded in six.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Heat {
+    /// RPL: heat generated per volume and time, at the end of the increment.
+    pub rpl: f64,
+    /// DDSDDT: derivative of the stress by the temperature.
+    pub ddsddt: [f64; 6],
+    /// DRPLDE: derivative of RPL by the strain increment, by engineering shear.
+    pub drplde: [f64; 6],
+    /// DRPLDT: derivative of RPL by the temperature.
+    pub drpldt: f64,
+}
+
+impl Heat {
+    fn is_finite(&self) -> bool {
+        all_finite(&[self.rpl, self.drpldt]) && all_finite(&self.ddsddt) && all_finite(&self.drplde)
+    }
 }
 
 /// The fraction that is suggested where an increment cannot be computed at all.
@@ -286,6 +309,24 @@ pub trait Law {
         request: Request,
     ) -> Result<Response, Failure>;
 
+    /// Whether the law depends on TEMP: hosts call [`Self::update_coupled`] in place of [`Self::elastic`] and [`Self::update`].
+    const COUPLED: bool = false;
+
+    /// Advances as [`Self::update`] does, and returns the heat that the material generates. A [coupled](Self::COUPLED) law writes this
+    /// function, and [`Self::update`] by it.
+    ///
+    /// # Errors
+    /// Those of [`Self::update`].
+    #[inline(always)]
+    fn update_coupled(
+        parameters: &Self::Parameters<'_>,
+        increment: &Increment,
+        state: &mut Self::State,
+        request: Request,
+    ) -> Result<(Response, Heat), Failure> {
+        Ok((Self::update(parameters, increment, state, request)?, Heat::default()))
+    }
+
     /// Returns the response of an increment without irreversible change, where that is cheap to recognise. Where it returns
     /// `None`, `state` is unchanged and [`Self::update`] is called. `increment` may hold NaN and infinity, for which it returns
     /// `None`. Implementations are `#[inline(always)]`: an isotropic tangent stays the few numbers that it is made of.
@@ -380,6 +421,25 @@ pub fn update<L: Law>(
         response.check(state, request)?;
     }
     response
+}
+
+/// Evaluates [`Law::update_coupled`], and checks the inputs and the results.
+///
+/// # Errors
+/// NaN or infinity in the strain, the temperature or a result, or the law's own refusal; `state` does not matter then.
+#[inline(always)]
+pub fn update_coupled<L: Law>(
+    parameters: &L::Parameters<'_>,
+    increment: &Increment,
+    state: &mut L::State,
+    request: Request,
+) -> Result<(Response, Heat), Failure> {
+    if !all_finite(&increment.strain) || !increment.temperature.is_finite() {
+        return Err(Failure::CutBack { fraction: CUT_BACK, reason: "NaN or infinity in STRAN, DSTRAN, TEMP or DTEMP" });
+    }
+    let (response, heat) = L::update_coupled(parameters, increment, state, request)?;
+    response.check(state, request)?;
+    if heat.is_finite() { Ok((response, heat)) } else { Err(Failure::CutBack { fraction: 0.25, reason: NO_NUMBER }) }
 }
 
 /// One update as hosts get it, on the values of STATEV, which stay as they are where it fails.

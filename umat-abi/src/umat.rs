@@ -70,7 +70,7 @@ entry_point! {
         spd: *mut f64,
         /// out: 0.
         scd: *mut f64,
-        /// out: heat generation per volume and time; 0 at the start, not touched by our laws.
+        /// out: heat generation per volume and time; 0 at the start, touched by coupled laws alone.
         rpl: *mut f64,
         /// `(ntens)` out: d stress / d temperature; as RPL.
         ddsddt: *mut f64,

@@ -19,6 +19,7 @@ const PLUGINS: [&str; 11] = [
     "concrete_damage",
     "concrete_damage_implex",
     "concrete_damage_fixed",
+    "concrete_phase_field",
     "j2_plasticity",
     "drucker_prager",
     "bond_slip",

@@ -24,6 +24,7 @@ mod generated;
 mod mesh;
 mod parts;
 mod preflight;
+mod scalar_field;
 mod steps;
 
 /// Increments between two written fields, unless the case says otherwise.
@@ -48,6 +49,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let mut loose = checked.as_ref().map(Mesh::free_nodes).unwrap_or_default();
     loose.retain(|&node| !couplings.iter().any(|coupling| coupling.nodes().any(|coupled| coupled == node)));
     let mut boundary = boundary::resolve(reader, case, Scene { loose: &loose, ..scene }, drives);
+    let mut field = scalar_field::resolve(reader, case, scene, &mut boundary.drives);
     let initial_drives = initial_drives(reader, case, &mut boundary);
     let steps = steps::resolve(reader, case, &mut boundary);
     let fields = steps::fields(reader, case, &steps);
@@ -111,6 +113,13 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
             reader.warn_no_effect(&root.key("temperature"), reason);
         }
     }
+    if let Some(field) = &mut field {
+        let least = |part: usize| {
+            let of_part = (0..mesh.elements().len()).filter(|&element| mesh.elements()[element].part() == part);
+            of_part.map(|element| mesh.element_area(element).sqrt()).fold(f64::INFINITY, f64::min)
+        };
+        scalar_field::with_cracks_of(reader, field, &parts.laws, least);
+    }
     let model = Model {
         mesh,
         laws: parts.laws,
@@ -124,6 +133,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         loads,
         measured,
         fields,
+        field,
         steps: steps.iter().map(|step| step.step.clone()).collect(),
         controls,
         skipping,

@@ -229,7 +229,7 @@ pub static CONTACT: [Column<ContactPoint>; 12] = [
 ];
 
 /// Columns of a specimen.
-pub(crate) static SPECIMEN: [Column<Record>; 33] = [
+pub(crate) static SPECIMEN: [Column<Record>; 35] = [
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |record| record.time),
     // Displacement of the grip along the pull direction.
@@ -297,6 +297,10 @@ pub(crate) static SPECIMEN: [Column<Record>; 33] = [
     column("plastic_strain_max", "", "greatest plastic strain of the fibre", Other, |record| record.plastic_strain),
     // Largest principal stress of the fibre, from tension and bending.
     column("stress_max", "MPa", "greatest stress of the fibre", Other, |record| record.principal_stress),
+    // Largest value of the scalar field of the case. NaN without one.
+    column("field_max", "", "greatest value of the field", Other, |record| record.largest_field),
+    // Fracture energy times the area of the cracks of a phase field: compare it with damage_energy. NaN without one.
+    column("field_energy", "N·mm", "energy of the phase field", Energy, |record| record.crack[1]),
 ];
 
 /// Columns of each of several fibres of a specimen, behind those of the specimen: `load.NAME`.

@@ -8,6 +8,7 @@ mod check_around;
 mod components;
 mod coupling;
 mod environment;
+mod field;
 mod finite_strain;
 mod first_errors;
 mod frame;

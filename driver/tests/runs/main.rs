@@ -11,6 +11,7 @@ mod fit_case;
 mod inclined;
 mod increments;
 mod misbehaving;
+mod phase_field;
 #[path = "../program/mod.rs"]
 mod program;
 mod restart;

@@ -13,6 +13,7 @@ mod contact;
 mod controls;
 mod fields;
 mod law;
+mod scalar_field;
 
 pub use contact::{
     ContactLaw, ContactPair, Enforcement, Fit, HardLaw, Interference, NormalLaw, Quadrature, SoftLaw, Width,
@@ -20,6 +21,7 @@ pub use contact::{
 pub use controls::{Controls, IncrementContext, Skipping, Spalling, Step, StepControl};
 pub use fields::{FieldValues, Fields};
 pub use law::PluginLaw;
+pub use scalar_field::{Coupling as FieldCoupling, CrackSurface, FieldKind, FixedValue, Flux, ScalarField};
 
 use crate::mesh::{ElementEdge, Mesh};
 use std::fmt::Display;
@@ -224,6 +226,8 @@ pub struct Model {
     pub measured: Measured,
     /// Temperature and field variables.
     pub fields: Fields,
+    /// A scalar per node that laws are given as temperature; `None`: temperature is that of `fields`.
+    pub field: Option<ScalarField>,
     /// Steps, in order.
     pub steps: Vec<Step>,
     /// Tolerances and limits.
@@ -238,11 +242,12 @@ impl Model {
         self.nlgeom.contains(&true)
     }
 
-    /// Returns whether only drives do work: no temperature, field variable or free strain changes. What these do to a material is no
+    /// Returns whether only drives do work: no temperature, field variable or free strain changes; a phase field has no energy of its own. What these do to a material is no
     /// work of the drives.
     pub fn is_driven_alone(&self) -> bool {
         let shrinks = |law: &PluginLaw| law.frame.as_ref().is_some_and(|frame| frame.shrinkage.is_some());
-        !self.fields.change() && !self.laws.iter().any(shrinks)
+        let has_heat = self.field.as_ref().is_some_and(|field| !field.is_phase_field());
+        !self.fields.change() && !has_heat && !self.laws.iter().any(shrinks)
     }
 
     /// Returns whether any part starts from a stress.

@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 pub struct Fields {
     /// Total time, s.
     pub time: f64,
+    /// The scalar field by its name, one value per node, NaN where it has none.
+    #[serde(default)]
+    pub scalar: Option<(String, Vec<f64>)>,
     /// Displacements, two per node, mm.
     pub displacements: Vec<f64>,
     /// Forces of supports on the nodes, two per node, N; 0 at free nodes.
@@ -85,6 +88,9 @@ impl Fields {
         expect_length("displacements", self.displacements.len(), 2 * mesh.nodes().len())?;
         expect_length("reactions", self.reactions.len(), 2 * mesh.nodes().len())?;
         expect_length("lists of state names", self.state_names.len(), mesh.parts().len())?;
+        if let Some((name, values)) = &self.scalar {
+            expect_length(name, values.len(), mesh.nodes().len())?;
+        }
         let counts = |element: usize| mesh.integration_points(element).len();
         let points = (0..mesh.elements().len()).map(counts).sum();
         expect_length("stresses", self.stresses.len(), points)?;

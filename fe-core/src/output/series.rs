@@ -20,7 +20,7 @@ const STRAIN: [&str; 4] = ["e11", "e22", "e33", "g12"];
 /// The first file of an increment holds the solids on their reference positions; parts in front of which others slide lie half
 /// of their thickness behind the plane. Where parts share a node the file has
 /// a point for each of them. Point data: `node`, `displacement`, `reaction`, `stress`, `principal_stress_max`, `_mid`,
-/// `_min`, `principal_direction`, `von_mises`, `strain`, and each state variable by its name (NaN in parts without
+/// `_min`, `principal_direction`, `von_mises`, `strain`, the scalar field (`phase_field` or `temperature`), and each state variable by its name (NaN in parts without
 /// it). Cells are the elements that were not torn off. Cell data: `part`, `element` and `thickness` (without meaning in axial
 /// symmetry). Numbers count from 1; field data tell them by name (`part fibre`). The second file, `contact_000000.vtu`, part 1
 /// of the series, holds the contact points where they are now: `pair`, `arc`, `gap`, `pressure`, `slip`, `bond_traction`,
@@ -160,6 +160,9 @@ fn solids(mesh: &Mesh, fields: &Fields, recovery: &Recovery) -> Result<Grid, Fie
         Array::scalars("von_mises", stresses.iter().map(|&stress| von_mises(stress))),
         Array::tuples("strain", &STRAIN, &recovery.recover(&fields.strains)?),
     ];
+    if let Some((name, values)) = &fields.scalar {
+        point_data.push(Array::scalars(name, recovery.nodes().iter().map(|&node| values[node])));
+    }
     for name in fields.distinct_state_names() {
         // a law's own "stress" must not replace the stress
         let taken = point_data.iter().any(|array| array.name == name);

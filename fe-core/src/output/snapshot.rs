@@ -32,6 +32,7 @@ impl Fields {
         }
         Self {
             time: snapshot.time(),
+            scalar: snapshot.field().zip(model.field.as_ref()).map(|(values, field)| (field.name().to_owned(), values)),
             displacements: snapshot.displacements().to_vec(),
             reactions: snapshot.reactions(),
             stresses,

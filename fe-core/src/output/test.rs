@@ -233,6 +233,7 @@ impl Snapshot {
         };
         Fields {
             time,
+            scalar: None,
             displacements: self.displacements.clone(),
             reactions: self.displacements.clone(),
             strains: stresses.clone(),
@@ -495,6 +496,7 @@ fn the_axial_stress_follows_the_axis_as_it_turns() {
         let stresses = at_points(&mesh, stress);
         let fields = Fields {
             time: 0.0,
+            scalar: None,
             displacements: displacements.clone(),
             reactions: displacements.clone(),
             strains: stresses.clone(),

@@ -58,6 +58,8 @@ pub struct Statistics {
     pub expansions: u64,
     /// Increments in which contact went through drag.
     pub dragged: u64,
+    /// Corrections of the scalar field.
+    pub field_passes: u64,
     /// Evaluations of all forces.
     pub evaluations: u64,
     /// Factorisations of the matrix with other elements.
@@ -269,9 +271,17 @@ impl<'m> Analysis<'m> {
 
     /// The present state.
     pub fn snapshot(&self) -> Snapshot<'_> {
-        let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
+        let Equilibrium { solids, contact, field, system, .. } = &self.equilibrium;
         let Present { committed, total_time: time, .. } = &self.present;
-        Snapshot { model: self.model, solids, contact, equations: system.equations(), committed, time: *time }
+        Snapshot {
+            model: self.model,
+            solids,
+            contact,
+            field: field.as_ref(),
+            equations: system.equations(),
+            committed,
+            time: *time,
+        }
     }
 
     /// Equilibrium at the drives of the start: contact that repels at gap 0 finds its place.

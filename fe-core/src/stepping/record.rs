@@ -2,6 +2,7 @@
 
 use super::{Analysis, Checkpoint, Energies, Iteration, Snapshot, Tried};
 use crate::assembly::GreatestInPart;
+use crate::field::Field;
 use std::io;
 
 /// Results of one accepted increment, or of the initial state (step 0, increment 0).
@@ -48,6 +49,10 @@ pub struct Record {
     pub plastic_strain: f64,
     /// The greatest principal stress of fibres, MPa; NaN without one.
     pub principal_stress: f64,
+    /// Largest value of the scalar field; NaN without one.
+    pub largest_field: f64,
+    /// Area of the cracks of a phase field, mm², and their energy, N mm; NaN without them.
+    pub crack: [f64; 2],
     /// Number of attempts given up before it.
     pub cutbacks: u32,
     /// Number of Newton iterations.
@@ -196,6 +201,8 @@ impl Analysis<'_> {
             greatest_bearing_pressure: measured.bearing_factor * snapshot.greatest_pressure(),
             plastic_strain: greatest(|fibre| fibre.plastic_strain, alone.plastic_strain),
             principal_stress: greatest(|fibre| fibre.principal_stress, alone.principal_stress),
+            largest_field: snapshot.field.map_or(f64::NAN, Field::largest),
+            crack: snapshot.field.and_then(Field::crack).unwrap_or([f64::NAN; 2]),
             cutbacks,
             iterations,
             fibres,

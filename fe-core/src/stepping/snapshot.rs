@@ -3,6 +3,7 @@
 use super::newton::Committed;
 use crate::assembly::{Equations, Solids};
 use crate::contact::Contact;
+use crate::field::Field;
 use crate::model::Model;
 
 /// Views of everything that is known at the end of an increment.
@@ -11,6 +12,7 @@ pub struct Snapshot<'a> {
     pub(super) model: &'a Model,
     pub(super) solids: &'a Solids,
     pub(super) contact: &'a Contact,
+    pub(super) field: Option<&'a Field>,
     pub(super) equations: &'a Equations,
     pub(super) committed: &'a Committed,
     pub(super) time: f64,
@@ -59,6 +61,11 @@ impl<'a> Snapshot<'a> {
     /// Contact points.
     pub fn contact(&self) -> &'a Contact {
         self.contact
+    }
+
+    /// The scalar field, one value per node, NaN where it has none; `None` without a field.
+    pub fn field(&self) -> Option<Vec<f64>> {
+        self.field.map(Field::values)
     }
 
     /// The greatest pressure of a contact point, MPa; 0 without contact.

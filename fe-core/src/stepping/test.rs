@@ -89,6 +89,7 @@ fn chain(laws: Vec<PluginLaw>, model: PlaneModel, end: f64, control: StepControl
         steps: vec![Step { time: 1.0, targets: vec![Some(end)], control }],
         controls: Controls::default(),
         initial_drives: Vec::new(),
+        field: None,
         skipping: Skipping::ALL,
     }
 }

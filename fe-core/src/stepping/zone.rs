@@ -27,7 +27,8 @@ impl Zone {
     pub(super) fn new(model: &Model, equations: &Equations, contact: &[usize]) -> Self {
         let mesh = &model.mesh;
         let mut zone = Self { active: vec![true; mesh.elements().len()], condenses: false };
-        if model.skipping.elastic_far_field && !model.contacts.is_empty() {
+        // RPL is wanted of all points
+        if model.skipping.elastic_far_field && !model.contacts.is_empty() && model.field.is_none() {
             let condensable = may_be_condensed(mesh, equations, &loaded_freedoms(model));
             zone.active = touching(mesh, contact);
             let linear = mesh.elements().iter().map(|element| !model.nlgeom[element.part()]);

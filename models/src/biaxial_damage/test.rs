@@ -375,6 +375,7 @@ fn strain_that_is_no_number_is_refused() {
                     stress: [0.0; 6],
                     characteristic_length: None,
                     time_increment: 1.0,
+                    temperature: 0.0,
                 };
                 let result =
                     advance_values::<BiaxialDamage>(&parameters, &increment, &mut [0.0; 9], Request::StressAndTangent);

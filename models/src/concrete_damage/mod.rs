@@ -8,6 +8,7 @@ mod evolution;
 mod fixed_crack;
 mod implex;
 mod inelastic;
+mod phase_field;
 mod plane_stress;
 mod split;
 mod stress_and_tangent;
@@ -25,6 +26,7 @@ use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Reques
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
 
 pub use implex::{ConcreteDamageFixed, ConcreteDamageImplex};
+pub use phase_field::{ConcretePhaseField, Parameters as PhaseFieldParameters};
 
 umat_abi::parameters! {
     /// The parameters.

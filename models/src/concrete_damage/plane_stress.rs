@@ -141,15 +141,20 @@ pub(super) fn solve(
 /// Least |C_33| relative to the largest |C_3j|: smaller ones are replaced by it, since growth of damage makes C_33 pass 0.
 const LEAST_PIVOT: f64 = 1e-12;
 
+/// Returns C_33 of its row, or the least that replaces it.
+pub(super) fn pivot(row: &[f64; 3], normal: usize) -> f64 {
+    let least = LEAST_PIVOT * row.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
+    // a row of zeros: σ33 is 0 whatever ε33
+    row[normal].abs().max(least).max(f64::MIN_POSITIVE).copysign(row[normal])
+}
+
 /// Returns C_ab − C_a3 C_3b/C_33 in principal axes; the shears out of the plane vanish.
 ///
 /// The row of an open direction is small as a whole, of the order (1 − D_t) E: C_3b/C_33 = −∂ε33/∂ε_b is right however
 /// small C_33 is, and C_a3, which the growth of damage fills, need not be small.
 pub(super) fn condense((tangent, shear): ([[f64; 3]; 3], [f64; 3]), normal: usize) -> ([[f64; 3]; 3], [f64; 3]) {
     let row = &tangent[normal];
-    let least = LEAST_PIVOT * row.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
-    // a row of zeros: σ33 is 0 whatever ε33
-    let pivot = row[normal].abs().max(least).max(f64::MIN_POSITIVE).copysign(row[normal]);
+    let pivot = pivot(row, normal);
     let condensed = std::array::from_fn(|i| {
         std::array::from_fn(|j| {
             if i == normal || j == normal { 0.0 } else { tangent[i][j] - tangent[i][normal] * row[j] / pivot }

@@ -78,8 +78,14 @@ impl Degraded {
     /// −∂Ψ/∂D_c = (1 − D_t)(a + β b) + D_t (a⁻ + β b⁻) ≥ 0.
     #[inline]
     pub fn compressive_force(&self, parameters: &Parameters) -> f64 {
-        integrity(self.eta_t) * degradable_energy(parameters, &self.strain)
-            + damage(self.eta_t) * degradable_energy(parameters, &self.split.minus)
+        let [full, open] = self.degradable_energies(parameters);
+        integrity(self.eta_t) * full + damage(self.eta_t) * open
+    }
+
+    /// a + β b and a⁻ + β b⁻: −∂/∂D_c of the energy without cracks, and with open ones.
+    #[inline]
+    pub fn degradable_energies(&self, parameters: &Parameters) -> [f64; 2] {
+        [self.strain, self.split.minus].map(|strain| degradable_energy(parameters, &strain))
     }
 
     /// ∂σ/∂ε at fixed damage: (1 − D_t) K_c + D_t C_NT, as (H, d).

@@ -6,6 +6,7 @@ mod energy;
 mod extremes;
 mod fixed_crack;
 mod implex;
+mod phase_field;
 mod strength;
 
 use super::*;

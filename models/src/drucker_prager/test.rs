@@ -306,6 +306,7 @@ fn extremes_stay_finite_and_admissible() {
                     stress: [0.0; 6],
                     characteristic_length: None,
                     time_increment: 1.0,
+                    temperature: 0.0,
                 };
                 assert!(
                     advance_values::<DruckerPrager>(&virgin.parameters, &increment, &mut state, Request::Stress)

@@ -180,6 +180,7 @@ fn an_indefinite_energy_is_refused() {
         stress: [0.0; 6],
         characteristic_length: None,
         time_increment: 1.0,
+        temperature: 0.0,
     };
     let run = |stress_state| {
         advance_values::<InelasticDamage>(

@@ -95,6 +95,7 @@ fn what_overflows_asks_for_a_cut_back() {
         stress: [0.0; 6],
         characteristic_length: None,
         time_increment: 1.0,
+        temperature: 0.0,
     };
     let result = advance_values::<PureDamage>(&point.parameters, &increment, &mut [0.0; 4], Request::StressAndTangent);
     assert!(matches!(result, Err(Failure::CutBack { .. })));

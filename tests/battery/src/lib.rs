@@ -144,6 +144,8 @@ pub struct Point<'p, L: Law> {
     pub characteristic_length: Option<f64>,
     /// DTIME, s.
     pub time_increment: f64,
+    /// TEMP + DTEMP of a coupled law.
+    pub temperature: f64,
 }
 
 impl<'p, L: Law> Point<'p, L> {
@@ -160,6 +162,7 @@ impl<'p, L: Law> Point<'p, L> {
             state: vec![0.0; L::INFO.states.len()],
             characteristic_length: None,
             time_increment: 1.0,
+            temperature: 0.0,
         }
     }
 
@@ -178,6 +181,7 @@ impl<'p, L: Law> Point<'p, L> {
             stress: self.stress,
             characteristic_length: self.characteristic_length,
             time_increment: self.time_increment,
+            temperature: self.temperature,
         }
     }
 

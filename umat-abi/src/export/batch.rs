@@ -1,6 +1,6 @@
 //! The body of `<law>_umat_batch_v1`: many points in one call, component by component, each as by `umat_`.
 
-use super::solid::{Arguments, update};
+use super::solid::{Arguments, HeatArguments, update};
 use super::{Refusal, fill_nan, guarded, report};
 use crate::batch::BatchArguments;
 use crate::law::{Law, MAX_STATES};
@@ -86,7 +86,7 @@ unsafe fn update_point<L: Law>(a: &BatchArguments, k: usize, ntens: usize) -> Re
         scd: null_mut(),
     };
     // SAFETY: arrays of the point's own, as long as the counts tell.
-    unsafe { update::<L>(&point) }?;
+    unsafe { update::<L>(&point, &HeatArguments::NONE) }?;
     for (first, values) in
         [(a.stress, &stress[..ntens]), (a.statev, &statev[..states]), (a.ddsdde, &tangent[..ntens * ntens])]
     {

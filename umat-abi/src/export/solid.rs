@@ -1,11 +1,12 @@
 //! The body of `umat_`.
 
 use super::{Answer, EntryArguments, Refusal, count, finite, guarded, optional, refuse, slice, states, store};
-use crate::law::{self, Increment, Law, Request, Response, StressState, parameters_of};
+use crate::law::{self, Heat, Increment, Law, Request, Response, StressState, parameters_of};
 use crate::metadata::flags;
 use crate::table::States;
 use crate::umat::UmatArguments;
 use std::ffi::{CStr, c_char};
+use std::ptr::{null, null_mut};
 
 /// The arguments that a law of a solid uses: less than half of UMAT's. The rest is not even copied.
 ///
@@ -31,6 +32,64 @@ pub(super) struct Arguments {
     pub celent: *const f64,
     pub scd: *mut f64,
     pub dtime: *const f64,
+}
+
+/// The further arguments that a [coupled](Law::COUPLED) law uses.
+#[derive(Clone, Copy)]
+pub(super) struct HeatArguments {
+    temp: *const f64,
+    dtemp: *const f64,
+    rpl: *mut f64,
+    ddsddt: *mut f64,
+    drplde: *mut f64,
+    drpldt: *mut f64,
+}
+
+impl HeatArguments {
+    /// A temperature of 0 that nobody gives, and heat that nobody asks for.
+    pub(super) const NONE: Self = Self {
+        temp: null(),
+        dtemp: null(),
+        rpl: null_mut(),
+        ddsddt: null_mut(),
+        drplde: null_mut(),
+        drpldt: null_mut(),
+    };
+
+    /// Those of a call of `L`; a law that is not coupled does not even copy them.
+    #[inline(always)]
+    fn of<L: Law>(arguments: &UmatArguments) -> Self {
+        if const { !L::COUPLED } {
+            return Self::NONE;
+        }
+        let &UmatArguments { temp, dtemp, rpl, ddsddt, drplde, drpldt, .. } = arguments;
+        Self { temp, dtemp, rpl, ddsddt, drplde, drpldt }
+    }
+
+    /// TEMP + DTEMP.
+    #[inline(always)]
+    unsafe fn temperature(&self) -> f64 {
+        // SAFETY: TEMP and DTEMP are NULL or valid.
+        unsafe { optional(self.temp).unwrap_or(0.0) + optional(self.dtemp).unwrap_or(0.0) }
+    }
+
+    /// # Safety
+    /// RPL and DRPLDT are NULL or valid, DDSDDT and DRPLDE NULL or have NTENS values.
+    unsafe fn write(&self, heat: &Heat, stress_state: StressState) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            store(self.rpl, heat.rpl);
+            store(self.drpldt, heat.drpldt);
+            for (first, values) in [(self.ddsddt, &heat.ddsddt), (self.drplde, &heat.drplde)] {
+                if first.is_null() {
+                    continue;
+                }
+                for (k, &component) in stress_state.components().iter().enumerate() {
+                    first.add(k).write(values[component]);
+                }
+            }
+        }
+    }
 }
 
 /// Runs law `L` as a UMAT.
@@ -60,8 +119,9 @@ pub unsafe fn umat<L: Law>(arguments: &UmatArguments) {
         celent,
         dtime,
     };
+    let heat = HeatArguments::of::<L>(arguments);
     // SAFETY: forwarded to the caller.
-    let outcome = guarded(move || unsafe { update::<L>(&used) });
+    let outcome = guarded(move || unsafe { update::<L>(&used, &heat) });
     if let Err(refusal) = outcome {
         // SAFETY: forwarded to the caller.
         unsafe { refuse_umat(ntens, stress, ddsdde, pnewdt, L::INFO.name, &refusal) };
@@ -102,7 +162,7 @@ unsafe fn refuse_umat(
 /// # Safety
 /// As for [`umat`].
 #[inline(always)]
-pub(super) unsafe fn update<L: Law>(a: &Arguments) -> Result<(), Refusal> {
+pub(super) unsafe fn update<L: Law>(a: &Arguments, heat: &HeatArguments) -> Result<(), Refusal> {
     // SAFETY: the caller of `umat` passes the arguments of a UMAT call: NULL or valid.
     let (ntens, ndi, nshr) = unsafe { (optional(a.ntens), optional(a.ndi), optional(a.nshr)) };
     let counts = (ntens.unwrap_or(0), ndi.unwrap_or(0), nshr.unwrap_or(0));
@@ -112,11 +172,13 @@ pub(super) unsafe fn update<L: Law>(a: &Arguments) -> Result<(), Refusal> {
     // constants, for which the compiler unrolls the loops over components
     match stress_state {
         // SAFETY: forwarded to the caller.
-        StressState::ThreeD => unsafe { update_in::<L>(a, StressState::ThreeD) },
+        StressState::ThreeD => unsafe { update_in::<L>(a, heat, StressState::ThreeD) },
         // SAFETY: as above.
-        StressState::PlaneStrainOrAxisymmetric => unsafe { update_in::<L>(a, StressState::PlaneStrainOrAxisymmetric) },
+        StressState::PlaneStrainOrAxisymmetric => unsafe {
+            update_in::<L>(a, heat, StressState::PlaneStrainOrAxisymmetric)
+        },
         // SAFETY: as above.
-        StressState::PlaneStress => unsafe { update_in::<L>(a, StressState::PlaneStress) },
+        StressState::PlaneStress => unsafe { update_in::<L>(a, heat, StressState::PlaneStress) },
         StressState::OneD | StressState::Beam => {
             Err(Refusal::Components { first: counts.0, second: counts.1, third: counts.2 })
         }
@@ -124,7 +186,7 @@ pub(super) unsafe fn update<L: Law>(a: &Arguments) -> Result<(), Refusal> {
 }
 
 #[inline(always)]
-unsafe fn update_in<L: Law>(a: &Arguments, stress_state: StressState) -> Result<(), Refusal> {
+unsafe fn update_in<L: Law>(a: &Arguments, heat: &HeatArguments, stress_state: StressState) -> Result<(), Refusal> {
     // SAFETY (this function): the caller of `umat` passes the arguments of a UMAT call; each is checked for
     // NULL before use, and nothing is read beyond the counts that the host gives.
     // SAFETY: as above.
@@ -133,7 +195,7 @@ unsafe fn update_in<L: Law>(a: &Arguments, stress_state: StressState) -> Result<
     // SAFETY: as above.
     let mut state: L::State = unsafe { states(a.statev, a.nstatv) }?;
     // SAFETY: as above.
-    let increment = unsafe { read_increment::<L>(a, stress_state) }?;
+    let mut increment = unsafe { read_increment::<L>(a, stress_state) }?;
     if const { has_tensor_state::<L::State>() } {
         // SAFETY: as above.
         if let Some(rotation) = unsafe { incremental_rotation(a.drot) }? {
@@ -141,6 +203,17 @@ unsafe fn update_in<L: Law>(a: &Arguments, stress_state: StressState) -> Result<
         }
     }
     let request = if a.ddsdde.is_null() { Request::Stress } else { Request::StressAndTangent };
+    if const { L::COUPLED } {
+        // SAFETY: as above.
+        increment.temperature = unsafe { heat.temperature() };
+        let (response, generated) = law::update_coupled::<L>(&parameters, &increment, &mut state, request)?;
+        // SAFETY: as above.
+        unsafe {
+            write(a, stress_state, &response, &state);
+            heat.write(&generated, stress_state);
+        }
+        return Ok(());
+    }
     // nothing fails from a finite response on, so that outputs are written all or not at all
     // on a path of its own, with states of its own: they stay in registers
     let mut early = state;

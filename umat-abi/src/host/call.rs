@@ -6,7 +6,7 @@ use super::library::{Library, LoadError};
 use super::manner::Detour;
 use super::memory::{NAME_LENGTH, NotFinite, Overrun, fortran_name};
 use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
-use crate::law::{Request, StressState};
+use crate::law::{Heat, Request, StressState};
 use crate::metadata::flags;
 use crate::umat::{UmatArguments, UmatFunction};
 use std::ops::{Deref, DerefMut};
@@ -83,20 +83,6 @@ outputs! {
         drpldt "DRPLDT": Numbers<1>,
         pnewdt "PNEWDT": Numbers<1>,
     }
-}
-
-/// Heat that a material generates, and derivatives by and of the temperature: results for fully coupled steps alone. A UMAT leaves what
-/// it does not set at 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Heat {
-    /// RPL: heat generated per volume and time, at the end of the increment.
-    pub rpl: f64,
-    /// DDSDDT: derivative of the stress by the temperature, in the components of the call.
-    pub ddsddt: [f64; 6],
-    /// DRPLDE: derivative of RPL by the strain increment, by engineering shear, in the components of the call.
-    pub drplde: [f64; 6],
-    /// DRPLDT: derivative of RPL by the temperature.
-    pub drpldt: f64,
 }
 
 /// One material point's arguments and the function that takes them.

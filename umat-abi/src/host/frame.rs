@@ -10,8 +10,8 @@
 //!
 //! The axes follow the material, so that DFGRD has the components of the stretch and DROT is close to 1.
 
-use super::call::{Heat, UmatCall};
-use crate::law::{Request, StressState};
+use super::call::UmatCall;
+use crate::law::{Heat, Request, StressState};
 use std::sync::Arc;
 
 type Matrix = [[f64; 3]; 3];

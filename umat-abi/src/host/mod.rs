@@ -27,8 +27,9 @@ mod verdict;
 /// DTIME of a call that takes no time, s: laws divide by it.
 pub const MOMENT: f64 = 1e-12;
 
+pub use crate::law::Heat;
 pub use altered::Alteration;
-pub use call::{CallOutcome, Heat, UmatCall, UmatInputs};
+pub use call::{CallOutcome, UmatCall, UmatInputs};
 pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, LawDescription, Parameter, State, Validation};
 pub use discovery::{

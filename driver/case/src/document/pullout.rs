@@ -13,6 +13,8 @@ mod boundary;
 pub use boundary::*;
 mod contact;
 pub use contact::*;
+mod field;
+pub use field::*;
 mod specimen;
 pub use specimen::*;
 
@@ -45,6 +47,8 @@ pub struct PulloutCase {
     pub measure: Option<Piece<Measure>>,
     /// Large displacements (default false).
     pub nlgeom: Option<Piece<bool>>,
+    /// A scalar at every node: a temperature, or the phase field of a law such as concrete_phase_field (default: none).
+    pub field: Option<Piece<ScalarField>>,
     /// Release of torn matter of laws with damage (default: none is released).
     pub spalling: Option<Piece<Spalling>>,
     /// Fields, and how the run ends.

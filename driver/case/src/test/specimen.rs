@@ -6,8 +6,8 @@ use super::{Bench, overridden, schema_accepts};
 use crate::Case;
 use fe_core::kinematics::PlaneModel;
 use fe_core::model::{
-    ContactLaw, Enforcement, Fit, Freedom, HardLaw, Interference, LoadKind, Model, NormalLaw, Quadrature, Skipping,
-    SoftLaw, Spalling, StepControl, Width,
+    ContactLaw, CrackSurface, Enforcement, FieldKind, Fit, Freedom, HardLaw, Interference, LoadKind, Model, NormalLaw,
+    Quadrature, ScalarField, Skipping, SoftLaw, Spalling, StepControl, Width,
 };
 use pullout_run::pullout::PulloutProgram;
 use pullout_run::pullout::fibre::Fibre;
@@ -875,6 +875,64 @@ const MALFORMED: &[Sample] = &[
 #[test]
 fn malformed_pullout_cases_are_explained() {
     check(&pullout_case(), MALFORMED);
+}
+
+/// A scalar field that the case is given, and what is wrong with it.
+const MALFORMED_FIELDS: &[Sample] = &[
+    (&["field=phase_field"], "$.field", "expected an object", BySchema),
+    (&["field={}"], "$.field.kind", "is missing", BySchema),
+    (&["field.kind=heat"], "$.field.kind", "expected \"temperature\"", BySchema),
+    (&["field.knd=temperature"], "$.field.knd", "nearest valid name: 'kind'", BySchema),
+    (&["field.conductivity=0"], "$.field.conductivity", "must be > 0", BySchema),
+    (&["field.conductivity=x"], "$.field.conductivity", "expected a number", BySchema),
+    (&["field.capacity=-1"], "$.field.capacity", "must be > 0", BySchema),
+    (&["field.tolerance=0"], "$.field.tolerance", "must be > 0", BySchema),
+    (&["field.initial=warm"], "$.field.initial", "expected a number", BySchema),
+    (&["field.coupling=full"], "$.field.coupling", "expected \"staggered\"", BySchema),
+    (&["field.parts=matrix"], "$.field.parts", "expected an array", BySchema),
+    (&["field.parts=[\"matrx\"]"], "$.field.parts[0]", "nearest valid name: 'matrix'", ByMeaning),
+    (&["field.parts=[]"], "$.field.parts", "names no part", ByMeaning),
+    (&["field.fixed={}"], "$.field.fixed", "expected an array", BySchema),
+    (&["field.fixed=[{\"value\": 1}]"], "$.field.fixed[0].nodes", "is missing", BySchema),
+    (&["field.fixed=[{\"nodes\": \"side\"}]"], "$.field.fixed[0].value", "is missing", BySchema),
+    (
+        &["field.fixed=[{\"nodes\": \"sde\", \"value\": 1}]"],
+        "$.field.fixed[0].nodes",
+        "no node set 'sde'; nearest valid name: 'side'",
+        ByMeaning,
+    ),
+    (
+        &["field.fixed=[{\"nodes\": \"side\", \"value\": 1, \"drve\": \"slip\"}]"],
+        "$.field.fixed[0].drve",
+        "nearest valid name: 'drive'",
+        BySchema,
+    ),
+    (&["field.fluxes=[{\"edges\": \"side\"}]"], "$.field.fluxes[0].flux", "is missing", BySchema),
+    (&["field.fluxes=[{\"edges\": \"no\", \"flux\": 1}]"], "$.field.fluxes[0].edges", "no edge set 'no'", ByMeaning),
+    (&["field.crack={\"G_f\": 0, \"l\": 1}"], "$.field.crack.G_f", "must be > 0", BySchema),
+    (&["field.crack={\"G_f\": 1}"], "$.field.crack.l", "is missing", BySchema),
+    (&["field.crack={\"G_f\": 1, \"l\": 1}"], "$.field.crack", "a temperature has no cracks", ByMeaning),
+];
+
+#[test]
+fn malformed_fields_are_explained() {
+    let mut case = pullout_case();
+    case["field"] = json!({ "kind": "temperature" });
+    check(&case, MALFORMED_FIELDS);
+}
+
+#[test]
+fn a_field_takes_its_defaults_and_the_cracks_of_its_law() {
+    let mut case = pullout_case();
+    case["field"] = json!({ "kind": "phase_field", "parts": ["matrix"] });
+    case["parts"]["matrix"]["material"] =
+        json!({ "plugin": "concrete_phase_field", "props": { "G_f": 0.06, "l": 2.0 } });
+    let field = accepted(&case, &[]).model.field.expect("a field");
+    let crack = CrackSurface { fracture_energy: 0.06, length: 2.0 };
+    assert_eq!(
+        field,
+        ScalarField { parts: vec![false, true], ..ScalarField::new(FieldKind::PhaseField(Some(crack)), 2) }
+    );
 }
 
 /// Problems of a case, one a line.

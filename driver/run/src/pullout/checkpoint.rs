@@ -151,13 +151,14 @@ fn fingerprint(program: &PulloutProgram) -> io::Result<String> {
         nlgeom,
         measured,
         fields,
+        field,
         steps,
         controls,
         skipping,
     } = &program.model;
     // Debug prints the shortest text that reads back to the same double
     hash.update(format!("{:?}", (mesh, average_dilatation, drives, supports, couplings, loads, nlgeom)));
-    hash.update(format!("{initial_drives:?}"));
+    hash.update(format!("{:?}", (initial_drives, field)));
     hash.update(format!("{:?}", (measured, fields, steps, controls, skipping)));
     let about = &program.about;
     let written = (about.every, about.plots, program.fields_every, &program.pictures_at, program.rupture_strain);

@@ -29,6 +29,7 @@ fn model(supports: Vec<Support>, couplings: Vec<Coupling>) -> Model {
         steps: Vec::new(),
         controls: Controls::default(),
         initial_drives: Vec::new(),
+        field: None,
         skipping: Skipping::ALL,
     }
 }

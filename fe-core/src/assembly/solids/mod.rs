@@ -37,6 +37,7 @@
 
 mod block;
 mod element;
+mod heat;
 mod kernel;
 mod points;
 mod record;

@@ -1,6 +1,7 @@
 //! The material points of one block: their states, and calls of their UMAT.
 
 use super::TangentChoice;
+use super::heat::PointHeat;
 use crate::assembly::Setback;
 use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
@@ -100,6 +101,8 @@ pub(super) struct Points {
     pub(super) elastic: Moduli,
     /// Calls of the UMAT.
     pub(super) calls: u64,
+    /// Temperature and heat of each point, with a field.
+    pub(super) heat: PointHeat,
 }
 
 impl Points {
@@ -123,6 +126,7 @@ impl Points {
             moduli: vec![zero; count],
             elastic: zero,
             calls: 0,
+            heat: PointHeat::default(),
         })
     }
 
@@ -244,8 +248,15 @@ impl Points {
         let statev = self.statev(point);
         let (states, energies) = (&self.committed.statev[statev.clone()], self.committed.energies[point]);
         self.call.set_point([&strain, &increment.strain, &stress], states, energies);
+        if let Some([start, end]) = self.heat.temperature(point) {
+            (self.call.temp, self.call.dtemp) = (start, end - start);
+        }
         let own = if choice == TangentChoice::Consistent { request } else { Request::Stress };
         self.run(own)?;
+        self.heat.note(point, || {
+            let heat = self.call.heat();
+            [heat.rpl, heat.drpldt]
+        });
         self.trial.strain[point] = std::array::from_fn(|k| strain[k] + increment.strain[k]);
         if self.components.len() < MAX_COMPONENTS {
             // in plane stress through six components ε33 is the host's

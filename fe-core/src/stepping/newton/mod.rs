@@ -35,6 +35,7 @@ use crate::assembly::loads::{Bearers, Shares};
 use crate::assembly::solids::SolidEnergies;
 use crate::assembly::{Equations, Location, Setback, Solids, System, Trouble, loaded_freedoms, loads};
 use crate::contact::{self, Contact, PointIndex, PointStatus};
+use crate::field::{Field, Pass};
 use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::{Blocks, SolverError};
 use crate::threads::Threads;
@@ -182,6 +183,8 @@ pub(super) struct Equilibrium<'m> {
     pub(super) model: &'m Model,
     pub(super) solids: Solids,
     pub(super) contact: Contact,
+    /// The scalar field.
+    pub(super) field: Option<Field>,
     pub(super) system: System,
     zone: Zone,
     pub(super) memory: Memory,
@@ -216,6 +219,8 @@ const MAX_SETTLEMENTS: usize = 200;
 /// Fraction of its increment with which an attempt that did not converge is repeated: an attempt of a whole system is dear, and one
 /// half as long seldom converges where this one did not. A material point, whose calls cost little, halves its increments.
 const CUT: f64 = 0.25;
+/// The same where the field did not settle.
+const FIELD_CUT: f64 = 0.5;
 
 impl<'m> Equilibrium<'m> {
     /// Evaluates the virgin state and numbers the equations.
@@ -226,6 +231,8 @@ impl<'m> Equilibrium<'m> {
         let coupled = coupled_freedoms(model, &contact);
         let zone = Zone::new(model, &equations, &coupled);
         let virgin = vec![0.0; freedoms];
+        let field = model.field.as_ref().map(|definition| Field::new(definition, &model.mesh));
+        field.iter().for_each(|field| field.hand_over(&mut solids));
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
         let evaluated = solids.evaluate(&virgin, &context, Request::StressAndTangent, &mut vec![0.0; freedoms]);
         evaluated.map_err(|trouble| ModelError(format!("before the first increment: {trouble}")))?;
@@ -235,6 +242,7 @@ impl<'m> Equilibrium<'m> {
             model,
             solids,
             contact,
+            field,
             system,
             zone,
             memory: Memory::new(freedoms),
@@ -270,6 +278,7 @@ impl<'m> Equilibrium<'m> {
     pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, Trouble> {
         self.contact.foretell_nothing();
         attempt.kept.zone = self.keeps_rounds.then(|| self.zone.clone());
+        self.begin_field(&attempt);
         self.begin_beside(&mut attempt, 0)?;
         if !self.memory.at_committed_state || self.beside.is_some() {
             self.evaluate(&attempt)?;
@@ -288,7 +297,7 @@ impl<'m> Equilibrium<'m> {
                     return Err(trouble(Location::System, "contact multipliers do not settle".into(), CUT));
                 }
                 self.memory.statistics.settlements += 1;
-            } else {
+            } else if self.field_settles(&attempt)? {
                 self.memory.last_iterations = hardest_round(&attempt.iterations);
                 self.prepare_next(&attempt)?;
                 if self.far_field_holds(&mut attempt)? {
@@ -308,6 +317,31 @@ impl<'m> Equilibrium<'m> {
         let drag = self.memory.drag.largest();
         let drag = if drag == 0.0 { 0.0 } else { drag / self.tolerance(self.force_scale()) };
         Ok(Converged { end, iterations, drag, turns: self.memory.drag.turns(), guide })
+    }
+
+    /// Predicts the field.
+    fn begin_field(&mut self, attempt: &Attempt<'_>) {
+        let Some(field) = &mut self.field else { return };
+        field.begin(&attempt.trial.drives, &attempt.context, &mut self.solids);
+        self.memory.at_committed_state = false;
+    }
+
+    /// Corrects the field by the heat of the solids: whether they agree. If not, the solids have got another one.
+    fn field_settles(&mut self, attempt: &Attempt<'_>) -> Result<bool, Trouble> {
+        loop {
+            let Self { field: Some(field), solids, times, memory, .. } = self else { return Ok(true) };
+            memory.statistics.field_passes += 1;
+            let pass = timed(&mut times.solution, || field.pass(&attempt.trial.drives, &attempt.context, solids));
+            match pass.map_err(|error| unsolvable(&error))? {
+                Pass::Settled => return Ok(true),
+                Pass::Changed => return Ok(false),
+                Pass::Again => self.evaluate(attempt)?,
+                Pass::Back => return self.evaluate(attempt).map(|()| true),
+                Pass::GivenUp => {
+                    return Err(trouble(Location::System, "field and displacements do not settle".into(), FIELD_CUT));
+                }
+            }
+        }
     }
 
     /// Expands the far field and calls its laws: whether it is in equilibrium with what they say. If not, the elements
@@ -368,6 +402,7 @@ impl<'m> Equilibrium<'m> {
         self.memory.last_move = largest_difference(&end.displacements, &start.displacements);
         self.solids.commit(&end.displacements);
         self.contact.commit();
+        self.field.iter_mut().for_each(Field::commit);
         self.memory.drag.commit();
         // the next increment begins out of balance by what drag has held back
         self.memory.at_committed_state = self.memory.drag.largest() == 0.0;

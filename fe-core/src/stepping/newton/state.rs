@@ -5,6 +5,7 @@ use super::drag::Drag;
 use crate::assembly::solids::SolidsState;
 use crate::assembly::{Equations, SystemState};
 use crate::contact::ContactState;
+use crate::field::{Field, FieldState};
 use crate::model::{Model, ModelError};
 use crate::solver::{Blocks, SolverError};
 use crate::stepping::Statistics;
@@ -71,6 +72,7 @@ impl Memory {
 pub struct EquilibriumState {
     solids: SolidsState,
     contact: ContactState,
+    field: Option<FieldState>,
     system: SystemState,
     zone: Zone,
     pub(in crate::stepping) memory: Memory,
@@ -82,6 +84,7 @@ impl<'m> Equilibrium<'m> {
         EquilibriumState {
             solids: self.solids.state(),
             contact: self.contact.state(),
+            field: self.field.as_ref().map(Field::state),
             system: self.system.state(),
             zone: self.zone.clone(),
             memory: self.memory.clone(),
@@ -102,6 +105,9 @@ impl<'m> Equilibrium<'m> {
         }
         made.solids.set_state(&state.solids);
         made.contact.set_state(&state.contact, model)?;
+        if let (Some(field), Some(state)) = (&mut made.field, &state.field) {
+            field.set_state(state, &mut made.solids);
+        }
         made.system.set_state(&state.system).map_err(no_factor)?;
         made.memory = state.memory.clone();
         Ok(made)

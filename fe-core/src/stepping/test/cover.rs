@@ -116,6 +116,7 @@ fn model(definition: MeshDefinition, supports: Vec<Support>, drives: usize) -> M
         steps: Vec::new(),
         controls: Controls { force_tolerance: 1e-12, displacement_tolerance: 1e-11, ..Controls::default() },
         initial_drives: Vec::new(),
+        field: None,
         skipping: Skipping::ALL,
         mesh,
     }

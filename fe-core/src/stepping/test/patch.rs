@@ -58,6 +58,7 @@ pub(super) fn patch(kind: ElementKind, plane: PlaneModel, law: PluginLaw) -> Mod
         steps: Vec::new(),
         controls: Controls { force_tolerance: 1e-12, displacement_tolerance: 1e-11, ..Controls::default() },
         initial_drives: Vec::new(),
+        field: None,
         skipping: Skipping::ALL,
     }
 }

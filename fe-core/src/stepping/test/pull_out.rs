@@ -143,6 +143,7 @@ pub(super) fn fibre(
         steps: vec![Step { time: 1.0, targets: vec![Some(slip)], control }],
         controls: Controls::default(),
         initial_drives: Vec::new(),
+        field: None,
         skipping: Skipping::ALL,
         mesh,
     }

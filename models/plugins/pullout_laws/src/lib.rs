@@ -3,7 +3,7 @@
 
 use models::biaxial_damage::BiaxialDamage;
 use models::bond_slip::BondSlip;
-use models::concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex};
+use models::concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex, ConcretePhaseField};
 use models::drucker_prager::DruckerPrager;
 use models::inelastic_damage::InelasticDamage;
 use models::j2_plasticity::J2Plasticity;
@@ -21,6 +21,7 @@ umat_abi::export_library!(
         ConcreteDamage => "concrete_damage",
         ConcreteDamageImplex => "concrete_damage_implex",
         ConcreteDamageFixed => "concrete_damage_fixed",
+        ConcretePhaseField => "concrete_phase_field",
         J2Plasticity => "j2_plasticity",
         DruckerPrager => "drucker_prager",
     ],

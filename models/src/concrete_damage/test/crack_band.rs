@@ -88,6 +88,7 @@ fn too_long_an_element_is_refused_with_the_limit() {
         stress: [0.0; 6],
         characteristic_length: Some(1e5),
         time_increment: 1.0,
+        temperature: 0.0,
     };
     let parameters = parameters_of::<ConcreteDamage>(&spec).expect("consistent");
     let failure = advance_values::<ConcreteDamage>(&parameters, &increment, &mut [0.0; 13], Request::Stress);
@@ -111,6 +112,7 @@ fn a_length_that_grows_too_large_is_refused() {
         stress: point.stress,
         characteristic_length: Some(1e5),
         time_increment: 1.0,
+        temperature: 0.0,
     };
     let failure = advance_values::<ConcreteDamage>(&point.parameters, &increment, &mut point.state, Request::Stress);
     assert!(matches!(
@@ -155,6 +157,7 @@ fn a_softening_point_refuses_every_length_above_the_limit() {
                 stress: point.stress,
                 characteristic_length: Some(length * limit),
                 time_increment: 1.0,
+                temperature: 0.0,
             };
             match advance_values::<ConcreteDamage>(&point.parameters, &increment, &mut point.state, Request::Stress) {
                 Ok(_) => assert!(accepted, "{changes:?}: {length}"),

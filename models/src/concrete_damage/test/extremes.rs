@@ -106,6 +106,7 @@ fn bad_numbers_are_sent_back() {
                     stress: [0.0; 6],
                     characteristic_length: None,
                     time_increment: 1.0,
+                    temperature: 0.0,
                 };
                 let outcome =
                     advance_values::<ConcreteDamage>(&parameters, &increment, &mut [0.0; 13], Request::Stress);

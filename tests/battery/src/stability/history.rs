@@ -48,6 +48,7 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
             state: vec![0.0; L::INFO.states.len()],
             characteristic_length: sample.characteristic_length,
             time_increment: 1.0,
+            temperature: 0.0,
         };
         Some(Self { subject, sample, point, ordinary, reach: 0.0 })
     }

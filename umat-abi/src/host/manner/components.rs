@@ -1,8 +1,8 @@
 //! Plane calls of a UMAT that knows six components only.
 
-use super::super::call::{CallOutcome, Heat, UmatCall};
+use super::super::call::{CallOutcome, UmatCall};
 use super::super::memory::Overrun;
-use crate::law::{Request, StressState};
+use crate::law::{Heat, Request, StressState};
 
 /// Tolerance of σ33 in plane stress, relative to the largest stress, or to the stiffness times the largest strain.
 const STRESS_TOLERANCE: f64 = 1e-13;

@@ -8,10 +8,10 @@ mod differences;
 mod directions;
 mod probing;
 
-use super::call::{CallOutcome, Heat, UmatCall};
+use super::call::{CallOutcome, UmatCall};
 use super::frame::Framed;
 use super::memory::Overrun;
-use crate::law::{Request, StressState};
+use crate::law::{Heat, Request, StressState};
 pub(super) use directions::Wide;
 pub use probing::{FOLLOWS_GRADIENT, WRITTEN_FOR_SIX};
 use std::fmt;

@@ -287,6 +287,7 @@ fn pictures_and_profiles_come_from_computed_fields() {
     };
     let fields = Fields {
         time: 1.0,
+        scalar: None,
         displacements: vec![0.01; 12],
         reactions: vec![0.0; 12],
         stresses: vec![[1.0, 2.0, 0.0, 0.0]; 8],

@@ -39,6 +39,7 @@ fn program(every: usize) -> PulloutProgram {
             steps: vec![step(1.0), step(2.0)],
             controls: Controls::default(),
             initial_drives: Vec::new(),
+            field: None,
             skipping: Skipping::ALL,
         },
         step_untils: vec![None, None],
@@ -69,6 +70,8 @@ pub fn record(step: u32, increment: u32, time: f64) -> Record {
         damaged_volume: 24.25,
         spalled_volume: 24.3,
         spalled_depth: 24.4,
+        largest_field: 0.5,
+        crack: [1.5, 29.0],
         separation_length: 24.5,
         greatest_bearing_pressure: 25.0,
         plastic_strain: 27.0,
@@ -157,6 +160,8 @@ fn values_stand_under_their_columns() {
         ("cutbacks", 26.0),
         ("plastic_strain_max", 27.0),
         ("stress_max", 28.0),
+        ("field_max", 0.5),
+        ("field_energy", 29.0),
     ];
     for (name, value) in expected {
         assert_eq!(column(name), value, "{name}");

@@ -111,6 +111,7 @@ fn model(mesh: Mesh, law: &PluginLaw, average: bool, nlgeom: bool) -> Model {
         steps: Vec::new(),
         controls: Controls::default(),
         initial_drives: Vec::new(),
+        field: None,
         skipping: Skipping::ALL,
     }
 }

@@ -1,0 +1,89 @@
+//! A scalar per node.
+
+use super::super::{Piece, Positive};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A scalar θ at every node, which the laws get as temperature: c ∂θ/∂t = k ∇²θ + RPL. Displacements and θ are found in turn.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScalarField {
+    /// Meaning of the scalar.
+    pub kind: FieldKind,
+    /// Names of the parts that have it (default: all).
+    pub parts: Option<Piece<Vec<String>>>,
+    /// Conductivity k (default 1).
+    pub conductivity: Option<Piece<Positive>>,
+    /// Capacity c per volume; without one the field is steady.
+    pub capacity: Option<Piece<Positive>>,
+    /// Value at the start (default 0).
+    pub initial: Option<Piece<f64>>,
+    /// Values that node sets are kept at from the first increment on.
+    pub fixed: Option<Piece<Vec<Piece<FixedValue>>>>,
+    /// Fluxes into the body through edge sets.
+    pub fluxes: Option<Piece<Vec<Piece<Flux>>>>,
+    /// How an increment is solved (default "staggered").
+    pub coupling: Option<Piece<FieldCoupling>>,
+    /// Largest change of θ in the last pass of an increment: 3e-4 by default for a phase field; of a temperature, as a part of its
+    /// largest magnitude, 1e-9.
+    pub tolerance: Option<Piece<Positive>>,
+    /// Fracture energy and length of the cracks of a phase field, for the column field_energy; default: the parameters G_f and l of the
+    /// law, if it has them.
+    pub crack: Option<Piece<CrackSurface>>,
+}
+
+/// Meaning of a scalar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FieldKind {
+    /// Heat: RPL is an energy.
+    Temperature,
+    /// Damage from 0 to 1: RPL has no scale, the energies of the laws must balance the work.
+    PhaseField,
+}
+
+/// How displacements and field are solved in an increment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FieldCoupling {
+    /// In turn until neither changes.
+    Staggered,
+    /// Once each: displacements with the extrapolated field, then the field. Faster; take increments half as large.
+    OnePass,
+}
+
+/// A value that nodes are kept at.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FixedValue {
+    /// Node set.
+    pub nodes: String,
+    /// Value, or the value at a drive of 1.
+    pub value: f64,
+    /// Drive that multiplies it (default: it is constant).
+    pub drive: Option<String>,
+}
+
+/// A flux into the body.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Flux {
+    /// Edge set.
+    pub edges: String,
+    /// Flux per area, or the flux at a drive of 1.
+    pub flux: f64,
+    /// Drive that multiplies it (default: it is constant).
+    pub drive: Option<String>,
+}
+
+/// Energy and length of the cracks of a phase field.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CrackSurface {
+    /// Fracture energy, N/mm.
+    #[serde(rename = "G_f")]
+    pub fracture_energy: Positive,
+    /// Length of the phase field, mm.
+    #[serde(rename = "l")]
+    pub length: Positive,
+}

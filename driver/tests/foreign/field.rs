@@ -1,0 +1,71 @@
+//! Phase-field UMATs of others in a specimen with a field: an element of closed form, and the loads of our own law.
+
+use super::{built, run};
+use crate::program::{Desk, Run};
+use serde_json::{Value, json};
+
+const YOUNG: f64 = 30e3;
+const POISSON: f64 = 0.2;
+
+/// Length of the strip, mm: so short that its load does not fall with the slip.
+const LENGTH: f64 = 10.0;
+
+/// A strip that is pulled between sides that do not come nearer: only e11 is not 0.
+fn strip(material: Value, fixed: Value, slip: f64) -> Value {
+    json!({
+        "kind": "pullout",
+        "mesh": { "specimen": { "type": "beam", "length": LENGTH, "height": 1, "cells": [10, 1], "element": "Q8" } },
+        "parts": { "beam": { "model": "plane_strain", "thickness": 1, "material": material } },
+        "field": { "kind": "phase_field", "fixed": fixed },
+        "grip": { "nodes": "right", "direction": "x" },
+        "supports": { "left": {}, "bottom": { "direction": "y" }, "top": { "direction": "y" } },
+        "steps": [{ "slip": slip, "increments": 40 }],
+        "output": { "vtu": false, "plots": false },
+    })
+}
+
+/// AT2 in a uniform bar: d = 2 l H/(G_c + 2 l H) with H = ½ (λ + 2μ) ε², σ = ((1 − d)² + 1e-6)(λ + 2μ) ε.
+#[test]
+fn a_uniform_bar_of_a_foreign_phase_field_is_that_of_the_closed_form() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "phase_field.f90", &[]) else { return };
+    let (toughness, length) = (0.1, 2.0);
+    let material = json!({ "plugin": library, "props": [YOUNG, POISSON, toughness, length], "nstatv": 1 });
+    let mut case = strip(material, json!([]), 0.0125);
+    case["field"]["tolerance"] = json!(1e-8);
+    let run = run(&desk, "uniform", &case);
+    let modulus = YOUNG * (1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));
+    let [slip, load] = ["slip", "load"].map(|name| run.history.column(name));
+    for (slip, load) in slip.iter().zip(load) {
+        let strain = slip / LENGTH;
+        let energy = 0.5 * modulus * strain * strain;
+        let d = 2.0 * length * energy / (toughness + 2.0 * length * energy);
+        let expected = ((1.0 - d).powi(2) + 1e-6) * modulus * strain;
+        assert!((load - expected).abs() <= 1e-6 * expected.max(1.0), "{slip}: {load} for {expected}");
+    }
+}
+
+/// Tension alone, one direction open: the split of our law takes all of the stress, as this UMAT does.
+#[test]
+fn a_foreign_cohesive_phase_field_has_the_loads_of_our_law() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "cohesive_phase_field.f90", &[]) else { return };
+    let [strength, energy, length, p, a_2, a_3] = [3.0, 0.09, 4.0, 2.0, -0.5, 0.0];
+    let foreign = json!({
+        "plugin": library, "props": [YOUNG, POISSON, strength, energy, length, p, a_2, a_3], "nstatv": 1
+    });
+    let own = json!({ "plugin": "concrete_phase_field", "props": {
+        "E": YOUNG, "nu": POISSON, "f_t": strength, "G_f": energy, "l": length, "p": p, "a_2": a_2, "a_3": a_3
+    } });
+    // sound ends: the crack is in the middle
+    let fixed = json!([{ "nodes": "left", "value": 0 }, { "nodes": "right", "value": 0 }]);
+    let [foreign, own]: [Run; 2] = [("foreign", foreign), ("own", own)]
+        .map(|(name, material)| run(&desk, name, &strip(material, fixed.clone(), 0.04)));
+    let [theirs, ours] = [&foreign, &own].map(|run| run.history.column("load"));
+    let peak = own.peak("load", "max");
+    assert_eq!(theirs.len(), ours.len());
+    assert!(ours.last().is_some_and(|last| *last < 0.8 * peak) && own.history.last("field_max") > 0.3, "it cracks");
+    for (theirs, ours) in theirs.iter().zip(&ours) {
+        assert!((theirs - ours).abs() <= 1e-6 * peak, "{theirs} {ours}");
+    }
+}

@@ -1,0 +1,338 @@
+//! A scalar field on the nodes next to the displacements: temperature, or the phase field of a law.
+//!
+//! ```text
+//! R_i = ∫ N_i (r − c (θ − θ_n)/Δt) − k ∇N_i·∇θ dV + ∫ N_i q dA = 0
+//! K_ij = ∫ k ∇N_i·∇N_j + (c/Δt − ∂r/∂θ) N_i N_j dV
+//! ```
+//!
+//! with RPL and DRPLDT of the laws at the last displacements for r and ∂r/∂θ, integrated at the points of the laws; the law gets
+//! Σ N_i θ_i at its point as TEMP + DTEMP. Displacements and field are found in turn. A [`Field`] predicts θ, does one Newton
+//! iteration a pass, and says when it no longer changes ([`crate::model::FieldCoupling`]):
+//!
+//! ```text
+//! θ ← θ_n + 0.9 Δt/Δt_n (θ_n − θ_{n−1}),   then in each pass   θ ← θ + 1.4 K⁻¹R,   until max |K⁻¹R| ≤ tolerance
+//! ```
+//!
+//! Prediction and over-relaxation are for phase fields: they save two of three passes where cracks grow steadily. Where a pass
+//! changes more than the one before, the rest of the increment does without.
+
+mod element;
+
+use crate::assembly::Solids;
+use crate::assembly::loads::{Bearers, external};
+use crate::mesh::Mesh;
+use crate::model::{CrackSurface, FieldCoupling, FieldKind, IncrementContext, LoadKind, ScalarField};
+use crate::solver::{LinearSolver, Pattern, SolverError, SolverOptions, Symmetry, SystemMatrix};
+use element::FieldElement;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+#[cfg(test)]
+mod test;
+
+/// Part of its last change by which a phase field is predicted to change, by the ratio of the increments.
+const PREDICTION: f64 = 0.9;
+/// Part of a correction of a phase field that is applied.
+const OVER_RELAXATION: f64 = 1.4;
+/// Passes of an increment with them; a slow one is better off without.
+const FAST_PASSES: usize = 25;
+/// Corrections of the field at the same displacements, in one pass.
+const FIELD_CORRECTIONS: usize = 12;
+/// Passes of an increment, after which it is given up.
+const MOST_PASSES: usize = 300;
+
+/// Number of an equation that is none.
+const NONE: usize = usize::MAX;
+
+/// What of a field is kept between increments.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FieldState {
+    /// θ, one per node: 0 where there is none.
+    values: Vec<f64>,
+    /// θ that the laws were given last; other than `values` in one-pass mode.
+    given: Vec<f64>,
+    /// θ one increment before.
+    earlier: Vec<f64>,
+    /// The time between them; 0: there is none before.
+    time: f64,
+}
+
+/// Result of a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pass {
+    /// The field and the displacements agree.
+    Settled,
+    /// The laws have got another field: displacements follow.
+    Changed,
+    /// The laws have got another field at the same displacements, from which a further correction follows.
+    Again,
+    /// The laws have got the field again with which the displacements were found.
+    Back,
+    /// So many passes that a smaller increment is to be tried.
+    GivenUp,
+}
+
+/// A field and its equations.
+pub(crate) struct Field {
+    definition: ScalarField,
+    elements: Vec<FieldElement>,
+    /// Whether each node has a value.
+    has_field: Vec<bool>,
+    /// The equation of each node, [`NONE`] without one.
+    equations: Vec<usize>,
+    /// Nodal fluxes of each flux of the definition at a drive of 1.
+    fluxes: Vec<Vec<f64>>,
+    matrix: SystemMatrix,
+    solver: LinearSolver,
+    committed: FieldState,
+    trial: Vec<f64>,
+    /// The field that follows, of one pass.
+    next: Vec<f64>,
+    /// The time that the present attempt takes.
+    time: f64,
+    passes: usize,
+    last_change: f64,
+    is_fast: bool,
+}
+
+impl std::fmt::Debug for Field {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Field").field("definition", &self.definition).finish_non_exhaustive()
+    }
+}
+
+impl Field {
+    /// Numbers the equations of a field of a mesh.
+    pub(crate) fn new(definition: &ScalarField, mesh: &Mesh) -> Self {
+        let elements: Vec<FieldElement> = (0..mesh.elements().len())
+            .filter(|&element| definition.parts[mesh.elements()[element].part()])
+            .map(|element| FieldElement::new(mesh, element))
+            .collect();
+        let mut has_field = vec![false; mesh.nodes().len()];
+        elements.iter().flat_map(|element| &element.nodes).for_each(|&node| has_field[node] = true);
+        let mut is_free = has_field.clone();
+        definition.fixed.iter().flat_map(|fixed| &fixed.nodes).for_each(|&node| is_free[node] = false);
+        let nodes: Vec<usize> = (0..is_free.len()).filter(|&node| is_free[node]).collect();
+        let mut equations = vec![NONE; is_free.len()];
+        nodes.iter().enumerate().for_each(|(equation, &node)| equations[node] = equation);
+        let groups: Vec<Vec<usize>> = elements
+            .iter()
+            .map(|element| element.nodes.iter().map(|&node| equations[node]).filter(|&e| e != NONE).collect())
+            .collect();
+        let pattern = Arc::new(Pattern::from_groups(nodes.len(), groups.iter().map(Vec::as_slice)));
+        let positions = nodes.iter().map(|&node| mesh.nodes()[node]).collect();
+        let solver = LinearSolver::new(&pattern, &nodes, SolverOptions::default()).with_positions(positions);
+        let values: Vec<f64> = has_field.iter().map(|has| if *has { definition.initial } else { 0.0 }).collect();
+        let bearers = Bearers { thickness: &|_| None, shares: None };
+        let fluxes = definition.fluxes.iter().map(|flux| {
+            // as a force along x
+            let load = LoadKind::Traction { edges: flux.edges.clone(), traction: [1.0, 0.0] };
+            let mut forces = vec![0.0; 2 * mesh.nodes().len()];
+            external(mesh, &bearers, &load, flux.flux, &[], &mut forces, None);
+            forces.chunks_exact(2).map(|force| force[0]).collect()
+        });
+        Self {
+            elements,
+            fluxes: fluxes.collect(),
+            matrix: SystemMatrix::new(pattern),
+            solver,
+            committed: FieldState { given: values.clone(), earlier: values.clone(), values: values.clone(), time: 0.0 },
+            trial: values.clone(),
+            next: values,
+            passes: 0,
+            last_change: f64::INFINITY,
+            is_fast: true,
+            has_field,
+            equations,
+            time: 0.0,
+            definition: definition.clone(),
+        }
+    }
+
+    /// θ at the end of the last increment, one per node; NaN where there is none.
+    pub(crate) fn values(&self) -> Vec<f64> {
+        let shown = |(value, has_field): (&f64, &bool)| if *has_field { *value } else { f64::NAN };
+        self.committed.values.iter().zip(&self.has_field).map(shown).collect()
+    }
+
+    /// Returns the largest θ.
+    pub(crate) fn largest(&self) -> f64 {
+        self.values().into_iter().fold(f64::NAN, f64::max)
+    }
+
+    /// Returns what is kept between increments.
+    pub(crate) fn state(&self) -> FieldState {
+        self.committed.clone()
+    }
+
+    /// Takes over what another field of the same definition kept.
+    pub(crate) fn set_state(&mut self, state: &FieldState, solids: &mut Solids) {
+        self.committed.clone_from(state);
+        self.trial.clone_from(&state.given);
+        self.hand_over(solids);
+    }
+
+    /// Begins an attempt at an increment: the field that the laws are given first.
+    pub(crate) fn begin(&mut self, drives: &[f64], context: &IncrementContext, solids: &mut Solids) {
+        let FieldState { values, earlier, time, .. } = &self.committed;
+        let is_one_pass = self.definition.coupling == FieldCoupling::OnePass;
+        let share = match (self.definition.is_phase_field(), is_one_pass) {
+            (false, false) => 0.0,
+            (true, false) => PREDICTION,
+            (_, true) => 1.0,
+        };
+        let ratio = if *time > 0.0 { share * context.time_increment / time } else { 0.0 };
+        self.trial.clear();
+        self.trial.extend(values.iter().zip(earlier).map(|(now, before)| {
+            let change = ratio * (now - before);
+            // what cracks does not heal
+            now + if is_one_pass && self.definition.is_phase_field() { change.max(0.0) } else { change }
+        }));
+        if context.time_increment > 0.0 {
+            for fixed in &self.definition.fixed {
+                let value = fixed.value * fixed.drive.map_or(1.0, |drive| drives[drive]);
+                fixed.nodes.iter().for_each(|&node| self.trial[node] = value);
+            }
+        }
+        self.time = context.time_increment;
+        (self.passes, self.last_change, self.is_fast) = (0, f64::INFINITY, self.definition.is_phase_field());
+        self.next.clone_from(&self.trial);
+        self.give(&self.trial, solids);
+    }
+
+    /// Gives the laws the field of the start.
+    pub(crate) fn hand_over(&self, solids: &mut Solids) {
+        self.give(&self.trial, solids);
+    }
+
+    /// Gives the laws a field at the end of the increment.
+    fn give(&self, end: &[f64], solids: &mut Solids) {
+        for element in &self.elements {
+            let at = |values: &[f64], point: usize| element.value(point, values);
+            let temperatures =
+                (0..element.point_count()).map(|point| [at(&self.committed.given, point), at(end, point)]);
+            solids.set_temperatures(element.element, temperatures);
+        }
+    }
+
+    /// Corrects the field by the heat of the laws at the present displacements.
+    ///
+    /// # Errors
+    ///
+    /// The equations have no solution.
+    pub(crate) fn pass(
+        &mut self,
+        drives: &[f64],
+        context: &IncrementContext,
+        solids: &mut Solids,
+    ) -> Result<Pass, SolverError> {
+        if context.time_increment <= 0.0 {
+            // nothing flows in no time
+            return Ok(Pass::Settled);
+        }
+        self.passes += 1;
+        let correction = self.correction(drives, context, solids)?;
+        let change = correction.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let scale = match self.definition.kind {
+            FieldKind::PhaseField(_) => 1.0,
+            FieldKind::Temperature => self.next.iter().fold(0.0_f64, |most, value| most.max(value.abs())),
+        };
+        let is_small = change <= self.definition.tolerance * scale;
+        if self.definition.coupling == FieldCoupling::OnePass {
+            self.apply(&correction, 1.0);
+            let goes_on = !is_small && self.passes < FIELD_CORRECTIONS;
+            self.give(if goes_on { &self.next } else { &self.trial }, solids);
+            return Ok(if goes_on { Pass::Again } else { Pass::Back });
+        }
+        if is_small {
+            return Ok(Pass::Settled);
+        }
+        if self.passes >= MOST_PASSES || !change.is_finite() {
+            return Ok(Pass::GivenUp);
+        }
+        self.is_fast &= self.passes <= 2 || (change <= self.last_change && self.passes <= FAST_PASSES);
+        self.last_change = change;
+        self.apply(&correction, if self.is_fast { OVER_RELAXATION } else { 1.0 });
+        self.trial.clone_from(&self.next);
+        self.give(&self.trial, solids);
+        Ok(Pass::Changed)
+    }
+
+    /// Adds a part of a correction to what follows.
+    fn apply(&mut self, correction: &[f64], part: f64) {
+        for (value, &equation) in self.next.iter_mut().zip(&self.equations) {
+            if equation != NONE {
+                *value += part * correction[equation];
+            }
+        }
+    }
+
+    /// K⁻¹ R.
+    fn correction(
+        &mut self,
+        drives: &[f64],
+        context: &IncrementContext,
+        solids: &Solids,
+    ) -> Result<Vec<f64>, SolverError> {
+        let capacity_rate = self.definition.capacity / context.time_increment;
+        let mut residual = vec![0.0; self.matrix.pattern().size()];
+        for (flux, nodal) in self.definition.fluxes.iter().zip(&self.fluxes) {
+            let factor = flux.drive.map_or(1.0, |drive| drives[drive]);
+            for (value, &equation) in nodal.iter().zip(&self.equations) {
+                if equation != NONE {
+                    residual[equation] += factor * value;
+                }
+            }
+        }
+        self.matrix.values.fill(0.0);
+        let pattern = Arc::clone(self.matrix.pattern());
+        for element in &self.elements {
+            let count = element.nodes.len();
+            let at = |values: &[f64]| -> Vec<f64> { element.nodes.iter().map(|&node| values[node]).collect() };
+            let (end, start) = (at(&self.next), at(&self.committed.values));
+            let medium = element::Medium { conductivity: self.definition.conductivity, capacity_rate };
+            let (forces, matrix) = element.equations(medium, [&start, &end], solids.heat(element.element));
+            for (i, &row) in element.nodes.iter().enumerate() {
+                let row = self.equations[row];
+                if row == NONE {
+                    continue;
+                }
+                residual[row] += forces[i];
+                for (j, &column) in element.nodes.iter().enumerate() {
+                    let column = self.equations[column];
+                    if column != NONE
+                        && let Some(place) = pattern.index(row, column)
+                    {
+                        self.matrix.values[place] += matrix[i * count + j];
+                    }
+                }
+            }
+        }
+        if residual.is_empty() {
+            return Ok(residual);
+        }
+        self.solver.factorise(&self.matrix, Symmetry::Symmetric)?;
+        if residual.iter().any(|value| *value != 0.0) {
+            self.solver.solve(&self.matrix, &mut residual)?;
+        }
+        Ok(residual)
+    }
+
+    /// Makes the last attempt the committed state.
+    pub(crate) fn commit(&mut self) {
+        let values = std::mem::replace(&mut self.committed.values, self.next.clone());
+        self.committed.earlier = values;
+        self.committed.given.clone_from(&self.trial);
+        self.committed.time = self.time;
+    }
+
+    /// The area of its cracks, mm², and their energy, N·mm; `None` if it is not known to have any.
+    pub(crate) fn crack(&self) -> Option<[f64; 2]> {
+        let FieldKind::PhaseField(Some(CrackSurface { fracture_energy, length })) = self.definition.kind else {
+            return None;
+        };
+        let surface = |element: &FieldElement| element.surface(&self.committed.values, length);
+        let area: f64 = self.elements.iter().map(surface).sum();
+        Some([area, fracture_energy * area])
+    }
+}

@@ -1,0 +1,104 @@
+//! One scalar per node: temperature, or the phase field of a law.
+
+use crate::mesh::ElementEdge;
+
+/// A value that nodes of the field have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FixedValue {
+    /// Nodes.
+    pub nodes: Vec<usize>,
+    /// The value, or at a drive of 1.
+    pub value: f64,
+    /// The drive that multiplies it; `None`: it is constant.
+    pub drive: Option<usize>,
+}
+
+/// A flux into the body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flux {
+    /// Edges.
+    pub edges: Vec<ElementEdge>,
+    /// Flux per reference area, or at a drive of 1.
+    pub flux: f64,
+    /// The drive that multiplies it; `None`: it is constant.
+    pub drive: Option<usize>,
+}
+
+/// Meaning of a field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FieldKind {
+    /// Heat, which is energy, or whatever is no crack: the energies of the laws are not compared with the work of the drives.
+    Temperature,
+    /// The phase field of a law, from 0 to 1, without a scale of energy; with the fracture energy and the length l of its cracks, if known.
+    PhaseField(Option<CrackSurface>),
+}
+
+/// The surface that a phase field stands for: ∫ (α/l + l |∇d|²)/π dV, α = 2d − d², and its energy per area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CrackSurface {
+    /// G_f, N/mm.
+    pub fracture_energy: f64,
+    /// l, mm.
+    pub length: f64,
+}
+
+/// Way in which displacements and field are solved in an increment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Coupling {
+    /// In turn until neither changes.
+    #[default]
+    Staggered,
+    /// Once: displacements with the extrapolated field, then the field with them.
+    OnePass,
+}
+
+/// A field θ on all nodes of some parts: c ∂θ/∂t = k ∇²θ + r, r being RPL of the laws, which are given θ as temperature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScalarField {
+    /// Meaning.
+    pub kind: FieldKind,
+    /// Whether each part has it.
+    pub parts: Vec<bool>,
+    /// k.
+    pub conductivity: f64,
+    /// c, per volume; 0: steady.
+    pub capacity: f64,
+    /// θ at the start.
+    pub initial: f64,
+    /// Values that nodes have.
+    pub fixed: Vec<FixedValue>,
+    /// Fluxes into the body.
+    pub fluxes: Vec<Flux>,
+    /// How it is solved.
+    pub coupling: Coupling,
+    /// Largest change of θ in the last pass of an increment; of a temperature, as a part of its largest magnitude.
+    pub tolerance: f64,
+}
+
+impl ScalarField {
+    /// A steady field of conductivity 1 on all of `parts` parts.
+    pub fn new(kind: FieldKind, parts: usize) -> Self {
+        let tolerance = if kind == FieldKind::Temperature { 1e-9 } else { 3e-4 };
+        Self {
+            kind,
+            parts: vec![true; parts],
+            conductivity: 1.0,
+            capacity: 0.0,
+            initial: 0.0,
+            fixed: Vec::new(),
+            fluxes: Vec::new(),
+            coupling: Coupling::default(),
+            tolerance,
+        }
+    }
+
+    /// Name in files.
+    pub fn name(&self) -> &'static str {
+        if self.is_phase_field() { "phase_field" } else { "temperature" }
+    }
+
+    /// Returns whether it is no energy.
+    pub fn is_phase_field(&self) -> bool {
+        self.kind != FieldKind::Temperature
+    }
+}
