@@ -229,7 +229,7 @@ pub static CONTACT: [Column<ContactPoint>; 12] = [
 ];
 
 /// Columns of a specimen.
-pub(crate) static SPECIMEN: [Column<Record>; 33] = [
+pub(crate) static SPECIMEN: [Column<Record>; 35] = [
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |record| record.time),
     // Displacement of the grip along the pull direction.
@@ -297,6 +297,14 @@ pub(crate) static SPECIMEN: [Column<Record>; 33] = [
     column("plastic_strain_max", "", "greatest plastic strain of the fibre", Other, |record| record.plastic_strain),
     // Largest principal stress of the fibre, from tension and bending.
     column("stress_max", "MPa", "greatest stress of the fibre", Other, |record| record.principal_stress),
+    // Largest elongation of a fibre over 5 diameters, to which bending over the exit or in a hook does not add.
+    column("axial_strain_max", "", "greatest elongation of a fibre over 5 diameters", Other, |record| {
+        record.wires.iter().map(|wire| wire.strain).fold(f64::NAN, f64::max)
+    }),
+    // Largest mean axial stress of a fibre's section, on its initial area.
+    column("axial_stress_max", "MPa", "greatest mean axial stress of a section", Other, |record| {
+        record.wires.iter().map(|wire| wire.stress).fold(f64::NAN, f64::max)
+    }),
 ];
 
 /// Columns of each of several fibres of a specimen, behind those of the specimen: `load.NAME`.

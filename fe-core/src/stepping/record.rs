@@ -48,6 +48,8 @@ pub struct Record {
     pub plastic_strain: f64,
     /// The greatest principal stress of fibres, MPa; NaN without one.
     pub principal_stress: f64,
+    /// The greatest axial strain and stress of each of [`crate::model::Measured::wires`].
+    pub wires: Vec<WireRecord>,
     /// Number of attempts given up before it.
     pub cutbacks: u32,
     /// Number of Newton iterations.
@@ -79,6 +81,15 @@ pub struct FibreRecord {
     pub plastic_strain: f64,
     /// The greatest principal stress of its points, MPa.
     pub principal_stress: f64,
+}
+
+/// What the sections of a wire bear along its axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WireRecord {
+    /// The greatest elongation over the gauge length; bending has none.
+    pub strain: f64,
+    /// The greatest mean stress of a section along the axis, on its initial area, MPa.
+    pub stress: f64,
 }
 
 /// Numbers of points by their state.
@@ -196,6 +207,7 @@ impl Analysis<'_> {
             greatest_bearing_pressure: measured.bearing_factor * snapshot.greatest_pressure(),
             plastic_strain: greatest(|fibre| fibre.plastic_strain, alone.plastic_strain),
             principal_stress: greatest(|fibre| fibre.principal_stress, alone.principal_stress),
+            wires: self.present.stretches.records(&snapshot),
             cutbacks,
             iterations,
             fibres,
