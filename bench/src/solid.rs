@@ -137,5 +137,6 @@ pub(super) fn increment_of(call: &UmatCall) -> Increment {
         stress: std::array::from_fn(|i| call.stress()[i]),
         characteristic_length: None,
         time_increment: 1.0,
+        temperature: call.temp + call.dtemp,
     }
 }

@@ -10,7 +10,7 @@ use umat_abi::host::{Found, Plugin, search_paths};
 const PART: &str = "plugin";
 
 /// All shipped plugins.
-const PLUGINS: [&str; 11] = [
+const PLUGINS: [&str; 12] = [
     "linear_elastic",
     "pure_damage",
     "inelastic_damage",

@@ -29,7 +29,7 @@ mod steps;
 
 /// Increments between two written fields, unless the case says otherwise.
 const FIELDS_EVERY: usize = 10;
-/// Plastic strain beyond which a steel fibre counts as ruptured, unless the case says otherwise (an assumption).
+/// Elongation over the gauge length beyond which a steel fibre counts as ruptured, unless the case says otherwise (an assumption).
 const RUPTURE_STRAIN: f64 = 0.03;
 /// Slip over which torn matter bears nothing before it is released, and over which its forces fade, where a case does not
 /// say, mm.
@@ -78,13 +78,14 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         fibre.lines = own.map(|(line, _)| line).collect();
     }
     measured.interface_lines = lines.into_values().collect();
+    measured.wires = parts::wires(reader, case, &mesh, &ground.specimen.fibres);
     measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter());
-    let yields = |part: Option<usize>| part.is_some_and(|part| parts.laws[part].equivalent_plastic_strain().is_some());
-    let mut pulled = measured.fibres.iter().map(|fibre| fibre.part).chain([measured.part]);
     let place = root.key("output");
-    match (pulled.any(yields), output.rupture_strain) {
+    let is_open = measured.wires.iter().any(|wire| !wire.has_limits());
+    match (is_open, output.rupture_strain) {
         (false, Some(_)) => {
-            reader.warn_no_effect(&place.key("rupture_strain"), "no law of a fibre has the state 'peeq'");
+            let reason = "no fibre of a specimen is without a strength and an elongation of its own";
+            reader.warn_no_effect(&place.key("rupture_strain"), reason);
         }
         (true, None) => reader.note_defaults(&place, &[format!("rupture_strain = {RUPTURE_STRAIN}")]),
         _ => {}

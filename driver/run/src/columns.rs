@@ -229,7 +229,7 @@ pub static CONTACT: [Column<ContactPoint>; 12] = [
 ];
 
 /// Columns of a specimen.
-pub(crate) static SPECIMEN: [Column<Record>; 35] = [
+pub(crate) static SPECIMEN: [Column<Record>; 37] = [
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |record| record.time),
     // Displacement of the grip along the pull direction.
@@ -301,6 +301,14 @@ pub(crate) static SPECIMEN: [Column<Record>; 35] = [
     column("field_max", "", "greatest value of the field", Other, |record| record.largest_field),
     // Fracture energy times the area of the cracks of a phase field: compare it with damage_energy. NaN without one.
     column("field_energy", "N·mm", "energy of the phase field", Energy, |record| record.crack[1]),
+    // Largest elongation of a fibre over 5 diameters, to which bending over the exit or in a hook does not add.
+    column("axial_strain_max", "", "greatest elongation of a fibre over 5 diameters", Other, |record| {
+        record.wires.iter().map(|wire| wire.strain).fold(f64::NAN, f64::max)
+    }),
+    // Largest mean axial stress of a fibre's section, on its initial area.
+    column("axial_stress_max", "MPa", "greatest mean axial stress of a section", Other, |record| {
+        record.wires.iter().map(|wire| wire.stress).fold(f64::NAN, f64::max)
+    }),
 ];
 
 /// Columns of each of several fibres of a specimen, behind those of the specimen: `load.NAME`.

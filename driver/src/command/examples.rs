@@ -27,7 +27,8 @@ pub struct Example {
 }
 
 pub(super) fn list(arguments: &Arguments) -> Result<u8, Refusal> {
-    let found = find(&arguments.words).map_err(|error| Refusal { code: NO_PLUGIN, ..Refusal::failed(error.to_string()) })?;
+    let found =
+        find(&arguments.words).map_err(|error| Refusal { code: NO_PLUGIN, ..Refusal::failed(error.to_string()) })?;
     // shown from the working directory if they are below it
     let here = std::env::current_dir().unwrap_or_default();
     let row =

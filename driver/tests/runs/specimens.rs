@@ -87,7 +87,8 @@ fn a_run_tells_when_its_fibre_ruptures_and_shows_the_moments_that_are_asked_for(
         let flow = (greatest - YIELD).max(0.0) / HARDENING;
         assert!(strain[row] >= 0.999 * flow && strain[row] < 1.06 * flow + 0.002, "{} of {flow}", strain[row]);
     }
-    let row = strain.iter().position(|strain| *strain > 0.004).expect("it is strained beyond that");
+    let mean = run.history.column("axial_strain_max");
+    let row = mean.iter().position(|strain| *strain > 0.004).expect("it is strained beyond that");
     let rupture = &run.summary["ruptures"]["fibre"];
     assert_eq!([&rupture["slip"], &rupture["load"]].map(Value::as_f64), [Some(slip[row]), Some(load[row])]);
     exists(&run, &["deformed_mesh_at_1", "principal_stress_max_at_1", "deformed_mesh"]);
@@ -102,6 +103,40 @@ fn a_run_tells_when_its_fibre_ruptures_and_shows_the_moments_that_are_asked_for(
     assert!(series(&run.folder).iter().any(|(other, _)| (other - time).abs() < 1e-12), "no fields at {time}");
     let picture = std::fs::read_to_string(run.folder.join("plots/deformed_mesh_at_1.svg")).expect("a picture");
     assert!(picture.contains("at 0.05 mm"));
+}
+
+/// The greatest force of a wire is its strength times its initial area, along the pull and bent over the exit; what is bent there is
+/// strained three times as much as the wire that breaks.
+#[test]
+fn a_wire_breaks_at_its_strength_and_bending_is_no_rupture() {
+    const STRENGTH: f64 = 400.0;
+    const ELONGATION: f64 = 0.03;
+    let desk = Desk::new();
+    let inclined = |angle: f64| json!({ "type": "inclined_fibre", "angle_deg": angle, "mesh_size": 3, "embedded_length": 6, "depth": 8, "width": 12, "free_length": 2 });
+    for (specimen, least_strain) in [(program::coarse_fibre(), 0.0), (inclined(30.0), 0.09), (inclined(45.0), 0.09)] {
+        let mut case = fibre();
+        case["mesh"]["specimen"] = specimen;
+        case["nlgeom"] = json!(true);
+        case["parts"]["matrix"]["nlgeom"] = json!(false);
+        // true stresses: f_u (1 + A_gt) at ln(1 + A_gt), and from there on the slope that keeps the force
+        let [stress, strain] = [STRENGTH * (1.0 + ELONGATION), ELONGATION.ln_1p()];
+        let hardening = json!([[360, 0], [stress, strain], [2.0 * stress, 1.0 + strain]]);
+        case["parts"]["fibre"] = json!({ "strength": STRENGTH, "elongation": ELONGATION,
+            "material": { "plugin": "j2_plasticity", "props": { "E": 210e3, "nu": 0.3, "hardening": hardening } } });
+        case["contact"]["law"]["props"] = json!({ "law": "A", "normal_law": "hard", "p_0": 1000, "k_e": 4000, "form": "piecewise",
+            "points": [[0.005, 20], [9, 20]] });
+        case["steps"] = json!([{ "slip": 1.5 }]);
+        let run = desk.run(&desk.case("case.json", &case), &[], "out", 0);
+        let rupture = &run.summary["ruptures"]["fibre"];
+        let load = run.history.column("load");
+        let greatest = load.iter().copied().fold(0.0, f64::max);
+        let area = std::f64::consts::FRAC_PI_4 * 0.406 * 0.406;
+        assert!((greatest / (STRENGTH * area) - 1.0).abs() < 0.02, "{greatest} N, {}", STRENGTH * area);
+        assert_eq!(load.last().copied(), rupture["load"].as_f64(), "it is the last row");
+        assert!(run.summary["warnings"].to_string().contains("the wire breaks"), "{}", run.summary["warnings"]);
+        let bending = run.history.column("plastic_strain_max");
+        assert!(bending.last().is_some_and(|strain| *strain > least_strain), "{bending:?}");
+    }
 }
 
 #[test]

@@ -23,6 +23,7 @@ pub use fields::{FieldValues, Fields};
 pub use law::PluginLaw;
 pub use scalar_field::{Coupling as FieldCoupling, CrackSurface, FieldKind, FixedValue, Flux, ScalarField};
 
+use crate::mesh::specimen::PulledFibre;
 use crate::mesh::{ElementEdge, Mesh};
 use std::fmt::Display;
 use umat_abi::host::Library;
@@ -131,9 +132,73 @@ pub struct Measured {
     pub interface_lines: Vec<Vec<usize>>,
     /// Each of several fibres; empty for a single one, to which the fields above apply.
     pub fibres: Vec<MeasuredFibre>,
+    /// The wires of the fibres, in their order; one of a fibre that is alone.
+    pub wires: Vec<Wire>,
     /// A bearing pressure t_N/(φ L) over the contact pressure: π/2 for a round fibre of which each line has half the
     /// circumference, 1 else.
     pub bearing_factor: f64,
+}
+
+/// The wire of a fibre: its sections, and what they bear along the axis. Bending is no rupture: a wire breaks by the mean stress of a
+/// section, or by its elongation without bending over a gauge length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wire {
+    /// Sections from the embedded end to the grip.
+    pub sections: Vec<WireSection>,
+    /// Tensile strength, the greatest force over the initial area, MPa; `None`: not given.
+    pub strength: Option<f64>,
+    /// Axial strain over the gauge length at which it breaks; `None`: not given.
+    pub elongation: Option<f64>,
+    /// Gauge length, mm.
+    pub gauge: f64,
+}
+
+/// A section of a wire: a column of elements across it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WireSection {
+    /// Nodes at its ends, each on the left side, on the axis and on the right side.
+    pub ends: [[usize; 3]; 2],
+    /// Elements.
+    pub elements: Vec<usize>,
+}
+
+impl Wire {
+    /// Gauge length of elongations, in diameters: that of tests of wires and bars.
+    const GAUGE: f64 = 5.0;
+
+    /// Divides the elements of a fibre among the pieces between its stations, each to the nearest one.
+    pub fn new(mesh: &Mesh, fibre: &PulledFibre) -> Self {
+        let pieces =
+            fibre.stations.windows(2).map(|ends| WireSection { ends: [ends[0], ends[1]], elements: Vec::new() });
+        let mut sections: Vec<WireSection> = pieces.collect();
+        let middle = |nodes: &[usize]| {
+            let sum = nodes.iter().fold([0.0; 2], |[x, y], &node| {
+                let [u, v] = mesh.nodes()[node];
+                [x + u, y + v]
+            });
+            sum.map(|sum| sum / nodes.len() as f64)
+        };
+        let middles: Vec<[f64; 2]> = sections.iter().map(|section| middle(section.ends.as_flattened())).collect();
+        for (index, element) in mesh.elements().iter().enumerate().filter(|(_, element)| element.part() == fibre.part) {
+            let at = middle(element.nodes());
+            let distance = |k: &usize| crate::plane::distance(middles[*k], at);
+            if let Some(nearest) = (0..sections.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+                sections[nearest].elements.push(index);
+            }
+        }
+        Self { sections, strength: None, elongation: None, gauge: Self::GAUGE * fibre.diameter }
+    }
+
+    /// Returns whether the wire can break.
+    pub fn has_limits(&self) -> bool {
+        self.strength.is_some() || self.elongation.is_some()
+    }
+
+    /// Returns whether a section with this strain and this stress, of the initial area, has broken.
+    pub fn breaks(&self, strain: f64, stress: f64) -> bool {
+        let over = |value: f64, limit: Option<f64>| limit.is_some_and(|limit| value >= limit);
+        over(strain, self.elongation) || over(stress, self.strength)
+    }
 }
 
 /// Quantities that are measured of one of several fibres.
@@ -193,6 +258,7 @@ impl Default for Measured {
             part: None,
             interface_lines: Vec::new(),
             fibres: Vec::new(),
+            wires: Vec::new(),
             bearing_factor: 1.0,
         }
     }

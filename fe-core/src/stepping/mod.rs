@@ -17,6 +17,7 @@ mod spalling;
 mod test;
 mod times;
 mod trail;
+mod wire;
 mod zone;
 
 pub use checkpoint::Checkpoint;
@@ -24,7 +25,7 @@ pub use control::{ENERGY_BUDGET, STABILISATION_BUDGET};
 pub use energy::Energies;
 pub use error::RunError;
 pub use newton::{Flips, Iteration};
-pub use record::{Counts, Directive, FibreRecord, Observer, Record};
+pub use record::{Counts, Directive, FibreRecord, Observer, Record, WireRecord};
 pub use recorded::{Recorded, Tried, Verdict, Way};
 pub use snapshot::Snapshot;
 pub use times::Times;
@@ -83,6 +84,7 @@ struct Present {
     load: LoadHistory,
     greatest_work: f64,
     spalled: spalling::Spalled,
+    stretches: wire::Stretches,
 }
 
 /// A model that is being computed.
@@ -449,6 +451,7 @@ impl<'m> Analysis<'m> {
         let work = self.work_to(&end);
         self.equilibrium.commit(&self.present.committed, &end);
         self.present.committed = end;
+        self.present.stretches.advance(self.model, &self.present.committed.displacements);
         self.present.total_time += time;
         let external_work = self.present.energies.external_work + work;
         self.book_energies(external_work);

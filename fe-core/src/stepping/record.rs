@@ -53,6 +53,8 @@ pub struct Record {
     pub largest_field: f64,
     /// Area of the cracks of a phase field, mm², and their energy, N mm; NaN without them.
     pub crack: [f64; 2],
+    /// The greatest axial strain and stress of each of [`crate::model::Measured::wires`].
+    pub wires: Vec<WireRecord>,
     /// Number of attempts given up before it.
     pub cutbacks: u32,
     /// Number of Newton iterations.
@@ -84,6 +86,15 @@ pub struct FibreRecord {
     pub plastic_strain: f64,
     /// The greatest principal stress of its points, MPa.
     pub principal_stress: f64,
+}
+
+/// What the sections of a wire bear along its axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WireRecord {
+    /// The greatest elongation over the gauge length; bending has none.
+    pub strain: f64,
+    /// The greatest mean stress of a section along the axis, on its initial area, MPa.
+    pub stress: f64,
 }
 
 /// Numbers of points by their state.
@@ -203,6 +214,7 @@ impl Analysis<'_> {
             principal_stress: greatest(|fibre| fibre.principal_stress, alone.principal_stress),
             largest_field: snapshot.field.map_or(f64::NAN, Field::largest),
             crack: snapshot.field.and_then(Field::crack).unwrap_or([f64::NAN; 2]),
+            wires: self.present.stretches.records(&snapshot),
             cutbacks,
             iterations,
             fibres,

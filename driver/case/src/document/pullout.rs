@@ -102,6 +102,12 @@ pub struct Part {
     pub nlgeom: Option<Piece<bool>>,
     /// The state before the first step.
     pub initial: Option<Piece<PartInitial>>,
+    /// Of a fibre: the tensile strength of its wire, MPa, on the initial area. The run ends, with a warning, where the mean axial stress of
+    /// a section reaches it (default: the wire does not break by stress).
+    pub strength: Option<Piece<Positive>>,
+    /// Of a fibre: the elongation at which its wire breaks, 0.01 for 1 %, measured over 5 diameters; the run ends there as at the strength
+    /// (default: the wire does not break by strain). Bending, over the exit or in a hook, does not count.
+    pub elongation: Option<Piece<Positive>>,
     /// Average the dilatation of its Q4 elements against locking (default true).
     pub average_dilatation: Option<Piece<bool>>,
 }
@@ -213,8 +219,8 @@ pub struct PulloutOutput {
     /// Pictures, and fields unless there are none, also at these moments: as soon as the slip first reaches each of these, mm, or at
     /// these increments of the run. Beside those of the greatest load and of the end.
     pub pictures_at: Option<PicturesAt>,
-    /// The equivalent plastic strain beyond which a fibre counts as ruptured: the summary tells at which slip (default 0.03). Nothing else
-    /// follows from it.
+    /// The elongation over 5 diameters beyond which a fibre without `strength` and `elongation` counts as ruptured: the summary gives the
+    /// slip, and the run warns (default 0.03). Nothing else follows from it.
     pub rupture_strain: Option<Positive>,
 }
 

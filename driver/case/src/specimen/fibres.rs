@@ -206,9 +206,7 @@ pub(super) fn fibres(
 }
 
 fn wrong(fibre: Option<usize>, name: &'static str, value: String, requirement: String) -> SpecimenError {
-    SpecimenError::Parameters {
-        problems: vec![ParameterProblem { fibre, name, value, requirement }],
-    }
+    SpecimenError::Parameters { problems: vec![ParameterProblem { fibre, name, value, requirement }] }
 }
 
 /// Refuses a diameter in metres, and an embedded length in micrometres, before they are meshed.

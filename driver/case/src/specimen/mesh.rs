@@ -162,7 +162,7 @@ fn section_of<'n>(case: &PulloutCase, name: &'n str) -> (&'n str, Option<documen
 /// Gives the elements of a round fibre the thicknesses of its layers.
 fn layer(reader: &mut Reader<'_>, definition: &mut MeshDefinition, fibre: &PulledFibre, place: &Place) {
     let at = |node: usize| definition.nodes[node];
-    let axis: Vec<[[f64; 2]; 2]> = fibre.axis_nodes.windows(2).map(|ends| [at(ends[0]), at(ends[1])]).collect();
+    let axis: Vec<[[f64; 2]; 2]> = fibre.stations.windows(2).map(|ends| [at(ends[0][1]), at(ends[1][1])]).collect();
     // of the middle of an element: the middle between its corners on both sides of a column
     let distance = |[x, y]: [f64; 2]| {
         let of = |[[a, b], [c, d]]: [[f64; 2]; 2]| {

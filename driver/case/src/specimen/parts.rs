@@ -3,7 +3,7 @@
 use super::Scene;
 use super::mesh::called;
 use crate::document::pullout as document;
-use crate::document::{Entry, PulloutCase};
+use crate::document::{Entry, Piece, Positive, PulloutCase};
 use crate::fields;
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{check_count, components};
@@ -12,7 +12,8 @@ use crate::reader::{Reader, Taken};
 use fe_core::element::{ElementKind, Integration};
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::Mesh;
-use fe_core::model::PluginLaw;
+use fe_core::mesh::specimen::PulledFibre;
+use fe_core::model::{PluginLaw, Wire};
 use pullout_run::number::rounded;
 use pullout_run::program::{Mode, STRESS_NAMES};
 use std::collections::BTreeMap;
@@ -66,6 +67,33 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         parts.nlgeom.push(*nlgeom);
     }
     Some(parts)
+}
+
+/// The wires of fibres, with what the case says of their strength.
+pub fn wires(reader: &mut Reader<'_>, case: &PulloutCase, mesh: &Mesh, fibres: &[PulledFibre]) -> Vec<Wire> {
+    let root = Place::root().key("parts");
+    let Some(given) = reader.piece(&case.parts, &root) else { return Vec::new() };
+    let names: Vec<&str> =
+        fibres.iter().map(|fibre| called(&mesh.parts()[fibre.part].name, |name| given.contains_key(name))).collect();
+    for (name, piece) in given {
+        let Ok(part) = &piece.0 else { continue };
+        for (key, is_given) in [("strength", part.strength.is_some()), ("elongation", part.elongation.is_some())] {
+            if is_given && !names.contains(&name.as_str()) {
+                reader.warn_no_effect(&root.key(name).key(key), "this part is no fibre of a specimen");
+            }
+        }
+    }
+    let wire = |(fibre, name): (&PulledFibre, &str)| {
+        let mut wire = Wire::new(mesh, fibre);
+        if let Some(Ok(part)) = given.get(name).map(|piece| &piece.0) {
+            let place = root.key(name);
+            let mut of = |piece: Option<&Piece<Positive>>, key| reader.optional(piece, &place.key(key)).map(|of| of.0);
+            wire.strength = of(part.strength.as_ref(), "strength");
+            wire.elongation = of(part.elongation.as_ref(), "elongation");
+        }
+        wire
+    };
+    fibres.iter().zip(names).map(wire).collect()
 }
 
 /// What the case leaves to the mesh.

@@ -3,9 +3,10 @@
 use super::overlap::Overlap;
 use super::peak::PeakLoad;
 use crate::columns::{Group, SPECIMEN};
+use crate::number::significant;
 use fe_core::assembly::Location;
-use fe_core::model::MeasuredFibre;
-use fe_core::stepping::{Analysis, Record, Times};
+use fe_core::model::{Measured, Wire};
+use fe_core::stepping::{Analysis, Record, Times, WireRecord};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
@@ -22,8 +23,8 @@ pub struct Findings {
     /// Share of the work taken by stabilisation and by the overstress of laws that extrapolate.
     #[serde(default)]
     pub stabilisation_share: f64,
-    /// First increment in which the plastic strain of each fibre passed `output.rupture_strain`, by the fibres' names
-    /// ("fibre" for one without a name).
+    /// First increment in which each fibre passed its strength or its elongation, or without both the elongation
+    /// `output.rupture_strain`, by the fibres' names ("fibre" for one without a name).
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub ruptures: IndexMap<String, Rupture>,
     /// The deepest overlap of deformed bodies at the greatest load and at the end, mm; 0 where there is none.
@@ -65,6 +66,12 @@ pub struct Rupture {
     pub plastic_strain: f64,
     /// Greatest principal stress of that fibre, MPa.
     pub stress: f64,
+    /// Greatest elongation over 5 diameters, without bending.
+    #[serde(default)]
+    pub axial_strain: f64,
+    /// Greatest mean axial stress of a section, on its initial area, MPa.
+    #[serde(default)]
+    pub axial_stress: f64,
     /// Step, from 1.
     pub step: u32,
     /// Increment, from 1.
@@ -72,20 +79,55 @@ pub struct Rupture {
 }
 
 impl Rupture {
-    /// Adds those of an increment that pass a strain for the first time.
-    pub fn add(ruptures: &mut IndexMap<String, Self>, record: &Record, names: &[MeasuredFibre], limit: f64) {
+    /// Adds those of an increment that break for the first time; returns whether one of them breaks by its own strength or elongation.
+    pub fn add(ruptures: &mut IndexMap<String, Self>, record: &Record, measured: &Measured, limit: f64) -> bool {
         let &Record { step, increment, .. } = record;
-        let mut note = |name: &str, [slip, load, plastic_strain, stress]: [f64; 4]| {
-            if plastic_strain > limit && !ruptures.contains_key(name) {
-                ruptures.insert(name.to_owned(), Self { slip, load, plastic_strain, stress, step, increment });
+        let mut breaks = false;
+        for (index, (wire, of_wire)) in measured.wires.iter().zip(&record.wires).enumerate() {
+            let has_limits = wire.has_limits();
+            let &WireRecord { strain: axial_strain, stress: axial_stress } = of_wire;
+            let is_over = if has_limits { wire.breaks(axial_strain, axial_stress) } else { axial_strain > limit };
+            let name = Self::name(measured, index);
+            if !is_over || ruptures.contains_key(name) {
+                continue;
             }
+            let [slip, load, plastic_strain, stress] = match record.fibres.get(index) {
+                Some(of) => [of.slip, of.load, of.plastic_strain, of.principal_stress],
+                None => [record.slip, record.load, record.plastic_strain, record.principal_stress],
+            };
+            let rupture = Self { slip, load, plastic_strain, stress, axial_strain, axial_stress, step, increment };
+            ruptures.insert(name.to_owned(), rupture);
+            breaks |= has_limits;
+        }
+        breaks
+    }
+
+    /// Says which fibres have broken by their own strength or elongation, and which are stretched beyond `limit` without having any.
+    pub fn warnings(ruptures: &IndexMap<String, Self>, measured: &Measured, limit: f64) -> Vec<String> {
+        let message = |(index, wire): (usize, &Wire)| {
+            let (name, rupture) = ruptures.get_key_value(Self::name(measured, index))?;
+            let [slip, load, stress] =
+                [rupture.slip, rupture.load, rupture.axial_stress].map(|value| significant(value, 4));
+            let strain = significant(100.0 * rupture.axial_strain, 3);
+            Some(if wire.has_limits() {
+                format!(
+                    "{name}: the wire breaks at a slip of {slip} mm under {load} N; the run ends there. It bears up to {stress} MPa on \
+                     the initial area, and is stretched by up to {strain} % over 5 diameters"
+                )
+            } else {
+                format!(
+                    "{name}: at a slip of {slip} mm the wire is stretched by {strain} % over 5 diameters, more than {} %, and the run goes \
+                     on: give strength and elongation of its part to make it break",
+                    significant(100.0 * limit, 3)
+                )
+            })
         };
-        if names.is_empty() {
-            note("fibre", [record.slip, record.load, record.plastic_strain, record.principal_stress]);
-        }
-        for (fibre, of) in names.iter().zip(&record.fibres) {
-            note(&fibre.name, [of.slip, of.load, of.plastic_strain, of.principal_stress]);
-        }
+        measured.wires.iter().enumerate().filter_map(message).collect()
+    }
+
+    /// The name of a wire's fibre.
+    fn name(measured: &Measured, index: usize) -> &str {
+        measured.fibres.get(index).map_or("fibre", |fibre| &fibre.name)
     }
 }
 

@@ -143,6 +143,7 @@ pub fn run(program: &PulloutProgram, settings: &Settings<'_>, observer: &mut dyn
     let work = recorder.state.energies.external_work;
     warnings.extend(crack_band::warnings(model, snapshot.solids(), work));
     warnings.extend(section::warning(program, snapshot.solids(), work));
+    warnings.extend(Rupture::warnings(&recorder.state.ruptures, &model.measured, program.rupture_strain));
     warnings.into_iter().for_each(|warning| recorder.observer.warn(warning));
     let elapsed = start.elapsed();
     let done = analysis.statistics();
@@ -379,12 +380,14 @@ impl Observer for Recorder<'_, '_> {
             .moments
             .as_mut()
             .is_some_and(|moments| moments.observe(&self.program.pictures_at, number, record, snapshot));
-        Rupture::add(
-            &mut self.state.ruptures,
-            record,
-            &self.program.model.measured.fibres,
-            self.program.rupture_strain,
-        );
+        let measured = &self.program.model.measured;
+        let breaks = Rupture::add(&mut self.state.ruptures, record, measured, self.program.rupture_strain);
+        if breaks {
+            // it is the last row
+            self.finish_history()?;
+            self.state.present.written = true;
+        }
+        let directive = if breaks { Directive::EndRun } else { directive };
         if self.settings.pictures {
             self.observer.state_reached(record.slip, record.load, snapshot, false);
         }

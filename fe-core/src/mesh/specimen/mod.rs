@@ -96,8 +96,9 @@ pub struct PulledFibre {
     pub exit_node: usize,
     /// Node on its axis at its embedded end.
     pub tail_node: usize,
-    /// Nodes on its axis at the ends of its columns of elements, from the embedded end to the grip.
-    pub axis_nodes: Vec<usize>,
+    /// Nodes at the ends of its columns of elements, from the embedded end to the grip: on its left side, on its axis (in the middle or on
+    /// the axis of symmetry) and on its right side.
+    pub stations: Vec<[usize; 3]>,
     /// Contact surfaces of its embedded end and of the end of its hole.
     pub end: ContactSurfaces,
 }

@@ -6,7 +6,7 @@ use fe_core::element::ElementKind::Q4;
 use fe_core::kinematics::PlaneModel::PlaneStrain;
 use fe_core::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
 use fe_core::model::{Controls, Measured, Model, Skipping, Step, StepControl};
-use fe_core::stepping::{Counts, Energies, Iteration};
+use fe_core::stepping::{Counts, Energies, Iteration, WireRecord};
 
 /// Two steps of 1 s and 2 s on a mesh that is not computed.
 fn program(every: usize) -> PulloutProgram {
@@ -76,6 +76,7 @@ pub fn record(step: u32, increment: u32, time: f64) -> Record {
         greatest_bearing_pressure: 25.0,
         plastic_strain: 27.0,
         principal_stress: 28.0,
+        wires: vec![WireRecord { strain: 0.029, stress: 1.0 }, WireRecord { strain: 0.001, stress: 30.0 }],
         cutbacks: 26,
         iterations: vec![Iteration::default(); 3],
         fibres: Vec::new(),
@@ -162,6 +163,9 @@ fn values_stand_under_their_columns() {
         ("stress_max", 28.0),
         ("field_max", 0.5),
         ("field_energy", 29.0),
+        // each the greatest of both wires
+        ("axial_strain_max", 0.029),
+        ("axial_stress_max", 30.0),
     ];
     for (name, value) in expected {
         assert_eq!(column(name), value, "{name}");

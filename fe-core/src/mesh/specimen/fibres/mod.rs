@@ -262,7 +262,9 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
         let block = MeshBlock::new(part, parameters.fibre_element, &divisions.along, &divisions.across);
         let grid = definition.block(&block.mapped(&map))?;
         // the middle between the fibre's sides: `check` has ruled out kinds without a node there
-        let on_axis = |station: usize| grid.node(2 * station, grid.rows).expect("the fibre has nodes on its axis");
+        let at = |station: usize, share| grid.node(2 * station, share).expect("the fibre has nodes on sides and axis");
+        let on_axis = |station: usize| at(station, grid.rows);
+        let across = |station: usize| [0, grid.rows, 2 * grid.rows].map(|share| at(station, share));
         let (exit_node, tail_node) = (on_axis(divisions.exit_station), on_axis(0));
         definition.node_set(&fibre.set("exit", ""), [exit_node]);
         definition.node_set(&fibre.set("tail", ""), [tail_node]);
@@ -276,7 +278,7 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
             direction,
             exit_node,
             tail_node,
-            axis_nodes: (0..divisions.along.len()).map(on_axis).collect(),
+            stations: (0..divisions.along.len()).map(across).collect(),
             end: ContactSurfaces {
                 name: fibre.pair("end", "tail"),
                 slave: fibre.set("hole", "end"),

@@ -157,7 +157,8 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
 
     // `check` has ruled out kinds without a node on the axis.
     let axis_place = if parameters.is_axisymmetric() { 0 } else { fibre.columns };
-    let on_axis = |row: usize| fibre.node(axis_place, 2 * row).expect("the fibre has nodes on its axis");
+    let at = |place: usize, row: usize| fibre.node(place, 2 * row).expect("the fibre has nodes on sides and axis");
+    let on_axis = |row: usize| at(axis_place, row);
     let (exit_node, tail_node) = (on_axis(parameters.mesh.embedded_elements), on_axis(0));
     mesh.node_set("exit", [exit_node]);
     mesh.node_set("tail", [tail_node]);
@@ -180,7 +181,9 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
             direction: [0.0, 1.0],
             exit_node,
             tail_node,
-            axis_nodes: (0..=fibre.rows).map(on_axis).collect(),
+            stations: (0..=fibre.rows)
+                .map(|row| [0, axis_place, 2 * fibre.columns].map(|place| at(place, row)))
+                .collect(),
             end: ContactSurfaces {
                 name: "end_tail".to_owned(),
                 slave: "hole_end".to_owned(),
