@@ -105,4 +105,9 @@ impl Sample {
     /// The three stress states of a UMAT.
     pub const STRESS_STATES: [StressState; 3] =
         [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
+
+    /// Returns whether it takes a temperature and returns heat.
+    pub fn is_coupled(&self) -> bool {
+        self.name == "concrete_phase_field"
+    }
 }

@@ -81,7 +81,7 @@ fn is_known(line: &str) -> bool {
 
 /// Blocks that nothing runs, by page and beginning: dolfinx is no package that CI has, and there is no such law.
 const NOT_RUN: [(&str, &str); 2] =
-    [("docs/notebooks/dolfinx.md", "import dolfinx"), ("docs/working/adding.md", "umat_abi::export_umat!(")];
+    [("docs/notebooks/dolfinx.md", "from fenics_constitutive"), ("docs/working/adding.md", "umat_abi::export_umat!(")];
 
 /// Cells are run where the book is built.
 #[test]

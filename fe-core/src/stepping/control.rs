@@ -275,7 +275,7 @@ impl StepRun {
         self.jumps_refused = 0;
         self.energy_refused = 0;
         self.missed = None;
-        let iterations = hardest_round(&converged.iterations);
+        let iterations = converged.iterations.len();
         self.failures = 0;
         self.changes = 0;
         let slip = converged.end.mean_slip - start.mean_slip;
@@ -306,7 +306,7 @@ impl StepRun {
                 self.largest_slip = self.largest_slip.max(slip);
                 self.note_flexibility(start, &converged.end);
                 self.progress = self.aim();
-                self.size.accepted(iterations);
+                self.size.accepted(iterations, hardest_round(&converged.iterations));
                 if self.locates_peak && !load.peaked && findings.slip_growth > 0.0 {
                     self.size.limit(self.attempted * SLIP_MARGIN / findings.slip_growth);
                 }

@@ -49,8 +49,9 @@ impl IncrementSize {
         if self.size >= left * (1.0 - REMAINDER) { left } else { self.size }
     }
 
-    /// Chooses the next size after an accepted increment.
-    pub(super) fn accepted(&mut self, iterations: usize) {
+    /// Chooses the next size after an accepted increment: larger after few iterations in all, smaller after a hard round of them. In how
+    /// many rounds contact settles says nothing of the size: it would shrink without end where each increment needs some.
+    pub(super) fn accepted(&mut self, iterations: usize, hardest: usize) {
         if iterations <= EASY {
             self.streak += 1;
             if self.streak >= STREAK || self.fixed {
@@ -59,7 +60,7 @@ impl IncrementSize {
             }
         } else {
             self.streak = 0;
-            if iterations > HARD && !self.fixed {
+            if hardest > HARD && !self.fixed {
                 self.size = (self.size * SHRINKAGE).max(self.minimum);
             }
         }

@@ -57,6 +57,9 @@ fn its_order_of_shears_is_exchanged() {
         let (point, _) = loaded.loaded_point(stress_state);
         let mut expected = point.clone();
         expected.call(loaded.umat);
+        // nothing of heat passes there
+        (expected.energies[3], expected.drpldt) = (point.energies[3], point.drpldt);
+        (expected.ddsddt, expected.drplde) = (point.ddsddt, point.drplde);
         let mut found = exchanged(&point);
         call(loaded, &mut found, false);
         assert_eq!(exchanged(&found).output_bits(), expected.output_bits(), "{} {stress_state:?}", loaded.law.name);

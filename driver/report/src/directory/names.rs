@@ -53,7 +53,7 @@ const RUN: [&str; 9] = [
 /// Files that a study writes into the directory of a run.
 const MEMBER: [&str; 2] = ["run.json", "output.txt"];
 const STUDY: [&str; 5] = ["study.csv", "study.json", "report.html", "plots/*.svg", "plots/*.png"];
-const FIT: [&str; 14] = [
+const FIT: [&str; 16] = [
     "curve.csv",
     "fit.json",
     "report.html",
@@ -65,6 +65,9 @@ const FIT: [&str; 14] = [
     "piecewise-curve.csv",
     "fitted-case.json",
     "fitted-curve.csv",
+    // of several tests
+    "fitted-case-#.json",
+    "fitted-curve-#.csv",
     "sigma.csv",
     "bond-case.json",
     "plots/*.svg",

@@ -148,7 +148,9 @@ pub struct Failure {
 
 /// Energies by their columns, of the values of a row.
 pub fn energies(values: &[f64], unaccounted: f64) -> IndexMap<String, f64> {
-    let columns = SPECIMEN.iter().zip(values).filter(|(column, _)| column.group == Group::Energy);
+    // a specimen without a phase field has no energy of one
+    let columns =
+        SPECIMEN.iter().zip(values).filter(|(column, value)| column.group == Group::Energy && value.is_finite());
     let named = columns.map(|(column, value)| (column.name, *value));
     let unaccounted = Some(("unaccounted_energy", unaccounted)).filter(|(_, energy)| *energy != 0.0);
     named.chain(unaccounted).map(|(name, value)| (name.to_owned(), value)).collect()

@@ -5,15 +5,15 @@ const AUTOMATIC: StepControl = StepControl::Automatic { initial: 0.01, maximum: 
 #[test]
 fn easy_increments_grow_up_to_the_greatest_and_hard_ones_shrink() {
     let mut size = IncrementSize::new(AUTOMATIC);
-    size.accepted(3);
+    size.accepted(3, 3);
     assert_eq!(size.next(1.0), 0.01);
-    size.accepted(3);
+    size.accepted(3, 3);
     assert_eq!(size.next(1.0), 0.015);
     for _ in 0..40 {
-        size.accepted(3);
+        size.accepted(3, 3);
     }
     assert_eq!(size.next(1.0), 0.1);
-    size.accepted(14);
+    size.accepted(14, 14);
     assert_eq!(size.next(1.0), 0.1 * 0.75);
 }
 
@@ -43,7 +43,7 @@ fn equal_increments_come_back_after_a_cut() {
     let mut size = IncrementSize::new(StepControl::Fixed { increments: 10 });
     assert!(size.cut(0.1, 0.25));
     for _ in 0..10 {
-        size.accepted(4);
+        size.accepted(4, 4);
     }
     assert_eq!(size.next(0.9), 0.1);
 }

@@ -137,6 +137,8 @@ fn check(call: &Call) {
 
     let refusable = if (1..=6).contains(&ntens) { components } else { 0 };
     let state_count = law.states.min(statev.len());
+    // others leave their heat as it was
+    let [scalar, vector] = if law.is_coupled() { [1, components] } else { [0, 0] };
     let mut outputs = [
         Output::new("STRESS", &stress, components, refusable),
         Output::new("DDSDDE", &vec![GARBAGE; components * components], components * components, refusable * refusable),
@@ -144,10 +146,10 @@ fn check(call: &Call) {
         Output::new("SSE", &[GARBAGE], 1, 0),
         Output::new("SPD", &[GARBAGE], 1, 0),
         Output::new("SCD", &[GARBAGE], 1, 0),
-        Output::new("RPL", &[GARBAGE], 0, 0),
-        Output::new("DDSDDT", &vec![GARBAGE; components], 0, 0),
-        Output::new("DRPLDE", &vec![GARBAGE; components], 0, 0),
-        Output::new("DRPLDT", &[GARBAGE], 0, 0),
+        Output::new("RPL", &[GARBAGE], scalar, 0),
+        Output::new("DDSDDT", &vec![GARBAGE; components], vector, 0),
+        Output::new("DRPLDE", &vec![GARBAGE; components], vector, 0),
+        Output::new("DRPLDT", &[GARBAGE], scalar, 0),
     ];
     let [stran, dstran] = [&call.strain, &call.increment].map(|values| values[..components].to_vec());
     let mut inputs = [&stran[..], &dstran, &props, &rotation, &[call.celent]].map(Fenced::new);
