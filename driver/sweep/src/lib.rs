@@ -1,7 +1,7 @@
 //! Many runs of a case of which numbers are kept: planned, worked off by any number of processes, collected.
 //!
 //! A sweep is a folder ([`store`]). Its work is done by children of the program, each of which runs many cases one after
-//! another ([`batch`]); what ends a child is a row of its own, and the next child goes on behind it ([`work`]). Rows have the
+//! another ([`Batch`]); what ends a child is a row of its own, and the next child goes on behind it ([`work`]). Rows have the
 //! hash of everything that they depend on as their key: runs that are there are not made again, whichever process made them.
 
 mod batch;
