@@ -213,12 +213,14 @@ def test_a_lab_ends_with_its_block_and_with_the_interpreter() -> None:
             time.sleep(0.02)
 
 
-def test_examples_are_those_of_the_command() -> None:
+def test_examples_are_those_of_the_command(tmp_path: Path) -> None:
     found = po.examples()
     assert len(found) > 100 and all(example.path.is_file() for example in found)
     some = po.examples("AXISYMMETRIC", "fig. 6.14")
     assert "6.14-axisymmetric.json" in {example.path.name for example in some} and len(some) < 10
     assert all(example.kind == json.loads(example.path.read_text())["kind"] and example.title for example in some)
-    listed = subprocess.run([po.program(), "examples", "AXISYMMETRIC", "fig. 6.14"], capture_output=True, text=True, check=True).stdout
+    # below the working directory it shows relative paths
+    command = [po.program(), "examples", "AXISYMMETRIC", "fig. 6.14"]
+    listed = subprocess.run(command, capture_output=True, text=True, check=True, cwd=tmp_path).stdout
     assert all(str(example.path) in listed for example in some)
     assert po.examples("no such word") == []
