@@ -173,7 +173,7 @@ fn page(runs: &[Counted]) -> Page {
     }
     by_cause.push(row("all", &|run| run.accepted().into()));
     by_cause.push(row("an increment", &|run| (run.accepted() as f64 / run.statistics.increments.max(1) as f64).into()));
-    let mut besides = Table::new([
+    let mut further = Table::new([
         "scene",
         "increments",
         "in attempts thrown away",
@@ -190,7 +190,7 @@ fn page(runs: &[Counted]) -> Page {
     for run in runs {
         let Statistics { increments, iterations, cutbacks, settlements, evaluations, solutions, .. } = run.statistics;
         let factorisations = run.statistics.factorisations + run.statistics.block_factorisations;
-        besides.push([
+        further.push([
             run.name.into(),
             increments.into(),
             iterations.saturating_sub(run.accepted()).into(),
@@ -228,7 +228,7 @@ fn page(runs: &[Counted]) -> Page {
         data,
         summaries: vec![
             ("Iterations of accepted increments by cause".into(), by_cause),
-            ("Besides".into(), besides),
+            ("Further counts".into(), further),
             ("Residuals of some increments".into(), residuals),
         ],
         notes: vec!["A stroke / stands where contact has settled or the far field shrunk.".into()],

@@ -151,6 +151,9 @@ pub(super) type Corners<T> = [(T, T); 2];
 pub struct Drawing {
     /// The picture as SVG.
     pub svg: String,
+    /// Width and height, in the picture's own coordinates.
+    #[serde(skip)]
+    pub size: (u32, u32),
     /// Upper left and lower right corner of the axes' frame, in the picture's own coordinates.
     pub frame: [(i32, i32); 2],
     /// Along x.
@@ -207,7 +210,7 @@ impl Figure {
         };
         let description = markup::plain(&format!("{} {}: {} – {}", self.title, self.name, y.label, x.label));
         let svg = finish(&svg, size, &description);
-        Ok(Drawing { svg, frame, x: x.reading(), y: y.reading() })
+        Ok(Drawing { svg, size: pixels(size), frame, x: x.reading(), y: y.reading() })
     }
 
     fn axes(&self) -> (Axis, Axis) {

@@ -120,11 +120,7 @@ impl Scenes {
             ..Figure::default()
         };
         let drawing = figure.drawing().map_err(io::Error::other)?;
-        let view = drawing.svg.split_once("viewBox=\"0 0 ").and_then(|(_, rest)| rest.split_once('"'));
-        let (width, height) = view
-            .and_then(|(size, _)| size.split_once(' '))
-            .and_then(|(width, height)| Some((width.parse::<f64>().ok()?, height.parse::<f64>().ok()?)))
-            .ok_or_else(|| io::Error::other("the curve has no size"))?;
+        let (width, height) = (f64::from(drawing.size.0), f64::from(drawing.size.1));
         let unit = CURVE[2] / width;
         let body = drawing.svg.split_once(">\n").map_or("", |(_, body)| body);
         let mut svg = head();
