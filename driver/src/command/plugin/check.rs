@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use umat_abi::host::{Library, Plugin, real_path};
+use umat_abi::host::{Found, Library, Plugin, library_path, names_a_file, real_path, search_paths};
 use umat_abi::law::StressState;
 
 mod children;
@@ -22,7 +22,7 @@ pub(in crate::command) struct Arguments {
     #[command(flatten)]
     of: Subject,
     /// Around the path of this case, with its parameters, mode, times, temperatures, initial state; a library without
-    /// metadata cannot be judged without one.
+    /// metadata cannot be judged without one. A FILE takes the place of the library that the case names.
     #[arg(long, value_name = "CASE.json")]
     case: Option<PathBuf>,
     /// Override an entry of the case, e.g. steps.0.increments=5.
@@ -71,12 +71,28 @@ impl Arguments {
         self.overrides.iter().cloned().chain(changes.into_iter().flatten()).collect()
     }
 
-    /// The checks that are asked for.
-    fn checks(&self) -> Checks {
+    /// The checks of a library that are asked for.
+    fn checks(&self, library: &Path) -> Checks {
         let (overrides, plugin_paths) = (self.overrides(), self.of.plugin_paths.clone());
-        let case = self.case.as_ref().map(|case| Source { overrides, plugin_paths, ..Source::file(case) });
+        let mut case = self.case.as_ref().map(|case| Source { overrides, plugin_paths, ..Source::file(case) });
+        let given = library_path(Path::new(""), &self.of.plugin);
+        if let Some(source) = case.as_mut().filter(|source| names_a_file(&self.of.plugin) && !calls(source, &[library, &given])) {
+            source.overrides.push(format!("material.plugin={}", json!(real_path(library))));
+        }
         Checks { of: self.of.clone(), case, group: None, skip: Vec::new(), longest_path: None, seconds: None }
     }
+}
+
+/// Whether a case names one of these files, itself or by the name of a law that is found there.
+fn calls(source: &Source, files: &[&Path]) -> bool {
+    let text = source.text().unwrap_or_default();
+    let named = text["material"]["plugin"].as_str().unwrap_or_default();
+    let file = if names_a_file(named) {
+        source.file.parent().map(|folder| library_path(folder, named))
+    } else {
+        Found::by_name(named, &search_paths(&source.plugin_paths)).map(|found| found.path)
+    };
+    file.is_some_and(|file| files.iter().any(|known| real_path(&file) == real_path(known)))
 }
 
 /// Checks of a library, all or those of a group.
@@ -177,7 +193,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
     if let Some(value) = arguments.of.props.iter().flatten().find(|value| !value.is_finite()) {
         return Err(Refusal::input(format!("--props: {value} is no finite number")));
     }
-    let checks = arguments.checks();
+    let checks = arguments.checks(&file);
     let of_case = || checks.case.as_ref()?.need();
     if let Some(need) = of_case().or_else(|| Need::of_library(&file, TIME_LIMIT)) {
         return Ok(children::run(arguments, checks, &file, need));
