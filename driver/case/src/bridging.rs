@@ -325,7 +325,7 @@ fn sampled(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre) -> Opt
         }
         if points.len() + middles.len() > MOST_SLIPS {
             reader.warn(format!(
-                "{}: the law turns more often than {MOST_SLIPS} slips can follow: straight lines between {} stand for it",
+                "{}: the law changes slope more often than {MOST_SLIPS} slips can follow: straight lines between {} replace it",
                 law_place().in_words(),
                 points.len(),
             ));
@@ -482,7 +482,7 @@ fn check_simulation(reader: &mut Reader<'_>, others: &Others, base: &Path, run: 
     reader.problem(&Place::root().key("fibre").key("base"), problem);
 }
 
-/// Curves of tests.
+/// Measured curves.
 fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
     let place = Place::root().key("fibre").key("file");
     let path = reader.file(&table.file, &place)?;
@@ -511,7 +511,7 @@ fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
     for curve in &curves {
         if let Some([before, after]) = curve.slip.windows(2).map(|pair| [pair[0], pair[1]]).find(|[a, b]| b <= a) {
             let message = format!(
-                "{}: at {}°, {} mm the slip {after} mm comes behind {before} mm: slips of a curve must rise",
+                "{}: at {}°, {} mm the slip {after} mm follows {before} mm: slips of a curve must rise",
                 path.display(),
                 curve.angle_deg,
                 curve.embedded

@@ -156,9 +156,7 @@ pub fn tell_initial_values(reader: &mut Reader<'_>, library: &Library, given: [b
     let [states_given, stress_given] = given;
     for routine in library.routines() {
         let what = match routine.symbol {
-            _ if !routine.is_called => {
-                "is not called: this program has no such occasion; what the law expects of it is missing"
-            }
+            _ if !routine.is_called => "is not called by pullout: anything that the law expects from it is missing",
             "sdvini" if states_given => "is not called: the case gives the initial states",
             "sigini" if stress_given => "is not called: the case gives the initial stress",
             "sigini" => "sets the initial stress",
@@ -226,8 +224,7 @@ pub fn where_to_look(folders: &[PathBuf]) -> String {
     match Found::by_name(ALL_LAWS, folders) {
         Some(_) => other.to_owned(),
         None => format!(
-            "{other}; the program's own laws are in none of these: `cargo xtask install --prefix DIR`, in its source \
-             folder, puts program and laws together"
+            "{other}; none of these folders has pullout's own laws: `cargo xtask install --prefix DIR`, run in the source folder, installs pullout and its laws together"
         ),
     }
 }
@@ -271,8 +268,10 @@ fn manner(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: 
             reader.problem(&place.key("as"), "mode 3d has all six components: leave it out");
         }
         (Some((mode, _)), Some(_)) if mode.is_of_line() => {
-            let message =
-                format!("mode {} is no plane: leave it out, or take mode 3d for a law of six components", mode.name());
+            let message = format!(
+                "mode {} is not a plane mode: leave this entry out, or use mode 3d for a law with six components",
+                mode.name()
+            );
             reader.problem(&place.key("as"), message);
         }
         _ => {}
@@ -413,8 +412,7 @@ fn properties(
             for (k, (value, _)) in filled.iter().zip(&values).enumerate().filter(|(_, (new, old))| new != old) {
                 let name = &law.parameters[k].name;
                 reader.warn(format!(
-                    "material.props.{name} is 0, which leaves it to the host: {value} MPa/mm is used (where the law has a use \
-                     for it)"
+                    "material.props.{name} = 0 leaves the value to the host: {value} MPa/mm is used (if the law needs it)"
                 ));
             }
             Some(filled)

@@ -48,7 +48,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         && mode.is_of_line()
         && nlgeom
     {
-        let message = format!("mode {} is one of small strains: the stretches across are not known", mode.name());
+        let message = format!("mode {} is for small strains only: the transverse stretches are unknown", mode.name());
         reader.problem(&root.key("nlgeom"), message);
     }
     let length = Length::of(reader, case.path.characteristic_length.as_ref());
@@ -137,7 +137,7 @@ fn measure(reader: &mut Reader<'_>, given: Option<&Piece<Measure>>, nlgeom: bool
     let place = Place::root().key("measure");
     let given = reader.optional(given, &place).copied();
     if given.is_some() && !nlgeom {
-        reader.problem(&place, "small strains have no measure: it needs \"nlgeom\": true");
+        reader.problem(&place, "a measure needs \"nlgeom\": true: small strains have none");
     }
     given.unwrap_or_default()
 }
@@ -293,7 +293,7 @@ fn check_arguments(
     let place = Place::root().key("arguments");
     let kinematics = [&given.drot, &given.dfgrd0, &given.dfgrd1];
     if nlgeom && (kinematics.into_iter().any(Option::is_some) || given.dstran.is_some()) {
-        let message = "drot, dfgrd0, dfgrd1 and dstran belong to cases without nlgeom: here the steps tell them";
+        let message = "drot, dfgrd0, dfgrd1 and dstran belong to cases without nlgeom: here the steps determine them";
         reader.problem(&place, message);
     } else if let (Some(dstran), Some(mode)) = (&given.dstran, mode) {
         let count = mode.stress_state().components().len();

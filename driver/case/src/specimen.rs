@@ -193,8 +193,10 @@ fn initial_drives(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bo
         let place = place.key("drives").key(name);
         match boundary.drives.moved(name) {
             Some(index) if boundary.supports.iter().any(|support| support.drive == Some(index)) => {
-                reader
-                    .problem(&place, "is the displacement of a support, which starts at 0; loads may start at others");
+                reader.problem(
+                    &place,
+                    "is the displacement of a support, which starts at 0; only the drives of loads may start elsewhere",
+                );
             }
             Some(index) => values[index] = *value,
             None => boundary.drives.tell_unknown(reader, name, &place),

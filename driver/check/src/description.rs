@@ -41,9 +41,9 @@ pub fn table<const N: usize>(rows: &[[String; N]]) -> String {
 /// Returns where cases call it.
 fn place_of(library: &Library) -> &'static str {
     if isolation::is_shipped(library.path()) {
-        "Process: the program's own; the library was built with it\n"
+        "Process: pullout's own; the library was built with pullout\n"
     } else {
-        "Process: one of its own, or with --in-process the program's\n"
+        "Process: a separate one, or with --in-process pullout's own\n"
     }
 }
 
@@ -89,11 +89,11 @@ fn of_law(law: &LawDescription, path: &Path) -> String {
     if let Some(group) = &law.group {
         let _ = writeln!(
             text,
-            "The last {} may occur several times (at least {}); in JSON \"{}\": [[...], ...]",
+            "The last {} may be repeated (at least {} times); in JSON \"{}\": [[...], ...]",
             group.size, group.minimum, group.name
         );
     }
-    let _ = writeln!(text, "\nSTATEV ({}), all zero when virgin:", law.states.len());
+    let _ = writeln!(text, "\nSTATEV ({}), all zero in the virgin state:", law.states.len());
     let header = ["#", "name", "unit", "meaning"].map(String::from);
     let rows = law
         .states

@@ -37,7 +37,7 @@ fn extent(case: &Case) -> Extent {
 
 /// Returns what is said of a run that was told to end at a place.
 pub fn interrupted(place: &str, has_checkpoints: bool) -> String {
-    let Some(signal) = signals::received() else { return format!("told to end after {place}") };
+    let Some(signal) = signals::received() else { return format!("asked to end after {place}") };
     let go_on = if has_checkpoints { "; --restart goes on from its last checkpoint" } else { "" };
     format!("interrupted by {} after {place}: what was done so far is kept{go_on}", signal.words())
 }

@@ -79,7 +79,7 @@ impl BeamFit {
         let fast = fast_inverse(&geometry, test)?;
         let full = full_inverse(&geometry, &program.matrix, test)?;
         let end = program.openings.last().copied().unwrap_or_default();
-        let rule = "\"fe\" is not run by a fit: take the fibres.csv of its run as model \"table\"";
+        let rule = "a fit does not run \"fe\": use the fibres.csv of its run with model \"table\"";
         let composite = match &program.source {
             Source::Simulated(_) => return Err(Invalid { place: "fibre.model".into(), rule: rule.into() }),
             _ => program.composite(&[])?,
@@ -100,7 +100,7 @@ impl BeamFit {
                 &target,
             )
             .map_err(|error| error.to_string()),
-            _ => Err("sought for model \"closed\" with inclination \"exp\" alone".into()),
+            _ => Err("fitted only for model \"closed\" with inclination \"exp\"".into()),
         };
         Ok(Self { geometry, fast, full, predicted, bond })
     }

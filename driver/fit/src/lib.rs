@@ -61,7 +61,7 @@ pub enum Form {
 pub struct Request {
     /// The fibre.
     pub fibre: Fibre,
-    /// Position at which the slip was measured.
+    /// Where the slip was measured.
     pub slip_at: SlipAt,
     /// The forms that are fitted.
     pub forms: Vec<Form>,
@@ -73,7 +73,7 @@ pub struct Request {
     pub materials: Materials,
     /// A case of the user's own instead of the default simulation.
     pub specimen_case: Option<PathBuf>,
-    /// Most runs of the simulation for each form.
+    /// Largest number of simulations for each form.
     pub max_runs: usize,
     /// Folders in which plugins are looked for first.
     pub plugin_paths: Vec<PathBuf>,

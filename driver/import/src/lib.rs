@@ -59,7 +59,7 @@ pub fn import(job: &Path, wishes: Wishes<'_>) -> Result<Imported, String> {
         case["material"]["orientation"] = axes.clone();
         if !model.initial.stress.is_empty() {
             left_out
-                .push("that the initial stress is of the local axes: the case has it in those of the job".to_owned());
+                .push("the local axes of the initial stress: the case applies it in the axes of the job".to_owned());
         }
     }
     case["characteristic_length"] = json!(brick.characteristic_length());
@@ -86,7 +86,7 @@ pub fn import(job: &Path, wishes: Wishes<'_>) -> Result<Imported, String> {
     }
     case["steps"] = json!(evolution.steps);
     let name = job.file_name().unwrap_or_default().to_string_lossy();
-    let rest = if left_out.is_empty() { String::new() } else { format!(" Not taken over: {}.", left_out.join("; ")) };
+    let rest = if left_out.is_empty() { String::new() } else { format!(" Not imported: {}.", left_out.join("; ")) };
     case["description"] = json!(format!("Imported from {name}.{rest}"));
     Ok(Imported { document: case, left_out })
 }
@@ -100,7 +100,7 @@ fn material_block(material: &Material, plugin: Option<&str>, left_out: &mut Vec<
         (None, Some(own)) => (own, true),
         (None, None) => {
             left_out.push(format!(
-                "{}: which library has {}: \"plugin\" is ./libumat.so; --plugin names it",
+                "{}: the library of {}: \"plugin\" is ./libumat.so; --plugin sets it",
                 material.place, material.name
             ));
             ("./libumat.so".to_owned(), false)

@@ -172,8 +172,7 @@ impl BridgingProgram {
             let share = self.share_beyond(widest, simulated)?;
             if share > NOTICED_SHARE {
                 warnings.push(format!(
-                    "fibres at more than {}°, the largest angle of the curves, carry up to {} % of the fibres' stress: to \
-                     cut_deg, {}°, their load is taken to be that at {0}°",
+                    "fibres at more than {}°, the largest angle of the curves, carry up to {} % of the fibres' stress: up to cut_deg, {}°, their load is assumed to be that at {0}°",
                     number(widest),
                     significant(100.0 * share, 2),
                     number(cut_deg),
@@ -389,8 +388,7 @@ fn cut_short(curves: &[Curve], name: &str, last: f64) -> Option<String> {
         others => format!(" (and {others} more)"),
     };
     Some(format!(
-        "fibre at {}°, {} mm{others}: its {name} ends at a slip of {} mm with {} N; beyond it the load is taken to fall straight \
-         to 0 at extraction",
+        "fibre at {}°, {} mm{others}: its {name} ends at a slip of {} mm with {} N; beyond it the load is assumed to fall linearly to 0 at extraction",
         number(curve.angle_deg),
         number(curve.embedded),
         number(slip),

@@ -15,19 +15,19 @@ pub(super) struct Arguments {
     /// Result directory of a specimen's run.
     #[arg(value_name = "RESULT_DIR")]
     result: PathBuf,
-    /// Directory of the file animation.gif; default: plots/ of the run.
+    /// Directory for animation.gif [default: plots/ of the run].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Show this field, e.g. damage; a part of its name is enough. Default: the greatest principal stress.
+    /// Field to show, e.g. damage; part of its name is enough [default: the greatest principal stress].
     #[arg(long, value_name = "NAME")]
     field: Option<String>,
-    /// Show only this rectangle, mm. Default: the whole specimen.
+    /// Rectangle to show, mm [default: the whole specimen].
     #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = view, allow_hyphen_values = true)]
     view: Option<View>,
-    /// Number of frames, at equal distances of slip.
+    /// Number of frames, at equal intervals of slip.
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u16).range(2..=600))]
     frames: u16,
-    /// Replace a file there that this program did not write, or that was changed since.
+    /// Also replace a file that pullout did not write or that was changed since.
     #[arg(long)]
     overwrite: bool,
 }

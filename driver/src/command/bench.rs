@@ -29,7 +29,7 @@ pub(super) fn run(Arguments { arguments }: &Arguments) -> Refusal {
             let line: Vec<_> = arguments.iter().map(|argument| argument.to_string_lossy()).collect();
             let line = line.join(" ");
             Refusal::input(format!(
-                "{PROGRAM} is not installed beside this program: in the source folder, `cargo run --release -p {PROGRAM} -- {line}`"
+                "{PROGRAM} is not installed next to pullout; in the source folder, use `cargo run --release -p {PROGRAM} -- {line}`"
             ))
         }
     }

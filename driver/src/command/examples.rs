@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Only those with all of these words in path, title or description.
+    /// List only cases with all these words in path, title or description.
     #[arg(value_name = "WORD")]
     words: Vec<String>,
 }

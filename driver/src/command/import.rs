@@ -8,16 +8,16 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// The input file.
+    /// The ABAQUS input file.
     #[arg(value_name = "JOB.inp")]
     job: PathBuf,
-    /// The case, a new file; default: standard output.
+    /// New file for the case [default: standard output].
     #[arg(short, long, value_name = "CASE.json")]
     output: Option<PathBuf>,
-    /// Only this material, as the "material" of a case.
+    /// Import only this material, as the "material" of a case.
     #[arg(long, value_name = "NAME")]
     material: Option<String>,
-    /// The law; default: the shipped one that is called like the material.
+    /// The law [default: the shipped law with the name of the material].
     #[arg(long, value_name = "NAME|FILE.so")]
     plugin: Option<String>,
 }
@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
         }
     }
     for what in &imported.left_out {
-        complain(format!("not taken over: {what}"));
+        complain(format!("not imported: {what}"));
     }
     Ok(DONE)
 }

@@ -28,14 +28,14 @@ pub(super) struct Arguments {
     /// Case files.
     #[arg(required = true, value_name = "CASE.json")]
     cases: Vec<PathBuf>,
-    /// Result directory (of several cases: their parent).
+    /// Result directory; for several cases, its parent [default: out/<case>/].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Go on with the run that was interrupted in this result directory, from its last checkpoint; later rows and fields
-    /// are computed again, to the same bits. What a library keeps in its own memory (SAVE, COMMON) is in no checkpoint:
-    /// its UEXTERNALDB is told of the restart (LOP = 4).
+    /// Continue the interrupted run in this result directory from its last checkpoint. Later rows and fields are
+    /// computed again, bit for bit the same. A checkpoint does not contain a library's own memory (SAVE, COMMON):
+    /// pullout calls the library's UEXTERNALDB with LOP = 4.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "record_increments"])]
     restart: Option<PathBuf>,
     #[command(flatten)]
@@ -73,7 +73,7 @@ fn inspect_here(Inspection { case: source, quiet, before_run }: &Inspection) -> 
         let file = source.file.display();
         say(&format!("{file}: no errors\n"));
         // the standard output has a line for each case
-        case.about().defaults.iter().for_each(|line| complain(format!("{file}: by default, {line}")));
+        case.about().defaults.iter().for_each(|line| complain(format!("{file}: note: defaults used: {line}")));
         case.about().warnings.iter().for_each(|warning| complain(format!("{file}: warning: {warning}")));
     }
     Ok(DONE)
@@ -99,11 +99,11 @@ impl Way {
 pub(super) fn run(arguments: &Arguments) -> u8 {
     let Arguments { cases, restart, reading, .. } = arguments;
     if restart.is_some() && cases.len() > 1 {
-        complain("--restart goes on with one run: name its case alone");
+        complain("--restart continues a single run: give one case");
         return BAD_INPUT;
     }
     if restart.is_some() && reading.untrusted {
-        complain("--restart goes on with a state that is believed: with --untrusted, run the case from its start");
+        complain("--restart trusts the saved state, which --untrusted does not allow: run the case from its start");
         return BAD_INPUT;
     }
     run_all(&arguments.jobs())

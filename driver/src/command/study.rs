@@ -17,25 +17,25 @@ pub(super) struct Arguments {
     /// Study files.
     #[arg(required = true, value_name = "FAMILY.json")]
     studies: Vec<PathBuf>,
-    /// Directory of the results (of several studies: their parent); default out/<study>/.
+    /// Result directory; for several studies, its parent [default: out/<study>/].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Most runs at a time; default: the number of processors.
+    /// Number of runs at a time [default: the number of processors].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// Run only these, in any case (may be repeated; * stands for all of one kind).
+    /// Run only these, even if they are finished (may be repeated; * matches all series or all labels).
     #[arg(long, value_name = "SERIES/LABEL")]
     only: Vec<String>,
-    /// Run again what is done and has not changed.
+    /// Repeat runs that are finished and unchanged.
     #[arg(long)]
     force: bool,
-    /// Replace files in the result directories that this program did not write, or that were changed since; they are
-    /// listed.
+    /// Also replace files in the result directories that pullout did not write or that were changed since, and list
+    /// them.
     #[arg(long)]
     overwrite: bool,
-    /// Say nothing but errors.
+    /// Print only errors.
     #[arg(long)]
     quiet: bool,
 }

@@ -295,8 +295,7 @@ impl Boundary {
             let drive = self.drives.followed(load.drive.as_deref().unwrap_or(name), &place_of_drive);
             if load.drive.is_none() && self.measured.slip.contains(&drive) {
                 let message = format!(
-                    "is called like the drive '{name}' of the grip, which would multiply it: call it otherwise, or say so \
-                     with \"drive\": \"{name}\""
+                    "has the name of the grip's drive '{name}', which would multiply it: rename the load, or confirm with \"drive\": \"{name}\""
                 );
                 reader.problem(&place, message);
             }

@@ -276,7 +276,7 @@ fn one_pair(
     if let Some(ContactLaw::Fric { normal: NormalLaw::Soft(_), .. }) = &law {
         of_hard = &mut unused;
         for (key, _) in keys.iter().filter(|(_, given)| *given) {
-            reader.problem(&place.key(key), "is for the hard normal law: leave it out beside a soft one");
+            reader.problem(&place.key(key), "is for the hard normal law: leave it out with a soft one");
         }
     }
     let penalty_factor = of_hard.real("penalty_factor", penalty_factor.copied(), PENALTY_FACTOR);

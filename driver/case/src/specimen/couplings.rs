@@ -78,7 +78,7 @@ fn from_tie(reader: &mut Reader<'_>, tie: &document::Tie, scene: Scene<'_>, plac
             nearest => {
                 let distance = nearest.map_or(f64::INFINITY, |point| point.distance);
                 let message = format!(
-                    "node {} of '{}' at ({x:.6}, {y:.6}) lies {distance:.3e} mm beside the edges of '{}'",
+                    "node {} of '{}' at ({x:.6}, {y:.6}) lies {distance:.3e} mm away from the edges of '{}'",
                     node + 1,
                     tie.tie,
                     tie.to

@@ -824,7 +824,7 @@ const MALFORMED: &[Sample] = &[
     (
         &["loads={\"slip\": {\"edges\": \"side\", \"pressure\": 1}}"],
         "$.loads.slip",
-        "is called like the drive 'slip' of the grip",
+        "has the name of the grip's drive 'slip'",
         ByMeaning,
     ),
     (

@@ -116,7 +116,7 @@ impl Source {
         let suffix = file.extension().unwrap_or_default().to_string_lossy();
         let Some(language) = Language::of(&suffix) else {
             return Err(refusal(
-                "its suffix tells no language (fixed form: .f .for .ftn .f77; free form: .f90 .f95 .f03 .f08; .c; .cpp \
+                "its suffix is that of no language (fixed form: .f .for .ftn .f77; free form: .f90 .f95 .f03 .f08; .c; .cpp \
                  .cc .cxx; .o)"
                     .into(),
             ));

@@ -130,10 +130,10 @@ impl CasePath {
             Ok(()) => None,
             Err(Stop::Failed(failure)) => Some(failure.message),
             Err(Stop::Write(_)) if keeper.count as u64 >= longest => {
-                Some(format!("left after {longest} increments: the plugin does not survive the next one"))
+                Some(format!("stopped after {longest} increments: the plugin does not survive the next one"))
             }
             Err(Stop::Write(_)) => Some(format!(
-                "left after {} increments, because it takes longer than {:.1} s",
+                "stopped after {} increments, because it takes longer than {:.1} s",
                 statistics.increments,
                 time_limit.as_secs_f64()
             )),

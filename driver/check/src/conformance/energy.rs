@@ -155,7 +155,7 @@ fn volume(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     const SAME: f64 = 1e-2;
     let last = subject.path.as_ref().and_then(|path| path.increments.last());
     let Some(last) = last.map(|increment| subject.end_gradient(&increment.from, &increment.step)) else {
-        return ledger.skip("finite strain: a case has it looked at");
+        return ledger.skip("finite strain: only a case has it checked");
     };
     let mut point = subject.virgin();
     let first = point.gradient;
@@ -195,7 +195,7 @@ fn volume(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     let (verdict, words) = match (is(present), is(reference)) {
         (true, _) => (Verdict::Pass, "SSE, SPD and SCD are per present volume, as they should"),
         (false, true) => {
-            (Verdict::Warn, "SSE, SPD and SCD are per reference volume; hosts take them for per present volume")
+            (Verdict::Warn, "SSE, SPD and SCD are per reference volume; hosts expect them per present volume")
         }
         (false, false) => (Verdict::Warn, "SSE, SPD and SCD are not the work of the stresses"),
     };

@@ -34,12 +34,12 @@ impl fmt::Display for Kind {
                 "left at 0: staggered steps do not need it, steps that solve temperature and displacements together converge slowly \
                  without it",
             ),
-            Self::Scaled(factor) if is_near(*factor, -1.0) => f.write_str("right but for its sign"),
+            Self::Scaled(factor) if is_near(*factor, -1.0) => f.write_str("right except for its sign"),
             Self::Scaled(factor) if (factor - 1.0).abs() < 5e-3 => write!(f, "off by {:.1e} of itself", factor - 1.0),
             Self::Scaled(factor) => write!(f, "{factor:.3} of what it should be"),
             Self::Shears(factor) => write!(
                 f,
-                "right but for shears: {factor:.3} of what they should be; STRAN and DSTRAN have engineering shears, gamma = 2 \
+                "right except for shears: {factor:.3} of what they should be; STRAN and DSTRAN have engineering shears, gamma = 2 \
                  epsilon"
             ),
             Self::Wrong => f.write_str("wrong"),

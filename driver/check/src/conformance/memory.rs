@@ -57,6 +57,6 @@ pub(super) fn overruns(subject: &Subject<'_>, ledger: &mut Ledger<'_>) {
         return ledger.row("array bounds", Verdict::Pass, "", "");
     }
     let arrays: Vec<_> = subject.overruns.iter().map(|(array, calls)| format!("{array} in {calls} calls")).collect();
-    let detail = format!("writes behind the end of {}", arrays.join(", "));
+    let detail = format!("writes past the end of {}", arrays.join(", "));
     ledger.row("array bounds", Verdict::Fail, format!("{} arrays", arrays.len()), detail);
 }

@@ -144,7 +144,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
         nonlinear_beyond(subject, sample).map(|factor| format!("it is nonlinear at {factor} times what was sampled"))
     };
     let Some(why) = why else {
-        let words = if nonlinear > 0 { words } else { format!("linear everywhere it was looked at; {words}") };
+        let words = if nonlinear > 0 { words } else { format!("linear everywhere it was checked; {words}") };
         return ledger.add(Verdict::Pass, figure, words);
     };
     let advice = if subject.path.is_some() { "give a case that goes farther" } else { "give a case by --case" };

@@ -165,7 +165,7 @@ impl fmt::Display for Kind {
                  j) is element i + NTENS (j - 1)",
             ),
             Self::DoubledShear => f.write_str(
-                "right but for shears: twice what they should be, 2 mu in place of mu; STRAN and DSTRAN have engineering shears, \
+                "right except for shears: twice what they should be, 2 mu in place of mu; STRAN and DSTRAN have engineering shears, \
                  gamma = 2 epsilon",
             ),
             Self::Cauchy => {

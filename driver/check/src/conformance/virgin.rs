@@ -106,7 +106,7 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger
     let verdict = match worst.0 <= tolerances::ZERO_INCREMENT {
         true => Verdict::Pass,
         false if extrapolates(subject) => {
-            let detail = format!("settles what the law, which extrapolates, lags behind: {}", worst.1);
+            let detail = format!("applies the damage that the extrapolating law lags behind: {}", worst.1);
             return ledger.add(Verdict::Info, format!("{:.1e}", worst.0), detail);
         }
         false => subject.blame(),
@@ -153,7 +153,7 @@ pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
         let verdict = if described { Verdict::Skipped } else { Verdict::NotTested };
         ledger.add(verdict, "", format!("{why}: nothing to compare plane stress at finite strain with"));
     };
-    let Some(mut space) = subject.through_six() else { return unseen(ledger, "it does not serve NTENS 6") };
+    let Some(mut space) = subject.through_six() else { return unseen(ledger, "it does not support NTENS 6") };
     let mut random = Random::of_check(0x7417);
     let increments = subject.path.as_ref().map_or(&[][..], |path| &path.increments);
     let every = increments.len().div_ceil(STEPS).max(1);

@@ -218,8 +218,7 @@ fn destroyed_heap(words: &str) -> Option<String> {
     let is_of_it = |line: &&str| OVERWRITTEN.iter().any(|mark| line.contains(mark));
     let line = words.lines().rev().find(is_of_it)?.trim().trim_matches('*').trim();
     Some(format!(
-        "memory beside an array was written over (\"{line}\"): this call or an earlier one wrote beyond the end of an \
-         array; a library made with `plugin build --debug` names Fortran's"
+        "memory next to an array was overwritten (\"{line}\"): this call or an earlier one wrote past the end of an array; for Fortran, a library made by `plugin build --debug` names the array"
     ))
 }
 

@@ -72,8 +72,7 @@ pub(super) fn run(
         recorder.observer.warn(untold_thickness(&program.plugin.name));
     } else if is_untold {
         recorder.observer.warn(format!(
-            "the column e33 is NaN: in plane stress UMAT is not given the strain 33, and the library of '{}' does not say \
-             which state variable holds it (\"as\": \"3d\" finds it)",
+            "the column e33 is NaN: in plane stress UMAT does not get the strain 33, and the library of '{}' names no state variable that holds it (\"as\": \"3d\" finds it)",
             program.plugin.name
         ));
     }
@@ -87,8 +86,7 @@ pub(super) fn run(
     }
     if let Some(names) = runner.names_of_unknown() {
         recorder.observer.warn(format!(
-            "{} knows nothing of {names} (their rows and columns of DDSDDE are 0): the strains there were left alone; modes 1d and \
-             beam call a law of one or two components as it is meant",
+            "{} does not compute {names} (their rows and columns of DDSDDE are 0): pullout left those strains unchanged; use mode 1d or beam for a law with one or two components",
             program.plugin.name
         ));
     }
@@ -970,10 +968,10 @@ impl Runner<'_> {
             (Some(result), _) if is_found => format!("it returned {result}"),
             (Some(result), _) => return Some(format!("no equilibrium found: it returned {result}")),
             (None, Some(deviation)) if deviation.deviation > RIGHT => format!(
-                "the tangent that it reports is off: it differs from differences of the stress by {:.1e} of its largest entry",
+                "its tangent is wrong: it differs from differences of the stress by {:.1e} of its largest entry",
                 deviation.deviation
             ),
-            _ if is_found => "the tangent that it reports does not lead on".to_owned(),
+            _ if is_found => "iterations with its tangent do not converge".to_owned(),
             _ => return None,
         };
         Some(format!("no equilibrium found: {found}; {ADVICE}"))
@@ -998,8 +996,7 @@ impl Runner<'_> {
         let mut stresses = self.components.iter().zip(self.call.stress());
         if let Some((&i, _)) = stresses.find(|(i, stress)| no_answer(**i, **stress)) {
             return format!(
-                "no equilibrium found: {stress} answers no strain (row and column of DDSDDE are 0) and is {:.3e} MPa off its \
-                 target: leave {stress} out",
+                "no equilibrium found: {stress} does not depend on the strain (its row and column of DDSDDE are 0) and misses its target by {:.3e} MPa: leave {stress} out",
                 residual[i],
                 stress = STRESS_NAMES[i]
             );
@@ -1024,8 +1021,7 @@ impl Runner<'_> {
         }
         match self.components.iter().copied().max_by(by_residual) {
             Some(i) => format!(
-                "no equilibrium found: {} stays {:.3e} MPa off its target; control {} by strain, or use smaller \
-                 increments",
+                "no equilibrium found: {} misses its target by {:.3e} MPa; control {} by strain, or use smaller increments",
                 STRESS_NAMES[i], residual[i], STRAIN_NAMES[i]
             ),
             None => "no equilibrium found".into(),
@@ -1086,8 +1082,7 @@ fn aside<T>(call: &mut UmatCall, work: impl FnOnce(&mut UmatCall) -> T) -> T {
 fn torn(component: usize, change: f64) -> String {
     let strain = STRAIN_NAMES[component];
     format!(
-        "no equilibrium found near the last one: {strain} would change by {change:.3e} in the step, and what is there would resist \
-         as little as torn matter; control {strain} by strain"
+        "no equilibrium found near the last one: {strain} would change by {change:.3e} in the step, to a state with as little resistance as torn material; control {strain} by strain"
     )
 }
 

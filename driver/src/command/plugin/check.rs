@@ -21,17 +21,17 @@ mod children;
 pub(in crate::command) struct Arguments {
     #[command(flatten)]
     of: Subject,
-    /// Around the path of this case, with its parameters, mode, times, temperatures, initial state; a library without
-    /// metadata cannot be judged without one.
+    /// Check along the path of this case, with its parameters, mode, times, temperatures and initial state. A library
+    /// without metadata needs it.
     #[arg(long, value_name = "CASE.json")]
     case: Option<PathBuf>,
-    /// Override an entry of the case, e.g. steps.0.increments=5.
+    /// Override an entry of the case, e.g. steps.0.increments=5 (VALUE is JSON, otherwise a string).
     #[arg(long = "set", value_name = "a.b.c=VALUE")]
     overrides: Vec<String>,
-    /// NSTATV instead of the case's.
+    /// NSTATV that replaces the case's.
     #[arg(long, value_name = "N")]
     nstatv: Option<usize>,
-    /// Rows and verdict as JSON.
+    /// Print rows and verdict as JSON.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -44,16 +44,16 @@ struct Subject {
     /// A law's name, or a shared library.
     #[arg(value_name = "NAME|FILE.so")]
     plugin: String,
-    /// PROPS instead of the case's, or of the metadata's defaults.
+    /// PROPS that replace those of the case, or the defaults of the metadata.
     #[arg(long, value_name = "P1,P2,...", allow_hyphen_values = true, value_delimiter = ',')]
     props: Option<Vec<f64>>,
-    /// The mode instead of the case's; without a case, the only one that is checked.
+    /// Mode that replaces the case's. Without a case, only this mode is checked.
     #[arg(long, value_name = "3d|plane_strain|axisymmetric|plane_stress")]
     mode: Option<String>,
-    /// States in which the law is looked at, for each stress state.
+    /// Number of sampled states for each stress state.
     #[arg(long, default_value_t = Options::default().states)]
     states: usize,
-    /// Look here first (may be repeated).
+    /// Search this folder for plugins first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     #[serde(with = "isolation::paths")]
     plugin_paths: Vec<PathBuf>,
@@ -236,8 +236,7 @@ fn plugins(checks: &Checks, library: &Library, options: &mut Options) -> Result<
     let Some(source) = &checks.case else {
         if library.laws().is_empty() {
             return wrong(format!(
-                "{}: has no metadata; give its props and nstatv by --case, a case along whose path the law shows what it \
-                 does: without one it cannot be judged",
+                "{}: has no metadata: it cannot be checked without a --case that has its props and nstatv, and a path that makes the law nonlinear",
                 path.display()
             ));
         }

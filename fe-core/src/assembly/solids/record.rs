@@ -278,8 +278,7 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Mode
         notes.extend(first.points.prepare(law, &shared[part].name, nlgeom[part])?);
         if nlgeom[part] && parts[part].model == PlaneModel::PlaneStress && !first.points.knows_thickness() {
             notes.push(format!(
-                "part '{}': {} does not tell its strain 33 in plane stress: its thickness stays that of the reference \
-                 (\"as\": \"3d\" finds it)",
+                "part '{}': {} does not report the strain 33 in plane stress: its thickness stays the initial one (\"as\": \"3d\" finds it)",
                 shared[part].name, law.name
             ));
         }

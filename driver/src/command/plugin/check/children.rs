@@ -226,7 +226,7 @@ impl Tally<'_> {
     /// Tells the rows that concern all groups, and the conclusion; the exit code.
     fn conclude(mut self) -> u8 {
         if self.judged.is_empty() {
-            complain(format!("{}: nothing was told of any check", self.arguments.of.plugin));
+            complain(format!("{}: no check reported a result", self.arguments.of.plugin));
         }
         for (law, row) in std::mem::take(&mut self.bounds) {
             if !self.arguments.json {
