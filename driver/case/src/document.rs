@@ -135,7 +135,7 @@ number! {
 
 /// Entries common to files of all kinds.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct Head {
+pub struct CommonEntries {
     /// Address of this schema, for editors.
     #[serde(rename = "$schema")]
     pub schema: Option<Piece<String>>,
@@ -147,10 +147,10 @@ pub struct Head {
 
 /// Entries common to cases of all kinds.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct CaseHead {
+pub struct CommonCaseEntries {
     /// Title and text.
     #[serde(flatten)]
-    pub head: Head,
+    pub head: CommonEntries,
     /// Files that the libraries of the case read on their own. They are copied with the case, and a change in them
     /// makes it a different run.
     #[expect(dead_code, reason = "read before the kinds differ")]
@@ -313,7 +313,7 @@ pub struct Material {
     #[schemars(length(min = 1, max = 80))]
     pub cmname: Option<String>,
     /// Entry point: umat for kind point and for parts; uinter (default) or fric for kind interface and for contact.
-    pub entry: Option<Entry>,
+    pub entry: Option<EntryPoint>,
     /// Run the case in a separate process, so that a plugin that stops, crashes or hangs is reported. Default: true,
     /// unless all plugins were built with pullout. The value false needs --in-process.
     pub isolate: Option<bool>,
@@ -357,7 +357,7 @@ pub enum Tangent {
 /// Entry point that is called.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum Entry {
+pub enum EntryPoint {
     /// A material point.
     Umat,
     /// A contact point, normal and tangential.

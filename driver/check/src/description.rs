@@ -4,7 +4,7 @@ use pullout_run::isolation;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
-use umat_abi::host::{LawDescription, Library, Parameter, Routine, State, binds_deeply};
+use umat_abi::host::{LawDescription, Library, Parameter, Routine, StateDescription, binds_deeply};
 use umat_abi::metadata::{flags, kinds, stress_states};
 
 /// Returns what a library has, in lines: each law by its metadata, or the entry points of a library without; the routines
@@ -131,7 +131,7 @@ fn law_as_json(law: &LawDescription) -> Value {
             "usual": p.typical, "choices": choices,
         })
     };
-    let state = |s: &State| json!({ "name": s.name, "unit": s.unit, "doc": s.doc });
+    let state = |s: &StateDescription| json!({ "name": s.name, "unit": s.unit, "doc": s.doc });
     json!({
         "name": law.name,
         "version": law.version,

@@ -13,7 +13,7 @@ use pullout_report::record::{Kept, RunRecorder};
 use pullout_report::summary::{Status, Summary};
 use pullout_report::viewer::States;
 use pullout_run::isolation::prints::Prints;
-use pullout_run::isolation::{tell, worker};
+use pullout_run::isolation::{send, worker};
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout::checkpoint::{self, Checkpoints};
 use pullout_run::{pullout, signals};
@@ -101,12 +101,12 @@ fn carry_out<'c>(
 
 /// Hands rows on to the process that started this one.
 fn teller(columns: Vec<String>) -> pullout_report::progress::Listener {
-    tell(&Message::Columns(columns));
+    send(&Message::Columns(columns));
     Box::new(|part, row| {
         let place = [row.step, row.increment].map(f64::from);
         let numbers =
             [part].into_iter().chain(place).chain(row.values.iter().copied()).chain([f64::from(row.iterations)]);
-        tell(&Message::Row(numbers.map(|value| Some(value).filter(|value| value.is_finite())).collect()));
+        send(&Message::Row(numbers.map(|value| Some(value).filter(|value| value.is_finite())).collect()));
     })
 }
 

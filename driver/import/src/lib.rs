@@ -26,7 +26,7 @@ pub struct Imported {
 
 /// Options of an import.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Wishes<'w> {
+pub struct ImportOptions<'w> {
     /// Only the material of this name.
     pub material: Option<&'w str>,
     /// The law's name or library; default: the shipped law that is called like the material.
@@ -37,15 +37,15 @@ pub struct Wishes<'w> {
 ///
 /// # Errors
 /// Why it is no job of one box-shaped element with a user material, with the place.
-pub fn import(job: &Path, wishes: Wishes<'_>) -> Result<Imported, String> {
+pub fn import(job: &Path, options: ImportOptions<'_>) -> Result<Imported, String> {
     let mut model = Model::default();
     for keyword in keywords::read(job)? {
         model.take(&keyword)?;
     }
-    if let Some(name) = wishes.material {
+    if let Some(name) = options.material {
         let material = model.material(name).map_err(|error| format!("{}: {error}", job.display()))?;
         let mut left_out = Vec::new();
-        let document = material_block(material, wishes.plugin, &mut left_out);
+        let document = material_block(material, options.plugin, &mut left_out);
         return Ok(Imported { document, left_out });
     }
     let mut left_out = std::mem::take(&mut model.left_out);
@@ -54,7 +54,7 @@ pub fn import(job: &Path, wishes: Wishes<'_>) -> Result<Imported, String> {
     if let Some(title) = &model.title {
         case["title"] = json!(title);
     }
-    case["material"] = material_block(material, wishes.plugin, &mut left_out);
+    case["material"] = material_block(material, options.plugin, &mut left_out);
     if let Some(axes) = model.local_axes().map_err(|error| format!("{}: {error}", job.display()))? {
         case["material"]["orientation"] = axes.clone();
         if !model.initial.stress.is_empty() {

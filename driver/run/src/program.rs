@@ -272,14 +272,14 @@ const WITH_THICKNESS: &str = "\"as\": \"3d\" calls it with six components and fi
                                   with s33, s13 and s23 free";
 
 /// Message for nominal stresses in plane stress where the law does not tell its thickness strain.
-pub fn untold_nominal(law: &str) -> String {
+pub fn nominal_needs_thickness(law: &str) -> String {
     format!(
         "nominal stresses need the thickness strain, which '{law}' does not report in plane stress: {WITH_THICKNESS}"
     )
 }
 
 /// Warns of plane stress at finite strain where the law does not tell its thickness strain.
-pub fn untold_thickness(law: &str) -> String {
+pub fn gradient_needs_thickness(law: &str) -> String {
     format!(
         "F33 and the column e33 are NaN, because '{law}' does not report its thickness strain. As in ABAQUS, DFGRD0 and DFGRD1 have the F33 of constant volume, which is right only for an incompressible material. If the law reads F33, {WITH_THICKNESS}"
     )

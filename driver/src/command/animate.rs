@@ -11,7 +11,7 @@ const FILE: &str = "animation.gif";
 
 /// Settings for an animation.
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct AnimateArguments {
     /// Result directory of a specimen's run.
     #[arg(value_name = "RESULT_DIR")]
     result: PathBuf,
@@ -43,7 +43,7 @@ fn view(text: &str) -> Result<View, String> {
     is_sound.then_some(view).ok_or_else(|| "X0 < X1 and Y0 < Y1 are wanted".to_owned())
 }
 
-pub(super) fn animate(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn animate(arguments: &AnimateArguments) -> Result<u8, Refusal> {
     export::can_export().map_err(Refusal::input)?;
     let (root, kind, folder) = match &arguments.out {
         Some(out) => (out, Kind::Pictures, ""),

@@ -2,7 +2,9 @@
 
 use super::{DONE, FAILED, Isolation, Refusal, complain, folder_of, isolated, run, say};
 use clap::{Args, Subcommand, ValueEnum};
-use pullout_fit::{Fibre, FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, Weights};
+use pullout_fit::{
+    FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, TestFibre, Weights,
+};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_run::number::significant;
 use std::ffi::OsString;
@@ -18,7 +20,7 @@ pub(super) struct Fit {
     #[command(subcommand)]
     law: Option<FitTarget>,
     #[command(flatten)]
-    case: case::Arguments,
+    case: case::CaseFitArguments,
 }
 
 /// Law that is fitted.
@@ -186,7 +188,7 @@ fn act_on_bond(bond: &Bond, line: &[OsString]) -> Result<u8, Refusal> {
     let warnings = pullout_fit::write(&mut directory, &source, &curve, &request, &laws)?;
     directory.remove_earlier()?;
     directory.finish()?;
-    let code = bond.tell(&laws);
+    let code = bond.print_laws(&laws);
     warnings.iter().for_each(|warning| complain(format!("{source}: warning: {warning}")));
     Ok(code)
 }
@@ -195,7 +197,7 @@ impl Bond {
     fn request(&self) -> Request {
         let piecewise = Form::Piecewise { points: usize::from(self.points) };
         Request {
-            fibre: Fibre {
+            fibre: TestFibre {
                 diameter: self.diameter,
                 embedded_length: self.length,
                 free_length: self.free_length,
@@ -232,7 +234,7 @@ impl Bond {
     }
 
     /// Says what came out; the result is the exit code.
-    fn tell(&self, laws: &[FittedLaw]) -> u8 {
+    fn print_laws(&self, laws: &[FittedLaw]) -> u8 {
         let mut code = DONE;
         for law in laws {
             if !self.quiet {

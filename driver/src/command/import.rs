@@ -1,13 +1,13 @@
 //! `pullout import`.
 
 use super::{DONE, Refusal, complain, say};
-use pullout_import::Wishes;
+use pullout_import::ImportOptions;
 use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct ImportArguments {
     /// The ABAQUS input file.
     #[arg(value_name = "JOB.inp")]
     job: PathBuf,
@@ -22,9 +22,9 @@ pub(super) struct Arguments {
     plugin: Option<String>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
-    let wishes = Wishes { material: arguments.material.as_deref(), plugin: arguments.plugin.as_deref() };
-    let imported = pullout_import::import(&arguments.job, wishes).map_err(Refusal::input)?;
+pub(super) fn run(arguments: &ImportArguments) -> Result<u8, Refusal> {
+    let options = ImportOptions { material: arguments.material.as_deref(), plugin: arguments.plugin.as_deref() };
+    let imported = pullout_import::import(&arguments.job, options).map_err(Refusal::input)?;
     let text = format!("{:#}\n", imported.document);
     match &arguments.output {
         None => say(&text),

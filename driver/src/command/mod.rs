@@ -56,7 +56,7 @@ pullout help                all commands
 /// Drives material and contact points through UMAT, UINTER and FRIC plugins.
 #[derive(Debug, Parser)]
 #[command(name = "pullout", version, max_term_width = 100)]
-struct Arguments {
+struct CommandLine {
     #[command(subcommand)]
     command: Command,
 }
@@ -64,15 +64,15 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Run cases; results go to out/<case>/ or --out.
-    Run(run::Arguments),
+    Run(run::RunArguments),
     /// Write starter files: a UMAT, a law, a fibre, a beam, a study or a sweep.
-    New(new::Arguments),
+    New(new::NewArguments),
     /// List the cases installed with pullout and what each one shows.
-    Examples(examples::Arguments),
+    Examples(examples::ExamplesArguments),
     /// Change a law's parameters and path in the browser, and see its curves and verdict as you type.
     Lab(lab::Arguments),
     /// Run families of cases on all processors, overlay their curves, and test claims about them.
-    Study(study::Arguments),
+    Study(study::StudyArguments),
     /// Run a case with thousands of parameter sets, in any number of processes, and keep the numbers.
     Sweep {
         #[command(subcommand)]
@@ -97,9 +97,9 @@ enum Command {
     /// Print the JSON Schema of case and study files (draft 2020-12).
     Schema,
     /// Redraw the pictures of a run, or overlay several runs.
-    Plot(plot::Arguments),
+    Plot(plot::PlotArguments),
     /// Make a looping GIF of a specimen's run: the deformed mesh next to the curve.
-    Animate(animate::Arguments),
+    Animate(animate::AnimateArguments),
     /// Execute work for the pullout process that started this one.
     #[command(name = isolation::worker::COMMAND, hide = true)]
     Worker(isolation::Task),
@@ -111,7 +111,7 @@ enum Command {
         share: PathBuf,
     },
     /// Turn a one-element ABAQUS job with a user material into a case of kind "point".
-    Import(import::Arguments),
+    Import(import::ImportArguments),
     /// Find a law's parameters from an experiment.
     ///
     /// `fit CASE` adjusts parameters of any case until a history curve matches a measured one (Levenberg–Marquardt). It
@@ -119,7 +119,7 @@ enum Command {
     /// (values with standard errors and correlations), plots/ and report.html.
     Fit(Box<fit::Fit>),
     /// Measure run time against error, the cost of a plugin call, and throughput.
-    Bench(bench::Arguments),
+    Bench(bench::BenchArguments),
     /// Print calibrated parameters of a law.
     Props {
         #[command(subcommand)]
@@ -220,7 +220,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         say(FIRST_STEPS);
         return DONE;
     }
-    let arguments = match Arguments::try_parse_from(&line) {
+    let arguments = match CommandLine::try_parse_from(&line) {
         Ok(arguments) => arguments,
         Err(message) => {
             // help and version are no errors
@@ -258,7 +258,7 @@ fn command_for(file: &Path) -> Option<String> {
 
 /// Does what a command line without the program's name says; the result is the exit code.
 fn act_on(arguments: &[OsString]) -> u8 {
-    match Arguments::try_parse_from(std::iter::once(&OsString::from("pullout")).chain(arguments)) {
+    match CommandLine::try_parse_from(std::iter::once(&OsString::from("pullout")).chain(arguments)) {
         Ok(parsed) => act(parsed.command, arguments),
         Err(message) => {
             complain(message);
@@ -309,7 +309,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         Command::Worker(task) => isolation::worker::work(&task, work).map_err(Refusal::failed),
         Command::Pages { share } => pages::write(&share),
     };
-    done.unwrap_or_else(Refusal::told)
+    done.unwrap_or_else(Refusal::report)
 }
 
 /// Lets cases name sources of plugins, which are compiled, unless nobody vouches for the cases.
@@ -339,7 +339,7 @@ fn work(name: &str, work: &str) -> u8 {
         }),
         plugin::Laws::NAME => done(work, |laws: plugin::Laws| {
             compile_sources(false);
-            laws.tell()
+            laws.send()
         }),
         plugin::Checks::NAME => done(work, |checks: plugin::Checks| {
             compile_sources(false);
@@ -351,7 +351,7 @@ fn work(name: &str, work: &str) -> u8 {
         }),
         _ => Err(Refusal::failed(format!("{name}: unknown work"))),
     };
-    done.unwrap_or_else(Refusal::told)
+    done.unwrap_or_else(Refusal::report)
 }
 
 /// The result directory of a file: the one that was asked for, of several files their parent; else one below `out`.
@@ -394,9 +394,9 @@ impl Refusal {
     }
 
     /// Prints the message, and hands on what is wrong with the input; returns the exit code.
-    fn told(self) -> u8 {
+    fn report(self) -> u8 {
         if !self.problems.is_empty() {
-            isolation::tell(&Message::Refused(self.problems));
+            isolation::send(&Message::Refused(self.problems));
         }
         complain(self.message);
         self.code

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct NewArguments {
     /// What to start with.
     kind: Kind,
     /// Folder for the files; created if necessary.
@@ -65,7 +65,7 @@ impl Kind {
     }
 }
 
-pub(super) fn write(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn write(arguments: &NewArguments) -> Result<u8, Refusal> {
     let Page { text, name, files } = arguments.kind.page();
     let place = |file: &str| arguments.folder.join(file);
     let in_the_way: Vec<String> = files

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 /// Settings for drawing pictures again.
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct PlotArguments {
     /// Result directories of runs; or of one study, with --png or --pdf.
     #[arg(required = true, value_name = "RESULT_DIR")]
     results: Vec<PathBuf>,
@@ -27,7 +27,7 @@ pub(super) struct Arguments {
     overwrite: bool,
 }
 
-pub(super) fn plot(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn plot(arguments: &PlotArguments) -> Result<u8, Refusal> {
     if arguments.png || arguments.pdf {
         export::can_export().map_err(Refusal::input)?;
     }

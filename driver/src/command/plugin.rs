@@ -47,9 +47,9 @@ pub(super) enum Action {
     /// Check a plugin's tangent, energies, memory and metadata, along the path of a case if you give one. Exit code 1:
     /// a check failed. Exit code 4: not tested, because the law has state variables but was linear wherever it was
     /// checked.
-    Check(check::Arguments),
+    Check(check::CheckArguments),
     /// Compile a UMAT in Fortran, C or C++ to a library, with the flags it needs.
-    Build(build::Arguments),
+    Build(build::BuildArguments),
 }
 
 /// Longest time that loading a library, or one call of it, may take unless a case says otherwise, s: who looks at a
@@ -121,15 +121,16 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
     let paths = search_paths(plugin_paths);
     let mut rows = vec![["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from)];
     for Found { path, .. } in Found::all(&paths) {
-        let told = match pullout_check::build::defines(&path, PLUGIN_SYMBOL) {
+        let rows_or_error = match pullout_check::build::defines(&path, PLUGIN_SYMBOL) {
             Ok(true) => rows_of(&path),
             // other libraries (compiler plugins beside the executable) are not even loaded
             Ok(false) => Ok(Vec::new()),
             Err(error) => Err(format!("{}: cannot be read as a library: {error}", path.display())),
         };
-        match told {
-            Ok(told) => rows.extend(
-                told.into_iter()
+        match rows_or_error {
+            Ok(found) => rows.extend(
+                found
+                    .into_iter()
                     .map(|[law, version, entry_points]| [law, version, entry_points, path.display().to_string()]),
             ),
             Err(message) => complain(message),
@@ -189,9 +190,9 @@ impl Work for Laws {
 }
 
 impl Laws {
-    /// Tells them.
-    pub(super) fn tell(&self) -> Result<u8, Refusal> {
-        isolation::tell(&laws_of(&self.library).map_err(Refusal::failed)?);
+    /// Sends them to the process that asked.
+    pub(super) fn send(&self) -> Result<u8, Refusal> {
+        isolation::send(&laws_of(&self.library).map_err(Refusal::failed)?);
         Ok(DONE)
     }
 }

@@ -30,7 +30,7 @@ pub(super) enum Action {
         untrusted: bool,
     },
     /// Execute the remaining runs. Several processes can work at the same time; finished runs are never repeated.
-    Work(Toil),
+    Work(WorkerArguments),
     /// Print the progress of a sweep.
     Status {
         /// The folder of the sweep.
@@ -68,7 +68,7 @@ pub(super) enum Action {
 
 /// Settings for working a sweep off.
 #[derive(Debug, clap::Args)]
-pub(super) struct Toil {
+pub(super) struct WorkerArguments {
     /// The folder of the sweep.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -121,7 +121,7 @@ pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
             })?;
             status(&store)
         }
-        Action::Work(toil) => work(toil),
+        Action::Work(arguments) => work(arguments),
         Action::Status { folder } => status(&Store::new(folder)),
         Action::Collect { folder, out, overwrite } => collect(&Store::new(folder), out.as_deref(), *overwrite),
         Action::Submit { folder, slurm: _, array, jobs } => {
@@ -137,29 +137,30 @@ pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
     })
 }
 
-fn work(toil: &Toil) -> io::Result<u8> {
-    let jobs = toil.jobs.map_or_else(|| super::processors().get(), usize::from);
+fn work(arguments: &WorkerArguments) -> io::Result<u8> {
+    let jobs = arguments.jobs.map_or_else(|| super::processors().get(), usize::from);
     let how = Work {
-        chunk: toil.chunk,
+        chunk: arguments.chunk,
         jobs,
-        chunk_runs: toil.chunk_runs.map(|count| count as usize),
-        in_process: toil.in_process,
-        again: toil.again,
-        is_untrusted: toil.untrusted,
+        chunk_runs: arguments.chunk_runs.map(|count| count as usize),
+        in_process: arguments.in_process,
+        again: arguments.again,
+        is_untrusted: arguments.untrusted,
     };
     let start = Instant::now();
-    let told = |over: usize, of: usize| {
-        if !toil.quiet {
-            let each = start.elapsed().as_secs_f64() / over.max(1) as f64;
-            let left = Duration::from_secs_f64(each * (of - over) as f64).as_secs();
-            say(&format!("{over}/{of} runs, {left} s left\n"));
+    let report_progress = |finished: usize, of: usize| {
+        if !arguments.quiet {
+            let each = start.elapsed().as_secs_f64() / finished.max(1) as f64;
+            let seconds = Duration::from_secs_f64(each * (of - finished) as f64).as_secs();
+            say(&format!("{finished}/{of} runs finished, {seconds} s to go\n"));
         }
     };
-    let Worked { kept, ran, elsewhere, left } = pullout_sweep::work(&Store::new(&toil.folder), &how, &told)?;
-    if !toil.quiet {
+    let Worked { kept, ran, elsewhere, left } =
+        pullout_sweep::work(&Store::new(&arguments.folder), &how, &report_progress)?;
+    if !arguments.quiet {
         let seconds = start.elapsed().as_secs_f64();
         let others = if elsewhere > 0 { format!(", {elsewhere} claimed by other workers") } else { String::new() };
-        let folder = toil.folder.display();
+        let folder = arguments.folder.display();
         say(&format!("{folder}: {ran} runs in {seconds:.3} s, {kept} finished before{others}, {left} to do\n"));
     }
     Ok(match signals::received() {

@@ -1,6 +1,6 @@
 //! Kind "bridging".
 
-use super::{CaseHead, Material, Piece, Positive, Whole};
+use super::{CommonCaseEntries, Material, Piece, Positive, Whole};
 use pullout_bridging::{BondLaw, Debonding, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -16,7 +16,7 @@ pub struct BridgingCase {
     pub kind: String,
     /// Title, text, files, curves.
     #[serde(flatten)]
-    pub head: CaseHead,
+    pub head: CommonCaseEntries,
     /// The fibre, and the source of its load.
     pub fibre: Piece<FibreOfFile>,
     /// V_f, at most 0.2.

@@ -1,7 +1,7 @@
 //! Kind "interface".
 
 use super::{
-    CaseHead, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Piece, Positive, StepEnd,
+    CommonCaseEntries, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Piece, Positive, StepEnd,
     TableSource,
 };
 use schemars::JsonSchema;
@@ -17,7 +17,7 @@ pub struct InterfaceCase {
     pub kind: String,
     /// Title, text, files, curves.
     #[serde(flatten)]
-    pub head: CaseHead,
+    pub head: CommonCaseEntries,
     /// Plugin, steps, output.
     #[serde(flatten)]
     pub path: Path<InterfaceStep>,

@@ -1,8 +1,8 @@
 //! Kind "point".
 
 use super::{
-    CaseHead, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Piece, Positive, StepEnd, TableSource,
-    UmatArguments,
+    CommonCaseEntries, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Piece, Positive, StepEnd,
+    TableSource, UmatArguments,
 };
 use pullout_run::program::{Measure, Mode};
 use schemars::JsonSchema;
@@ -19,7 +19,7 @@ pub struct PointCase {
     pub kind: String,
     /// Title, text, files, curves.
     #[serde(flatten)]
-    pub head: CaseHead,
+    pub head: CommonCaseEntries,
     /// Plugin, steps, output.
     #[serde(flatten)]
     pub path: Path<PointStep>,
@@ -91,7 +91,7 @@ pub struct PointRamp {
     /// Duration, s (default 1).
     pub time: Option<Positive>,
     /// End values. Components that are not named, neither as strain nor as stress, are stress-free.
-    pub target: Option<Target>,
+    pub target: Option<StepTarget>,
     /// End value of the deformation gradient, row by row (needs nlgeom).
     #[serde(rename = "F")]
     pub deformation_gradient: Option<Matrix>,
@@ -120,7 +120,7 @@ pub struct PointTable {
 /// case's measure.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct Target {
+pub struct StepTarget {
     /// Components.
     #[serde(flatten)]
     pub components: ByComponent<EndValue>,

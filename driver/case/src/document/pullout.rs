@@ -1,7 +1,8 @@
 //! Kind "pullout".
 
 use super::{
-    CaseHead, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, StepEnd, Whole,
+    CommonCaseEntries, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, StepEnd,
+    Whole,
 };
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
@@ -28,7 +29,7 @@ pub struct PulloutCase {
     pub kind: String,
     /// Title, text, files, curves.
     #[serde(flatten)]
-    pub head: CaseHead,
+    pub head: CommonCaseEntries,
     /// A specimen by its parameters, or a Gmsh file.
     pub mesh: Piece<MeshSource>,
     /// The parts by name: those of the specimen, or the physical surfaces of the file.

@@ -1,6 +1,6 @@
 //! The study file as serde reads it and as `pullout schema` prints it.
 
-use super::{Head, Piece, Positive};
+use super::{CommonEntries, Piece, Positive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -14,7 +14,7 @@ pub struct StudyFile {
     pub kind: String,
     /// Title and text.
     #[serde(flatten)]
-    pub head: Head,
+    pub head: CommonEntries,
     /// Case file that the runs vary, relative to the study file.
     #[schemars(length(min = 1))]
     pub base: Piece<String>,

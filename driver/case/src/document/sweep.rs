@@ -1,7 +1,7 @@
 //! The sweep file as serde reads it and as `pullout schema` prints it.
 
 use super::study::{Columns, QuantityOfFile};
-use super::{Head, Piece};
+use super::{CommonEntries, Piece};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -16,7 +16,7 @@ pub struct SweepFile {
     pub kind: String,
     /// Title and text.
     #[serde(flatten)]
-    pub head: Head,
+    pub head: CommonEntries,
     /// The case that is varied: its file, relative to the sweep file, or the case itself.
     pub base: Piece<Base>,
     /// Overrides for all runs: dotted path and value, as `--set` has them.

@@ -101,7 +101,7 @@ impl Language {
 
 /// A file and its language.
 #[derive(Clone, Debug)]
-pub(super) struct Source {
+pub(super) struct PluginSource {
     pub(super) file: PathBuf,
     pub(super) language: Language,
     /// The text; empty for an object file.
@@ -110,7 +110,7 @@ pub(super) struct Source {
     form_is_guessed: bool,
 }
 
-impl Source {
+impl PluginSource {
     pub(super) fn new(file: &Path, form: Option<Form>) -> Result<Self, Refusal> {
         let refusal = |message: String| Refusal::File { file: file.to_path_buf(), message };
         let suffix = file.extension().unwrap_or_default().to_string_lossy();

@@ -5,7 +5,7 @@ use super::case_path::CasePath;
 use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::sample::target;
-use super::subject::{INSTANT, Subject, Trouble};
+use super::subject::{INSTANT, NoAnswer, Subject};
 use super::tolerances;
 use pullout_run::deformation::incremental_motion;
 
@@ -37,7 +37,7 @@ struct Balance {
     fall: f64,
 }
 
-fn run(subject: &mut Subject<'_>, targets: &[Vec<f64>], increments: u32) -> Result<Balance, Trouble> {
+fn run(subject: &mut Subject<'_>, targets: &[Vec<f64>], increments: u32) -> Result<Balance, NoAnswer> {
     let mut point = subject.virgin();
     let zero = vec![0.0; point.input.len()];
     // The stress of the virgin state itself: contact in a soft layer carries pressure before it closes.

@@ -1,8 +1,8 @@
 //! Derivatives that couple a UMAT with a temperature, DDSDDT, DRPLDE and DRPLDT, against differences of STRESS and RPL.
 
 use super::report::{Ledger, Verdict};
-use super::sample::State;
-use super::subject::{Answer, Entry, Subject, distance, largest};
+use super::sample::SampledState;
+use super::subject::{Answer, CheckedEntryPoint, Subject, distance, largest};
 use super::tangent::{Findings, Measure, Mismatch, states};
 use super::tolerances::ROUNDING_OF_DIFFERENCES;
 use std::fmt;
@@ -52,11 +52,11 @@ fn is_near(a: f64, b: f64) -> bool {
 }
 
 /// The rows of the derivatives of a UMAT that writes any of the four; the others get none.
-pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    let Entry::Umat(stress_state) = subject.entry else { return };
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
+    let CheckedEntryPoint::Umat(stress_state) = subject.entry else { return };
     ledger.begin(DERIVATIVES[0].0);
     let (along, count) = states(subject, sample, CALLS);
-    let all: Vec<&State> = along.iter().chain(&sample[..count]).collect();
+    let all: Vec<&SampledState> = along.iter().chain(&sample[..count]).collect();
     let answers: Vec<Answer> = all.iter().filter_map(|state| subject.evaluate(&state.from, &state.step).ok()).collect();
     if answers.iter().all(|answer| answer.heat_values() == [0.0; 14]) {
         return;

@@ -74,7 +74,7 @@ fn crack(findings: &Findings) -> Markup {
         table {
             (line("Orientation factor η", number(findings.efficiency), ""))
             @if let Some(zones) = findings.efficiency_by_zones {
-                (line("the same by zones", number(zones), "Dupont, Vandewalle 2005"))
+                (line("η by zones", number(zones), "Dupont, Vandewalle 2005"))
             }
             (line("Fibres", number(findings.fibres_per_cm2), "per cm²"))
             (line("Greatest σ", number(findings.sigma_peak) + &at(findings.w_peak), "MPa"))

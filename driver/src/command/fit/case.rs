@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// Arguments of a fit of a case, beside `fit bond` and `fit beam`: with one of these, none of them is required.
 #[derive(Debug, clap::Args)]
-pub(in super::super) struct Arguments {
+pub(in super::super) struct CaseFitArguments {
     /// The case with the initial values. To fit several tests together, give a --data for each, and one case for each
     /// or one for all.
     #[arg(value_name = "CASE.json", required = true)]
@@ -58,7 +58,7 @@ fn columns(text: &str) -> Result<[String; 2], String> {
     names.filter(|[x, y]| !x.is_empty() && !y.is_empty() && x != y).ok_or_else(|| "write X,Y: two columns".into())
 }
 
-impl Arguments {
+impl CaseFitArguments {
     pub(super) fn act(&self) -> Result<u8, Refusal> {
         let request = CaseRequest {
             tests: self.tests()?,

@@ -5,7 +5,7 @@ use pullout_check::build::{self, Form, Request};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
-pub(in crate::command) struct Arguments {
+pub(in crate::command) struct BuildArguments {
     /// Fortran (.f .for .ftn fixed form; .f90 … free form), C, C++; object files are linked as they are.
     #[arg(required = true, value_name = "SOURCE")]
     sources: Vec<PathBuf>,
@@ -27,7 +27,7 @@ pub(in crate::command) struct Arguments {
     debug: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn run(arguments: &BuildArguments) -> Result<u8, Refusal> {
     let form = match (arguments.fixed, arguments.free) {
         (true, _) => Some(Form::Fixed),
         (_, true) => Some(Form::Free),

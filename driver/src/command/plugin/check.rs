@@ -18,7 +18,7 @@ use umat_abi::law::StressState;
 mod children;
 
 #[derive(Debug, clap::Args)]
-pub(in crate::command) struct Arguments {
+pub(in crate::command) struct CheckArguments {
     #[command(flatten)]
     of: Subject,
     /// Check along the path of this case, with its parameters, mode, times, temperatures and initial state. A library
@@ -59,7 +59,7 @@ struct Subject {
     plugin_paths: Vec<PathBuf>,
 }
 
-impl Arguments {
+impl CheckArguments {
     /// The entries of the case that change.
     fn overrides(&self) -> Vec<String> {
         let entry = |key: &str, value: Option<String>| value.map(|value| format!("{key}={value}"));
@@ -146,7 +146,7 @@ fn code_of(judged: &[Judged]) -> u8 {
 }
 
 /// Prints everything as JSON, if that is wanted; the exit code.
-fn conclude(arguments: &Arguments, judged: &[Judged]) -> u8 {
+fn conclude(arguments: &CheckArguments, judged: &[Judged]) -> u8 {
     let code = code_of(judged);
     if arguments.json {
         let laws: Vec<Value> = judged
@@ -168,7 +168,7 @@ fn conclude(arguments: &Arguments, judged: &[Judged]) -> u8 {
 }
 
 /// Checks a library, by its law's name or by its path; the exit code.
-pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn run(arguments: &CheckArguments) -> Result<u8, Refusal> {
     let file = file_of(&arguments.of.plugin, &arguments.of.plugin_paths)?;
     let case = arguments.case.as_deref();
     if case.is_none() && (arguments.nstatv.is_some() || !arguments.overrides.is_empty()) {
@@ -206,7 +206,7 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
     };
     let plugins = plugins(checks, library, &mut options)?;
     options.listener = match is_told {
-        false => Some(|event| isolation::tell(&event)),
+        false => Some(|event| isolation::send(&event)),
         true => Some(|event| {
             if let Event::Row(row) = event {
                 say(&format!("{row}\n"));
@@ -216,7 +216,7 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
     let mut judged = Vec::new();
     for plugin in plugins {
         let path = plugin.library.path();
-        isolation::tell(&Event::Law(plugin.name.clone(), path.to_owned()));
+        isolation::send(&Event::Law(plugin.name.clone(), path.to_owned()));
         if is_told {
             say(&Judged::header(&plugin.name, path));
         }

@@ -2,7 +2,7 @@
 
 use super::TangentChoice;
 use super::block::{BlockPlace, ElementBlock};
-use super::element::Shape;
+use super::element::ReferenceElement;
 use super::points::Points;
 use crate::element::{ElementKind, MAX_NODES, MappedPoint};
 use crate::kinematics::PlaneModel;
@@ -183,8 +183,8 @@ pub(super) struct Body {
 
 impl Body {
     /// An element's reference configuration, and the points.
-    pub(super) fn split<const N: usize>(&mut self, record: &ElementData) -> (Shape<'_, N>, &mut Points) {
-        let shape = Shape {
+    pub(super) fn split<const N: usize>(&mut self, record: &ElementData) -> (ReferenceElement<'_, N>, &mut Points) {
+        let shape = ReferenceElement {
             gradients: self.gradients[record.gradients.clone()].as_chunks::<N>().0,
             values: &self.part.values[record.kind as usize],
             volumes: &self.volumes[record.points.clone()],
