@@ -66,7 +66,7 @@ struct Arguments {
     /// peers: a Python that has simcoon, jaxmat and singlepointsim (default: PULLOUT_PYTHON, or python3 of the PATH).
     #[arg(long, value_name = "PYTHON")]
     python: Option<PathBuf>,
-    /// Look for plugins here first (may be repeated).
+    /// Search this folder for plugins first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
 }

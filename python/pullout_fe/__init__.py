@@ -71,13 +71,13 @@ __version__: str = _core.VERSION
 
 
 def program() -> Path:
-    """The program ``pullout`` that was installed with this package."""
+    """Path of the program ``pullout`` installed with this package."""
     # lib/python3.*/site-packages/pullout_fe, or a folder that pip was told to install into
     package = Path(__file__).resolve().parent
     for prefix in (*package.parents[3:4], Path(sys.prefix), package.parent):
         if _core.is_shipped(prefix / "lib" / "pullout" / _core.UTILITIES):
             return prefix / "bin" / "pullout"
-    raise PulloutError("the program pullout is not installed beside this package")
+    raise PulloutError("the program pullout is not installed next to this package")
 
 
 try:

@@ -29,7 +29,7 @@ def schema() -> dict[str, Any]:
 
 
 class Example(NamedTuple):
-    """A case that came with the package."""
+    """A case installed with the package."""
 
     path: Path
     #: "point", "interface", "pullout", "bridging", "study" or "sweep"
@@ -103,8 +103,8 @@ def _text(value: Any, place: str = "$") -> str:
 
 
 class Case:
-    """A case file, or a case as a dictionary as `the case format <case-format>` has it. A file is read once, here; files that it names
-    are read by each run.
+    """A case: a file, or a dictionary in `the case format <case-format>`. A case file is read once, here; each run reads
+    the files that the case names.
 
     ``folder`` is the one that file names in a dictionary are relative to (default: the working directory). Plugins are looked
     for in ``plugin_paths`` first.
@@ -140,19 +140,19 @@ class Case:
         self._plugin_paths = paths
 
     def with_(self, changes: Mapping[str, Any]) -> Case:
-        """The same case with other values: ``{"material.props.E": 2e5, "steps[0].increments": 10}``."""
+        """Return the case with other values: ``{"material.props.E": 2e5, "steps[0].increments": 10}``."""
         changed = Case(self)
         changed._overrides += [f"{_core.dotted(path)}={_text(value, path)}" for path, value in changes.items()]
         return changed
 
     @property
     def document(self) -> dict[str, Any]:
-        """The case as a dictionary, changes included."""
+        """The case as a dictionary, with all changes."""
         made: dict[str, Any] = json.loads(_core.document(self._parts()))
         return made
 
     def check(self) -> list[str]:
-        """Check all of it; the result is what the user should know although nothing is wrong.
+        """Check the whole case, and return its warnings.
 
         Raises :class:`CaseError` with everything that is wrong, or :class:`PluginError`. A case whose plugins run in a process
         of their own is checked in one, which tells no more than what is wrong.

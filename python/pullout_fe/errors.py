@@ -21,11 +21,11 @@ __all__ = [
 
 
 class PulloutError(Exception):
-    """Anything that the engine refuses or fails at."""
+    """Base class: the engine refused or failed."""
 
 
 class CaseError(PulloutError, ValueError):
-    """A case, or an argument, that is wrong.
+    """A case or an argument is wrong.
 
     ``problems`` has everything that is wrong with it: pairs of the place in the case (``$.steps[0].target``) and what. ``kinds`` has for
     each "input": another value may be right there; "structure": the case has no such place, or wants something else at it; or "plugin":
@@ -46,11 +46,11 @@ class CaseError(PulloutError, ValueError):
 
 
 class PluginError(PulloutError, OSError):
-    """A plugin that cannot be found or loaded, or may not be loaded here."""
+    """A plugin cannot be found or loaded, or must not be loaded here."""
 
 
 class RunFailed(PulloutError, RuntimeError):
-    """A run that came to no end of its own.
+    """A run failed.
 
     ``run`` has what was reached, and is ``None`` where there is no run, in errors of :meth:`Law.evaluate` alone; ``replay`` is a case that
     repeats the failed increment or call, if it can be repeated.
@@ -68,15 +68,15 @@ class RunFailed(PulloutError, RuntimeError):
 
 
 class Stopped(RunFailed):
-    """A run that was told to end, by :class:`pullout_fe.Stop`: ``run`` has what it had reached, if it had begun."""
+    """A run was stopped by ``pullout_fe.Stop``. If it had started, ``run`` has its results so far."""
 
 
 class PluginCrashed(RunFailed):
-    """A plugin that ended its process."""
+    """A plugin ended its process."""
 
 
 class TimeLimit(RunFailed):
-    """A call of a plugin that did not come back in time."""
+    """A plugin call did not return in time."""
 
 
 class UpdateFailed(RunFailed):

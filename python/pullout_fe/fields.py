@@ -22,7 +22,7 @@ _TYPES = {"Float64": "<f8", "Int32": "<i4", "Int64": "<i8", "UInt8": "u1"}
 
 
 class Mesh(NamedTuple):
-    """The mesh at a time, with the fields on it. Nodes are numbered from 0 here."""
+    """The mesh at one time, with its fields. Nodes are numbered from 0."""
 
     time: float
     #: (n, 3), where they were before the run
@@ -45,7 +45,7 @@ class Mesh(NamedTuple):
         return np.split(self.connectivity, self.offsets[:-1])
 
     def to_pyvista(self) -> pyvista.UnstructuredGrid:
-        """The same for pyvista, which must be installed."""
+        """The mesh for pyvista, which must be installed."""
         import pyvista
 
         sizes = np.diff(self.offsets, prepend=0)

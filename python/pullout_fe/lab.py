@@ -27,7 +27,8 @@ Subject = Union[Law, Case, Mapping[str, Any], str, "os.PathLike[str]", None]
 
 
 class Lab:
-    """A lab that runs: a notebook shows its page. It ends with :meth:`close`, with its block, or with the interpreter."""
+    """A running lab, whose page a notebook shows. It ends with ``close``, at the end of its ``with`` block, or with
+    the interpreter."""
 
     def __init__(self, child: subprocess.Popen[str], address: str, height: int) -> None:
         self._child, self._owner = child, os.getpid()
@@ -39,7 +40,7 @@ class Lab:
 
     @property
     def is_open(self) -> bool:
-        """Whether it still runs."""
+        """Whether the lab is still running."""
         return self._child.poll() is None
 
     def open(self) -> None:
@@ -77,7 +78,7 @@ def lab(
     plugin_paths: Iterable[str | os.PathLike[str]] = (),
     height: int = 900,
 ) -> Lab:
-    """Open a lab: sliders for a law's parameters, its curves and the verdict on it, as the command ``pullout lab`` has it.
+    """Open a lab, like ``pullout lab``: sliders for a law's parameters, its curves, and the verdict of the checks.
 
     ``subject``: a law's name, a :class:`Law`, a source (Fortran, C, C++) or library, or a case as a file, a dictionary or a
     :class:`Case`; a source is built again whenever it is saved. ``port``: 0 takes any that is free. ``height``: of the page in a

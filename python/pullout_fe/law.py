@@ -50,7 +50,7 @@ NOTHING = partial(operator.is_, None)
 
 
 def plugins() -> list[str]:
-    """Names of the plugins that are found: those of this package and of ``PULLOUT_PLUGIN_PATH``."""
+    """Names of all plugins in this package and in ``PULLOUT_PLUGIN_PATH``."""
     return _core.plugins()
 
 
@@ -81,7 +81,7 @@ class State(NamedTuple):
 
 
 class Heat(NamedTuple):
-    """What points return for steps that are coupled with a temperature; what the law does not set is 0."""
+    """The thermal terms that points return (RPL and its derivatives, DDSDDT). Terms that the law does not set are 0."""
 
     #: (…): heat generated per volume and time
     rpl: Array
@@ -98,7 +98,7 @@ T = TypeVar("T", bound="Array | None", covariant=True)
 
 
 class Update(tuple[Array, Array, T]):
-    """What :meth:`Law.evaluate` returns: ``stress, state, tangent``. The shapes begin with that of the points."""
+    """The result of ``Law.evaluate``: ``stress, state, tangent``. Array shapes begin with the shape of the points."""
 
     _energies: Array | None
     _heat: Heat | None
@@ -147,7 +147,7 @@ class Update(tuple[Array, Array, T]):
 
 
 class Law:
-    """A law: a plugin by its name, or any UMAT by its file.
+    """A law: a plugin by name, or any UMAT by file.
 
     A library that was built with this package is called here. Any other one is called in a process of its own, which it may
     end without harm; ``in_process=True`` says that you answer for it, and calls it here.
@@ -201,7 +201,8 @@ class Law:
         self.nstatv: int = len(self.states) if nstatv is None else nstatv
 
     def props(self, props: Props = None) -> NDArray[np.float64]:
-        """PROPS: parameters by name, the others by default; or an array in their order, as it is. All are checked."""
+        """Return PROPS from parameters by name, with defaults for the others, or from an array in PROPS order. All
+        values are checked."""
         if isinstance(props, Mapping):
             props = dict(props)
         elif props is not None:
@@ -221,7 +222,7 @@ class Law:
         coords: ArrayLike | None = None,
         orientation: Orientation = None,
     ) -> tuple[Array, Array]:
-        """Stress and state of points at the start of an analysis: what the library's SIGINI and SDVINI say, or zeros.
+        """Initial stress and state of points: the values that the library's SIGINI and SDVINI set, or zeros.
 
         ``points``: their number, or their shape, such as (elements, points of each). ``coords``: where they lie (COORDS).
         ``orientation``: local axes in which SIGINI speaks, as of :meth:`evaluate`.

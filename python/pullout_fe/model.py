@@ -28,7 +28,7 @@ ON_BOUND = 1e-6
 
 
 class Fit(NamedTuple):
-    """What a fit found."""
+    """The result of a fit."""
 
     #: parameters by name
     values: dict[str, float]
@@ -45,7 +45,7 @@ class Fit(NamedTuple):
     on_bound: dict[str, float] = {}
 
     def standard_errors(self) -> dict[str, float]:
-        """Of the parameters, by name."""
+        """Standard errors of the parameters, by name."""
         return dict(zip(self.values, np.sqrt(np.diag(self.covariance)).tolist()))
 
 
@@ -174,7 +174,7 @@ class _Fitted:
 
 
 class Model(_Fitted):
-    """A case as a function of some numbers in it.
+    """A case as a function of some of its parameters.
 
     ``parameters``: names, each with its place in the case (``"material.props.E"``), or a pair of the place and ``"log"``: then
     steps and fits are in the logarithm. ``curve``: two columns of the history. On the ``grid`` of values of the first the second
@@ -291,7 +291,7 @@ class Model(_Fitted):
         return _on_grid(self.curve[0], along, values, self.grid), made
 
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
-        """The curves of rows of parameters: in threads, or by an executor of yours."""
+        """The curves for rows of parameters, computed in threads or by your own executor."""
         rows = list(np.atleast_2d(array_of(points, "points")))
         workers = None if workers is None else whole(workers, "workers")
         if executor is not None:
@@ -325,8 +325,8 @@ class Model(_Fitted):
         return self._table(_in_threads(curve, points, trail.together(count), stop=stop, workers=count))
 
     def jac(self, x: ArrayLike, executor: Executor | None = None) -> Array:
-        """Derivatives of the curve (rows) by the parameters (columns), by forward differences of :data:`STEP`, backward
-        where an upper bound is nearer.
+        """Derivatives of the curve (rows) with respect to the parameters (columns), by forward differences of
+        ``STEP``, or backward ones near an upper bound.
 
         The runs go along that at ``x`` (``along`` of :func:`run`): what a specimen chooses by itself would make steps in the curve, and
         near a known state an iteration or two are enough. Those of executors with other processes repeat its increments.
@@ -361,7 +361,7 @@ class Model(_Fitted):
 
 
 class Models(_Fitted):
-    """Models of several tests that share parameters: those of the same name are the same number.
+    """Models of several tests that share parameters: parameters with the same name have the same value.
 
     The curves of the models are joined in their order, as are data and deviations of :meth:`fit`:
     ``Models([a, b]).fit(np.concatenate([data_a, data_b]), sigma=np.concatenate([sigma_a, sigma_b]))``. The deviations say what a
@@ -405,7 +405,7 @@ class Models(_Fitted):
         return np.concatenate([model(values) for model, _, values in self._of(x)])
 
     def jac(self, x: ArrayLike) -> Array:
-        """Derivatives of the curves (rows) by the parameters (columns); see :meth:`Model.jac`."""
+        """Derivatives of the curves (rows) with respect to the parameters (columns); see :meth:`Model.jac`."""
         blocks = []
         for model, own, values in self._of(x):
             of_model = model.jac(values)

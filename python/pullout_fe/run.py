@@ -68,7 +68,7 @@ def _is_no_place(*_: Any, **__: Any) -> Any:
 
 
 class History(Dict[str, "NDArray[np.float64]"]):
-    """The rows of a run by columns: arrays that cannot be written, of the memory in which the engine left them."""
+    """The rows of a run by column: read-only arrays that share the engine's memory."""
 
     # a dictionary, as other packages know that alone; but one that stays as it is
     __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _is_no_place
@@ -97,7 +97,7 @@ class History(Dict[str, "NDArray[np.float64]"]):
 
     @property
     def rows(self) -> int:
-        """Number of rows, the initial state included; of the longest of several tables."""
+        """Number of rows, including the initial state. With several tables, that of the longest."""
         return max((len(column) for column in self.values()), default=0)
 
     def _equal(self) -> dict[str, NDArray[np.float64]]:
@@ -110,7 +110,7 @@ class History(Dict[str, "NDArray[np.float64]"]):
         return {name: filled(column) for name, column in self.items()}
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A DataFrame, whose values are its own; pandas must be installed."""
+        """A DataFrame with copies of the values; pandas must be installed."""
         import pandas
 
         return pandas.DataFrame(self._equal(), copy=True)
@@ -173,7 +173,7 @@ class View:
 
 
 class Run:
-    """What came out of a run."""
+    """The results of a run."""
 
     def __init__(
         self, case: Case | None, history: History, summary: str, replay: str | None, folder: Path | None = None, is_done: bool = False
@@ -213,18 +213,18 @@ class Run:
     # read when it is asked for: that takes as long as fifty increments of a point
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """What ``summary.json`` of a result folder holds."""
+        """The content of ``summary.json``."""
         made: dict[str, Any] = json.loads(self._summary)
         return made
 
     @property
     def status(self) -> str:
-        """How it ended: "done", "failed", or "interrupted"."""
+        """How the run ended: "done", "failed" or "interrupted"."""
         return str(self.summary["status"])
 
     @property
     def warnings(self) -> list[str]:
-        """What the user should know although nothing is wrong."""
+        """Warnings of the run."""
         return list(self.summary["warnings"])
 
     def peak(self, column: str) -> Peak:
@@ -241,7 +241,7 @@ class Run:
 
     @property
     def series(self) -> Series:
-        """All meshes with fields: of a run with ``fields=True``, or those that it wrote into its folder."""
+        """All meshes with fields: kept by ``fields=True``, or written into the result folder."""
         if self._fields is not None:
             return Series(Path(self._fields.name))
         if self.folder is None:
@@ -249,11 +249,11 @@ class Run:
         return Series(self.folder)
 
     def mesh(self, frame: int = -1) -> Mesh:
-        """The mesh with the fields on it: the last one, or number ``frame`` of those that were written."""
+        """The mesh with its fields: the last one, or number ``frame`` of those written."""
         return self.series.mesh(frame)
 
     def fields(self, name: str, frame: int = -1) -> NDArray[Any]:
-        """A field by its name: a row a node, or a row a cell."""
+        """A field by name, with one row for each node or cell."""
         mesh = self.mesh(frame)
         fields = {**mesh.cell_data, **mesh.point_data}
         if name not in fields:
@@ -261,7 +261,8 @@ class Run:
         return fields[name]
 
     def plot(self, y: str, x: str | None = None, *, ax: Axes | None = None, **options: Any) -> Axes:
-        """Draw a column over another one (default: the time, or the column after "increment") with matplotlib, which must be installed.
+        """Plot a column against another one (default: the time, or the column after "increment") with matplotlib,
+        which must be installed.
 
         ``ax``: where; ``options`` are those of matplotlib's ``plot``. The result is the axes.
         """
@@ -462,7 +463,7 @@ def _words_of(child: subprocess.Popen[str], document: str, stop: _core.Stop | No
 
 
 def read(folder: str | os.PathLike[str]) -> Run:
-    """The run whose results are in a folder."""
+    """Read a run from its result folder."""
     folder = Path(folder).absolute()
     # of a case of kind "bridging", its tables beside each other
     others = [table for table in (folder / "bridging.csv", folder / "beam.csv") if table.is_file()]

@@ -63,7 +63,7 @@ def sweep(
     chunk_runs: int | None = None,
     progress: bool = False,
 ) -> Sweep:
-    """Run a case for all points of a design; what is in the folder ``out`` already is not run again.
+    """Run a case for all points of a design. Finished runs in the folder ``out`` are not repeated.
 
     ``design``: values by place in the case, of which every combination is run (``{"material.props.E": [2e4, 3e4]}``), a list
     of dictionaries, or a table of pandas or polars with the places as columns. ``quantities``: names as studies have them
@@ -93,7 +93,7 @@ def sweep(
 
 
 class Sweep:
-    """A folder of a sweep: what is done, and its table."""
+    """The folder of a sweep: its status and its table."""
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder).absolute()
@@ -110,7 +110,7 @@ class Sweep:
         again: bool = False,
         progress: bool = False,
     ) -> None:
-        """Run what is left; ``again``: also what failed, crashed or took too long."""
+        """Execute the remaining runs. ``again`` repeats those that failed, crashed or took too long."""
         for name, count in (("workers", workers), ("chunk_runs", chunk_runs)):
             if count is not None:
                 whole(count, name)
@@ -140,7 +140,7 @@ class Sweep:
         raise PulloutError(f"{self.folder}: {self.status()['left']} runs are left after {ROUNDS} rounds") from trouble
 
     def status(self) -> dict[str, int]:
-        """How many runs there are (``runs``), how many ended how, and how many are ``left``."""
+        """Numbers of runs: all (``runs``), by outcome, and remaining (``left``)."""
         told = _call("status", os.fspath(self.folder))
         found = re.search(r": (\d+) runs, \d+ finished(?: \((.*?)\))?, (\d+) to do", told)
         if found is None:
@@ -153,8 +153,9 @@ class Sweep:
 
     @property
     def table(self) -> dict[str, NDArray[Any]]:
-        """One row a run of the present plan, in their order, by column: words as objects, whole numbers as integers where all rows have
-        one, other numbers as floats, NaN where there is none. A run that is left has the ``status`` "left" and its parameters.
+        """One row for each run of the current plan, by column: texts as objects, whole numbers as integers if all
+        rows have one, other numbers as floats, NaN for missing ones. A remaining run has the ``status`` "left" and
+        its parameters.
         """
         return {name: np.array(values, dtype=object if isinstance(values, list) else None) for name, values in self._columns()
                 if not name.startswith(CURVE)}
@@ -185,7 +186,7 @@ class Sweep:
             return parquet.read_table(file)
 
     def curves(self, name: str) -> NDArray[np.float64]:
-        """A kept column of all runs: a row a run, filled up with NaN where runs have different lengths."""
+        """A kept column of all runs, with one row for each run, padded with NaN if lengths differ."""
         kept = {column.removeprefix(CURVE): lists for column, lists in self._columns() if column.startswith(CURVE)}
         if name not in kept:
             raise KeyError(f"{name!r} is not one of the curves that were kept: {', '.join(kept) or 'none'}")

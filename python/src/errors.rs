@@ -71,6 +71,6 @@ pub fn without_panic<R>(body: impl FnOnce() -> PyResult<R>) -> PyResult<R> {
 /// The exception that a panic becomes.
 pub fn of_panic(panic: &(dyn Any + Send)) -> PyErr {
     let words = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
-    let message = format!("an error of the engine's own: {}", words.unwrap_or("a panic"));
+    let message = format!("an internal error of the engine: {}", words.unwrap_or("a panic"));
     if std::thread::panicking() { PyRuntimeError::new_err(message) } else { Exception::Pullout.with(message) }
 }

@@ -247,7 +247,9 @@ pub fn run<'py>(
                 && stop.load(Ordering::Relaxed)
                 && told_to_end.get_or_insert_with(Instant::now).elapsed() > LONGEST
             {
-                return Err(Exception::Stopped.with("the run does not end although it was told to: it is left alone"));
+                return Err(
+                    Exception::Stopped.with("the run did not stop when asked to; it continues in the background")
+                );
             }
             let told = py.check_signals().and_then(|()| {
                 let Some(listener) = &listener else { return Ok(()) };

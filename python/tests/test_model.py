@@ -188,7 +188,7 @@ def test_small_loops_are_followed_and_what_is_not_is_said(back: float) -> None:
     made = po.Model(bond, free, ("slip", "tau"), history["slip"])
     assert np.array_equal(made([300.0]), history["tau"]) and np.abs(made.jac([300.0])).max() > 0
     once = po.Model({**bond, "steps": [po.ramp(50, slip=0.2)]}, free, ("slip", "tau"), history["slip"])
-    with pytest.warns(UserWarning, match="taken for scatter"):
+    with pytest.warns(UserWarning, match="counts as scatter"):
         once([300.0])
 
 

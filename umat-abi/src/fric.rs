@@ -22,9 +22,9 @@ entry_point! {
         sed: *mut f64,
         /// out: dissipated energy per area.
         sfd: *mut f64,
-        /// `(nfdir,2)` d tau / d temperature of the two surfaces; not touched.
+        /// `(nfdir,2)` d tau / d temperature of the two surfaces; our laws do not write it.
         ddtddt: *mut f64,
-        /// out on failure: wanted fraction of the increment, in (0,1).
+        /// out on failure: requested fraction of the increment, in (0,1).
         pnewdt: *mut f64,
         /// `(nstatv)` state variables, all 0 in the virgin state.
         statev: *mut f64,
@@ -34,7 +34,7 @@ entry_point! {
         taulm: *const f64,
         /// pressure at the end, positive in compression.
         press: *const f64,
-        /// its increment.
+        /// pressure increment.
         dpress: *const f64,
         /// d pressure / d overclosure.
         ddpddh: *const f64,
@@ -62,9 +62,9 @@ entry_point! {
         node: *const i32,
         /// master patch.
         npatch: *const i32,
-        /// `(mcrd)` the point.
+        /// `(mcrd)` coordinates of the point.
         coords: *const f64,
-        /// `(mcrd)` its projection on the master surface.
+        /// `(mcrd)` projection of the point on the master surface.
         rcoord: *const f64,
         /// `(2,2)` incremental rotation of the tangential directions.
         drot: *const f64,

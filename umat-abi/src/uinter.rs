@@ -15,17 +15,17 @@ entry_point! {
         stress: *mut f64,
         /// `(ndir,ndir)` out: d traction / d relative displacement.
         ddsddr: *mut f64,
-        /// `(ndir,ndir)` viscous damping; not touched.
+        /// `(ndir,ndir)` viscous damping; our laws do not write it.
         dviscous: *mut f64,
-        /// `(ndir,ndir)` structural damping; not touched.
+        /// `(ndir,ndir)` structural damping; our laws do not write it.
         dstructural: *mut f64,
-        /// `(2)` heat fluxes; not touched.
+        /// `(2)` heat fluxes; our laws do not write them.
         flux: *mut f64,
-        /// `(2,2)` not touched.
+        /// `(2,2)` d flux / d temperature; our laws do not write it.
         ddfddt: *mut f64,
-        /// `(ndir,2)` not touched.
+        /// `(ndir,2)` d traction / d temperature; our laws do not write it.
         ddsddt: *mut f64,
-        /// `(2,ndir)` not touched.
+        /// `(2,ndir)` d flux / d relative displacement; our laws do not write it.
         ddfddr: *mut f64,
         /// `(nstatv)` state variables, all 0 in the virgin state.
         statev: *mut f64,
@@ -33,25 +33,25 @@ entry_point! {
         sed: *mut f64,
         /// out: dissipated energy per area.
         sfd: *mut f64,
-        /// out: 0.
+        /// out: energy dissipated by plasticity per area; our laws return 0.
         spd: *mut f64,
-        /// out: 0.
+        /// out: energy dissipated by viscosity per area; our laws return 0.
         svd: *mut f64,
-        /// out: 0.
+        /// out: energy dissipated by creep per area; our laws return 0.
         scd: *mut f64,
-        /// out on failure: wanted fraction of the increment, in (0,1).
+        /// out on failure: requested fraction of the increment, in (0,1).
         pnewdt: *mut f64,
         /// `(ndir)` relative displacement at the end; (1) positive is penetration.
         rdisp: *const f64,
-        /// `(ndir)` its increment.
+        /// `(ndir)` increment of the relative displacement.
         drdisp: *const f64,
         /// `(2)` temperatures of the two surfaces at the end.
         temp: *const f64,
-        /// `(2)` their increments.
+        /// `(2)` temperature increments of the two surfaces.
         dtemp: *const f64,
         /// `(2,npred)` field variables at the end.
         predef: *const f64,
-        /// `(2,npred)` their increments.
+        /// `(2,npred)` increments of the field variables.
         dpred: *const f64,
         /// `(2)` step time and total time at the end.
         time: *const f64,
@@ -67,7 +67,7 @@ entry_point! {
         msname: *const std::ffi::c_char,
         /// `(nprops)` parameters.
         props: *const f64,
-        /// `(mcrd)` the point.
+        /// `(mcrd)` coordinates of the point.
         coords: *const f64,
         /// `(mcrd,mcrd)` local directions; the first is the normal.
         alocaldir: *const f64,
@@ -103,7 +103,7 @@ entry_point! {
         lstate: *mut i32,
         /// set to 1 to ask for a severe discontinuity iteration.
         lsdi: *mut i32,
-        /// 1: messages are wanted.
+        /// 1: messages are requested.
         lprint: *const i32,
         /// hidden CHARACTER length.
         ciname_length: usize,

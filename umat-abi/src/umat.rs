@@ -62,21 +62,21 @@ entry_point! {
         stress: *mut f64,
         /// `(nstatv)` state variables, all 0 in the virgin state.
         statev: *mut f64,
-        /// `(ntens,ntens)` out: consistent tangent, engineering shear; NULL: not wanted.
+        /// `(ntens,ntens)` out: consistent tangent, engineering shear; NULL: not requested.
         ddsdde: *mut f64,
         /// out: stored energy per volume.
         sse: *mut f64,
         /// out: dissipated energy per volume.
         spd: *mut f64,
-        /// out: 0.
+        /// out: energy dissipated by creep per volume; our laws return 0.
         scd: *mut f64,
-        /// out: heat generation per volume and time; 0 at the start, touched by coupled laws alone.
+        /// out: heat generation per volume and time; 0 on entry, written by coupled laws only.
         rpl: *mut f64,
-        /// `(ntens)` out: d stress / d temperature; as RPL.
+        /// `(ntens)` out: d stress / d temperature; 0 on entry, written by coupled laws only.
         ddsddt: *mut f64,
-        /// `(ntens)` out: d RPL / d strain, engineering shear; as RPL.
+        /// `(ntens)` out: d RPL / d strain, engineering shear; 0 on entry, written by coupled laws only.
         drplde: *mut f64,
-        /// out: d RPL / d temperature; as RPL.
+        /// out: d RPL / d temperature; 0 on entry, written by coupled laws only.
         drpldt: *mut f64,
         /// `(ntens)` total strain at the start, engineering shear.
         stran: *const f64,
@@ -88,11 +88,11 @@ entry_point! {
         dtime: *const f64,
         /// temperature at the start.
         temp: *const f64,
-        /// its increment.
+        /// temperature increment.
         dtemp: *const f64,
         /// `(*)` field variables at the start.
         predef: *const f64,
-        /// `(*)` their increments.
+        /// `(*)` increments of the field variables.
         dpred: *const f64,
         /// `(80)` material name, blank-padded.
         cmname: *const std::ffi::c_char,
@@ -108,11 +108,11 @@ entry_point! {
         props: *const f64,
         /// number of parameters.
         nprops: *const i32,
-        /// `(3)` the point.
+        /// `(3)` coordinates of the point.
         coords: *const f64,
         /// `(3,3)` incremental rotation.
         drot: *const f64,
-        /// out on failure: wanted fraction of the increment, in (0,1).
+        /// out on failure: requested fraction of the increment, in (0,1).
         pnewdt: *mut f64,
         /// characteristic element length.
         celent: *const f64,

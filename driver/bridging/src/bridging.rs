@@ -20,7 +20,7 @@ pub enum Bond {
 }
 
 #[derive(Clone, Debug)]
-enum Source {
+enum LoadModel {
     Closed(ClosedSide),
     ShearLag(ShearLagSide),
     /// A table of loads over openings.
@@ -36,7 +36,7 @@ const SPALLED: usize = 16;
 pub struct BridgingFibre {
     /// The fibre.
     pub fibre: Fibre,
-    source: Source,
+    source: LoadModel,
     inclination: Inclination,
     spalls: Option<Spalls>,
     sides: Sides,
@@ -98,11 +98,11 @@ impl BridgingFibre {
         let source = match bond {
             Bond::Closed(closed) => {
                 closed.check()?;
-                Source::Closed(closed.side(&fibre, modulus))
+                LoadModel::Closed(closed.side(&fibre, modulus))
             }
             Bond::ShearLag(law) => {
                 law.check()?;
-                Source::ShearLag(law.side(&fibre, modulus))
+                LoadModel::ShearLag(law.side(&fibre, modulus))
             }
         };
         let mut bridging = Self { fibre, source, inclination, spalls: None, sides };
@@ -122,7 +122,7 @@ impl BridgingFibre {
             Sides::Two => table.of_two_sides(),
         };
         let inclination = Inclination::Exp { f: 0.0 };
-        Ok(Self { fibre, source: Source::Table(table), inclination, spalls: None, sides })
+        Ok(Self { fibre, source: LoadModel::Table(table), inclination, spalls: None, sides })
     }
 
     /// Returns the response at an opening w, of the shorter embedded side L_e, at θ (radians).
@@ -132,8 +132,8 @@ impl BridgingFibre {
 
     pub(crate) fn prepare(&self, opening: f64, embedded: f64) -> Prepared<'_> {
         let base = match &self.source {
-            Source::Table(table) => Base::Row(table.row(opening, embedded, self.fibre.strength.is_some())),
-            Source::ShearLag(_) if self.spalls.is_some() => {
+            LoadModel::Table(table) => Base::Row(table.row(opening, embedded, self.fibre.strength.is_some())),
+            LoadModel::ShearLag(_) if self.spalls.is_some() => {
                 let lengths: Vec<f64> = (0..=SPALLED).map(|k| embedded * k as f64 / SPALLED as f64).collect();
                 let at = lengths.iter().map(|&spalled| self.perpendicular(opening, embedded, spalled));
                 let at: Vec<Bridged> = at.collect();
@@ -160,9 +160,9 @@ impl BridgingFibre {
             }
         }
         match &self.source {
-            Source::Closed(side) => bridged(side, self.sides, opening, short, long),
-            Source::ShearLag(side) => bridged(side, self.sides, opening, short, long),
-            Source::Table(table) => {
+            LoadModel::Closed(side) => bridged(side, self.sides, opening, short, long),
+            LoadModel::ShearLag(side) => bridged(side, self.sides, opening, short, long),
+            LoadModel::Table(table) => {
                 let (load, greatest) = table.row(opening, short, true).at(0.0);
                 Bridged { slip: opening, load, greatest, stage: 0 }
             }
@@ -213,8 +213,8 @@ impl BridgingFibre {
     /// Returns how closely averages are worth following.
     pub(crate) fn resolution(&self) -> Resolution {
         match (&self.source, &self.spalls) {
-            (Source::Closed(_), None) => Resolution::EXACT,
-            (Source::Table(_), _) | (Source::ShearLag(_), Some(_)) => Resolution::TABLE,
+            (LoadModel::Closed(_), None) => Resolution::EXACT,
+            (LoadModel::Table(_), _) | (LoadModel::ShearLag(_), Some(_)) => Resolution::TABLE,
             _ => Resolution::LINES,
         }
     }
@@ -222,7 +222,7 @@ impl BridgingFibre {
     /// Angles at which the source has kinks.
     pub(crate) fn angles(&self) -> Vec<f64> {
         match &self.source {
-            Source::Table(table) => table.angles().collect(),
+            LoadModel::Table(table) => table.angles().collect(),
             _ => Vec::new(),
         }
     }
@@ -230,7 +230,7 @@ impl BridgingFibre {
     /// Lengths at which the source has kinks.
     pub(crate) fn lengths(&self) -> &[f64] {
         match &self.source {
-            Source::Table(table) => &table.lengths,
+            LoadModel::Table(table) => &table.lengths,
             _ => &[],
         }
     }

@@ -43,7 +43,7 @@ pub struct Matrix {
     /// Fracture energy, N/mm.
     #[serde(rename = "Gf", default)]
     pub fracture_energy: f64,
-    /// Compressive strength, MPa; none: compression is elastic.
+    /// Compressive strength, MPa (default: compression stays elastic).
     #[serde(default)]
     pub fc: Option<f64>,
 }

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
-/// Relation between the load in the direction of the crack's normal and that of the perpendicular fibre, P_b.
+/// Relation between the load along the crack normal and the load P_b of a perpendicular fibre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Inclination {
@@ -24,7 +24,8 @@ pub enum Inclination {
         /// s.
         s: f64,
     },
-    /// The matrix spalls by s_f along the fibre, the free part turns (form of the discrete models of fibre concrete).
+    /// The matrix spalls by s_f along the fibre, and the free part of the fibre rotates (form used in discrete models
+    /// of fibre concrete).
     Spalling {
         /// k of e^(kφ′), φ′ the angle between fibre and free part.
         k: f64,
@@ -33,7 +34,7 @@ pub enum Inclination {
         /// Tensile strength of the matrix, MPa.
         ft: f64,
     },
-    /// P = P_b e^(fθ) + 2 M_p c/ρ: a wire drawn round a corner yields.
+    /// P = P_b e^(fθ) + 2 M_p c/ρ: the wire yields as it is drawn round a corner.
     Hinge {
         /// Friction in the corner.
         f: f64,

@@ -29,11 +29,11 @@ const MOST_FIBRES: f64 = 1e6;
 pub struct Scatter {
     /// Number of beams.
     pub beams: usize,
-    /// Coefficient of variation of the load of a fibre by its bond (lognormal, mean 1).
+    /// Coefficient of variation of a fibre's load due to its bond (lognormal, mean 1).
     pub bond_cv: f64,
     /// Coefficient of variation of the strength.
     pub strength_cv: f64,
-    /// Strips of the ligament, each with the fibres that cross it.
+    /// Number of strips of the ligament, each with the fibres that cross it.
     pub strips: usize,
     /// Seed.
     pub seed: u64,

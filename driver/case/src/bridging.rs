@@ -8,7 +8,7 @@ use crate::table::CsvFile;
 use pullout_bridging::{
     Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, NotchedBeam, Orientation, Scatter, ShearLag, Softening,
 };
-use pullout_run::bridging::{BridgingProgram, OPENINGS, Simulation, Simulations, Source};
+use pullout_run::bridging::{BridgingProgram, LoadSource, OPENINGS, Simulation, Simulations};
 use pullout_run::columns::{self, LEADING};
 use pullout_run::input::is_stream;
 use pullout_run::path::{self, Observer, Row, Statistics, Stop};
@@ -49,7 +49,7 @@ const USUAL_SNUBBING: [f64; 2] = [0.0, 2.0];
 const USUAL_TENSILE_STRENGTH: [f64; 2] = [0.1, 30.0];
 
 /// Reads other cases that one of bridging takes curves of, or says what is wrong with them.
-pub struct Others {
+pub struct ReferencedCases {
     /// Reads a specimen with overrides: `None` if that is not to be done here.
     pub specimen: fn(&Reader<'_>, &Path, &[String]) -> ReadSpecimen,
     /// Reads a law of contact and the steps along which it is called.
@@ -62,7 +62,12 @@ pub type ReadSpecimen = Result<Option<Box<pullout::PulloutProgram>>, String>;
 pub type ReadLaw = Result<Box<program::Program>, Problem>;
 
 /// Resolves a case; what is wrong with it goes to the reader.
-pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others: &Others) -> Option<BridgingProgram> {
+pub fn resolve(
+    reader: &mut Reader<'_>,
+    path: &Path,
+    case: &BridgingCase,
+    others: &ReferencedCases,
+) -> Option<BridgingProgram> {
     let root = Place::root();
     let fibre = reader.piece(&case.fibre, &root.key("fibre")).and_then(|given| fibre(reader, others, given));
     let volume_fraction = reader.piece(&case.volume_fraction, &root.key("volume_fraction")).map(|positive| positive.0);
@@ -90,7 +95,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
         scatter.map(|scatter| scatter.check()),
         orientation.as_ref().zip(length).map(|(orientation, length)| orientation.directions(length, &[]).map(drop)),
     ];
-    checks.into_iter().flatten().for_each(|checked| tell(reader, checked));
+    checks.into_iter().flatten().for_each(|checked| report_invalid(reader, checked));
     if reader.problems.is_empty() {
         warn_of_effect(reader, fibre.as_ref(), matrix.as_ref(), scatter, beam.is_some());
         warn_of_units(reader, fibre.as_ref(), matrix.as_ref(), beam.as_ref());
@@ -128,10 +133,10 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
     if reader.problems.is_empty() {
         let checked = match &program.source {
             // without its curves: by those of a bond
-            Source::Simulated(_) => BridgingProgram { source: stand_in(), ..program.clone() }.composite(&[]),
+            LoadSource::Simulated(_) => BridgingProgram { source: stand_in(), ..program.clone() }.composite(&[]),
             _ => program.composite(&[]),
         };
-        tell(reader, checked.map(drop));
+        report_invalid(reader, checked.map(drop));
     }
     Some(program)
 }
@@ -139,7 +144,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
 /// Warns of numbers that nothing asks for.
 fn warn_of_effect(
     reader: &mut Reader<'_>,
-    fibre: Option<&(Fibre, Source)>,
+    fibre: Option<&(Fibre, LoadSource)>,
     matrix: Option<&pullout_bridging::Matrix>,
     scatter: Option<Scatter>,
     has_beam: bool,
@@ -162,7 +167,7 @@ fn warn_of_effect(
 /// Warns of numbers beyond what is usual.
 fn warn_of_units(
     reader: &mut Reader<'_>,
-    fibre: Option<&(Fibre, Source)>,
+    fibre: Option<&(Fibre, LoadSource)>,
     matrix: Option<&pullout_bridging::Matrix>,
     beam: Option<&NotchedBeam>,
 ) {
@@ -175,7 +180,7 @@ fn warn_of_units(
             ("fibre.E", fibre.modulus, "MPa", [1e3, 1e6]),
         ]);
         given.extend(fibre.strength.map(|strength| ("fibre.strength", strength, "MPa", [50.0, 1e4])));
-        if let Source::Bond(bond, inclination) = source {
+        if let LoadSource::Bond(bond, inclination) = source {
             if let Bond::Closed(closed) = bond {
                 given.push(("fibre.tau", closed.tau, "MPa", [1e-3, 100.0]));
             }
@@ -219,7 +224,7 @@ fn openings(given: Openings) -> Vec<f64> {
 }
 
 /// Tells what the numbers themselves say is wrong with them.
-fn tell(reader: &mut Reader<'_>, checked: Result<(), Invalid>) {
+fn report_invalid(reader: &mut Reader<'_>, checked: Result<(), Invalid>) {
     if let Err(Invalid { place, rule }) = checked {
         reader.problem(&Place::path(&place), rule);
     }
@@ -265,7 +270,7 @@ fn counted(reader: &mut Reader<'_>, orientation: Orientation) -> Option<Orientat
 }
 
 /// The fibre, and where its load comes from.
-fn fibre(reader: &mut Reader<'_>, others: &Others, given: &FibreOfFile) -> Option<(Fibre, Source)> {
+fn fibre(reader: &mut Reader<'_>, others: &ReferencedCases, given: &FibreOfFile) -> Option<(Fibre, LoadSource)> {
     let before = reader.problems.len();
     let (fibre, source) = match given {
         FibreOfFile::Closed(closed) => {
@@ -277,20 +282,20 @@ fn fibre(reader: &mut Reader<'_>, others: &Others, given: &FibreOfFile) -> Optio
                 sliding: closed.sliding.unwrap_or_default(),
             };
             let inclination = closed.inclination.unwrap_or_default();
-            [bond.check(), inclination.check()].into_iter().for_each(|checked| tell(reader, checked));
-            (closed.fibre(), Some(Source::Bond(Bond::Closed(bond), inclination)))
+            [bond.check(), inclination.check()].into_iter().for_each(|checked| report_invalid(reader, checked));
+            (closed.fibre(), Some(LoadSource::Bond(Bond::Closed(bond), inclination)))
         }
         FibreOfFile::ShearLag(lag) => {
             let law = if lag.law.0.is_array() { points(reader, &lag.law.0) } else { sampled(reader, others, lag) };
             let bond = ShearLag { law: law? };
             let inclination = lag.inclination.unwrap_or_default();
-            [bond.check(), inclination.check()].into_iter().for_each(|checked| tell(reader, checked));
-            (lag.fibre(), Some(Source::Bond(Bond::ShearLag(bond), inclination)))
+            [bond.check(), inclination.check()].into_iter().for_each(|checked| report_invalid(reader, checked));
+            (lag.fibre(), Some(LoadSource::Bond(Bond::ShearLag(bond), inclination)))
         }
         FibreOfFile::Table(table) => (table.fibre(), curves(reader, table)),
         FibreOfFile::Fe(fe) => (fe.fibre(), simulations(reader, others, fe)),
     };
-    tell(reader, fibre.check());
+    report_invalid(reader, fibre.check());
     (reader.problems.len() == before).then_some((fibre, source?))
 }
 
@@ -306,7 +311,7 @@ pub fn law_place() -> Place {
 
 /// Points of a plugin's law: the traction under a slip that grows, at no gap. Slips are added where the law turns, and all
 /// of them asked again, until straight lines between them are the law.
-fn sampled(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre) -> Option<BondLaw> {
+fn sampled(reader: &mut Reader<'_>, others: &ReferencedCases, lag: &ShearLagFibre) -> Option<BondLaw> {
     let half = (0.5 * lag.length).max(2.0 * FIRST_SLIP);
     let count = ((half / FIRST_SLIP).log10() * SLIPS_PER_DECADE).ceil().max(1.0) as i32;
     let ratio = (half / FIRST_SLIP).powf(1.0 / f64::from(count));
@@ -325,7 +330,7 @@ fn sampled(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre) -> Opt
         }
         if points.len() + middles.len() > MOST_SLIPS {
             reader.warn(format!(
-                "{}: the law turns more often than {MOST_SLIPS} slips can follow: straight lines between {} stand for it",
+                "{}: the law changes slope more often than {MOST_SLIPS} slips can follow: straight lines between {} replace it",
                 law_place().in_words(),
                 points.len(),
             ));
@@ -356,7 +361,12 @@ fn is_among(slips: &[f64], slip: f64) -> bool {
 }
 
 /// Slips and tractions of a plugin's law along slips that rise.
-fn traction_at(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre, slips: &[f64]) -> Option<Vec<[f64; 2]>> {
+fn traction_at(
+    reader: &mut Reader<'_>,
+    others: &ReferencedCases,
+    lag: &ShearLagFibre,
+    slips: &[f64],
+) -> Option<Vec<[f64; 2]>> {
     let steps: Vec<Value> = slips.iter().map(|slip| json!({ "increments": 1, "target": { "slip": slip } })).collect();
     let program = match (others.law)(reader, &lag.law.0, &steps) {
         Ok(program) => program,
@@ -392,7 +402,7 @@ impl Observer for Curved {
 }
 
 /// Any bond.
-fn stand_in() -> Source {
+fn stand_in() -> LoadSource {
     let closed = Closed {
         tau: 1.0,
         beta: 0.0,
@@ -400,12 +410,12 @@ fn stand_in() -> Source {
         debonding: Default::default(),
         sliding: Default::default(),
     };
-    Source::Bond(Bond::Closed(closed), Default::default())
+    LoadSource::Bond(Bond::Closed(closed), Default::default())
 }
 
 /// Runs of a specimen at all pairs of angles and lengths. Those at the corners are read, so that what is wrong with the
 /// base is told here.
-fn simulations(reader: &mut Reader<'_>, others: &Others, fe: &FeFibre) -> Option<Source> {
+fn simulations(reader: &mut Reader<'_>, others: &ReferencedCases, fe: &FeFibre) -> Option<LoadSource> {
     let place = Place::root().key("fibre");
     let angles = fe.angles_deg.clone().unwrap_or(ANGLES_DEG.into());
     let parts = fe.lengths.clone().unwrap_or(LENGTHS.into());
@@ -456,7 +466,7 @@ fn simulations(reader: &mut Reader<'_>, others: &Others, fe: &FeFibre) -> Option
         }
     }
     let widest = angles.last().copied().unwrap_or_default();
-    Some(Source::Simulated(Simulations {
+    Some(LoadSource::Simulated(Simulations {
         base,
         runs,
         lengths,
@@ -466,7 +476,7 @@ fn simulations(reader: &mut Reader<'_>, others: &Others, fe: &FeFibre) -> Option
 }
 
 /// A run's case is one of a specimen with one fibre, and that this one.
-fn check_simulation(reader: &mut Reader<'_>, others: &Others, base: &Path, run: &Simulation, diameter: f64) {
+fn check_simulation(reader: &mut Reader<'_>, others: &ReferencedCases, base: &Path, run: &Simulation, diameter: f64) {
     let problem = match (others.specimen)(reader, base, &run.overrides) {
         Ok(None) => return,
         Ok(Some(program)) => match program.fibre_diameter {
@@ -482,8 +492,8 @@ fn check_simulation(reader: &mut Reader<'_>, others: &Others, base: &Path, run: 
     reader.problem(&Place::root().key("fibre").key("base"), problem);
 }
 
-/// Curves of tests.
-fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
+/// Measured curves.
+fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<LoadSource> {
     let place = Place::root().key("fibre").key("file");
     let path = reader.file(&table.file, &place)?;
     let rows = read_columns(reader, &path, &place, ["theta_deg", "embedded", "slip", "load"])?;
@@ -511,7 +521,7 @@ fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
     for curve in &curves {
         if let Some([before, after]) = curve.slip.windows(2).map(|pair| [pair[0], pair[1]]).find(|[a, b]| b <= a) {
             let message = format!(
-                "{}: at {}°, {} mm the slip {after} mm comes behind {before} mm: slips of a curve must rise",
+                "{}: at {}°, {} mm the slip {after} mm follows {before} mm: slips of a curve must rise",
                 path.display(),
                 curve.angle_deg,
                 curve.embedded
@@ -521,7 +531,7 @@ fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
         }
     }
     let widest = curves.iter().map(|curve| curve.angle_deg).fold(0.0, f64::max);
-    Some(Source::Curves(curves, table.cut_deg.unwrap_or(USUAL_CUT.max(widest))))
+    Some(LoadSource::Curves(curves, table.cut_deg.unwrap_or(USUAL_CUT.max(widest))))
 }
 
 /// The rows of a table with these columns.

@@ -135,7 +135,7 @@ number! {
 
 /// Entries common to files of all kinds.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct Head {
+pub struct CommonEntries {
     /// Address of this schema, for editors.
     #[serde(rename = "$schema")]
     pub schema: Option<Piece<String>>,
@@ -147,14 +147,16 @@ pub struct Head {
 
 /// Entries common to cases of all kinds.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct CaseHead {
+pub struct CommonCaseEntries {
     /// Title and text.
     #[serde(flatten)]
-    pub head: Head,
-    /// Files that its libraries read on their own: they travel with the case, and the run is another one if they change.
+    pub head: CommonEntries,
+    /// Files that the libraries of the case read on their own. They are copied with the case, and a change in them
+    /// makes it a different run.
     #[expect(dead_code, reason = "read before the kinds differ")]
     pub files: Option<Piece<Vec<String>>>,
-    /// Curves to compare with; of kind bridging x and y are two columns of bridging.csv, or two of beam.csv.
+    /// Measured curves to compare the run with. In a case of kind bridging, x and y are two columns of bridging.csv or
+    /// two of beam.csv.
     pub compare: Option<Piece<Vec<Piece<Compare>>>>,
 }
 
@@ -165,10 +167,9 @@ pub struct Course {
     pub temperature: Option<Piece<f64>>,
     /// Initial field variables, everywhere.
     pub predef: Option<Piece<Vec<f64>>>,
-    /// Increments of another run that are repeated as they are, instead of those of the steps; no "until" ends a step or
-    /// the run then.
+    /// Recorded increments of another run, repeated exactly in place of those of the steps. "until" then has no effect.
     pub increments: Option<Piece<RunIncrements>>,
-    /// Ends the run early.
+    /// Condition that ends the run early.
     pub until: Option<Piece<Until>>,
 }
 
@@ -178,13 +179,14 @@ pub struct Course {
 pub struct Path<S> {
     /// The plugin and its parameters.
     pub material: Piece<Material>,
-    /// The folder that GETOUTDIR answers, relative to the case file; default: the case file's. A replay names that of the
-    /// case it comes from.
+    /// Folder that GETOUTDIR returns, relative to the case file; default: the folder of the case file. A replay names
+    /// the folder of its original case.
     #[expect(dead_code, reason = "read by `job_folder`")]
     pub job_folder: Option<Piece<String>>,
-    /// CELENT, mm, of a contact point CHRLNGTH; required when the law's crack band is on.
+    /// Characteristic length, mm: CELENT of a material point, CHRLNGTH of a contact point. Required if the law's crack
+    /// band is on.
     pub characteristic_length: Option<Piece<Positive>>,
-    /// Steps that the point is taken through.
+    /// Loading steps, in order.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<S>>>,
     /// Settings of the output.
@@ -196,7 +198,7 @@ pub struct Path<S> {
 /// Conditions at the end of a step of any kind.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct StepEnd {
-    /// Ends this step early.
+    /// Condition that ends this step early.
     pub until: Option<Until>,
     /// Temperature at the end of the step.
     pub temperature: Option<f64>,
@@ -289,37 +291,41 @@ pub struct Material {
     pub props: Option<Props>,
     /// Number of state variables; required for a library without metadata.
     pub nstatv: Option<Whole<0, 100_000>>,
-    /// State variables at the start, at every point; in kind point the same as initial.statev. Default: what the
-    /// library's SDVINI sets, or zeros.
+    /// Initial state variables of every point; in a case of kind point the same as initial.statev. Default: the values
+    /// set by the library's SDVINI, or zeros.
     pub statev0: Option<Vec<f64>>,
-    /// Thermal expansion that the law itself does not have: its strain is taken off those that the law is given.
+    /// Thermal expansion, for a law without its own. The thermal strain is subtracted from the strains that the law
+    /// gets.
     pub expansion: Option<Expansion>,
-    /// Strain over the total time that is free of stress whatever the temperature, as of drying; taken off likewise.
+    /// Stress-free strain as a function of total time, independent of temperature, such as drying shrinkage. It is
+    /// subtracted from the strains that the law gets.
     pub shrinkage: Option<Shrinkage>,
-    /// Local axes of the material: an angle in degrees from 1 to 2 about axis 3, or two vectors, the first along local axis 1, the
-    /// second in the plane of 1 and 2. The law is given stress and strain in these axes; results stay in those of the case.
+    /// Local axes of the material: a rotation about axis 3 in degrees, positive from axis 1 to 2; or two vectors, the
+    /// first along local axis 1, the second in the local 1-2 plane. The law gets stress and strain in local axes;
+    /// results are in the axes of the case.
     pub orientation: Option<Orientation>,
-    /// Symbol of the entry point, if it has none of the usual names; runs in a process of its own.
+    /// Symbol of the entry point, if it does not have one of the usual names. The library then runs in a separate
+    /// process.
     #[schemars(length(min = 1))]
     pub symbol: Option<String>,
-    /// CMNAME or CINAME that the plugin is given; default: the law's name in upper case. Chooses the law in a
-    /// library of several laws (longest law name that it begins with).
+    /// CMNAME or CINAME passed to the plugin; default: the law's name in upper case. In a library of several laws it
+    /// selects the law: the one with the longest name that it starts with.
     #[schemars(length(min = 1, max = 80))]
     pub cmname: Option<String>,
     /// Entry point: umat for kind point and for parts; uinter (default) or fric for kind interface and for contact.
-    pub entry: Option<Entry>,
-    /// Run the case in a process of its own, so that a plugin that ends or blocks it is reported from outside. Default:
-    /// unless all plugins were built with the program; false is granted by --in-process only.
+    pub entry: Option<EntryPoint>,
+    /// Run the case in a separate process, so that a plugin that stops, crashes or hangs is reported. Default: true,
+    /// unless all plugins were built with pullout. The value false needs --in-process.
     pub isolate: Option<bool>,
-    /// Components with which the UMAT is called in a plane: "3d" with NTENS 6 (in plane stress the program finds e33),
-    /// "plane" with NTENS 4 or 3. Default: as the law needs; for a library without metadata, calls at a virgin point
-    /// decide.
+    /// Components passed to a UMAT in plane modes: "3d" calls it with NTENS 6 (in plane stress, pullout finds e33),
+    /// "plane" with NTENS 4 or 3. Default: what the law needs; for a library without metadata, trial calls at a virgin
+    /// point decide.
     #[serde(rename = "as")]
     pub components: Option<CalledAs>,
-    /// Source of the tangent DDSDDE. Default: reported; in parts, numerical as soon as the iterations show that it is
-    /// not the derivative of the stress.
+    /// Source of the tangent DDSDDE (default reported). In parts of a specimen, pullout changes to numerical once the
+    /// iterations show that the reported tangent is not the derivative of the stress.
     pub tangent: Option<Tangent>,
-    /// A library without metadata may be called by several threads at once.
+    /// Allow several threads to call a library without metadata at once.
     pub thread_safe: Option<bool>,
     /// Longest time of one call of an isolated plugin, s (default 60).
     pub call_time_limit_s: Option<Positive>,
@@ -351,7 +357,7 @@ pub enum Tangent {
 /// Entry point that is called.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum Entry {
+pub enum EntryPoint {
     /// A material point.
     Umat,
     /// A contact point, normal and tangential.
@@ -432,21 +438,22 @@ pub struct Compare {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
-    /// Every n-th increment, and the last of each step, goes to history.csv (default 1).
+    /// Write every n-th increment, and the last of each step, to history.csv (default 1).
     pub every: Option<Whole<1, MOST_INCREMENTS>>,
     /// Draw plots and the report (default true).
     pub plots: Option<bool>,
     /// Write VTU files (kinds with a mesh only).
     pub vtu: Option<bool>,
-    /// Show what UMAT returns for steps coupled with a temperature: RPL, DDSDDT, DRPLDE and DRPLDT (points only, default false).
+    /// Add columns with the thermal terms that UMAT returns: RPL, DDSDDT, DRPLDE and DRPLDT (points only, default
+    /// false).
     pub heat: Option<bool>,
 }
 
-/// Increments that are repeated.
+/// Recorded increments to repeat.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunIncrements {
-    /// increments.json of a run with --record-increments, relative to the case file, or what it holds.
+    /// The increments.json that --record-increments wrote: its path, relative to the case file, or its content.
     pub recorded: serde_json::Value,
 }
 

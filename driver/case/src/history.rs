@@ -11,7 +11,7 @@ use std::path::Path;
 pub fn about(
     reader: &mut Reader<'_>,
     path: &Path,
-    given: &document::CaseHead,
+    given: &document::CommonCaseEntries,
     until: Option<&Piece<document::Until>>,
     columns: Option<&[String]>,
 ) -> About {

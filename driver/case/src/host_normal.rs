@@ -30,7 +30,7 @@ pub fn beside(
     let (at, pressure_at) = (position(KIND)?, position(PRESSURE)?);
     let own = law.parameters[at].choices.iter().find(|choice| choice.name == kind)?.value;
     let place_of_normal = place_of_normal.key(kind);
-    let advice = "FRIC rubs under the host's normal law; leave the parameter out, or give both the same";
+    let advice = "FRIC uses the host's normal law; leave the parameter out, or give both the same value";
     if let Some((value, place)) = given(law, props, at, place)
         && value != own
     {

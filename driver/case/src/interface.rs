@@ -1,6 +1,8 @@
 //! Kind "interface": slips, gap or pressure.
 
-use crate::document::{ContactArguments, EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
+use crate::document::{
+    ContactArguments, EndValue, EntryPoint, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument,
+};
 use crate::document::{Cycles, InterfaceTable, Piece, TableSource};
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{Resolved, statev};
@@ -18,7 +20,7 @@ const NAMES: [&str; 4] = ["slip", "slip2", "gap", "p"];
 
 /// Properties of the case that its steps must agree with.
 struct Setting<'c> {
-    entry: Entry,
+    entry: EntryPoint,
     field_variables: usize,
     columns: Option<&'c [String]>,
 }
@@ -44,7 +46,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let plugin = material.and_then(|material| plugin::resolve(reader, material, &place, purpose));
     let place = root.key("initial");
     let given = reader.optional(case.initial.as_ref(), &place).cloned().unwrap_or_default();
-    if entry == Entry::Fric && given.gap.is_some() {
+    if entry == EntryPoint::Fric && given.gap.is_some() {
         reader.problem(&place.key("gap"), GAP_OF_FRIC);
     }
     let states = plugin.as_ref().map_or(0, |plugin| plugin.nstatv);
@@ -69,7 +71,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
         StepDocument::Cycles(wrapper) => Found::Cycles(&wrapper.cycles),
     });
     let kind = Kind::Interface(InterfaceProgram {
-        entry: if entry == Entry::Fric { InterfaceEntry::Fric } else { InterfaceEntry::Uinter },
+        entry: if entry == EntryPoint::Fric { InterfaceEntry::Fric } else { InterfaceEntry::Uinter },
         tangential_directions: directions,
         initial_statev,
         initial_time: given.time.unwrap_or(0.0),
@@ -82,9 +84,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
 }
 
 /// Warns of arguments that the entry point does not have.
-fn warn_of_effect(reader: &mut Reader<'_>, given: Option<&ContactArguments>, entry: Entry, place: &Place) {
+fn warn_of_effect(reader: &mut Reader<'_>, given: Option<&ContactArguments>, entry: EntryPoint, place: &Place) {
     let Some(given) = given else { return };
-    let (fric, uinter) = (Entry::Fric, Entry::Uinter);
+    let (fric, uinter) = (EntryPoint::Fric, EntryPoint::Uinter);
     for (is_given, key, of) in [
         (given.lm.is_some(), "lm", fric),
         (given.slip.is_some(), "slip", fric),
@@ -103,8 +105,8 @@ fn warn_of_effect(reader: &mut Reader<'_>, given: Option<&ContactArguments>, ent
 }
 
 /// A step that says nothing of the normal direction goes on with the control of the step before it.
-fn close(open: Vec<Step<OpenGoal>>, entry: Entry) -> Vec<InterfaceStep> {
-    let mut normal = if entry == Entry::Fric { NormalControl::Pressure } else { NormalControl::Gap };
+fn close(open: Vec<Step<OpenGoal>>, entry: EntryPoint) -> Vec<InterfaceStep> {
+    let mut normal = if entry == EntryPoint::Fric { NormalControl::Pressure } else { NormalControl::Gap };
     open.into_iter()
         .map(|Step { pace, goal, until, fields }| {
             normal = goal.normal.unwrap_or(normal);
@@ -143,10 +145,10 @@ fn normal_control(
     reader: &mut Reader<'_>,
     gap: bool,
     pressure: bool,
-    entry: Entry,
+    entry: EntryPoint,
     place: impl Fn(&str) -> Place,
 ) -> Option<NormalControl> {
-    if gap && entry == Entry::Fric {
+    if gap && entry == EntryPoint::Fric {
         reader.problem(&place("gap"), GAP_OF_FRIC);
     } else if gap && pressure {
         reader.problem(&place("p"), "the normal direction is controlled by 'gap' and by 'p': give one of them");

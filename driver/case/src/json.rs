@@ -27,7 +27,7 @@ pub fn parse(text: &str) -> Result<(Value, Vec<Problem>), Problem> {
         let from = error.column().saturating_sub(2).min(line.len());
         let here = line[from..].trim_ascii_start();
         let is_comment = !error.is_data() && [&b"//"[..], b"/*", b"#"].iter().any(|mark| here.starts_with(mark));
-        let what = if is_comment { "it has no comments: \"description\" is for words" } else { what };
+        let what = if is_comment { "JSON has no comments: put text into \"description\"" } else { what };
         Problem::unreadable(format!("line {}, column {}: {kind}{what}", error.line(), error.column()))
     })?;
     Ok((value, found.repeated))

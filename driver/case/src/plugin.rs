@@ -4,7 +4,7 @@ mod frame;
 
 pub use frame::frame_from_json;
 
-use crate::document::{CalledAs, Entry, Material, Piece, Positive, Props, Tangent};
+use crate::document::{CalledAs, EntryPoint, Material, Piece, Positive, Props, Tangent};
 use crate::host_normal;
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;
@@ -31,7 +31,7 @@ pub struct Use {
     /// Level at which the plugin is called.
     pub level: Level,
     /// The entry point that is called.
-    pub entry: Entry,
+    pub entry: EntryPoint,
     /// The mode of a material point, if it is known, and where the case says so.
     pub mode: Option<(Mode, Place)>,
     /// CELENT.
@@ -81,11 +81,11 @@ impl Length {
 }
 
 /// Returns the entry point of a contact law that a material names, UINTER by default; `message`: UMAT is none.
-pub fn contact_entry(reader: &mut Reader<'_>, given: Option<Entry>, place: &Place, message: &str) -> Entry {
-    if given == Some(Entry::Umat) {
+pub fn contact_entry(reader: &mut Reader<'_>, given: Option<EntryPoint>, place: &Place, message: &str) -> EntryPoint {
+    if given == Some(EntryPoint::Umat) {
         reader.problem(&place.key("entry"), message);
     }
-    given.filter(|entry| *entry != Entry::Umat).unwrap_or(Entry::Uinter)
+    given.filter(|entry| *entry != EntryPoint::Umat).unwrap_or(EntryPoint::Uinter)
 }
 
 /// Loads and checks; `None` with problems if there is no plugin or its number of states is unknown.
@@ -152,13 +152,11 @@ pub fn without_expansion<'p>(plugins: impl Iterator<Item = &'p Plugin> + Clone) 
 
 /// Warns of what the routines around a law do that is not obvious: whether SDVINI and SIGINI are called where the case gives
 /// states and stress, and which are not called at all.
-pub fn tell_initial_values(reader: &mut Reader<'_>, library: &Library, given: [bool; 2]) {
+pub fn report_initial_values(reader: &mut Reader<'_>, library: &Library, given: [bool; 2]) {
     let [states_given, stress_given] = given;
     for routine in library.routines() {
         let what = match routine.symbol {
-            _ if !routine.is_called => {
-                "is not called: this program has no such occasion; what the law expects of it is missing"
-            }
+            _ if !routine.is_called => "is not called by pullout: anything that the law expects from it is missing",
             "sdvini" if states_given => "is not called: the case gives the initial states",
             "sigini" if stress_given => "is not called: the case gives the initial stress",
             "sigini" => "sets the initial stress",
@@ -226,8 +224,7 @@ pub fn where_to_look(folders: &[PathBuf]) -> String {
     match Found::by_name(ALL_LAWS, folders) {
         Some(_) => other.to_owned(),
         None => format!(
-            "{other}; the program's own laws are in none of these: `cargo xtask install --prefix DIR`, in its source \
-             folder, puts program and laws together"
+            "{other}; none of these folders has pullout's own laws: `cargo xtask install --prefix DIR`, run in the source folder, installs pullout and its laws together"
         ),
     }
 }
@@ -261,7 +258,7 @@ fn choose_law(
 /// Returns how the UMAT is called, as the case says.
 fn manner(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: &Use) -> Manner {
     let keys = [("as", material.components.is_some()), ("tangent", material.tangent.is_some())];
-    if purpose.entry != Entry::Umat {
+    if purpose.entry != EntryPoint::Umat {
         for (key, _) in keys.iter().filter(|(_, given)| *given) {
             reader.problem(&place.key(key), "is for the entry point umat alone");
         }
@@ -271,8 +268,10 @@ fn manner(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: 
             reader.problem(&place.key("as"), "mode 3d has all six components: leave it out");
         }
         (Some((mode, _)), Some(_)) if mode.is_of_line() => {
-            let message =
-                format!("mode {} is no plane: leave it out, or take mode 3d for a law of six components", mode.name());
+            let message = format!(
+                "mode {} is not a plane mode: leave this entry out, or use mode 3d for a law with six components",
+                mode.name()
+            );
             reader.problem(&place.key("as"), message);
         }
         _ => {}
@@ -295,11 +294,11 @@ fn check_kind(reader: &mut Reader<'_>, law: &LawDescription, place: &Place, purp
     let contact =
         if of_specimen { "it is a law of contact" } else { "it is a law of a contact point; use kind \"interface\"" };
     let (bit, what, advice) = match purpose.entry {
-        Entry::Umat => (kinds::UMAT, "UMAT", contact),
-        Entry::Uinter if law.kinds & kinds::FRIC != 0 => (kinds::UINTER, "UINTER", "set \"entry\": \"fric\""),
-        Entry::Fric if law.kinds & kinds::UINTER != 0 => (kinds::FRIC, "FRIC", "set \"entry\": \"uinter\""),
-        Entry::Uinter => (kinds::UINTER, "UINTER", solid),
-        Entry::Fric => (kinds::FRIC, "FRIC", solid),
+        EntryPoint::Umat => (kinds::UMAT, "UMAT", contact),
+        EntryPoint::Uinter if law.kinds & kinds::FRIC != 0 => (kinds::UINTER, "UINTER", "set \"entry\": \"fric\""),
+        EntryPoint::Fric if law.kinds & kinds::UINTER != 0 => (kinds::FRIC, "FRIC", "set \"entry\": \"uinter\""),
+        EntryPoint::Uinter => (kinds::UINTER, "UINTER", solid),
+        EntryPoint::Fric => (kinds::FRIC, "FRIC", solid),
     };
     if law.kinds & bit == 0 {
         reader.problem(place, format!("{} has no {what}: {advice}", law.name));
@@ -329,12 +328,12 @@ fn state_bit(mode: Mode) -> u32 {
     }
 }
 
-fn check_symbol(reader: &mut Reader<'_>, library: &Library, material: &Material, place: &Place, entry: Entry) {
+fn check_symbol(reader: &mut Reader<'_>, library: &Library, material: &Material, place: &Place, entry: EntryPoint) {
     let symbol = material.symbol.as_deref();
     let found: Result<(), LoadError> = match entry {
-        Entry::Umat => library.umat(symbol).map(|_| ()),
-        Entry::Uinter => library.uinter(symbol).map(|_| ()),
-        Entry::Fric => library.fric(symbol).map(|_| ()),
+        EntryPoint::Umat => library.umat(symbol).map(|_| ()),
+        EntryPoint::Uinter => library.uinter(symbol).map(|_| ()),
+        EntryPoint::Fric => library.fric(symbol).map(|_| ()),
     };
     if let Err(error) = found {
         let place = place.key(if symbol.is_some() { "symbol" } else { "plugin" });
@@ -393,11 +392,13 @@ fn properties(
     match props::resolve(law, given, &place) {
         Ok(values) => {
             let filled = match purpose.entry {
-                Entry::Umat => values.clone(),
+                EntryPoint::Umat => values.clone(),
                 // FRIC has no normal law
-                entry @ (Entry::Uinter | Entry::Fric) => {
-                    law.with_penalties(&values, (entry == Entry::Uinter).then_some(NORMAL_PENALTY), TANGENTIAL_PENALTY)
-                }
+                entry @ (EntryPoint::Uinter | EntryPoint::Fric) => law.with_penalties(
+                    &values,
+                    (entry == EntryPoint::Uinter).then_some(NORMAL_PENALTY),
+                    TANGENTIAL_PENALTY,
+                ),
             };
             validate(reader, law, &filled, &place, &purpose.length);
             for (parameter, value) in props::in_order(law).zip(&values) {
@@ -413,8 +414,7 @@ fn properties(
             for (k, (value, _)) in filled.iter().zip(&values).enumerate().filter(|(_, (new, old))| new != old) {
                 let name = &law.parameters[k].name;
                 reader.warn(format!(
-                    "material.props.{name} is 0, which leaves it to the host: {value} MPa/mm is used (where the law has a use \
-                     for it)"
+                    "material.props.{name} = 0 leaves the value to the host: {value} MPa/mm is used (if the law needs it)"
                 ));
             }
             Some(filled)

@@ -1,7 +1,7 @@
 //! Kind "point": modes, controls, initial state, steps.
 
 use crate::constraints::{self, fixed_by_mode};
-use crate::document::{self, Components, EndValue, Entry, Material, Matrix, Piece, PointCase, PointRamp};
+use crate::document::{self, Components, EndValue, EntryPoint, Material, Matrix, Piece, PointCase, PointRamp};
 use crate::document::{PointStep as StepDocument, PointTable};
 use crate::plugin::{self, Length, Level, Use};
 use crate::problem::{Place, Problem, hint};
@@ -12,7 +12,7 @@ use pullout_run::columns;
 use pullout_run::deformation::{self, Polar, exponential, matrix, rotated, turns};
 use pullout_run::program::{
     Control, Kind, Measure, Mode, Pace, PointDrive, PointGoal, PointProgram, PointState, PointStep, STRAIN_NAMES,
-    STRESS_NAMES, StepFields, TURNED, untold_nominal, untold_thickness,
+    STRESS_NAMES, StepFields, TURNED, gradient_needs_thickness, nominal_needs_thickness,
 };
 use std::array::from_fn;
 use umat_abi::host::Plugin;
@@ -48,7 +48,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         && mode.is_of_line()
         && nlgeom
     {
-        let message = format!("mode {} is one of small strains: the stretches across are not known", mode.name());
+        let message = format!("mode {} is for small strains only: the transverse stretches are unknown", mode.name());
         reader.problem(&root.key("nlgeom"), message);
     }
     let length = Length::of(reader, case.path.characteristic_length.as_ref());
@@ -56,7 +56,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     let place = root.key("material");
     let material = reader.piece(&case.path.material, &place);
     let plugin = material.and_then(|material| {
-        if let Some(Entry::Uinter | Entry::Fric) = material.entry {
+        if let Some(EntryPoint::Uinter | EntryPoint::Fric) = material.entry {
             let message = "kind \"point\" calls the entry point umat; use kind \"interface\" for uinter and fric";
             reader.problem(&place.key("entry"), message);
         }
@@ -67,7 +67,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
             &place,
             Use {
                 level: Level::Point,
-                entry: Entry::Umat,
+                entry: EntryPoint::Umat,
                 mode,
                 length,
                 initial_temperature: fields::initial_temperature(&case.course),
@@ -137,7 +137,7 @@ fn measure(reader: &mut Reader<'_>, given: Option<&Piece<Measure>>, nlgeom: bool
     let place = Place::root().key("measure");
     let given = reader.optional(given, &place).copied();
     if given.is_some() && !nlgeom {
-        reader.problem(&place, "small strains have no measure: it needs \"nlgeom\": true");
+        reader.problem(&place, "a measure needs \"nlgeom\": true: small strains have none");
     }
     given.unwrap_or_default()
 }
@@ -151,8 +151,8 @@ fn check_thickness(reader: &mut Reader<'_>, plugin: &Plugin, measure: Measure) {
     }
     match (measure, goes_through_six) {
         (_, None) => {}
-        (Measure::Nominal, _) => reader.problem(&Place::root().key("measure"), untold_nominal(&plugin.name)),
-        (Measure::Logarithmic, _) => reader.warn(untold_thickness(&plugin.name)),
+        (Measure::Nominal, _) => reader.problem(&Place::root().key("measure"), nominal_needs_thickness(&plugin.name)),
+        (Measure::Logarithmic, _) => reader.warn(gradient_needs_thickness(&plugin.name)),
     }
 }
 
@@ -197,7 +197,7 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, p
 /// Sets the controls of the named components; says which are named.
 fn target_controls(
     reader: &mut Reader<'_>,
-    target: Option<&document::Target>,
+    target: Option<&document::StepTarget>,
     setting: &Setting<'_>,
     controls: &mut [Control; 6],
     place: &Place,
@@ -293,7 +293,7 @@ fn check_arguments(
     let place = Place::root().key("arguments");
     let kinematics = [&given.drot, &given.dfgrd0, &given.dfgrd1];
     if nlgeom && (kinematics.into_iter().any(Option::is_some) || given.dstran.is_some()) {
-        let message = "drot, dfgrd0, dfgrd1 and dstran belong to cases without nlgeom: here the steps tell them";
+        let message = "drot, dfgrd0, dfgrd1 and dstran belong to cases without nlgeom: here the steps determine them";
         reader.problem(&place, message);
     } else if let (Some(dstran), Some(mode)) = (&given.dstran, mode) {
         let count = mode.stress_state().components().len();
@@ -357,7 +357,7 @@ fn initial(
     let fields = fields::initial(reader, &case.course);
     let statev = statev(reader, material, given.statev.as_deref(), plugin);
     if let Some(plugin) = plugin {
-        plugin::tell_initial_values(reader, &plugin.library, [statev.is_some(), stress.is_some()]);
+        plugin::report_initial_values(reader, &plugin.library, [statev.is_some(), stress.is_some()]);
     }
     PointState {
         strain,

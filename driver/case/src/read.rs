@@ -300,7 +300,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
             specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
         }),
         "bridging" => typed(reader, readable).and_then(|case: BridgingCase| {
-            bridging::resolve(reader, path, &case, &bridging::Others { specimen, law })
+            bridging::resolve(reader, path, &case, &bridging::ReferencedCases { specimen, law })
                 .map(|program| Case::Bridging(Box::new(program)))
         }),
         _ => typed(reader, readable).and_then(|case: PointCase| {
@@ -361,7 +361,7 @@ fn finish<S>(
     path: &Path,
     document: Value,
     resolved: Resolved,
-    head: &document::CaseHead,
+    head: &document::CommonCaseEntries,
     course: &document::Course,
     given: &document::Path<S>,
 ) -> Option<Case> {

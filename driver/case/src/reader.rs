@@ -182,9 +182,9 @@ impl<'a> Reader<'a> {
 
 /// Resolves what a place of the case may leave to defaults, and notes name and value of what it does leave.
 #[derive(Default)]
-pub struct Taken(pub Vec<String>);
+pub struct UsedDefaults(pub Vec<String>);
 
-impl Taken {
+impl UsedDefaults {
     /// Notes a value that is a default.
     pub fn note(&mut self, name: &str, value: impl Display) {
         self.0.push(format!("{name} = {value}"));

@@ -3,13 +3,13 @@
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::problem::{Place, hint};
-use crate::reader::{Reader, Taken};
+use crate::reader::{Reader, UsedDefaults};
 use crate::{history, increments, plugin};
 use boundary::{Boundary, Drives};
 use fe_core::mesh::{Element, Mesh};
 use fe_core::model::{ContactLaw, Controls, Model, PluginLaw, Skipping, Spalling};
 use fe_core::stepping::Analysis;
-use mesh::Ground;
+use mesh::MeshAndSets;
 use pullout_run::columns;
 use pullout_run::program::About;
 use pullout_run::pullout::{PictureAt, PulloutProgram};
@@ -41,14 +41,14 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
     let ground = mesh::resolve(reader, case);
     let checked = ground.as_ref().and_then(|ground| mesh::checked(reader, ground));
-    let scene = Scene { ground: ground.as_ref(), mesh: checked.as_ref(), loose: &[] };
+    let scene = KnownMesh { ground: ground.as_ref(), mesh: checked.as_ref(), loose: &[] };
     let parts = parts::resolve(reader, case, scene);
     let mut drives = Drives::default();
     let contacts = contact::resolve(reader, case, scene, &mut drives);
     let couplings = couplings::resolve(reader, case, scene);
     let mut loose = checked.as_ref().map(Mesh::free_nodes).unwrap_or_default();
     loose.retain(|&node| !couplings.iter().any(|coupling| coupling.nodes().any(|coupled| coupled == node)));
-    let mut boundary = boundary::resolve(reader, case, Scene { loose: &loose, ..scene }, drives);
+    let mut boundary = boundary::resolve(reader, case, KnownMesh { loose: &loose, ..scene }, drives);
     let mut field = scalar_field::resolve(reader, case, scene, &mut boundary.drives);
     let initial_drives = initial_drives(reader, case, &mut boundary);
     let steps = steps::resolve(reader, case, &mut boundary);
@@ -193,11 +193,13 @@ fn initial_drives(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bo
         let place = place.key("drives").key(name);
         match boundary.drives.moved(name) {
             Some(index) if boundary.supports.iter().any(|support| support.drive == Some(index)) => {
-                reader
-                    .problem(&place, "is the displacement of a support, which starts at 0; loads may start at others");
+                reader.problem(
+                    &place,
+                    "is the displacement of a support, which starts at 0; only the drives of loads may start elsewhere",
+                );
             }
             Some(index) => values[index] = *value,
-            None => boundary.drives.tell_unknown(reader, name, &place),
+            None => boundary.drives.report_unknown(reader, name, &place),
         }
     }
     values
@@ -205,14 +207,14 @@ fn initial_drives(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bo
 
 /// The mesh that names of the case refer to, as far as it is known.
 #[derive(Clone, Copy)]
-struct Scene<'a> {
-    ground: Option<&'a Ground>,
+struct KnownMesh<'a> {
+    ground: Option<&'a MeshAndSets>,
     mesh: Option<&'a Mesh>,
     /// Nodes without an element that may not be named: nothing is there to load, to hold or to measure.
     loose: &'a [usize],
 }
 
-impl<'a> Scene<'a> {
+impl<'a> KnownMesh<'a> {
     /// A node set; `None` with a problem if there is none, without one if the mesh is not known.
     fn node_set(self, reader: &mut Reader<'_>, name: &str, place: &Place) -> Option<&'a [usize]> {
         let mesh = self.mesh?;
@@ -228,13 +230,13 @@ impl<'a> Scene<'a> {
             );
         }
         for &node in found.iter().filter(|node| self.loose.contains(node)).take(1) {
-            self.tell_loose(reader, node, &format!(" of '{name}'"), place);
+            self.report_loose_node(reader, node, &format!(" of '{name}'"), place);
         }
         Some(found)
     }
 
     /// Says that a node belongs to nothing.
-    fn tell_loose(self, reader: &mut Reader<'_>, node: usize, of: &str, place: &Place) {
+    fn report_loose_node(self, reader: &mut Reader<'_>, node: usize, of: &str, place: &Place) {
         let [x, y] = self.mesh.map_or([f64::NAN; 2], |mesh| mesh.nodes()[node]);
         let message = format!(
             "node {}{of} at ({x}, {y}) belongs to no element and to no coupling: nothing is there; make it a node of the \
@@ -269,7 +271,7 @@ fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
     let place = Place::root().key("controls");
     let given = reader.optional(case.controls.as_ref(), &place).cloned().unwrap_or_default();
     let default = Controls::default();
-    let mut taken = Taken::default();
+    let mut taken = UsedDefaults::default();
     let controls = Controls {
         force_tolerance: taken.real("force_tolerance", given.force_tolerance, default.force_tolerance),
         displacement_tolerance: taken.real(
@@ -292,7 +294,7 @@ fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
 fn spalling(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Spalling> {
     let place = Place::root().key("spalling");
     let given = reader.optional(case.spalling.as_ref(), &place)?;
-    let mut taken = Taken::default();
+    let mut taken = UsedDefaults::default();
     let spalling = Spalling {
         opening: given.opening.0,
         stress: given.stress.0,

@@ -4,7 +4,7 @@ use pullout_run::isolation;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
-use umat_abi::host::{LawDescription, Library, Parameter, Routine, State, binds_deeply};
+use umat_abi::host::{LawDescription, Library, Parameter, Routine, StateDescription, binds_deeply};
 use umat_abi::metadata::{flags, kinds, stress_states};
 
 /// Returns what a library has, in lines: each law by its metadata, or the entry points of a library without; the routines
@@ -41,9 +41,9 @@ pub fn table<const N: usize>(rows: &[[String; N]]) -> String {
 /// Returns where cases call it.
 fn place_of(library: &Library) -> &'static str {
     if isolation::is_shipped(library.path()) {
-        "Process: the program's own; the library was built with it\n"
+        "Process: pullout's own; the library was built with pullout\n"
     } else {
-        "Process: one of its own, or with --in-process the program's\n"
+        "Process: a separate one, or with --in-process pullout's own\n"
     }
 }
 
@@ -89,11 +89,11 @@ fn of_law(law: &LawDescription, path: &Path) -> String {
     if let Some(group) = &law.group {
         let _ = writeln!(
             text,
-            "The last {} may occur several times (at least {}); in JSON \"{}\": [[...], ...]",
+            "The last {} may be repeated (at least {} times); in JSON \"{}\": [[...], ...]",
             group.size, group.minimum, group.name
         );
     }
-    let _ = writeln!(text, "\nSTATEV ({}), all zero when virgin:", law.states.len());
+    let _ = writeln!(text, "\nSTATEV ({}), all zero in the virgin state:", law.states.len());
     let header = ["#", "name", "unit", "meaning"].map(String::from);
     let rows = law
         .states
@@ -131,7 +131,7 @@ fn law_as_json(law: &LawDescription) -> Value {
             "usual": p.typical, "choices": choices,
         })
     };
-    let state = |s: &State| json!({ "name": s.name, "unit": s.unit, "doc": s.doc });
+    let state = |s: &StateDescription| json!({ "name": s.name, "unit": s.unit, "doc": s.doc });
     json!({
         "name": law.name,
         "version": law.version,

@@ -13,7 +13,7 @@ use pullout_report::record::{Kept, RunRecorder};
 use pullout_report::summary::{Status, Summary};
 use pullout_report::viewer::States;
 use pullout_run::isolation::prints::Prints;
-use pullout_run::isolation::{tell, worker};
+use pullout_run::isolation::{send, worker};
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout::checkpoint::{self, Checkpoints};
 use pullout_run::{pullout, signals};
@@ -37,7 +37,7 @@ fn extent(case: &Case) -> Extent {
 
 /// Returns what is said of a run that was told to end at a place.
 pub fn interrupted(place: &str, has_checkpoints: bool) -> String {
-    let Some(signal) = signals::received() else { return format!("told to end after {place}") };
+    let Some(signal) = signals::received() else { return format!("asked to end after {place}") };
     let go_on = if has_checkpoints { "; --restart goes on from its last checkpoint" } else { "" };
     format!("interrupted by {} after {place}: what was done so far is kept{go_on}", signal.words())
 }
@@ -101,12 +101,12 @@ fn carry_out<'c>(
 
 /// Hands rows on to the process that started this one.
 fn teller(columns: Vec<String>) -> pullout_report::progress::Listener {
-    tell(&Message::Columns(columns));
+    send(&Message::Columns(columns));
     Box::new(|part, row| {
         let place = [row.step, row.increment].map(f64::from);
         let numbers =
             [part].into_iter().chain(place).chain(row.values.iter().copied()).chain([f64::from(row.iterations)]);
-        tell(&Message::Row(numbers.map(|value| Some(value).filter(|value| value.is_finite())).collect()));
+        send(&Message::Row(numbers.map(|value| Some(value).filter(|value| value.is_finite())).collect()));
     })
 }
 

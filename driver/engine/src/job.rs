@@ -10,24 +10,24 @@ use std::path::PathBuf;
 /// Options of a run, which are the same in this process and in another one.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::Args)]
 pub struct Options {
-    /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
+    /// Also replace files in the result directory that pullout did not write or that were changed since, and list them.
     #[arg(long)]
     pub overwrite: bool,
-    /// Keep the state after every N increments in checkpoint.bin of the result directory (kind "pullout").
+    /// Save the state to checkpoint.bin in the result directory every N increments (kind "pullout").
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub checkpoint_every: Option<u64>,
-    /// Threads that share the work of a case of kind "pullout"; default: the number of processors. The results have the
-    /// same bits with any number.
+    /// Number of threads for a case of kind "pullout" [default: the number of processors]. Results are bit for bit the
+    /// same with any number.
     #[arg(long, value_name = "N", value_parser = at_least_one, allow_negative_numbers = true)]
     pub threads: Option<NonZeroUsize>,
-    /// Write increments.json: what a case that repeats the increments of this run names as "increments": {"recorded": FILE}.
+    /// Write increments.json. Another case can repeat these increments with "increments": {"recorded": FILE}.
     #[arg(long)]
     pub record_increments: bool,
-    /// Say nothing but errors.
+    /// Print only errors.
     #[arg(long)]
     pub quiet: bool,
-    /// Show what the plugins print (Fortran's units 6 and 7, printf), which is kept in umat.log and umat.msg of the
-    /// result directory.
+    /// Also print what the plugins print (Fortran's units 6 and 7, printf). The result directory always has it in
+    /// umat.log and umat.msg.
     #[arg(long)]
     pub echo: bool,
 }

@@ -10,7 +10,7 @@ use pullout_bridging::{
     Residual, SectionLaw, bond_from_bridging, fast_inverse, full_inverse,
 };
 use pullout_case::CsvFile;
-use pullout_run::bridging::{BridgingProgram, Source};
+use pullout_run::bridging::{BridgingProgram, LoadSource};
 use std::path::Path;
 
 mod output;
@@ -79,9 +79,9 @@ impl BeamFit {
         let fast = fast_inverse(&geometry, test)?;
         let full = full_inverse(&geometry, &program.matrix, test)?;
         let end = program.openings.last().copied().unwrap_or_default();
-        let rule = "\"fe\" is not run by a fit: take the fibres.csv of its run as model \"table\"";
+        let rule = "a fit does not run \"fe\": use the fibres.csv of its run with model \"table\"";
         let composite = match &program.source {
-            Source::Simulated(_) => return Err(Invalid { place: "fibre.model".into(), rule: rule.into() }),
+            LoadSource::Simulated(_) => return Err(Invalid { place: "fibre.model".into(), rule: rule.into() }),
             _ => program.composite(&[])?,
         };
         let predicted = composite.law_to(end, POINTS);
@@ -91,7 +91,7 @@ impl BeamFit {
             .filter(|row| row[1] > 0.0)
             .collect();
         let bond = match &program.source {
-            Source::Bond(Bond::Closed(closed), Inclination::Exp { f }) => bond_from_bridging(
+            LoadSource::Bond(Bond::Closed(closed), Inclination::Exp { f }) => bond_from_bridging(
                 &program.fibre,
                 program.volume_fraction,
                 &program.orientation,
@@ -100,7 +100,7 @@ impl BeamFit {
                 &target,
             )
             .map_err(|error| error.to_string()),
-            _ => Err("sought for model \"closed\" with inclination \"exp\" alone".into()),
+            _ => Err("fitted only for model \"closed\" with inclination \"exp\"".into()),
         };
         Ok(Self { geometry, fast, full, predicted, bond })
     }

@@ -332,7 +332,7 @@ fn read_data(test: &Test) -> Result<Vec<[f64; 2]>, Vec<String>> {
     let rows = csv.numbers(&columns, true)?;
     let rows: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
     if rows.iter().all(|row| row[1] == 0.0) {
-        return Err(vec![format!("{file}: all values are 0: nothing is told by them")]);
+        return Err(vec![format!("{file}: all values are 0: they determine nothing")]);
     }
     Ok(rows)
 }
@@ -444,7 +444,7 @@ impl Fitted {
         let points: usize = tests.iter().map(|test| test.data.len()).sum();
         if points <= request.free.len() {
             let files: Vec<String> = request.tests.iter().map(|test| test.data.display().to_string()).collect();
-            let message = format!("{points} points do not tell {} numbers", request.free.len());
+            let message = format!("{points} points cannot determine {} parameters", request.free.len());
             return Err(vec![format!("{}: {message}", files.join(", "))]);
         }
         let unit = if let [test] = &tests[..] { test.scale } else { 1.0 };

@@ -58,7 +58,7 @@ impl LoadSlipCurve {
             furthest = furthest.max(slip);
         }
         if peak.slip >= largest {
-            return Err((last, "the load still rises at the end of the curve: no law can be told from it".into()));
+            return Err((last, "the load still rises at the end of the curve: it cannot determine a law".into()));
         }
         Ok(())
     }

@@ -18,7 +18,7 @@ pub(crate) fn doubts<'a>(data: &[Usual<'_>], fits: impl IntoIterator<Item = (&'a
     let poor = fits.into_iter().filter(|(_, rms)| rms.is_nan() || *rms > POOR).map(|(name, rms)| {
         let of = if name.is_empty() { String::new() } else { format!("{name}: ") };
         let rms = significant(100.0 * rms, 2);
-        format!("{of}the fit misses the data by {rms} % of their greatest value (RMS): its numbers say little")
+        format!("{of}the fit misses the data by {rms} % of their greatest value (RMS): do not rely on its parameters")
     });
     units.chain(poor).collect()
 }

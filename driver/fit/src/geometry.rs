@@ -25,7 +25,7 @@ impl SlipAt {
 
 /// A round fibre, perpendicular to the face that it is pulled out of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fibre {
+pub struct TestFibre {
     /// φ, mm.
     pub diameter: f64,
     /// L, mm.
@@ -48,7 +48,7 @@ pub struct BondPoint {
     pub traction: f64,
 }
 
-impl Fibre {
+impl TestFibre {
     /// EA, N.
     pub fn axial_stiffness(&self) -> f64 {
         self.youngs_modulus * PI / 4.0 * self.diameter.powi(2)

@@ -26,7 +26,7 @@ mod uncertainty;
 pub use beam::{BeamColumns, BeamFit, describe as describe_beam, read_beam_test, write as write_beam};
 pub use case::{CaseFit, CaseRequest, FittedTest, Free, Test, fit_case, place_between};
 pub use curve::LoadSlipCurve;
-pub use geometry::{Fibre, SlipAt};
+pub use geometry::{SlipAt, TestFibre};
 pub use law::{BondLaw, Piecewise, Powers, Quantity};
 pub use output::{describe, write};
 pub use simulation::{SimulatedCurve, Weights};
@@ -60,8 +60,8 @@ pub enum Form {
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The fibre.
-    pub fibre: Fibre,
-    /// Position at which the slip was measured.
+    pub fibre: TestFibre,
+    /// Where the slip was measured.
     pub slip_at: SlipAt,
     /// The forms that are fitted.
     pub forms: Vec<Form>,
@@ -73,7 +73,7 @@ pub struct Request {
     pub materials: Materials,
     /// A case of the user's own instead of the default simulation.
     pub specimen_case: Option<PathBuf>,
-    /// Most runs of the simulation for each form.
+    /// Largest number of simulations for each form.
     pub max_runs: usize,
     /// Folders in which plugins are looked for first.
     pub plugin_paths: Vec<PathBuf>,
@@ -257,7 +257,7 @@ fn specimen(curve: &LoadSlipCurve, request: &Request) -> Result<Specimen, FitErr
 
 /// The law of the regression, and the one that the search begins with: its elastic stiffness is that of a fibre that
 /// stretches unevenly.
-fn start(form: Form, bond: &[BondPoint], curve: &LoadSlipCurve, fibre: &Fibre) -> Result<[BondLaw; 2], FitError> {
+fn start(form: Form, bond: &[BondPoint], curve: &LoadSlipCurve, fibre: &TestFibre) -> Result<[BondLaw; 2], FitError> {
     match form {
         Form::Powers => {
             let law = regression::powers(bond).unwrap_or_else(|| rough(curve, bond, fibre));
@@ -283,7 +283,7 @@ fn start(form: Form, bond: &[BondPoint], curve: &LoadSlipCurve, fibre: &Fibre) -
 }
 
 /// A law with the right peak, for a curve whose regression is none.
-fn rough(curve: &LoadSlipCurve, bond: &[BondPoint], fibre: &Fibre) -> Powers {
+fn rough(curve: &LoadSlipCurve, bond: &[BondPoint], fibre: &TestFibre) -> Powers {
     /// Stiffness over the secant of the peak, and exponents like those of the fibres of chapter 6.
     const STIFFNESS: f64 = 5.0;
     const EXPONENTS: [f64; 2] = [0.2, -0.2];

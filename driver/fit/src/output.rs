@@ -254,8 +254,7 @@ fn law_line(k: usize, law: &FittedLaw, end: f64) -> Line {
 pub(crate) fn explanation() -> String {
     format!(
         "Errors are standard errors to first order, from the derivatives of the computed curve and the scatter that is \
-         left; they hold if this scatter is noise. A number whose standard error is above {} % of its value is not \
-         identifiable: the curve does not tell it.",
+         left; they hold if this scatter is noise. A number whose standard error is above {} % of its value is not identifiable: the curve does not determine it.",
         significant(100.0 * IDENTIFIABLE, 2)
     )
 }

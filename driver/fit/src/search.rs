@@ -186,7 +186,7 @@ impl<'a, S: Simulation> Search<'a, S> {
             TerminationReason::User(_) => problem
                 .trouble
                 .take()
-                .or_else(|| Some(format!("the search was not at its end after the {most} runs of --max-runs"))),
+                .or_else(|| Some(format!("the search did not finish within the {most} runs of --max-runs"))),
             other => Some(format!("the search ended with {other:?}")),
         };
         (problem, trouble)

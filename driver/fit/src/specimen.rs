@@ -1,6 +1,6 @@
 //! The case that is computed: a perpendicular fibre in a block, or a case of the user's own, with the law of the moment.
 
-use super::geometry::Fibre;
+use super::geometry::TestFibre;
 use super::law::BondLaw;
 use models::concrete_damage::ConcreteDamage;
 use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, Concrete, properties_with_exponent};
@@ -82,8 +82,8 @@ impl Specimen {
     ///
     /// # Errors
     /// A matrix that cannot be calibrated.
-    pub fn perpendicular_fibre(fibre: &Fibre, materials: &Materials, residual: f64) -> Result<Self, String> {
-        let Fibre { diameter, embedded_length, free_length, youngs_modulus } = *fibre;
+    pub fn perpendicular_fibre(fibre: &TestFibre, materials: &Materials, residual: f64) -> Result<Self, String> {
+        let TestFibre { diameter, embedded_length, free_length, youngs_modulus } = *fibre;
         let width = LEAST_WIDTH.max(WIDTH * diameter);
         let fibre_material = match materials.fibre_yield {
             None => json!({ "plugin": "linear_elastic", "props": { "E": youngs_modulus, "nu": FIBRE_POISSON } }),

@@ -1,7 +1,7 @@
 //! Coordinates, elastic corrections, reading of curves, uncertainty of a problem with a closed form.
 
 use super::curve::LoadSlipCurve;
-use super::geometry::{Fibre, SlipAt};
+use super::geometry::{SlipAt, TestFibre};
 use super::law::{BondLaw, Piecewise, Powers};
 use super::simulation::Weights;
 use super::uncertainty::uncertainty;
@@ -16,8 +16,8 @@ fn lines() -> BondLaw {
     BondLaw::Piecewise(Piecewise { points: vec![[0.004, 1.6], [0.02, 2.0], [0.3, 1.2], [2.0, 0.7]] })
 }
 
-fn fibre() -> Fibre {
-    Fibre { diameter: 0.406, embedded_length: 12.2, free_length: 3.0, youngs_modulus: 210e3 }
+fn fibre() -> TestFibre {
+    TestFibre { diameter: 0.406, embedded_length: 12.2, free_length: 3.0, youngs_modulus: 210e3 }
 }
 
 #[test]

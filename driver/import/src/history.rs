@@ -40,8 +40,7 @@ impl Evolution {
         if let Some(step) = model.steps.iter().find(|step| step.nlgeom == Some(true)) {
             evolution.nlgeom = has_thickness;
             if !has_thickness {
-                let message = "NLGEOM in plane stress: nominal stresses need a thickness strain, which a UMAT does not tell; \
-                               the case has small strains. An element in space (C3D8, free faces) has the same stresses";
+                let message = "NLGEOM in plane stress: nominal stresses need a thickness strain, which a UMAT does not report: the case has small strains. A 3-D element (C3D8, free faces) has the same stresses";
                 evolution.left_out.push(format!("{}: {message}", step.place));
             }
         }
@@ -49,7 +48,7 @@ impl Evolution {
         let mut pressures =
             changes.filter(|change| matches!(change.quantity, Quantity::Pressure(_)) && change.value != 0.0);
         if let Some(change) = pressures.next().filter(|_| evolution.nlgeom) {
-            let message = "a pressure at large deformations is of the area as it is; taken as of the area at the start";
+            let message = "a pressure on the deformed area: the case has it on the initial area";
             evolution.left_out.push(format!("{}: {message}", change.place));
         }
         let held = |change: &Change| (change.quantity, Course { from: 0.0, change: change.clone() });
@@ -64,7 +63,7 @@ impl Evolution {
             }
             is_large = step.nlgeom.unwrap_or(is_large);
             if evolution.nlgeom && !is_large {
-                let message = "a step without NLGEOM; it has large deformations as the others";
+                let message = "a step without NLGEOM: it gets large deformations like the others";
                 evolution.left_out.push(format!("{}: {message}", step.place));
             }
             let initial = |quantity: Quantity| match quantity {
@@ -77,8 +76,7 @@ impl Evolution {
             let times = breakpoints(&amplitudes, step.time, start);
             if times.len() > 1 {
                 evolution.left_out.push(format!(
-                    "{}: that this is one step: where an amplitude bends another begins, {} in all, so that KSTEP, KINC and \
-                     TIME(1) are not those of the job in it and behind it",
+                    "{}: the step as a single one: it becomes {} steps, one for each straight piece of its amplitudes. From here on, KSTEP, KINC and TIME(1) differ from those of the job",
                     step.place,
                     times.len()
                 ));
@@ -133,8 +131,8 @@ impl Evolution {
         for axis in 0..dimensions {
             gradient[axis] = displacement_gradient(values, brick, model, axis)?;
             if let Some(place) = partly_driven(values, brick, model, axis, &gradient[axis]) {
-                let message = "that only some nodes of a face are given this displacement: the case is of uniform strain, \
-                               as if all were";
+                let message =
+                    "a displacement of only some nodes of a face: the case has uniform strain, as if all nodes had it";
                 let told = format!("{place}: {message}");
                 if !self.left_out.contains(&told) {
                     self.left_out.push(told);
@@ -236,7 +234,7 @@ fn amplitudes<'m>(
         let found = model.amplitudes.get(name);
         let amplitude = found.ok_or_else(|| format!("{}: there is no amplitude {name}", change.place))?;
         if let Some(refusal) = &amplitude.refusal {
-            return Err(format!("{refusal} is not taken over"));
+            return Err(format!("{refusal} cannot be imported"));
         }
         used.insert(name.clone(), amplitude);
     }
@@ -354,9 +352,7 @@ fn stresses(values: &Values<'_>, brick: &Brick, model: &Model) -> Result<[f64; 3
                 let Some(node) = model.node_in_element(node) else { continue };
                 if brick.is_axisymmetric() || brick.shape.nodes > brick.shape.corners || axis >= brick.shape.dimensions
                 {
-                    return Err(format!(
-                        "{place}: forces at nodes of such an element are not taken over; give *DSLOAD"
-                    ));
+                    return Err(format!("{place}: forces at nodes of such an element cannot be imported: use *DSLOAD"));
                 }
                 forces.entry((axis, brick.nodes[node][axis] > 0.5)).or_default().push(*value);
                 places.insert(axis, place);

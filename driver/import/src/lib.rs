@@ -26,7 +26,7 @@ pub struct Imported {
 
 /// Options of an import.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Wishes<'w> {
+pub struct ImportOptions<'w> {
     /// Only the material of this name.
     pub material: Option<&'w str>,
     /// The law's name or library; default: the shipped law that is called like the material.
@@ -37,15 +37,15 @@ pub struct Wishes<'w> {
 ///
 /// # Errors
 /// Why it is no job of one box-shaped element with a user material, with the place.
-pub fn import(job: &Path, wishes: Wishes<'_>) -> Result<Imported, String> {
+pub fn import(job: &Path, options: ImportOptions<'_>) -> Result<Imported, String> {
     let mut model = Model::default();
     for keyword in keywords::read(job)? {
         model.take(&keyword)?;
     }
-    if let Some(name) = wishes.material {
+    if let Some(name) = options.material {
         let material = model.material(name).map_err(|error| format!("{}: {error}", job.display()))?;
         let mut left_out = Vec::new();
-        let document = material_block(material, wishes.plugin, &mut left_out);
+        let document = material_block(material, options.plugin, &mut left_out);
         return Ok(Imported { document, left_out });
     }
     let mut left_out = std::mem::take(&mut model.left_out);
@@ -54,12 +54,12 @@ pub fn import(job: &Path, wishes: Wishes<'_>) -> Result<Imported, String> {
     if let Some(title) = &model.title {
         case["title"] = json!(title);
     }
-    case["material"] = material_block(material, wishes.plugin, &mut left_out);
+    case["material"] = material_block(material, options.plugin, &mut left_out);
     if let Some(axes) = model.local_axes().map_err(|error| format!("{}: {error}", job.display()))? {
         case["material"]["orientation"] = axes.clone();
         if !model.initial.stress.is_empty() {
             left_out
-                .push("that the initial stress is of the local axes: the case has it in those of the job".to_owned());
+                .push("the local axes of the initial stress: the case applies it in the axes of the job".to_owned());
         }
     }
     case["characteristic_length"] = json!(brick.characteristic_length());
@@ -86,7 +86,7 @@ pub fn import(job: &Path, wishes: Wishes<'_>) -> Result<Imported, String> {
     }
     case["steps"] = json!(evolution.steps);
     let name = job.file_name().unwrap_or_default().to_string_lossy();
-    let rest = if left_out.is_empty() { String::new() } else { format!(" Not taken over: {}.", left_out.join("; ")) };
+    let rest = if left_out.is_empty() { String::new() } else { format!(" Not imported: {}.", left_out.join("; ")) };
     case["description"] = json!(format!("Imported from {name}.{rest}"));
     Ok(Imported { document: case, left_out })
 }
@@ -100,7 +100,7 @@ fn material_block(material: &Material, plugin: Option<&str>, left_out: &mut Vec<
         (None, Some(own)) => (own, true),
         (None, None) => {
             left_out.push(format!(
-                "{}: which library has {}: \"plugin\" is ./libumat.so; --plugin names it",
+                "{}: the library of {}: \"plugin\" is ./libumat.so; --plugin sets it",
                 material.place, material.name
             ));
             ("./libumat.so".to_owned(), false)

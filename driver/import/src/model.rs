@@ -209,7 +209,7 @@ impl Model {
             }
             "SURFACE" => self.surface(keyword)?,
             "INSTANCE" if keyword.data.len() > 1 => {
-                return Err(format!("{place}: a rotated instance is not taken over"));
+                return Err(format!("{place}: a rotated instance cannot be imported"));
             }
             "INSTANCE" => {}
             "SOLID SECTION" => self.section(keyword)?,
@@ -258,7 +258,7 @@ impl Model {
     /// The element, and what it is of.
     pub(super) fn brick_and_material(&self) -> Result<(Brick, &Material), String> {
         let Some(element) = &self.element else {
-            return Err("has no element; --material NAME takes a material over alone".into());
+            return Err("has no element; --material NAME imports only a material".into());
         };
         let coordinates = element.nodes.iter().map(|node| self.nodes.get(node).copied());
         let coordinates: Option<Vec<_>> = coordinates.collect();
@@ -277,7 +277,7 @@ impl Model {
 
     fn node(&mut self, keyword: &Keyword) -> Result<(), String> {
         if keyword.parameter("SYSTEM").is_some_and(|system| !system.eq_ignore_ascii_case("R")) {
-            return Err(format!("{}: only rectangular coordinates are taken over", keyword.place));
+            return Err(format!("{}: only rectangular coordinates can be imported", keyword.place));
         }
         let mut labels = BTreeSet::new();
         for line in &keyword.data {
@@ -362,10 +362,7 @@ impl Model {
         let Some(name) = self.section.as_ref().and_then(|section| section.orientation.as_ref()) else {
             return Ok(None);
         };
-        self.orientations
-            .get(name)
-            .map(Some)
-            .ok_or_else(|| format!("has no *ORIENTATION {name} that can be taken over"))
+        self.orientations.get(name).map(Some).ok_or_else(|| format!("has no *ORIENTATION {name} that can be imported"))
     }
 
     fn expansion(&mut self, keyword: &Keyword) -> Result<(), String> {
@@ -515,14 +512,15 @@ impl Model {
         let step = self.steps.last_mut().ok_or_else(|| format!("{place}: *{} outside a step", keyword.name))?;
         step.has_procedure = true;
         if keyword.parameter("RIKS").is_some() {
-            return Err(format!("{place}: a load of unknown size (RIKS) is not taken over"));
+            return Err(format!("{place}: a load of unknown size (RIKS) cannot be imported"));
         }
         if let Some(line) = keyword.data.first() {
             let (increment, time) = (line.number(0)?, line.number(1)?);
             step.time = if time > 0.0 { time } else { ONE };
             step.increment = if increment > 0.0 { increment.min(step.time) } else { step.time };
             if keyword.parameter("DIRECT").is_none() && step.increment < step.time {
-                self.left_out.push(format!("{place}: automatic increments; all are as the first, {}", step.increment));
+                self.left_out
+                    .push(format!("{place}: automatic increments: all are as large as the first, {}", step.increment));
             }
         }
         Ok(())
@@ -530,7 +528,7 @@ impl Model {
 
     fn boundary(&mut self, keyword: &Keyword) -> Result<(), String> {
         if let Some(option) = keyword.first_of(&["USER", "FIXED", "SUBMODEL"]) {
-            return Err(format!("{}: *BOUNDARY, {option} is not taken over", keyword.place));
+            return Err(format!("{}: *BOUNDARY, {option} cannot be imported", keyword.place));
         }
         if keyword.capitals("TYPE").is_some_and(|kind| kind != "DISPLACEMENT") {
             return Err(format!("{}: only displacements are taken over", keyword.place));

@@ -167,8 +167,7 @@ fn warnings(case: &Case) -> Vec<String> {
     };
     for (name, library) in libraries.iter().filter(|(_, library)| library.calls_change_floating_point()) {
         warnings.push(format!(
-            "{}: calls of '{name}' switched the processor's floating-point modes (flush to zero, rounding, traps); they \
-             were restored behind each",
+            "{}: calls of '{name}' switched the processor's floating-point modes (flush to zero, rounding, traps); pullout restored them after each call",
             library.path().display()
         ));
     }
@@ -177,8 +176,7 @@ fn warnings(case: &Case) -> Vec<String> {
         let Some([step, increment, ..]) = written.values().map(|written| written.place).min() else { continue };
         let names: Vec<String> = written.iter().map(|(name, written)| written.named(name)).collect();
         warnings.push(format!(
-            "{}: '{name}' writes {}, which are inputs (first in step {step}, increment {increment}): each call gets copies, \
-             what it changed there was lost with the call",
+            "{}: '{name}' writes {}, which are inputs (first in step {step}, increment {increment}): each call gets copies, so its changes were lost",
             library.path().display(),
             names.join(", ")
         ));

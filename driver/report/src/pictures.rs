@@ -21,8 +21,8 @@ use fe_core::output::{Activity, FieldsError, Principal, Recovery, axial_stress};
 use plotters::style::RGBColor;
 use pullout_run::columns::Group;
 use pullout_run::number::significant;
-use pullout_run::pullout::fibre::{Fibre, Wall};
-use pullout_run::pullout::{Outcome, PictureAt, PulloutProgram, State};
+use pullout_run::pullout::fibre::{FibreGeometry, Wall};
+use pullout_run::pullout::{Outcome, PictureAt, PulloutProgram, SavedState};
 use std::collections::BTreeSet;
 use std::io;
 
@@ -37,7 +37,7 @@ const ACTIVITIES: [Class<'static>; 4] = [
     (RGBColor(0xd5, 0x5e, 0x00), "damaged"),
     (RGBColor(0xe6, 0x9f, 0x00), "yielded"),
 ];
-pub(crate) const ALONG_HOLE: &str = "distance along the hole from where the fibre ended at first";
+pub(crate) const ALONG_HOLE: &str = "distance along the hole from the fibre's initial end";
 const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 
 /// Draws everything into the folder of the pictures.
@@ -71,7 +71,7 @@ pub fn draw(directory: &mut ResultDirectory, program: &PulloutProgram, outcome: 
 
 /// A state with its name.
 struct Moment<'a> {
-    state: &'a State,
+    state: &'a SavedState,
     /// Ending of a file's stem.
     suffix: String,
     words: String,
@@ -92,7 +92,7 @@ struct Album<'a> {
     directory: &'a mut ResultDirectory,
     mesh: &'a Mesh,
     recovery: Recovery,
-    fibre: Option<Fibre>,
+    fibre: Option<FibreGeometry>,
     /// Position of each pair's slave surface along the fibre.
     walls: Vec<Option<Wall>>,
     matrix: BTreeSet<usize>,
@@ -317,8 +317,8 @@ pub(crate) fn is_total(name: &str) -> bool {
 }
 
 /// Returns the fibre, and how the slave surface of each pair lies along it.
-pub(crate) fn walls(model: &Model) -> (Option<Fibre>, Vec<Option<Wall>>) {
-    let fibre = Fibre::of(model);
+pub(crate) fn walls(model: &Model) -> (Option<FibreGeometry>, Vec<Option<Wall>>) {
+    let fibre = FibreGeometry::of(model);
     let walls = model.contacts.iter().map(|pair| Wall::of(fibre.as_ref()?, &model.mesh, &pair.slave)).collect();
     (fibre, walls)
 }

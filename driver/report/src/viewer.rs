@@ -62,7 +62,7 @@ const VALUES: usize = 3;
 /// States of a specimen over a run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct States {
-    kept: Vec<State>,
+    kept: Vec<ViewerState>,
     /// Every so many increments one is kept, the binary logarithm.
     doublings: u32,
     seen: u64,
@@ -74,7 +74,7 @@ pub struct States {
 const FIRSTS: [&str; 2] = ["first crack", "first yield"];
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct State {
+struct ViewerState {
     increment: u64,
     /// Total time, s.
     time: f64,
@@ -102,7 +102,7 @@ impl States {
         if is_kept || !(is_last || self.stays(increment)) {
             return;
         }
-        let state = State::of(increment, [slip, load], &snapshot.model().mesh, &Fields::of(snapshot));
+        let state = ViewerState::of(increment, [slip, load], &snapshot.model().mesh, &Fields::of(snapshot));
         let size = VALUES * state.fields.len() + state.displacements.len();
         self.kept.push(state);
         let most = (MOST_NUMBERS / size.max(1)).clamp(FEWEST_STATES, MOST_STATES);
@@ -126,7 +126,7 @@ impl States {
         &self,
         program: &PulloutProgram,
         history: &History,
-        peak: Option<&pullout::State>,
+        peak: Option<&pullout::SavedState>,
     ) -> io::Result<Option<Markup>> {
         if self.kept.is_empty() {
             return Ok(None);
@@ -135,10 +135,10 @@ impl States {
             let before = self.kept.partition_point(|state| state.time < peak.fields.time);
             // it is told from others by its time; one that was kept anyway comes once
             let is_kept = self.kept.get(before).is_some_and(|state| state.time == peak.fields.time);
-            let state = || State::of(0, [peak.slip, peak.load], &program.model.mesh, &peak.fields);
+            let state = || ViewerState::of(0, [peak.slip, peak.load], &program.model.mesh, &peak.fields);
             (before, (!is_kept).then(state))
         });
-        let mut states: Vec<&State> = self.kept.iter().collect();
+        let mut states: Vec<&ViewerState> = self.kept.iter().collect();
         if let Some((place, Some(state))) = &peak {
             states.insert(*place, state);
         }
@@ -194,7 +194,7 @@ impl States {
     /// Returns what the script reads: the head, and numbers of all kinds one behind the other.
     fn encode(
         &self,
-        states: &[&State],
+        states: &[&ViewerState],
         program: &PulloutProgram,
         curve: [Vec<f64>; 2],
     ) -> Result<(Value, Vec<u8>), FieldsError> {
@@ -218,7 +218,7 @@ impl States {
         }
         recovery.parts().iter().for_each(|&part| data.extend_from_slice(&(part as u16).to_le_bytes()));
         let displacement = range(states.iter().flat_map(|state| &state.displacements).copied());
-        let moved = |state: &&State| -> Vec<u16> {
+        let moved = |state: &&ViewerState| -> Vec<u16> {
             let at = |&node: &usize| [state.displacements[2 * node], state.displacements[2 * node + 1]];
             nodes.iter().flat_map(at).map(|value| step(value, displacement)).collect()
         };
@@ -271,7 +271,7 @@ impl States {
     }
 
     /// The names of the states, and which is shown at first: that of the greatest load, or the last without a load.
-    fn names(&self, states: &[&State]) -> (Vec<Vec<&'static str>>, usize) {
+    fn names(&self, states: &[&ViewerState]) -> (Vec<Vec<&'static str>>, usize) {
         let last = states.len().saturating_sub(1);
         let loaded = (0..states.len()).filter(|&k| states[k].load.abs() > 0.0);
         let peak = loaded.reduce(|best, k| if states[k].load.abs() > states[best].load.abs() { k } else { best });
@@ -288,7 +288,7 @@ impl States {
 }
 
 /// Triangles and edges of the elements.
-fn shapes(states: &[&State], mesh: &Mesh, recovery: &Recovery, behind: &[usize]) -> [Shapes; 2] {
+fn shapes(states: &[&ViewerState], mesh: &Mesh, recovery: &Recovery, behind: &[usize]) -> [Shapes; 2] {
     let mut gone = vec![states.len(); mesh.elements().len()];
     for (k, state) in states.iter().enumerate() {
         for &element in &state.spalled {
@@ -331,7 +331,7 @@ fn shapes(states: &[&State], mesh: &Mesh, recovery: &Recovery, behind: &[usize])
     [triangles, lines].map(Shapes::ordered)
 }
 
-impl State {
+impl ViewerState {
     fn of(increment: u64, [slip, load]: [f64; 2], mesh: &Mesh, fields: &Fields) -> Self {
         let damage: Vec<Option<usize>> = fields.state_names.iter().map(|names| damage_of(names)).collect();
         let mut values = Vec::with_capacity(fields.stresses.len());
@@ -384,10 +384,10 @@ fn damage_of(names: &[String]) -> Option<usize> {
 /// Triangles or edges.
 #[derive(Default)]
 struct Shapes {
-    items: Vec<Shape>,
+    items: Vec<ElementShape>,
 }
 
-struct Shape {
+struct ElementShape {
     nodes: Vec<u32>,
     is_behind: bool,
     /// The first state without it.
@@ -396,7 +396,7 @@ struct Shape {
 
 impl Shapes {
     fn push(&mut self, nodes: Vec<u32>, is_behind: bool, gone: usize) {
-        self.items.push(Shape { nodes, is_behind, gone });
+        self.items.push(ElementShape { nodes, is_behind, gone });
     }
 
     /// Returns what lies behind first, and in both layers what stays longest: what is left of one is its beginning.

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use umat_abi::host::{FricCall, UinterCall, UmatCall};
 
-/// Arguments of UMAT that the path leaves open, as a replay of a recorded call gives them.
+/// UMAT arguments that the path does not determine. The replay of a recorded call sets them.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UmatArguments {
@@ -25,13 +25,14 @@ pub struct UmatArguments {
     pub noel: Option<i32>,
     /// NPT (default 1).
     pub npt: Option<i32>,
-    /// JSTEP of the first step; JSTEP(1) counts on.
+    /// JSTEP of the first step; JSTEP(1) increases by 1 per step.
     pub jstep: Option<[i32; 4]>,
-    /// KINC of the first increment of each step; it counts on (default 1).
+    /// KINC of the first increment of each step; it increases by 1 per increment (default 1).
     pub kinc: Option<i32>,
-    /// Whether DDSDDE is wanted where the path does not need it (default false).
+    /// Request DDSDDE even where the path does not need it (default false).
     pub ddsdde: Option<bool>,
-    /// DSTRAN of the first call, NTENS values, in steps without F; default: end minus start of its increment, which rounds.
+    /// DSTRAN of the first call, NTENS values, in steps without F. Default: end minus start of the increment, which has
+    /// rounding errors.
     pub dstran: Option<Vec<f64>>,
     /// DTIME of the first call, s.
     pub dtime: Option<f64>,
@@ -66,11 +67,11 @@ impl UmatArguments {
     }
 }
 
-/// Arguments of UINTER or FRIC that the path leaves open, as a replay of a recorded call gives them.
+/// UINTER or FRIC arguments that the path does not determine. The replay of a recorded call sets them.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactArguments {
-    /// p and the two shear tractions at the start, MPa; default: what UINTER finds at the initial place.
+    /// Pressure p and the two shear tractions at the start, MPa. Default: what UINTER returns at the initial position.
     pub traction: Option<[f64; 3]>,
     /// SED, SFD, SPD, SVD, SCD at the start (default 0).
     pub energies: Option<[f64; 5]>,
@@ -92,13 +93,14 @@ pub struct ContactArguments {
     pub area: Option<f64>,
     /// NODE (default 1).
     pub node: Option<i32>,
-    /// KSTEP of the first step; it counts on (default 1).
+    /// KSTEP of the first step; it increases by 1 per step (default 1).
     pub kstep: Option<i32>,
-    /// KINC of the first increment of each step; it counts on (default 1).
+    /// KINC of the first increment of each step; it increases by 1 per increment (default 1).
     pub kinc: Option<i32>,
     /// KIT (default 1).
     pub kit: Option<i32>,
-    /// TIME of the first call, s; default, as of the increments below: what its ends tell, which rounds.
+    /// TIME of the first call, s. Default, as for the increments below: computed from the ends of the increment, which
+    /// has rounding errors.
     pub time: Option<[f64; 2]>,
     /// DTIME of the first call, s.
     pub dtime: Option<f64>,

@@ -45,7 +45,7 @@ pub struct BridgingProgram {
     /// The fibre.
     pub fibre: Fibre,
     /// Source of a fibre's load.
-    pub source: Source,
+    pub source: LoadSource,
     /// Sides of the crack from which fibres pull out.
     pub sides: Sides,
     /// V_f.
@@ -68,7 +68,7 @@ pub struct BridgingProgram {
 
 /// Source of a fibre's load.
 #[derive(Clone, Debug)]
-pub enum Source {
+pub enum LoadSource {
     /// A bond law, and the effect of the inclination angle on it.
     Bond(Bond, Inclination),
     /// Curves of tests, and the angle beyond which fibres carry nothing, degrees.
@@ -155,15 +155,15 @@ impl BridgingProgram {
     }
 
     /// Returns the assumptions where the curves of fibres tell nothing; `simulated` are the curves of
-    /// [`Source::Simulated`].
+    /// [`LoadSource::Simulated`].
     ///
     /// # Errors
     /// Numbers without sense.
     pub fn assumptions(&self, simulated: &[Curve]) -> Result<Vec<String>, Invalid> {
         let (curves, cut_deg, name) = match &self.source {
-            Source::Bond(..) => return Ok(Vec::new()),
-            Source::Curves(curves, cut_deg) => (curves.as_slice(), *cut_deg, "curve"),
-            Source::Simulated(simulations) => (simulated, simulations.cut_deg, "run"),
+            LoadSource::Bond(..) => return Ok(Vec::new()),
+            LoadSource::Curves(curves, cut_deg) => (curves.as_slice(), *cut_deg, "curve"),
+            LoadSource::Simulated(simulations) => (simulated, simulations.cut_deg, "run"),
         };
         let last = self.last_opening();
         let mut warnings = Vec::from_iter(cut_short(curves, name, last));
@@ -172,8 +172,7 @@ impl BridgingProgram {
             let share = self.share_beyond(widest, simulated)?;
             if share > NOTICED_SHARE {
                 warnings.push(format!(
-                    "fibres at more than {}°, the largest angle of the curves, carry up to {} % of the fibres' stress: to \
-                     cut_deg, {}°, their load is taken to be that at {0}°",
+                    "fibres at more than {}°, the largest angle of the curves, carry up to {} % of the fibres' stress: up to cut_deg, {}°, their load is assumed to be that at {0}°",
                     number(widest),
                     significant(100.0 * share, 2),
                     number(cut_deg),
@@ -186,11 +185,11 @@ impl BridgingProgram {
     /// The greatest part of σ_f that fibres at more than an angle carry, at any of a few openings.
     fn share_beyond(&self, angle_deg: f64, simulated: &[Curve]) -> Result<f64, Invalid> {
         let source = match &self.source {
-            Source::Curves(curves, _) => Source::Curves(curves.clone(), angle_deg),
-            Source::Simulated(simulations) => {
-                Source::Simulated(Simulations { cut_deg: angle_deg, ..simulations.clone() })
+            LoadSource::Curves(curves, _) => LoadSource::Curves(curves.clone(), angle_deg),
+            LoadSource::Simulated(simulations) => {
+                LoadSource::Simulated(Simulations { cut_deg: angle_deg, ..simulations.clone() })
             }
-            Source::Bond(..) => return Ok(0.0),
+            LoadSource::Bond(..) => return Ok(0.0),
         };
         let within = Self { source, ..self.clone() }.composite(simulated)?;
         let all = self.composite(simulated)?;
@@ -202,7 +201,7 @@ impl BridgingProgram {
         Ok(few.map(share).fold(0.0, f64::max))
     }
 
-    /// The fibres in their matrix; `simulated` are the curves of [`Source::Simulated`].
+    /// The fibres in their matrix; `simulated` are the curves of [`LoadSource::Simulated`].
     ///
     /// # Errors
     /// Numbers without sense.
@@ -211,11 +210,11 @@ impl BridgingProgram {
             BridgingFibre::of_table(self.fibre, Table::new(curves, cut_deg, self.fibre.length)?, self.sides)
         };
         let fibre = match &self.source {
-            Source::Bond(bond, inclination) => {
+            LoadSource::Bond(bond, inclination) => {
                 BridgingFibre::new(self.fibre, bond, *inclination, self.sides, self.modular_ratio)?
             }
-            Source::Curves(curves, cut_deg) => table(curves, *cut_deg)?,
-            Source::Simulated(simulations) => table(&simulations.complete(simulated), simulations.cut_deg)?,
+            LoadSource::Curves(curves, cut_deg) => table(curves, *cut_deg)?,
+            LoadSource::Simulated(simulations) => table(&simulations.complete(simulated), simulations.cut_deg)?,
         };
         Composite::new(fibre, self.volume_fraction, &self.orientation, self.matrix, self.activation)
     }
@@ -389,8 +388,7 @@ fn cut_short(curves: &[Curve], name: &str, last: f64) -> Option<String> {
         others => format!(" (and {others} more)"),
     };
     Some(format!(
-        "fibre at {}°, {} mm{others}: its {name} ends at a slip of {} mm with {} N; beyond it the load is taken to fall straight \
-         to 0 at extraction",
+        "fibre at {}°, {} mm{others}: its {name} ends at a slip of {} mm with {} N; beyond it the load is assumed to fall linearly to 0 at extraction",
         number(curve.angle_deg),
         number(curve.embedded),
         number(slip),

@@ -284,9 +284,9 @@ pub(crate) static SPECIMEN: [Column<Record>; 37] = [
     // Damaged volume of the block.
     column("damaged_volume", "mm³", "damaged volume", Other, |record| record.damaged_volume),
     // Volume of concrete that was torn off and released.
-    column("spalled_volume", "mm³", "volume of torn matter", Other, |record| record.spalled_volume),
+    column("spalled_volume", "mm³", "volume of torn concrete", Other, |record| record.spalled_volume),
     // Depth below the exit to which concrete was torn off and released.
-    column("spalled_depth", "mm", "depth of torn matter", Other, |record| record.spalled_depth),
+    column("spalled_depth", "mm", "depth of torn concrete", Other, |record| record.spalled_depth),
     // Open length of the side that opened most.
     column("separation_length", "mm", "open length of the interface", Other, |record| record.separation_length),
     // Largest bearing pressure t_N/(φ L).
@@ -357,9 +357,9 @@ pub static BRIDGING: [Column<BridgingRow>; 20] = [
     // Stress carried by the matrix, multiplied by its share of the section.
     column("sigma_matrix", "MPa", "σ_{m}", Stress, |row| row.matrix),
     // Fraction of the fibres across the crack that carry load.
-    column("active", "", "part of fibres that carry", Other, |row| row.fibres.active),
+    column("active", "", "fraction of fibres that carry load", Other, |row| row.fibres.active),
     // Fraction of the fibres across the crack that have broken.
-    column("ruptured", "", "part of fibres broken", Other, |row| row.fibres.ruptured),
+    column("ruptured", "", "fraction of broken fibres", Other, |row| row.fibres.ruptured),
     // Mean length that has spalled off.
     column("spalled_mean", "mm", "mean length spalled", Other, |row| row.fibres.spalled_mean),
     // Estimated quadrature error of `sigma_fibre`.

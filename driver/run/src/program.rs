@@ -32,10 +32,10 @@ pub enum Mode {
     Axisymmetric,
     /// s33 = s13 = s23 = 0; NTENS 3.
     PlaneStress,
-    /// s11 alone, as UMATs of trusses, wires and beams in a plane have it; NTENS 1.
+    /// Only s11, as in UMATs for trusses, wires and plane beams; NTENS 1.
     #[serde(rename = "1d")]
     OneD,
-    /// s11 and s12 alone, as UMATs of beams in space have them; NTENS 2 (NDI 1, NSHR 1).
+    /// Only s11 and s12, as in UMATs for beams in space; NTENS 2 (NDI 1, NSHR 1).
     Beam,
 }
 
@@ -200,7 +200,7 @@ pub struct Step<G> {
     pub pace: Pace,
     /// Goal at its end.
     pub goal: G,
-    /// Ends this step early.
+    /// Condition that ends this step early.
     pub until: Option<Until>,
     /// Temperature and field variables.
     pub fields: StepFields,
@@ -272,16 +272,16 @@ const WITH_THICKNESS: &str = "\"as\": \"3d\" calls it with six components and fi
                                   with s33, s13 and s23 free";
 
 /// Message for nominal stresses in plane stress where the law does not tell its thickness strain.
-pub fn untold_nominal(law: &str) -> String {
-    format!("nominal stresses need the thickness strain, which '{law}' does not tell in plane stress: {WITH_THICKNESS}")
+pub fn nominal_needs_thickness(law: &str) -> String {
+    format!(
+        "nominal stresses need the thickness strain, which '{law}' does not report in plane stress: {WITH_THICKNESS}"
+    )
 }
 
 /// Warns of plane stress at finite strain where the law does not tell its thickness strain.
-pub fn untold_thickness(law: &str) -> String {
+pub fn gradient_needs_thickness(law: &str) -> String {
     format!(
-        "F33 and the column e33 are NaN, as '{law}' does not tell its thickness strain: in DFGRD0 and DFGRD1 it is that of a \
-         constant volume, as ABAQUS has it in plane stress, and only right for an incompressible material. Where the law \
-         reads it, {WITH_THICKNESS}"
+        "F33 and the column e33 are NaN, because '{law}' does not report its thickness strain. As in ABAQUS, DFGRD0 and DFGRD1 have the F33 of constant volume, which is right only for an incompressible material. If the law reads F33, {WITH_THICKNESS}"
     )
 }
 

@@ -11,23 +11,23 @@ const FILE: &str = "animation.gif";
 
 /// Settings for an animation.
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct AnimateArguments {
     /// Result directory of a specimen's run.
     #[arg(value_name = "RESULT_DIR")]
     result: PathBuf,
-    /// Directory of the file animation.gif; default: plots/ of the run.
+    /// Directory for animation.gif [default: plots/ of the run].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Show this field, e.g. damage; a part of its name is enough. Default: the greatest principal stress.
+    /// Field to show, e.g. damage; part of its name is enough [default: the greatest principal stress].
     #[arg(long, value_name = "NAME")]
     field: Option<String>,
-    /// Show only this rectangle, mm. Default: the whole specimen.
+    /// Rectangle to show, mm [default: the whole specimen].
     #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = view, allow_hyphen_values = true)]
     view: Option<View>,
-    /// Number of frames, at equal distances of slip.
+    /// Number of frames, at equal intervals of slip.
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u16).range(2..=600))]
     frames: u16,
-    /// Replace a file there that this program did not write, or that was changed since.
+    /// Also replace a file that pullout did not write or that was changed since.
     #[arg(long)]
     overwrite: bool,
 }
@@ -43,7 +43,7 @@ fn view(text: &str) -> Result<View, String> {
     is_sound.then_some(view).ok_or_else(|| "X0 < X1 and Y0 < Y1 are wanted".to_owned())
 }
 
-pub(super) fn animate(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn animate(arguments: &AnimateArguments) -> Result<u8, Refusal> {
     export::can_export().map_err(Refusal::input)?;
     let (root, kind, folder) = match &arguments.out {
         Some(out) => (out, Kind::Pictures, ""),

@@ -12,14 +12,14 @@ const PROGRAM: &str = "pullout-bench";
 
 /// Arguments that are handed over.
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct BenchArguments {
     /// Arguments of `pullout-bench`.
     #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<OsString>,
 }
 
 /// Becomes the other program; returns why not.
-pub(super) fn run(Arguments { arguments }: &Arguments) -> Refusal {
+pub(super) fn run(BenchArguments { arguments }: &BenchArguments) -> Refusal {
     match isolation::program().and_then(Path::canonicalize).map(|path| path.with_file_name(PROGRAM)) {
         Ok(program) if program.is_file() => {
             let error = Command::new(&program).args(arguments).exec();
@@ -29,7 +29,7 @@ pub(super) fn run(Arguments { arguments }: &Arguments) -> Refusal {
             let line: Vec<_> = arguments.iter().map(|argument| argument.to_string_lossy()).collect();
             let line = line.join(" ");
             Refusal::input(format!(
-                "{PROGRAM} is not installed beside this program: in the source folder, `cargo run --release -p {PROGRAM} -- {line}`"
+                "{PROGRAM} is not installed next to pullout; in the source folder, use `cargo run --release -p {PROGRAM} -- {line}`"
             ))
         }
     }

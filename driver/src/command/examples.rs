@@ -9,8 +9,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
-    /// Only those with all of these words in path, title or description.
+pub(super) struct ExamplesArguments {
+    /// List only cases with all these words in path, title or description.
     #[arg(value_name = "WORD")]
     words: Vec<String>,
 }
@@ -26,7 +26,7 @@ pub struct Example {
     pub title: String,
 }
 
-pub(super) fn list(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn list(arguments: &ExamplesArguments) -> Result<u8, Refusal> {
     let found =
         find(&arguments.words).map_err(|error| Refusal { code: NO_PLUGIN, ..Refusal::failed(error.to_string()) })?;
     // shown from the working directory if they are below it

@@ -2,7 +2,9 @@
 
 use super::{DONE, FAILED, Isolation, Refusal, complain, folder_of, isolated, run, say};
 use clap::{Args, Subcommand, ValueEnum};
-use pullout_fit::{Fibre, FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, Weights};
+use pullout_fit::{
+    FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, TestFibre, Weights,
+};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_run::number::significant;
 use std::ffi::OsString;
@@ -18,26 +20,27 @@ pub(super) struct Fit {
     #[command(subcommand)]
     law: Option<FitTarget>,
     #[command(flatten)]
-    case: case::Arguments,
+    case: case::CaseFitArguments,
 }
 
 /// Law that is fitted.
 #[derive(Debug, Subcommand)]
 enum FitTarget {
-    /// A bond law from the load–slip curve of a perpendicular fibre.
+    /// Fit a bond law to the load–slip curve of a perpendicular fibre.
     ///
-    /// The mean traction P/(π D (L − g)) over the mean slip g gives a first law by regression: straight lines (form
-    /// piecewise), or a line and two powers (form powers). Then a simulated pull-out moves the law until its curve is
-    /// the measured one. Written to the result directory: FORM-law.json (contact.law.props, to be pasted into a case),
-    /// FORM-case.json (a complete case that runs), FORM-curve.csv (what it computes), fit.json (all numbers with their
-    /// standard errors and correlations), plots/, report.html.
+    /// A regression of the mean traction P/(π D (L − g)) on the mean slip g gives a first law: straight lines (form
+    /// piecewise), or a line and two powers (form powers). The law is then adjusted until a simulated pull-out matches
+    /// the measured curve. Results in the result directory: FORM-law.json (contact.law.props, to paste into a case),
+    /// FORM-case.json (a complete case), FORM-curve.csv (its computed curve), fit.json (all parameters with standard
+    /// errors and correlations), plots/ and report.html.
     Bond(Box<Bond>),
-    /// σ(w) from the test of a notched beam, and the bond from σ(w).
+    /// Fit σ(w) to the test of a notched beam, and the bond to σ(w).
     ///
-    /// A rigid hinge gives a first σ(w); the hinge model with E, f_t and σ at openings is then moved until its curve is the
-    /// measured one (Levenberg and Marquardt, smoothed by the corner of the L-curve). With fibre and dosage of the case
-    /// friction and snubbing follow, where its model is "closed". Written to the result directory: sigma.csv, curve.csv,
-    /// fit.json (all numbers with their standard errors), bond-case.json (the case with the bond), plots/, report.html.
+    /// A rigid hinge gives a first σ(w). Then E, f_t and σ at a set of openings are adjusted until the hinge model
+    /// matches the measured curve (Levenberg–Marquardt, smoothed at the corner of the L-curve). If the fibre model of
+    /// the case is "closed", friction and snubbing are fitted as well. Results in the result directory: sigma.csv,
+    /// curve.csv, fit.json (all parameters with standard errors), bond-case.json (the case with the fitted bond),
+    /// plots/ and report.html.
     Beam(Box<beam::Beam>),
 }
 
@@ -48,13 +51,13 @@ enum Forms {
     Powers,
     /// Straight lines.
     Piecewise,
-    /// One after the other.
+    /// Both forms, one after the other.
     Both,
 }
 
 #[derive(Debug, Args)]
 pub(super) struct Bond {
-    /// The curve: CSV with a header line, slip in mm, load in N; lines that begin with # are comments.
+    /// The measured curve: CSV with a header line, slip in mm, load in N. Lines that begin with # are comments.
     #[arg(value_name = "CURVE.csv")]
     curve: PathBuf,
     /// Column of the slip [default: 'slip' if there are 'slip' and 'load', else the first].
@@ -69,55 +72,56 @@ pub(super) struct Bond {
     /// Embedded length, mm.
     #[arg(long, value_name = "L", value_parser = positive, allow_negative_numbers = true)]
     length: f64,
-    /// Young's modulus of the fibre, MPa: its stretch is taken off the slip.
+    /// Young's modulus of the fibre, MPa. The fibre's elongation is subtracted from the slip.
     #[arg(long = "fibre-E", value_name = "E", default_value_t = 210e3, value_parser = positive, allow_negative_numbers = true)]
     fibre_modulus: f64,
-    /// First yield of the fibre, MPa (it hardens by 1 % of E) [default: it stays elastic].
+    /// Yield stress of the fibre, MPa; it hardens with 1 % of E [default: it stays elastic].
     #[arg(long, value_name = "F_Y", value_parser = positive, allow_negative_numbers = true)]
     fibre_yield: Option<f64>,
-    /// Position at which the slip was measured.
+    /// Where the slip was measured.
     #[arg(long, value_enum, default_value = "grip")]
     slip_at: SlipAt,
-    /// Length of the fibre between exit face and grip, mm; with --slip-at grip it stretches as well.
+    /// Free length of the fibre between exit face and grip, mm. With --slip-at grip its elongation is part of the
+    /// measured slip.
     #[arg(long, value_name = "L_F", default_value_t = 3.0, value_parser = positive, allow_negative_numbers = true)]
     free_length: f64,
     /// Forms to fit.
     #[arg(long, value_enum, default_value = "both")]
     form: Forms,
-    /// Points of the form piecewise besides (0, 0); the last is at the greatest slip.
+    /// Number of points of the form piecewise, without (0, 0). The last point is at the largest slip.
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(2..=12))]
     points: u8,
-    /// Residual friction tau_res, MPa: given, not fitted [default: 0, or that of --specimen-case].
+    /// Residual friction tau_res, MPa. It is not fitted [default: 0, or that of --specimen-case].
     #[arg(long, value_name = "TAU", value_parser = not_negative, allow_negative_numbers = true)]
     tau_res: Option<f64>,
-    /// Weighting of the curve's rows: both branches the same, or all rows.
+    /// Weights of the curve's rows: the same for both branches, or for all rows.
     #[arg(long, value_enum, default_value = "balanced")]
     weights: Weights,
-    /// Law of the matrix of the simulation.
+    /// Law of the matrix in the simulation.
     #[arg(long, value_enum, default_value = "elastic", conflicts_with = "specimen_case")]
     matrix: MatrixLaw,
     /// Young's modulus of the matrix, MPa.
     #[arg(long = "matrix-E", value_name = "E", default_value_t = 23.7e3, value_parser = positive, allow_negative_numbers = true, conflicts_with = "specimen_case")]
     matrix_modulus: f64,
-    /// A case of kind "pullout" with contact by bond_slip as the simulation; only the bond law of it changes. The slip
-    /// and load of its history are compared with the curve.
+    /// Simulate with this case of kind "pullout", whose contact law is bond_slip. Only its bond law changes. Slip and
+    /// load of its history are compared with the curve.
     #[arg(long, value_name = "CASE.json")]
     specimen_case: Option<PathBuf>,
-    /// Most runs of the simulation for each form.
+    /// Largest number of simulations for each form.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     max_runs: u32,
     /// Result directory [default: out/<curve file stem>/].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
+    /// Also replace files in the result directory that pullout did not write or that were changed since, and list them.
     #[arg(long)]
     overwrite: bool,
-    /// Look for plugins here first (may be repeated).
+    /// Search this folder for plugins first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
     #[command(flatten)]
     isolation: Isolation,
-    /// Say nothing but errors.
+    /// Print only errors.
     #[arg(long)]
     quiet: bool,
 }
@@ -184,7 +188,7 @@ fn act_on_bond(bond: &Bond, line: &[OsString]) -> Result<u8, Refusal> {
     let warnings = pullout_fit::write(&mut directory, &source, &curve, &request, &laws)?;
     directory.remove_earlier()?;
     directory.finish()?;
-    let code = bond.tell(&laws);
+    let code = bond.print_laws(&laws);
     warnings.iter().for_each(|warning| complain(format!("{source}: warning: {warning}")));
     Ok(code)
 }
@@ -193,7 +197,7 @@ impl Bond {
     fn request(&self) -> Request {
         let piecewise = Form::Piecewise { points: usize::from(self.points) };
         Request {
-            fibre: Fibre {
+            fibre: TestFibre {
                 diameter: self.diameter,
                 embedded_length: self.length,
                 free_length: self.free_length,
@@ -230,7 +234,7 @@ impl Bond {
     }
 
     /// Says what came out; the result is the exit code.
-    fn tell(&self, laws: &[FittedLaw]) -> u8 {
+    fn print_laws(&self, laws: &[FittedLaw]) -> u8 {
         let mut code = DONE;
         for law in laws {
             if !self.quiet {

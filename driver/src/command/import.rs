@@ -1,30 +1,30 @@
 //! `pullout import`.
 
 use super::{DONE, Refusal, complain, say};
-use pullout_import::Wishes;
+use pullout_import::ImportOptions;
 use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
-    /// The input file.
+pub(super) struct ImportArguments {
+    /// The ABAQUS input file.
     #[arg(value_name = "JOB.inp")]
     job: PathBuf,
-    /// The case, a new file; default: standard output.
+    /// New file for the case [default: standard output].
     #[arg(short, long, value_name = "CASE.json")]
     output: Option<PathBuf>,
-    /// Only this material, as the "material" of a case.
+    /// Import only this material, as the "material" of a case.
     #[arg(long, value_name = "NAME")]
     material: Option<String>,
-    /// The law; default: the shipped one that is called like the material.
+    /// The law [default: the shipped law with the name of the material].
     #[arg(long, value_name = "NAME|FILE.so")]
     plugin: Option<String>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
-    let wishes = Wishes { material: arguments.material.as_deref(), plugin: arguments.plugin.as_deref() };
-    let imported = pullout_import::import(&arguments.job, wishes).map_err(Refusal::input)?;
+pub(super) fn run(arguments: &ImportArguments) -> Result<u8, Refusal> {
+    let options = ImportOptions { material: arguments.material.as_deref(), plugin: arguments.plugin.as_deref() };
+    let imported = pullout_import::import(&arguments.job, options).map_err(Refusal::input)?;
     let text = format!("{:#}\n", imported.document);
     match &arguments.output {
         None => say(&text),
@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
         }
     }
     for what in &imported.left_out {
-        complain(format!("not taken over: {what}"));
+        complain(format!("not imported: {what}"));
     }
     Ok(DONE)
 }

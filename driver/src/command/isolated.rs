@@ -5,7 +5,7 @@ use pullout_case::CaseProblem;
 use pullout_engine::{Inspection, Job, Message, Options, Source, interrupted};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::summary::{self, PluginFile, Summary};
-use pullout_run::isolation::{self, Aftermath, End, Failure, Need, Passage, Told, Watch, Work, prints};
+use pullout_run::isolation::{self, Aftermath, End, Failure, ForwardedLines, Need, Passage, Watch, Work, prints};
 use pullout_run::program::job_folder;
 use pullout_run::{replay, signals};
 use serde_json::Value;
@@ -20,7 +20,7 @@ pub(super) fn check(inspection: &Inspection, need: &Need) -> u8 {
 
 /// Validates a case that is to be run: what ends the process now will end the run, and be reported then. The second result is
 /// the columns of the rows, where this process is told. `told`: what was told of other cases, and is not told again.
-pub(super) fn check_before_run(case: &Source, need: &Need, told: Option<&Told>) -> (u8, Option<Vec<String>>) {
+pub(super) fn check_before_run(case: &Source, need: &Need, told: Option<&ForwardedLines>) -> (u8, Option<Vec<String>>) {
     let inspection = Inspection { case: case.clone(), quiet: true, before_run: true };
     let mut columns = None;
     let ended = Passage::new(&inspection).and_then(|mut passage| {
@@ -43,17 +43,17 @@ pub(super) fn check_before_run(case: &Source, need: &Need, told: Option<&Told>) 
     (code, columns)
 }
 
-/// Says that a wish of the case is not granted.
-pub(super) fn tell_of_wish(file: &Path, need: &Need, quiet: bool) {
+/// Warns that plugins run in another process although the case says otherwise.
+pub(super) fn warn_about_in_process(file: &Path, need: &Need, quiet: bool) {
     if need.is_against_a_wish && !quiet {
-        let what = "\"isolate\": false is granted by --in-process only; its plugins run in a process of their own";
+        let what = "\"isolate\": false needs --in-process; the plugins run in a separate process";
         complain(format!("{}: {what}", file.display()));
     }
 }
 
 /// Does work in a worker; the exit code. `file` is what messages begin with; `quiet`: only errors are reported.
 pub(super) fn carry_out(work: &impl Work, need: &Need, file: &Path, quiet: bool) -> u8 {
-    tell_of_wish(file, need, quiet);
+    warn_about_in_process(file, need, quiet);
     match supervise(work, &Watch::default(), need) {
         Ok(End::Done(code)) => code,
         Ok(End::Failed(failure)) => fail(file, &failure, &failure.report.message),
@@ -69,7 +69,7 @@ fn supervise(work: &impl Work, wishes: &Watch<'_>, need: &Need) -> io::Result<En
 /// Runs a case into a directory that this process holds.
 pub(super) fn run(job: &Job, directory: ResultDirectory, need: &Need) -> u8 {
     let (file, Options { quiet, echo, .. }) = (&job.case.file, &job.options);
-    tell_of_wish(file, need, *quiet);
+    warn_about_in_process(file, need, *quiet);
     let start = Instant::now();
     // this process shows what is printed
     let mut silent = job.clone();
@@ -178,7 +178,7 @@ fn summary(file: &Path, failure: &Failure, aftermath: Aftermath) -> io::Result<S
 
 fn fail(file: &Path, failure: &Failure, message: &str) -> u8 {
     if failure.report.at_loading && signals::received().is_none() {
-        return Refusal::of(file, CaseProblem::library(message)).told();
+        return Refusal::of(file, CaseProblem::library(message)).report();
     }
     complain(format!("{}: {message}", file.display()));
     signals::received().map_or(FAILED, signals::Interrupt::exit_code)

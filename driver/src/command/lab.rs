@@ -8,16 +8,16 @@ use std::process::{Command, Stdio};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// A law's name, a case, a library, or a source (Fortran, C, C++) that is built again whenever it is saved.
+    /// Name of a law, a case, a library, or a source (Fortran, C, C++), which is built again whenever it is saved.
     #[arg(value_name = "LAW|CASE.json|SOURCE|FILE.so")]
     subject: Option<String>,
-    /// Port on this machine; default: any that is free.
+    /// Port on this machine [default: a free one].
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
     port: u16,
     /// Only print the address.
     #[arg(long)]
     no_open: bool,
-    /// Look for plugins here first (may be repeated).
+    /// Search this folder for plugins first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
     /// End with this process.

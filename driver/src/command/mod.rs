@@ -56,7 +56,7 @@ pullout help                all commands
 /// Drives material and contact points through UMAT, UINTER and FRIC plugins.
 #[derive(Debug, Parser)]
 #[command(name = "pullout", version, max_term_width = 100)]
-struct Arguments {
+struct CommandLine {
     #[command(subcommand)]
     command: Command,
 }
@@ -64,43 +64,43 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Run cases; results go to out/<case>/ or --out.
-    Run(run::Arguments),
-    /// Write the files of a tutorial to begin with: a UMAT, a law, a fibre, a beam, a study, a sweep.
-    New(new::Arguments),
-    /// List the cases that came with pullout, with what each shows.
-    Examples(examples::Arguments),
+    Run(run::RunArguments),
+    /// Write starter files: a UMAT, a law, a fibre, a beam, a study or a sweep.
+    New(new::NewArguments),
+    /// List the cases installed with pullout and what each one shows.
+    Examples(examples::ExamplesArguments),
     /// Change a law's parameters and path in the browser, and see its curves and verdict as you type.
     Lab(lab::Arguments),
-    /// Run families of cases on all processors, overlay them, and test what is claimed of them.
-    Study(study::Arguments),
-    /// Run a case thousands of times and keep numbers: planned once, worked off by any number of processes.
+    /// Run families of cases on all processors, overlay their curves, and test claims about them.
+    Study(study::StudyArguments),
+    /// Run a case with thousands of parameter sets, in any number of processes, and keep the numbers.
     Sweep {
         #[command(subcommand)]
         action: sweep::Action,
     },
-    /// Validate cases and studies: all errors at once, with the JSON path of each.
+    /// Validate cases and studies, and report all errors at once, each with its JSON path.
     Check {
         /// Case and study files.
         #[arg(required = true, value_name = "CASE.json")]
         cases: Vec<PathBuf>,
         #[command(flatten)]
         reading: Reading,
-        /// Say nothing but errors.
+        /// Print only errors.
         #[arg(long)]
         quiet: bool,
     },
-    /// List, describe or test plugins.
+    /// List, describe, check or build plugins.
     Plugin {
         #[command(subcommand)]
         action: plugin::Action,
     },
     /// Print the JSON Schema of case and study files (draft 2020-12).
     Schema,
-    /// Redraw the pictures of one or several runs, overlaid.
-    Plot(plot::Arguments),
-    /// Make a looping GIF of a specimen's run: the deformed mesh beside the curve.
-    Animate(animate::Arguments),
-    /// Work for another process of the program, which starts this one.
+    /// Redraw the pictures of a run, or overlay several runs.
+    Plot(plot::PlotArguments),
+    /// Make a looping GIF of a specimen's run: the deformed mesh next to the curve.
+    Animate(animate::AnimateArguments),
+    /// Execute work for the pullout process that started this one.
     #[command(name = isolation::worker::COMMAND, hide = true)]
     Worker(isolation::Task),
     /// Write the manual pages and the shells' completions below a folder `share`; for the installer.
@@ -111,15 +111,15 @@ enum Command {
         share: PathBuf,
     },
     /// Turn a one-element ABAQUS job with a user material into a case of kind "point".
-    Import(import::Arguments),
+    Import(import::ImportArguments),
     /// Find a law's parameters from an experiment.
     ///
-    /// `fit CASE` seeks numbers of any case by which a curve of its history is nearest to a measured one (Levenberg and
-    /// Marquardt). Written to the result directory: fitted-case.json (runs with what was found), fitted-curve.csv, fit.json
-    /// (values with standard errors and correlations), plots/, report.html.
+    /// `fit CASE` adjusts parameters of any case until a history curve matches a measured one (Levenberg–Marquardt). It
+    /// writes to the result directory: fitted-case.json (the case with the fitted values), fitted-curve.csv, fit.json
+    /// (values with standard errors and correlations), plots/ and report.html.
     Fit(Box<fit::Fit>),
-    /// Measure run time against error, the cost of the plugin ABI, throughput.
-    Bench(bench::Arguments),
+    /// Measure run time against error, the cost of a plugin call, and throughput.
+    Bench(bench::BenchArguments),
     /// Print calibrated parameters of a law.
     Props {
         #[command(subcommand)]
@@ -130,14 +130,13 @@ enum Command {
 /// Settings for reading case files.
 #[derive(Clone, Debug, clap::Args)]
 struct Reading {
-    /// Override an entry, e.g. steps.0.increments=5 (VALUE is JSON, else a string; applies to all cases).
+    /// Override an entry of every case, e.g. steps.0.increments=5 (VALUE is JSON, otherwise a string).
     #[arg(long = "set", value_name = "a.b.c=VALUE")]
     overrides: Vec<String>,
-    /// Look for plugins here first (may be repeated).
+    /// Search this folder for plugins first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
-    /// Trust no file: plugins of the search path only, no symbol in them, and no reading outside
-    /// file's folder.
+    /// Trust no file: only plugins of the search path, without "symbol", and no reading outside the file's folder.
     #[arg(long, conflicts_with = "in_process")]
     untrusted: bool,
     #[command(flatten)]
@@ -147,7 +146,8 @@ struct Reading {
 /// Process in which libraries run that were not built with this program.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 struct Isolation {
-    /// Call all plugins in this process, except where a case says "isolate": true. What ends them ends the program.
+    /// Call all plugins in this process, except in cases with "isolate": true. A plugin that stops or crashes then ends
+    /// pullout.
     #[arg(long)]
     in_process: bool,
 }
@@ -220,7 +220,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         say(FIRST_STEPS);
         return DONE;
     }
-    let arguments = match Arguments::try_parse_from(&line) {
+    let arguments = match CommandLine::try_parse_from(&line) {
         Ok(arguments) => arguments,
         Err(message) => {
             // help and version are no errors
@@ -253,12 +253,12 @@ fn command_for(file: &Path) -> Option<String> {
         _ if umat_abi::host::names_a_file(&file.to_string_lossy()) => "lab",
         _ => return None,
     };
-    file.is_file().then(|| format!("for a file: pullout {command} {}", file.display()))
+    file.is_file().then(|| format!("to use this file: pullout {command} {}", file.display()))
 }
 
 /// Does what a command line without the program's name says; the result is the exit code.
 fn act_on(arguments: &[OsString]) -> u8 {
-    match Arguments::try_parse_from(std::iter::once(&OsString::from("pullout")).chain(arguments)) {
+    match CommandLine::try_parse_from(std::iter::once(&OsString::from("pullout")).chain(arguments)) {
         Ok(parsed) => act(parsed.command, arguments),
         Err(message) => {
             complain(message);
@@ -285,7 +285,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         _ => signals::write_beyond_limits_fails(),
     };
     if let Err(error) = listening {
-        complain(format!("signals cannot be listened to: {error}"));
+        complain(format!("signals cannot be handled: {error}"));
     }
     let done = match command {
         Command::Run(arguments) => Ok(run::run(&arguments)),
@@ -309,7 +309,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         Command::Worker(task) => isolation::worker::work(&task, work).map_err(Refusal::failed),
         Command::Pages { share } => pages::write(&share),
     };
-    done.unwrap_or_else(Refusal::told)
+    done.unwrap_or_else(Refusal::report)
 }
 
 /// Lets cases name sources of plugins, which are compiled, unless nobody vouches for the cases.
@@ -339,7 +339,7 @@ fn work(name: &str, work: &str) -> u8 {
         }),
         plugin::Laws::NAME => done(work, |laws: plugin::Laws| {
             compile_sources(false);
-            laws.tell()
+            laws.send()
         }),
         plugin::Checks::NAME => done(work, |checks: plugin::Checks| {
             compile_sources(false);
@@ -349,9 +349,9 @@ fn work(name: &str, work: &str) -> u8 {
             compile_sources(batch.is_untrusted);
             Ok(batch.carry_out().map(|()| DONE)?)
         }),
-        _ => Err(Refusal::failed(format!("{name}: nobody knows this work"))),
+        _ => Err(Refusal::failed(format!("{name}: unknown work"))),
     };
-    done.unwrap_or_else(Refusal::told)
+    done.unwrap_or_else(Refusal::report)
 }
 
 /// The result directory of a file: the one that was asked for, of several files their parent; else one below `out`.
@@ -394,9 +394,9 @@ impl Refusal {
     }
 
     /// Prints the message, and hands on what is wrong with the input; returns the exit code.
-    fn told(self) -> u8 {
+    fn report(self) -> u8 {
         if !self.problems.is_empty() {
-            isolation::tell(&Message::Refused(self.problems));
+            isolation::send(&Message::Refused(self.problems));
         }
         complain(self.message);
         self.code

@@ -6,10 +6,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
-    /// What to begin with.
+pub(super) struct NewArguments {
+    /// What to start with.
     kind: Kind,
-    /// Folder for the files, made if it is not there.
+    /// Folder for the files; created if necessary.
     #[arg(value_name = "DIR", default_value = ".")]
     folder: PathBuf,
 }
@@ -17,23 +17,23 @@ pub(super) struct Arguments {
 /// A tutorial's first files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Kind {
-    /// A material point of a law, with a measured curve.
+    /// A material point with a shipped law and a measured curve.
     Point,
     /// A UMAT in Fortran, and a case that drives it.
     Umat,
     /// The same UMAT in C.
     UmatC,
-    /// A law in Rust, with its parameters and states described.
+    /// A law in Rust, with descriptions of its parameters and states.
     Law,
     /// The bond law of a fibre, at one point.
     Bond,
     /// A fibre pulled out of its block.
     Fibre,
-    /// From fibres to σ(w), the notched beam and f_R.
+    /// Fibres across a crack: σ(w), the notched beam and f_R.
     Beam,
     /// A family of runs, with claims.
     Study,
-    /// Thousands of runs of which numbers are kept.
+    /// Thousands of runs that leave one row of numbers each.
     Sweep,
 }
 
@@ -65,7 +65,7 @@ impl Kind {
     }
 }
 
-pub(super) fn write(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn write(arguments: &NewArguments) -> Result<u8, Refusal> {
     let Page { text, name, files } = arguments.kind.page();
     let place = |file: &str| arguments.folder.join(file);
     let in_the_way: Vec<String> = files
@@ -75,7 +75,7 @@ pub(super) fn write(arguments: &Arguments) -> Result<u8, Refusal> {
         .map(|file| file.display().to_string())
         .collect();
     if !in_the_way.is_empty() {
-        return Err(Refusal::input(format!("{}: there already; nothing was written", in_the_way.join(", "))));
+        return Err(Refusal::input(format!("{}: exists already; nothing was written", in_the_way.join(", "))));
     }
     for file in files {
         let path = place(file);

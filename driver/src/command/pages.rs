@@ -1,6 +1,6 @@
 //! `pullout pages SHARE`, hidden: what an installation tells of the command line.
 
-use super::{Arguments, DONE, Refusal};
+use super::{CommandLine, DONE, Refusal};
 use clap::CommandFactory;
 use clap_complete::{Shell, generate_to};
 use std::fs;
@@ -22,13 +22,13 @@ pub(super) fn write(share: &Path) -> Result<u8, Refusal> {
 fn write_all(share: &Path) -> io::Result<()> {
     let manual = share.join("man/man1");
     fs::create_dir_all(&manual)?;
-    clap_mangen::generate_to(Arguments::command(), manual)?;
+    clap_mangen::generate_to(CommandLine::command(), manual)?;
     for (shell, folder) in COMPLETIONS {
         let folder = share.join(folder);
         fs::create_dir_all(&folder)?;
         let written = generate_to(
             shell,
-            &mut shown(&Arguments::command()).version(env!("CARGO_PKG_VERSION")),
+            &mut shown(&CommandLine::command()).version(env!("CARGO_PKG_VERSION")),
             "pullout",
             &folder,
         )?;

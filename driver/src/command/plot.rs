@@ -8,26 +8,26 @@ use std::path::PathBuf;
 
 /// Settings for drawing pictures again.
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
-    /// Result directories of runs; or that of one study, with --png or --pdf.
+pub(super) struct PlotArguments {
+    /// Result directories of runs; or of one study, with --png or --pdf.
     #[arg(required = true, value_name = "RESULT_DIR")]
     results: Vec<PathBuf>,
-    /// Directory of the pictures, to which those of a single run's fields come along; default: plots/ of the run, of several
-    /// compared/ of the first.
+    /// Directory for the pictures, including the field pictures of a single run [default: plots/ of the run; for
+    /// several runs compared/ of the first].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Make a PNG of every picture there as well, those of a specimen's fields among them.
+    /// Also save every picture as PNG, including the field pictures of a specimen.
     #[arg(long)]
     png: bool,
-    /// Make a PDF of every picture there as well.
+    /// Also save every picture as PDF.
     #[arg(long)]
     pdf: bool,
-    /// Replace pictures there that this program did not write, or that were changed since.
+    /// Also replace pictures that pullout did not write or that were changed since.
     #[arg(long)]
     overwrite: bool,
 }
 
-pub(super) fn plot(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn plot(arguments: &PlotArguments) -> Result<u8, Refusal> {
     if arguments.png || arguments.pdf {
         export::can_export().map_err(Refusal::input)?;
     }
@@ -36,7 +36,7 @@ pub(super) fn plot(arguments: &Arguments) -> Result<u8, Refusal> {
     let is_single = arguments.results.len() == 1;
     let is_study = is_single && first.join("study.json").is_file();
     if is_study && !arguments.png && !arguments.pdf {
-        let message = "`pullout study` draws the pictures of a study: --png or --pdf?";
+        let message = "`pullout study` draws the pictures of a study; --png or --pdf saves them as such files";
         return Err(Refusal::input(format!("{}: {message}", first.display())));
     }
     for folder in arguments.results.iter().filter(|_| !is_study) {

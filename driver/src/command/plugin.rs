@@ -21,34 +21,35 @@ pub(super) use check::Checks;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
-    /// Plugins found, their laws and versions, and the folders searched.
+    /// List the plugins, their laws and versions, and the folders searched.
     List {
-        /// Look here first (may be repeated).
+        /// Search this folder for plugins first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
     },
-    /// Parameters (unit, default, bounds), state variables, modes of a plugin.
+    /// Print the parameters (unit, default, bounds), state variables and modes of a plugin.
     Info {
         /// A law's name, or a shared library.
         #[arg(value_name = "NAME|FILE.so")]
         plugin: String,
-        /// Print as ABAQUS input: keywords, constants in order, state variables.
+        /// Print ABAQUS input: keywords, constants in order, state variables.
         #[arg(long)]
         abaqus: bool,
-        /// Print as JSON.
+        /// Print JSON.
         #[arg(long, conflicts_with = "abaqus")]
         json: bool,
-        /// Look here first (may be repeated).
+        /// Search this folder for plugins first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
         #[command(flatten)]
         isolation: Isolation,
     },
-    /// Test a plugin against what its metadata claims, around the path of a case; exit code 1 if it fails, 4 if it was
-    /// nowhere seen to be nonlinear although it has states that matter.
-    Check(check::Arguments),
-    /// Compile a UMAT in Fortran, C or C++ to a library, with the flags that it needs.
-    Build(build::Arguments),
+    /// Check a plugin's tangent, energies, memory and metadata, along the path of a case if you give one. Exit code 1:
+    /// a check failed. Exit code 4: not tested, because the law has state variables but was linear wherever it was
+    /// checked.
+    Check(check::CheckArguments),
+    /// Compile a UMAT in Fortran, C or C++ to a library, with the flags it needs.
+    Build(build::BuildArguments),
 }
 
 /// Longest time that loading a library, or one call of it, may take unless a case says otherwise, s: who looks at a
@@ -112,7 +113,7 @@ fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, Refusal> {
         return if file.is_file() { sources::library_of(file).map_err(no_plugin) } else { Ok(file) };
     }
     let paths = search_paths(plugin_paths);
-    let not_found = || pullout_case::not_found(name, &paths) + "; `pullout plugin list` tells what there is";
+    let not_found = || pullout_case::not_found(name, &paths) + "; `pullout plugin list` lists all laws";
     Found::by_name(name, &paths).map(|found| found.path).ok_or_else(|| no_plugin(not_found()))
 }
 
@@ -120,15 +121,16 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
     let paths = search_paths(plugin_paths);
     let mut rows = vec![["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from)];
     for Found { path, .. } in Found::all(&paths) {
-        let told = match pullout_check::build::defines(&path, PLUGIN_SYMBOL) {
+        let rows_or_error = match pullout_check::build::defines(&path, PLUGIN_SYMBOL) {
             Ok(true) => rows_of(&path),
             // other libraries (compiler plugins beside the executable) are not even loaded
             Ok(false) => Ok(Vec::new()),
             Err(error) => Err(format!("{}: cannot be read as a library: {error}", path.display())),
         };
-        match told {
-            Ok(told) => rows.extend(
-                told.into_iter()
+        match rows_or_error {
+            Ok(found) => rows.extend(
+                found
+                    .into_iter()
                     .map(|[law, version, entry_points]| [law, version, entry_points, path.display().to_string()]),
             ),
             Err(message) => complain(message),
@@ -160,7 +162,7 @@ fn info_as_json(library: &Library) -> Result<u8, Refusal> {
 /// Name, version and entry points of the laws of a library, which is loaded into this process only if it may be.
 fn rows_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
     let Some(need) = Need::of_library(library, TIME_LIMIT) else { return laws_of(library) };
-    let in_words = |error: std::io::Error| format!("{}: cannot be looked at: {error}", library.display());
+    let in_words = |error: std::io::Error| format!("{}: cannot be examined: {error}", library.display());
     let mut passage = Passage::new(&Laws { library: library.to_owned() }).map_err(in_words)?;
     match isolation::supervise(&mut passage, &Watch::default(), &need).map_err(in_words)? {
         // or it has said why there are none
@@ -188,9 +190,9 @@ impl Work for Laws {
 }
 
 impl Laws {
-    /// Tells them.
-    pub(super) fn tell(&self) -> Result<u8, Refusal> {
-        isolation::tell(&laws_of(&self.library).map_err(Refusal::failed)?);
+    /// Sends them to the process that asked.
+    pub(super) fn send(&self) -> Result<u8, Refusal> {
+        isolation::send(&laws_of(&self.library).map_err(Refusal::failed)?);
         Ok(DONE)
     }
 }

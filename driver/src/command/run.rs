@@ -10,7 +10,7 @@ use pullout_report::outcome;
 use pullout_report::summary::{Status, Summary};
 use pullout_report::viewer::States;
 use pullout_run::isolation::prints::{Prints, say};
-use pullout_run::isolation::{Aftermath, Need, tell as hand_on, worker};
+use pullout_run::isolation::{Aftermath, Need, send, worker};
 use pullout_run::pullout::checkpoint::Checkpoints;
 use pullout_run::signals;
 use std::collections::BTreeSet;
@@ -24,18 +24,18 @@ mod test;
 
 /// Settings for running cases.
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct RunArguments {
     /// Case files.
     #[arg(required = true, value_name = "CASE.json")]
     cases: Vec<PathBuf>,
-    /// Result directory (of several cases: their parent).
+    /// Result directory; for several cases, its parent [default: out/<case>/].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Go on with the run that was interrupted in this result directory, from its last checkpoint; later rows and fields
-    /// are computed again, to the same bits. What a library keeps in its own memory (SAVE, COMMON) is in no checkpoint:
-    /// its UEXTERNALDB is told of the restart (LOP = 4).
+    /// Continue the interrupted run in this result directory from its last checkpoint. Later rows and fields are
+    /// computed again, bit for bit the same. A checkpoint does not contain a library's own memory (SAVE, COMMON):
+    /// pullout calls the library's UEXTERNALDB with LOP = 4.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "record_increments"])]
     restart: Option<PathBuf>,
     #[command(flatten)]
@@ -56,7 +56,7 @@ pub(super) fn inspect(inspection: &Inspection) -> u8 {
     match inspection.case.need() {
         Some(need) if inspection.before_run => isolated::check_before_run(&inspection.case, &need, None).0,
         Some(need) => isolated::check(inspection, &need),
-        None => inspect_here(inspection).unwrap_or_else(Refusal::told),
+        None => inspect_here(inspection).unwrap_or_else(Refusal::report),
     }
 }
 
@@ -64,7 +64,7 @@ pub(super) fn inspect(inspection: &Inspection) -> u8 {
 fn inspect_here(Inspection { case: source, quiet, before_run }: &Inspection) -> Result<u8, Refusal> {
     let case = super::read(source)?;
     if *before_run {
-        hand_on(&Message::Columns(case.columns_of_numbers()));
+        send(&Message::Columns(case.columns_of_numbers()));
     } else {
         let _prints = Prints::discard();
         case.check_laws()?;
@@ -73,7 +73,7 @@ fn inspect_here(Inspection { case: source, quiet, before_run }: &Inspection) -> 
         let file = source.file.display();
         say(&format!("{file}: no errors\n"));
         // the standard output has a line for each case
-        case.about().defaults.iter().for_each(|line| complain(format!("{file}: by default, {line}")));
+        case.about().defaults.iter().for_each(|line| complain(format!("{file}: note: defaults used: {line}")));
         case.about().warnings.iter().for_each(|warning| complain(format!("{file}: warning: {warning}")));
     }
     Ok(DONE)
@@ -96,20 +96,20 @@ impl Way {
 }
 
 /// Runs cases, after all of them were read without an error.
-pub(super) fn run(arguments: &Arguments) -> u8 {
-    let Arguments { cases, restart, reading, .. } = arguments;
+pub(super) fn run(arguments: &RunArguments) -> u8 {
+    let RunArguments { cases, restart, reading, .. } = arguments;
     if restart.is_some() && cases.len() > 1 {
-        complain("--restart goes on with one run: name its case alone");
+        complain("--restart continues a single run: give one case");
         return BAD_INPUT;
     }
     if restart.is_some() && reading.untrusted {
-        complain("--restart goes on with a state that is believed: with --untrusted, run the case from its start");
+        complain("--restart trusts the saved state, which --untrusted does not allow: run the case from its start");
         return BAD_INPUT;
     }
     run_all(&arguments.jobs())
 }
 
-impl Arguments {
+impl RunArguments {
     /// The runs, in the order of the cases.
     fn jobs(&self) -> Vec<Job> {
         let Self { cases, out, reading, restart, options } = self;
@@ -124,7 +124,7 @@ impl Arguments {
 /// Does a job for another process.
 pub(super) fn carry_out(job: &Job) -> u8 {
     match &job.aftermath {
-        Some(aftermath) => conclude_here(job, aftermath.clone()).unwrap_or_else(Refusal::told),
+        Some(aftermath) => conclude_here(job, aftermath.clone()).unwrap_or_else(Refusal::report),
         None => run_all(std::slice::from_ref(job)),
     }
 }
@@ -134,7 +134,7 @@ fn run_all(jobs: &[Job]) -> u8 {
     let count = jobs.first().and_then(|job| job.options.threads).unwrap_or_else(super::processors);
     let threads = match Threads::new(count) {
         Ok(threads) => threads,
-        Err(error) => return Refusal::input(format!("--threads {count}: {error}")).told(),
+        Err(error) => return Refusal::input(format!("--threads {count}: {error}")).report(),
     };
     let mut folders = BTreeSet::new();
     let mut ways = Vec::new();
@@ -162,7 +162,7 @@ fn run_all(jobs: &[Job]) -> u8 {
         };
         match way {
             Ok(way) => ways.push((way, job)),
-            Err(refusal) => code = code.max(refusal.told()),
+            Err(refusal) => code = code.max(refusal.report()),
         }
     }
     if code != DONE {
@@ -172,7 +172,7 @@ fn run_all(jobs: &[Job]) -> u8 {
     for (way, job) in ways {
         match open(job, &way.libraries()) {
             Ok(directory) => ready.push((way, job, directory)),
-            Err(refusal) => code = code.max(refusal.told()),
+            Err(refusal) => code = code.max(refusal.report()),
         }
     }
     if code != DONE {
@@ -194,7 +194,7 @@ fn run_all(jobs: &[Job]) -> u8 {
                 run_into(&case, job, &mut directory, threads.clone(), &checkpoints, warnings)
             }
         };
-        tell(&case, directory.path(), job.options.quiet, concluded)
+        print_outcome(&case, directory.path(), job.options.quiet, concluded)
     };
     ready.into_iter().map(run).max().unwrap_or(DONE)
 }
@@ -227,11 +227,11 @@ fn conclude_here(job: &Job, aftermath: Aftermath) -> Result<u8, Refusal> {
         let summary = summarise_rows(&case, &job.folder, aftermath)?;
         conclude(&case, &mut directory, summary, None, &States::default(), job.keep.draws(&case))
     });
-    Ok(tell(&case, &job.folder, job.options.quiet, concluded))
+    Ok(print_outcome(&case, &job.folder, job.options.quiet, concluded))
 }
 
 /// Says what came out of a run; the result is its exit code.
-fn tell(case: &Case, folder: &Path, quiet: bool, concluded: io::Result<(Summary, io::Result<()>)>) -> u8 {
+fn print_outcome(case: &Case, folder: &Path, quiet: bool, concluded: io::Result<(Summary, io::Result<()>)>) -> u8 {
     let complain =
         |message: &dyn std::fmt::Display| complain(format!("{}: {message}", &case.about().case_file.display()));
     let (summary, written) = match concluded {

@@ -3,7 +3,7 @@
 use super::{BAD_INPUT, DONE, FAILED, Reading, Refusal, complain, isolated, run, say};
 use pullout_case::{CaseErrors, CaseProblem};
 use pullout_report::directory::{Access, Kind, ResultDirectory};
-use pullout_run::isolation::Told;
+use pullout_run::isolation::ForwardedLines;
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
 use pullout_study::{Demand, Execution, Progress, Results, Study, claims};
@@ -13,36 +13,36 @@ use std::path::{Path, PathBuf};
 
 /// Settings for running studies.
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct StudyArguments {
     /// Study files.
     #[arg(required = true, value_name = "FAMILY.json")]
     studies: Vec<PathBuf>,
-    /// Directory of the results (of several studies: their parent); default out/<study>/.
+    /// Result directory; for several studies, its parent [default: out/<study>/].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Most runs at a time; default: the number of processors.
+    /// Number of runs at a time [default: the number of processors].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// Run only these, in any case (may be repeated; * stands for all of one kind).
+    /// Run only these, even if they are finished (may be repeated; * matches all series or all labels).
     #[arg(long, value_name = "SERIES/LABEL")]
     only: Vec<String>,
-    /// Run again what is done and has not changed.
+    /// Repeat runs that are finished and unchanged.
     #[arg(long)]
     force: bool,
-    /// Replace files in the result directories that this program did not write, or that were changed since; they are
-    /// listed.
+    /// Also replace files in the result directories that pullout did not write or that were changed since, and list
+    /// them.
     #[arg(long)]
     overwrite: bool,
-    /// Say nothing but errors.
+    /// Print only errors.
     #[arg(long)]
     quiet: bool,
 }
 
 /// Runs studies, after all of them were read without an error.
-pub(super) fn run_all(arguments: &Arguments) -> u8 {
-    let Arguments { studies, out, reading, .. } = arguments;
+pub(super) fn run_all(arguments: &StudyArguments) -> u8 {
+    let StudyArguments { studies, out, reading, .. } = arguments;
     let mut folders = BTreeSet::new();
     let mut read = Vec::new();
     let mut code = DONE;
@@ -110,8 +110,8 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
         is_isolated
     });
     drop(prints);
-    let own = read.as_ref().map_or_else(|errors| Refusal::from(errors.clone()).told(), |_| DONE);
-    let lines = Told::default();
+    let own = read.as_ref().map_or_else(|errors| Refusal::from(errors.clone()).report(), |_| DONE);
+    let lines = ForwardedLines::default();
     let mut told: Option<Vec<CaseProblem>> = None;
     let theirs = apart.iter().map(|(own, need)| {
         let (code, known) = isolated::check_before_run(own, need, Some(&lines));
@@ -128,7 +128,7 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
         }
         // of all cases alike
         if told.replace(unmet.clone()).is_none_or(|before| before != unmet) {
-            Refusal::from(CaseErrors { file: file.into(), problems: unmet }).told();
+            Refusal::from(CaseErrors { file: file.into(), problems: unmet }).report();
         }
         BAD_INPUT
     });
@@ -139,7 +139,7 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     }
 }
 
-fn execution<'a>(folder: &'a Path, arguments: &'a Arguments) -> Execution<'a> {
+fn execution<'a>(folder: &'a Path, arguments: &'a StudyArguments) -> Execution<'a> {
     let processors = super::processors().get();
     let jobs = arguments.jobs.map_or(processors, usize::from);
     Execution {
@@ -154,7 +154,7 @@ fn execution<'a>(folder: &'a Path, arguments: &'a Arguments) -> Execution<'a> {
 }
 
 /// Refuses an `--only` that leaves nothing to run.
-fn check_selection(study: &Study, folder: &Path, arguments: &Arguments) -> u8 {
+fn check_selection(study: &Study, folder: &Path, arguments: &StudyArguments) -> u8 {
     let mut code = DONE;
     for wanted in &arguments.only {
         let only = std::slice::from_ref(wanted);
@@ -170,7 +170,7 @@ fn check_selection(study: &Study, folder: &Path, arguments: &Arguments) -> u8 {
 }
 
 /// Opens the directory of a study, or says why not; those of the runs that are due must be in order as well.
-fn open(study: &Study, folder: &Path, arguments: &Arguments) -> Result<ResultDirectory, u8> {
+fn open(study: &Study, folder: &Path, arguments: &StudyArguments) -> Result<ResultDirectory, u8> {
     let execution = execution(folder, arguments);
     let mut inputs = vec![study.file.clone()];
     let mut of_runs = Vec::new();
@@ -182,13 +182,13 @@ fn open(study: &Study, folder: &Path, arguments: &Arguments) -> Result<ResultDir
         }
     }
     let access = |inputs| Access { inputs, overwrite: arguments.overwrite, is_locked: false };
-    let open = |folder: &Path, kind, inputs| run::open_for(folder, kind, access(inputs)).map_err(Refusal::told);
+    let open = |folder: &Path, kind, inputs| run::open_for(folder, kind, access(inputs)).map_err(Refusal::report);
     let directory = open(folder, Kind::Study, &inputs)?;
     let refused = of_runs.iter().filter_map(|(folder, inputs)| open(folder, Kind::Member, inputs).err());
     refused.max().map_or(Ok(directory), Err)
 }
 
-fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &Arguments) -> io::Result<u8> {
+fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &StudyArguments) -> io::Result<u8> {
     directory.begin(&[])?;
     let folder = &directory.path().to_owned();
     let progress = Progress::new(study, folder, arguments.quiet);

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Action on a sweep.
 #[derive(Debug, clap::Subcommand)]
 pub(super) enum Action {
-    /// Begin a sweep, or give it other runs; says how many there are and how many are done.
+    /// Start a sweep or change its runs, and print how many runs it has and how many are finished.
     Plan {
         /// Sweep file; with --design it may be a case.
         #[arg(value_name = "SWEEP.json")]
@@ -19,49 +19,48 @@ pub(super) enum Action {
         /// The folder of the sweep.
         #[arg(short, long, value_name = "DIR")]
         out: PathBuf,
-        /// The runs as a CSV table whose header has dotted paths of the case.
+        /// CSV table of the runs; its header has dotted paths of the case.
         #[arg(long, value_name = "TABLE.csv")]
         design: Option<PathBuf>,
-        /// Look for plugins here first (may be repeated).
+        /// Search this folder for plugins first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
-        /// Trust no file: plugins of the search path only, no symbol in them, and no reading outside
-        /// the files' folders.
+        /// Trust no file: only plugins of the search path, without "symbol", and no reading outside the files' folders.
         #[arg(long)]
         untrusted: bool,
     },
-    /// Run what is left; a second process at the same time does no harm, and what is done is never run again.
-    Work(Toil),
-    /// Say how far a sweep is.
+    /// Execute the remaining runs. Several processes can work at the same time; finished runs are never repeated.
+    Work(WorkerArguments),
+    /// Print the progress of a sweep.
     Status {
         /// The folder of the sweep.
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
-    /// Write one table of all rows: CSV, or lines of JSON or Parquet with the curves.
+    /// Write all rows to one table: CSV, or JSON lines or Parquet, which include the curves.
     Collect {
         /// The folder of the sweep.
         #[arg(value_name = "DIR")]
         folder: PathBuf,
-        /// The table, by its name .csv, .jsonl or .parquet; default: CSV to the standard output.
+        /// The table, named *.csv, *.jsonl or *.parquet [default: CSV to standard output].
         #[arg(short, long, value_name = "TABLE")]
         out: Option<PathBuf>,
-        /// Replace a file of that name also if it is no table that was collected of this sweep, or was changed since.
+        /// Replace the file even if it is not a table collected from this sweep, or was changed since.
         #[arg(long, requires = "out")]
         overwrite: bool,
     },
-    /// Print a script that works a sweep off as an array of jobs.
+    /// Print a script that executes a sweep as a job array.
     Submit {
         /// The folder of the sweep.
         #[arg(value_name = "DIR")]
         folder: PathBuf,
-        /// The script is one for SLURM: hand it to sbatch.
+        /// Print a script for SLURM; submit it with sbatch.
         #[arg(long, required = true)]
         slurm: bool,
-        /// First and last number of the array, e.g. 0-99.
+        /// First and last index of the array, e.g. 0-99.
         #[arg(long, value_name = "A-B", value_parser = array)]
         array: (usize, usize),
-        /// Processes of each job.
+        /// Number of processes in each job.
         #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
         jobs: u16,
     },
@@ -69,29 +68,30 @@ pub(super) enum Action {
 
 /// Settings for working a sweep off.
 #[derive(Debug, clap::Args)]
-pub(super) struct Toil {
+pub(super) struct WorkerArguments {
     /// The folder of the sweep.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Only the part K of N parts of the runs, K from 0.
+    /// Execute only part K of N equal parts of the runs, K from 0 to N - 1.
     #[arg(long, value_name = "K/N", value_parser = chunk)]
     chunk: Option<(usize, usize)>,
-    /// Processes at a time; default: the number of processors.
+    /// Number of processes [default: the number of processors].
     #[arg(long, value_name = "J", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// Write rows each time that so many runs are over; default: after half a minute.
+    /// Write rows after every N finished runs [default: every half minute].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     chunk_runs: Option<u32>,
-    /// Run again what failed, crashed or took too long.
+    /// Repeat runs that failed, crashed or took too long.
     #[arg(long)]
     again: bool,
-    /// Threads of this process instead of processes, if all runs call only libraries that were built with it.
+    /// Use threads instead of processes, if all runs call only libraries built with pullout.
     #[arg(long)]
     in_process: bool,
-    /// Trust no folder: plugins of the search path only, no symbol in them, and no reading outside the folders below files/.
+    /// Trust no folder: only plugins of the search path, without "symbol", and no reading outside the folders below
+    /// files/.
     #[arg(long)]
     untrusted: bool,
-    /// Say nothing but errors.
+    /// Print only errors.
     #[arg(long)]
     quiet: bool,
 }
@@ -121,7 +121,7 @@ pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
             })?;
             status(&store)
         }
-        Action::Work(toil) => work(toil),
+        Action::Work(arguments) => work(arguments),
         Action::Status { folder } => status(&Store::new(folder)),
         Action::Collect { folder, out, overwrite } => collect(&Store::new(folder), out.as_deref(), *overwrite),
         Action::Submit { folder, slurm: _, array, jobs } => {
@@ -137,29 +137,30 @@ pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
     })
 }
 
-fn work(toil: &Toil) -> io::Result<u8> {
-    let jobs = toil.jobs.map_or_else(|| super::processors().get(), usize::from);
+fn work(arguments: &WorkerArguments) -> io::Result<u8> {
+    let jobs = arguments.jobs.map_or_else(|| super::processors().get(), usize::from);
     let how = Work {
-        chunk: toil.chunk,
+        chunk: arguments.chunk,
         jobs,
-        chunk_runs: toil.chunk_runs.map(|count| count as usize),
-        in_process: toil.in_process,
-        again: toil.again,
-        is_untrusted: toil.untrusted,
+        chunk_runs: arguments.chunk_runs.map(|count| count as usize),
+        in_process: arguments.in_process,
+        again: arguments.again,
+        is_untrusted: arguments.untrusted,
     };
     let start = Instant::now();
-    let told = |over: usize, of: usize| {
-        if !toil.quiet {
-            let each = start.elapsed().as_secs_f64() / over.max(1) as f64;
-            let left = Duration::from_secs_f64(each * (of - over) as f64).as_secs();
-            say(&format!("{over}/{of} runs, {left} s left\n"));
+    let report_progress = |finished: usize, of: usize| {
+        if !arguments.quiet {
+            let each = start.elapsed().as_secs_f64() / finished.max(1) as f64;
+            let seconds = Duration::from_secs_f64(each * (of - finished) as f64).as_secs();
+            say(&format!("{finished}/{of} runs finished, {seconds} s to go\n"));
         }
     };
-    let Worked { kept, ran, elsewhere, left } = pullout_sweep::work(&Store::new(&toil.folder), &how, &told)?;
-    if !toil.quiet {
+    let Worked { kept, ran, elsewhere, left } =
+        pullout_sweep::work(&Store::new(&arguments.folder), &how, &report_progress)?;
+    if !arguments.quiet {
         let seconds = start.elapsed().as_secs_f64();
         let others = if elsewhere > 0 { format!(", {elsewhere} claimed by other workers") } else { String::new() };
-        let folder = toil.folder.display();
+        let folder = arguments.folder.display();
         say(&format!("{folder}: {ran} runs in {seconds:.3} s, {kept} finished before{others}, {left} to do\n"));
     }
     Ok(match signals::received() {

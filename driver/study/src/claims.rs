@@ -54,7 +54,7 @@ impl Verdict {
 /// Outcome of a claim.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// The claim in words.
+    /// Text of the claim.
     pub claim: String,
     /// Whether it was found.
     pub verdict: Verdict,

@@ -153,7 +153,7 @@ pub struct Run {
 /// A claim and its test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// The claim in words.
+    /// Text of the claim.
     pub claim: String,
     /// Indices of the series in each of which it must be found.
     pub series: Vec<usize>,

@@ -39,7 +39,7 @@ pub struct Work {
     pub chunk_runs: Option<usize>,
     /// Whether runs are made in threads of this process, if all call only libraries that were built with it.
     pub in_process: bool,
-    /// Run again what failed, crashed or took too long.
+    /// Repeat runs that failed, crashed or took too long.
     pub again: bool,
     /// Whether the folder is from an unknown source: its cases may name plugins of the search path alone.
     pub is_untrusted: bool,

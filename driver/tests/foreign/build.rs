@@ -448,7 +448,7 @@ fn arrays_that_are_overrun_are_named_as_far_as_can_be_known() {
     desk.write("mine.f", &(whole(own, overrun) + sink));
     desk.pullout(["plugin", "build", "mine.f", "--flag=-fno-inline"]).expect(0);
     let message = failure(&desk, "plane_strain");
-    assert!(message.contains("SIGABRT") && message.contains("wrote beyond the end of an array"), "{message}");
+    assert!(message.contains("SIGABRT") && message.contains("wrote past the end of an array"), "{message}");
     desk.pullout(["plugin", "build", "--debug", "mine.f"]).expect(0);
     let message = failure(&desk, "plane_strain");
     assert!(message.contains("Index '2001' of dimension 1 of array 'work' above upper bound of 2000"), "{message}");

@@ -146,7 +146,7 @@ fn plane_stress_alone_at_finite_strain_is_not_tested() {
     let arguments = ["plugin", "check", "--states", "40", "--case"].map(AsRef::as_ref).into_iter();
     let outcome = desk.pullout(arguments.chain([case.as_os_str(), library.as_os_str()])).expect(4);
     let row = row(&outcome, "thickness");
-    assert!(row.starts_with("void") && row.contains("does not serve NTENS 6"), "{row}");
+    assert!(row.starts_with("void") && row.contains("does not support NTENS 6"), "{row}");
 }
 
 /// The report of a contact law (tests/umats/planted_contact.f) with one planted error.
@@ -260,7 +260,7 @@ fn strains_kept_in_states_are_seen() {
     let arguments = ["plugin", "check", library.as_str().expect("a path"), "--case", case.to_str().expect("UTF-8")];
     let outcome = desk.pullout(arguments).expect(0);
     let told = row(&outcome, "nonlinear states");
-    assert!(told.starts_with("pass") && told.contains("linear everywhere it was looked at"), "{told}");
+    assert!(told.starts_with("pass") && told.contains("linear everywhere it was checked"), "{told}");
 }
 
 /// A law whose calls take long is looked at as far as the time goes; what was left out is said, and nothing passes for it.

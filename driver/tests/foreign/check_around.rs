@@ -77,7 +77,7 @@ fn a_linear_law_is_linear_everywhere_it_was_looked_at() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "elastic.f", &[]) else { return };
     let outcome = checked(&desk, &library, &tension(&library, &[30e3, 0.2], 1), 0);
-    assert!(row(&outcome, "nonlinear states").contains("linear everywhere it was looked at"), "{}", outcome.stdout);
+    assert!(row(&outcome, "nonlinear states").contains("linear everywhere it was checked"), "{}", outcome.stdout);
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn free_expansion_is_linear() {
     case["steps"] = json!([free, { "increments": 10, "target": { "e11": 2e-3 } }]);
     let outcome = checked(&desk, &library, &case, 0);
     let row = row(&outcome, "nonlinear states");
-    assert!(row.contains("linear everywhere it was looked at") && row.contains("0 of 20 increments"), "{row}");
+    assert!(row.contains("linear everywhere it was checked") && row.contains("0 of 20 increments"), "{row}");
 }
 
 /// The check calls FRIC with the LM that a run calls it with: 1 at first, not 0.

@@ -168,10 +168,10 @@ fn path(material: Value, mode: &str) -> Value {
 
 /// Error, check, verdict, words.
 const PLANTED: [(u32, &str, &str, &str); 7] = [
-    (1, "DDSDDT", "FAIL", "right but for its sign"),
+    (1, "DDSDDT", "FAIL", "right except for its sign"),
     (2, "DDSDDT", "FAIL", "wrong"),
     (3, "DDSDDT", "warn", "left at 0"),
-    (4, "DRPLDE", "FAIL", "right but for shears: 2.000"),
+    (4, "DRPLDE", "FAIL", "right except for shears: 2.000"),
     (5, "DRPLDE", "FAIL", "0.500 of what it should be"),
     (6, "DRPLDT", "warn", "left at 0"),
     (8, "DRPLDT", "FAIL", "RPL is NaN"),

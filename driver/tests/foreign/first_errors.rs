@@ -41,8 +41,8 @@ fn a_wrong_tangent_is_blamed_for_what_it_does() {
     let beyond = |value: &str| format!("   if (multiplier > 0) ddsdde(1:n*n) = {value}\n");
     let variants = [
         ("nan", NAN.to_owned(), "it returned DDSDDE(1,1) = NaN"),
-        ("zero", beyond("0"), "the tangent that it reports is off: "),
-        ("large", beyond("1e6*ddsdde(1:n*n)"), "the tangent that it reports is off: "),
+        ("zero", beyond("0"), "its tangent is wrong: "),
+        ("large", beyond("1e6*ddsdde(1:n*n)"), "its tangent is wrong: "),
     ];
     for (name, statements, words) in variants {
         let Some(mut material) = changed(&desk, name, &statements) else { return };
@@ -112,9 +112,9 @@ fn spoilt(desk: &Desk, element: &str) -> Option<Value> {
 fn a_write_beside_an_input_names_both() {
     let desk = Desk::new();
     for (element, words) in [
-        ("stran, 7", "writes DSTRAN (or STRAN behind its end, where DSTRAN lies), which"),
-        ("time, 3", "writes DTIME (or TIME behind its end, where DTIME lies), which"),
-        ("dstran, 1", "writes DSTRAN (or STRAN behind its end, where DSTRAN lies), which"),
+        ("stran, 7", "writes DSTRAN (or STRAN past its end, where DSTRAN lies), which"),
+        ("time, 3", "writes DTIME (or TIME past its end, where DTIME lies), which"),
+        ("dstran, 1", "writes DSTRAN (or STRAN past its end, where DSTRAN lies), which"),
         ("dstran, 2", "writes DSTRAN, which"),
         ("dstran, 0", "writes STRAN (or DSTRAN in front of its beginning, where STRAN lies), which"),
         ("coords, 0", "writes DTEMP (or COORDS in front of its beginning, where DTEMP lies), which"),

@@ -29,7 +29,7 @@ const CUBE: &str = "*NODE, NSET=ALL
 const STEEL: &str = "*MATERIAL, NAME=STEEL\n*DEPVAR\n 3,\n*USER MATERIAL, CONSTANTS=2\n 200.D3, 0.25\n";
 const ROLLERS: &str = "*BOUNDARY\nLEFT, 1\nFRONT, 2\nBOTTOM, 3\n";
 
-/// A case of a job, and what was not taken over.
+/// A case of a job, and what was not imported.
 fn imported(desk: &Desk, job: &str) -> (Value, String) {
     desk.write("job.inp", job);
     let outcome = desk.pullout(["import", "job.inp"]).expect(0);
@@ -63,9 +63,9 @@ fn a_job_in_tension_gives_the_stress_of_hookes_law() {
     assert_eq!(
         left_out,
         format!(
-            "not taken over: {}which library has STEEL: \"plugin\" is ./libumat.so; --plugin names it\n\
-             not taken over: {}that this is one step: where an amplitude bends another begins, 2 in all, so that KSTEP, KINC \
-             and TIME(1) are not those of the job in it and behind it\n",
+            "not imported: {}the library of STEEL: \"plugin\" is ./libumat.so; --plugin sets it\n\
+             not imported: {}the step as a single one: it becomes 2 steps, one for each straight piece of its amplitudes. \
+             From here on, KSTEP, KINC and TIME(1) differ from those of the job\n",
             line_of(&job, "*MATERIAL"),
             line_of(&job, "*STEP, NAME=first")
         )
@@ -92,7 +92,7 @@ fn a_job_in_tension_gives_the_stress_of_hookes_law() {
 #[test]
 fn a_face_that_is_driven_in_part_is_named() {
     let desk = Desk::new();
-    const WORDS: &str = "that only some nodes of a face are given this displacement";
+    const WORDS: &str = "a displacement of only some nodes of a face";
     let job = |nodes: &str, supports: &str| {
         format!("{CUBE}{STEEL}{supports}*STEP\n*STATIC\n1., 1.\n*BOUNDARY\n{nodes}, 1, 1, 0.002\n*END STEP\n")
     };

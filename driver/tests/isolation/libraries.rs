@@ -65,7 +65,7 @@ fn a_sound_library_is_told_of_as_before() {
     let outcome = desk.pullout(["plugin", "info", "misbehaving", "--plugin-path", "."]).expect(0);
     assert!(outcome.stdout.contains("libmisbehaving.so: a library without metadata"), "{}", outcome.stdout);
     let outcome = desk.pullout(["plugin", "check", "./libmisbehaving.so"]).expect(2);
-    assert!(outcome.stderr.contains("give its props and nstatv by --case"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("cannot be checked without a --case"), "{}", outcome.stderr);
     let sound = point(material("misbehaving", Fault::None as u32));
     let outcome = checked(&desk, &sound, "./libmisbehaving.so", 0);
     assert!(outcome.stdout.contains(" checks: none failed, 2 warnings: "), "{}", outcome.stdout);

@@ -142,7 +142,7 @@ fn isolation_is_switched_off_by_the_command_line_alone() {
     wishing["isolate"] = json!(false);
     desk.case("case.json", &point(wishing));
     let outcome = desk.pullout(["run", "case.json"]).expect(1);
-    assert!(outcome.stderr.contains("\"isolate\": false is granted by --in-process only"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("\"isolate\": false needs --in-process"), "{}", outcome.stderr);
     assert!(outcome.stderr.contains("exit code 7"), "{}", outcome.stderr);
     assert_eq!(json(&desk.path("out/case/summary.json"))["status"], "failed");
     let outcome = desk.pullout(["check", "case.json"]).expect(0);

@@ -153,8 +153,8 @@ fn who_runs_in_the_program() {
     assert!(has(&users, &[]));
     assert!(!has(&users, &["--in-process"]));
     let told = |library: &str| Desk::new().pullout(["plugin".as_ref(), "info".as_ref(), plugin(library).as_os_str()]);
-    assert!(told("sound_damage").stdout.contains("Process: one of its own"));
-    assert!(told("linear_elastic").stdout.contains("Process: the program's own"));
+    assert!(told("sound_damage").stdout.contains("Process: a separate one"));
+    assert!(told("linear_elastic").stdout.contains("Process: pullout's own"));
     let ours = |desk: &Desk| copy(desk, "linear_elastic");
     assert!(!has(&ours, &[]));
     let changed = |desk: &Desk| {

@@ -485,7 +485,7 @@ fn a_program_that_was_copied_without_its_laws_finds_them_where_they_were_built()
         assert!(output.status.success(), "{text}");
         text
     };
-    assert!(told(&["plugin", "info", "linear_elastic"]).contains("Process: the program's own"));
+    assert!(told(&["plugin", "info", "linear_elastic"]).contains("Process: pullout's own"));
     told(&["run", "--quiet", "case.json"]);
     // what is beside it is taken first, and judged as it is
     std::fs::write(desk.path("bin").join("libpullout_utilities.so"), "no library").expect("a file");
@@ -539,7 +539,7 @@ fn slips_of_units_and_defaults_are_told_by_check() {
     case["material"]["props"] = json!({ "E": 31.8 });
     desk.case("case.json", &case);
     let outcome = desk.pullout(["check", "case.json"]).expect(0);
-    assert!(outcome.stderr.contains("case.json: by default, material.props: nu = 0.18"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("case.json: note: defaults used: material.props: nu = 0.18"), "{}", outcome.stderr);
     assert!(outcome.stderr.contains("material.props.E = 31.8 MPa is outside the usual range"), "{}", outcome.stderr);
     assert_eq!(outcome.stdout, "case.json: no errors\n");
     let quiet = desk.pullout(["check", "--quiet", "case.json"]).expect(0);

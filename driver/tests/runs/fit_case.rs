@@ -285,7 +285,7 @@ fn what_is_wrong_is_one_message_with_its_place() {
         (&[k_e, "--data=short.csv"], "short.csv: 1 points do not tell 1 numbers"),
     ];
     let more: [(&[&str], &str); 8] = [
-        (&[k_e, "--data=back.csv"], "the data turn back at slip 0.003 (point 2), the run does not"),
+        (&[k_e, "--data=back.csv"], "the data reverse at slip 0.003 (point 2), the run does not"),
         (&[k_e, "--data=before.csv"], "the run begins at slip 0, the data also have -0.001"),
         (&[k_e, "--data=force.csv"], "force.csv, line 1: there is one of the columns of --curve, but not 'tau'"),
         (&[k_e, "--data=zero.csv"], "all values are 0"),

@@ -170,8 +170,8 @@ fn what_cannot_go_on_is_refused() {
     refused_with("made by another case", &["--restart", "out", "--set", "controls.max_iterations=21"]);
     refused_with("checkpoint.bin: ", &["--restart", "nowhere"]);
     refused_with("cannot be used with", &["--restart", "out", "--out", "elsewhere"]);
-    refused_with("name its case alone", &["--restart", "out", "other.json"]);
-    refused_with("with --untrusted, run the case from its start", &["--restart", "out", "--untrusted"]);
+    refused_with("give one case", &["--restart", "out", "other.json"]);
+    refused_with("run the case from its start", &["--restart", "out", "--untrusted"]);
     refused_with("--checkpoint-every", &["--checkpoint-every", "0", "--out", "elsewhere"]);
     let point = json!({
         "kind": "point", "mode": "3d", "material": { "plugin": "linear_elastic" },

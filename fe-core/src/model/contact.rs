@@ -45,7 +45,7 @@ pub struct Fit {
 /// An overlap that the surfaces are pressed apart by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interference {
-    /// The drive that multiplies it.
+    /// Drive that multiplies the overlap.
     pub drive: usize,
     /// At a drive of 1, mm, the same everywhere; `None`: each point's overlap in the mesh, which presses nothing at a drive of 0.
     pub depth: Option<f64>,

@@ -121,7 +121,7 @@ pub struct Skipping {
     pub elastic_far_field: bool,
     /// A factor is used again while it still converges fast.
     pub factor_reuse: bool,
-    /// A contact point looks for its edge from the last one.
+    /// Start the search for a contact point's edge at its last edge.
     pub contact_search: bool,
 }
 

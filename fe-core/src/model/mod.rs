@@ -78,7 +78,7 @@ impl Coupling {
 pub struct Load {
     /// Name in messages.
     pub name: String,
-    /// The drive that multiplies it.
+    /// Drive that multiplies the load.
     pub drive: usize,
     /// Kind and place, and size at a drive of 1.
     pub kind: LoadKind,

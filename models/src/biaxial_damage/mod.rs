@@ -44,10 +44,10 @@ umat_abi::parameters! {
         pub hydrostatic: HydrostaticWeight =
             Parameter::new(c"A_m", c"1/MPa", 2.0, c"rate of the biaxial hydrostatic weight").at_least(0.0),
             Parameter::new(c"B_m", c"1/MPa", 0.7, c"decay of the biaxial hydrostatic weight").at_least(0.0),
-            Parameter::new(c"beta_mode", c"-", 2.0, c"how the hydrostatic part is weighted").one_of(BetaMode::CHOICES);
+            Parameter::new(c"beta_mode", c"-", 2.0, c"weighting of the hydrostatic part").one_of(BetaMode::CHOICES);
         /// Stress from which the weights are computed.
         pub weights: WeightTime =
-            Parameter::new(c"weights", c"-", 0.0, c"of the stress sought, or of the last converged one")
+            Parameter::new(c"weights", c"-", 0.0, c"weights of the current stress, or of the last converged one")
                 .one_of(WeightTime::CHOICES);
     }
 }
@@ -64,11 +64,11 @@ umat_abi::states! {
         /// The largest Y_c.
         pub y_c_max: f64 = StateVariable::new(c"Y_c_max", c"MPa", c"largest compressive energy release rate so far");
         /// D.
-        pub damage: f64 = StateVariable::new(c"D", c"-", c"damage r_t D_t + r_c D_c that acts now");
+        pub damage: f64 = StateVariable::new(c"D", c"-", c"active damage r_t D_t + r_c D_c");
         /// β.
-        pub beta: f64 = StateVariable::new(c"beta", c"-", c"hydrostatic weight of the stress now");
+        pub beta: f64 = StateVariable::new(c"beta", c"-", c"hydrostatic weight of the current stress");
         /// r_t.
-        pub r_t: f64 = StateVariable::new(c"r_t", c"-", c"tensile weight of the stress now");
+        pub r_t: f64 = StateVariable::new(c"r_t", c"-", c"tensile weight of the current stress");
         /// ε33.
         pub strain_33: f64 = STRAIN_33;
         /// The work balance.

@@ -79,7 +79,7 @@ impl<'p> Envelope<'p> {
         require(elastic_stiffness > 0.0, "laws A and B need k_e > 0", elastic_stiffness)?;
         // a written (0, 0) is the one that is meant anyway
         let points = if points.first() == Some(&[0.0; 2]) { &points[1..] } else { points };
-        let rule = "the piecewise form needs at least one point beside (0, 0)";
+        let rule = "the piecewise form needs at least one point in addition to (0, 0)";
         let [Some(&[first_slip, first_traction]), Some(&[_, last_traction])] = [points.first(), points.last()] else {
             return Err(ConfigurationError::Inconsistent { rule, value: 0.0 });
         };

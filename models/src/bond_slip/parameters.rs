@@ -99,7 +99,7 @@ umat_abi::parameters! {
         n_points: f64 = Parameter::new(c"n_points", c"-", 0.0, c"number of points of the piecewise form").at_least(0.0);
         /// c_N.
         c_n: f64 = Parameter::new(
-            c"c_N", c"-", 0.0, c"law B, hard: weight of the gap beside the slip in the damage; 0: p_0 opens",
+            c"c_N", c"-", 0.0, c"law B, hard: weight of the gap relative to the slip in the damage; 0: p_0 opens",
         ).at_least(0.0).typically(0.01, 1000.0);
         ..RepeatingGroup::new(c"points", 2, 0, POINT_COUNT).with_added(1) =>
         points: &'p [[f64; 2]] =

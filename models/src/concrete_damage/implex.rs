@@ -38,16 +38,16 @@ umat_abi::states! {
             StateVariable::new(c"eta_c_rate", c"1/s", c"rate of eta_c in the last increment");
         /// η̃_t and η̃_c.
         pub applied: [f64; 2] =
-            StateVariable::new(c"eta_t_applied", c"-", c"eta_t that the stress was computed with"),
-            StateVariable::new(c"eta_c_applied", c"-", c"eta_c that the stress was computed with");
+            StateVariable::new(c"eta_t_applied", c"-", c"eta_t used for the stress"),
+            StateVariable::new(c"eta_c_applied", c"-", c"eta_c used for the stress");
         /// τ.
-        pub lag_time: f64 = StateVariable::new(c"lag_time", c"s", c"time in which the applied damage follows");
+        pub lag_time: f64 = StateVariable::new(c"lag_time", c"s", c"time constant with which the applied damage follows");
         /// Ψ at η̃.
         pub stored_energy: f64 =
             StateVariable::new(c"stored_energy", c"N*mm/mm^3", c"energy stored at the applied damage");
         /// Σ |Δσ : Δε|.
         pub overstress_work: f64 = StateVariable::new(
-            OVERSTRESS_WORK, c"N*mm/mm^3", c"work of the stress beyond that of the implicit law, its amount",
+            OVERSTRESS_WORK, c"N*mm/mm^3", c"work of the overstress (beyond the implicit law), absolute value",
         );
         /// ε33.
         pub strain_33: f64 = STRAIN_33;
@@ -90,7 +90,7 @@ impl Law for ConcreteDamageImplex {
     #[inline(always)]
     fn check(parameters: &Parameters) -> Result<(), ConfigurationError> {
         ConcreteDamage::check(parameters)?;
-        let rule = "IMPL-EX knows no inelastic strain: b_t and b_c must be 0";
+        let rule = "IMPL-EX has no inelastic strain: b_t and b_c must be 0";
         require(!parameters.has_inelastic_strain(), rule, parameters.b_t.max(parameters.b_c))
     }
 
@@ -185,7 +185,7 @@ pub struct ConcreteDamageFixed;
 impl Law for ConcreteDamageFixed {
     const INFO: LawInfo = LawInfo {
         name: c"concrete_damage_fixed",
-        description: c"Concrete: concrete_damage_implex with cracks of fixed direction",
+        description: c"Concrete: concrete_damage_implex with fixed crack directions",
         derived: &const { [DerivedOutput::damage(c"D_t", 6), DerivedOutput::damage(c"D_c", 7)] },
         flags: ConcreteDamageImplex::INFO.flags,
         ..LawInfo::of::<FixedParameters, FixedState>()

@@ -49,7 +49,7 @@ umat_abi::parameters! {
                 .typically(1e-7, 1.0);
         /// β: how much of the hydrostatic stiffness compressive damage takes.
         pub beta: f64 =
-            Parameter::new(c"beta", c"-", 0.17227, c"share of the hydrostatic stiffness that compressive damage takes")
+            Parameter::new(c"beta", c"-", 0.17227, c"share of the hydrostatic stiffness lost by compressive damage")
                 .within(0.0, 1.0);
         /// ζ_c: how much confinement delays compressive damage.
         pub zeta_c: f64 =

@@ -72,7 +72,7 @@ umat_abi::states! {
         pub eta_c: f64 = HISTORY[1];
         /// H without its threshold.
         pub driving_force: f64 =
-            StateVariable::new(c"H", c"MPa", c"largest energy that opening cracks would set free so far");
+            StateVariable::new(c"H", c"MPa", c"largest energy so far that opening cracks would release");
         /// The largest Y_c.
         pub compression_maximum: f64 = HISTORY[3];
         /// Ψ.
@@ -172,8 +172,7 @@ impl Parameters {
 impl Law for ConcretePhaseField {
     const INFO: LawInfo = LawInfo {
         name: c"concrete_phase_field",
-        description:
-            c"Concrete: cracks as a phase field (PF-CZM) in place of temperature, closure and crushing of IV-H",
+        description: c"Concrete: cracks as a phase field (PF-CZM), passed as temperature; closure and crushing of IV-H",
         derived: &const { [DerivedOutput::damage(c"D_t", 0), DerivedOutput::damage(c"D_c", 1)] },
         flags: flags::THREAD_SAFE | flags::STRESS_ONLY | flags::ISOTROPIC,
         ..LawInfo::of::<Parameters, State>()

@@ -35,7 +35,7 @@ umat_abi::parameters! {
             Parameter::new(c"dilation_angle_deg", c"deg", 18.8, c"dilation angle, at most the friction angle")
                 .at_least(0.0)
                 .below(90.0),
-            Parameter::new(c"cone", c"-", 0.0, c"what cohesion and angles mean").one_of(Match::CHOICES);
+            Parameter::new(c"cone", c"-", 0.0, c"meaning of cohesion and angles").one_of(Match::CHOICES);
     }
 }
 

@@ -137,7 +137,8 @@ impl Parameters {
     /// Ψ(·, D) is positive definite for every D iff −α < ν and (n−1)ν < α: ρ runs from 1 to 1/α.
     fn check_definiteness(&self, dimension: f64) -> Result<(), ConfigurationError> {
         require(self.poisson_ratio > -self.alpha, "alpha must exceed -nu", self.alpha)?;
-        let rule = if dimension == 2.0 { "alpha must exceed nu" } else { "alpha must exceed 2 nu but in plane stress" };
+        let rule =
+            if dimension == 2.0 { "alpha must exceed nu" } else { "alpha must exceed 2 nu, except in plane stress" };
         require((dimension - 1.0) * self.poisson_ratio < self.alpha, rule, self.alpha)
     }
 

@@ -28,7 +28,7 @@ umat_abi::parameters! {
             scale_parameter(c"A_c", 21.0), exponent_parameter(c"B_c", 1.05), threshold_parameter(c"Y_c0", 4e-4);
         /// Split of the volumetric energy.
         pub variant: Variant =
-            Parameter::new(c"variant", c"-", 0.0, c"how the volumetric energy is split").one_of(Variant::CHOICES);
+            Parameter::new(c"variant", c"-", 0.0, c"split of the volumetric energy").one_of(Variant::CHOICES);
     }
 }
 

@@ -11,7 +11,7 @@ const PREFACE: &str = "\
  * Generated from umat-abi/src by the test `contract`; do not edit. */";
 
 const DECLARE: &str = "
-/* Declare what bears a law's name, for programs that link several laws: PULLOUT_DECLARE_UMAT(linear_elastic); gives
+/* Declare the symbols of a law, for programs that link several laws: PULLOUT_DECLARE_UMAT(linear_elastic); gives
  * linear_elastic_umat_. The library of a law and libpullout_laws have them. Kratos: shears 12, 23, 13. */
 #ifdef __cplusplus
 #define PULLOUT_DECLARE extern \"C\"

@@ -74,7 +74,7 @@ fn the_program_knows_the_plugins_that_are_installed_with_it() {
         let told = installation.program().args(["plugin", "info", law]).output().expect("the program starts");
         let told = String::from_utf8_lossy(&told.stdout).into_owned();
         assert!(told.contains(&*installation.library(law).to_string_lossy()), "{told}");
-        assert!(told.contains("Process: the program's own"), "{law}: {told}");
+        assert!(told.contains("Process: pullout's own"), "{law}: {told}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! The body of `<law>_umat_batch_v1`: many points in one call, component by component, each as by `umat_`.
 
-use super::solid::{Arguments, HeatArguments, update};
+use super::solid::{HeatArguments, SolidArguments, update};
 use super::{Refusal, fill_nan, guarded, report};
 use crate::batch::BatchArguments;
 use crate::law::{Law, MAX_STATES};
@@ -66,7 +66,7 @@ unsafe fn update_point<L: Law>(a: &BatchArguments, k: usize, ntens: usize) -> Re
     };
     let [strain, dstrain] = &mut strains;
     let nshr = a.ntens.wrapping_sub(a.ndi);
-    let point = Arguments {
+    let point = SolidArguments {
         stran: gather(a.strain, &mut strain[..ntens]),
         dstran: gather(a.dstrain, &mut dstrain[..ntens]),
         stress: gather(a.stress, &mut stress[..ntens]),

@@ -14,7 +14,7 @@ use std::ptr::{null, null_mut};
 /// one load of 16 bytes, which waits until both of the host's stores of 8 have left the pipeline (7 ns of a call).
 #[derive(Clone, Copy)]
 #[repr(C)]
-pub(super) struct Arguments {
+pub(super) struct SolidArguments {
     pub stran: *const f64,
     pub ndi: *const i32,
     pub stress: *mut f64,
@@ -100,7 +100,7 @@ impl HeatArguments {
 pub unsafe fn umat<L: Law>(arguments: &UmatArguments) {
     let &UmatArguments { stress, statev, ddsdde, sse, spd, scd, stran, dstran, ndi, nshr, ntens, .. } = arguments;
     let &UmatArguments { nstatv, props, nprops, drot, celent, pnewdt, dtime, .. } = arguments;
-    let used = Arguments {
+    let used = SolidArguments {
         stress,
         statev,
         ddsdde,
@@ -162,7 +162,7 @@ unsafe fn refuse_umat(
 /// # Safety
 /// As for [`umat`].
 #[inline(always)]
-pub(super) unsafe fn update<L: Law>(a: &Arguments, heat: &HeatArguments) -> Result<(), Refusal> {
+pub(super) unsafe fn update<L: Law>(a: &SolidArguments, heat: &HeatArguments) -> Result<(), Refusal> {
     // SAFETY: the caller of `umat` passes the arguments of a UMAT call: NULL or valid.
     let (ntens, ndi, nshr) = unsafe { (optional(a.ntens), optional(a.ndi), optional(a.nshr)) };
     let counts = (ntens.unwrap_or(0), ndi.unwrap_or(0), nshr.unwrap_or(0));
@@ -186,7 +186,11 @@ pub(super) unsafe fn update<L: Law>(a: &Arguments, heat: &HeatArguments) -> Resu
 }
 
 #[inline(always)]
-unsafe fn update_in<L: Law>(a: &Arguments, heat: &HeatArguments, stress_state: StressState) -> Result<(), Refusal> {
+unsafe fn update_in<L: Law>(
+    a: &SolidArguments,
+    heat: &HeatArguments,
+    stress_state: StressState,
+) -> Result<(), Refusal> {
     // SAFETY (this function): the caller of `umat` passes the arguments of a UMAT call; each is checked for
     // NULL before use, and nothing is read beyond the counts that the host gives.
     // SAFETY: as above.
@@ -234,7 +238,7 @@ unsafe fn update_in<L: Law>(a: &Arguments, heat: &HeatArguments, stress_state: S
 }
 
 #[inline(always)]
-unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Result<Increment, Refusal> {
+unsafe fn read_increment<L: Law>(a: &SolidArguments, stress_state: StressState) -> Result<Increment, Refusal> {
     let components = stress_state.components();
     // SAFETY: STRAN, DSTRAN and STRESS have NTENS values.
     let (stran, dstran, stress) = unsafe {
@@ -262,7 +266,7 @@ unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Re
 }
 
 #[inline(always)]
-unsafe fn write<S: States>(a: &Arguments, stress_state: StressState, response: &Response, state: &S) {
+unsafe fn write<S: States>(a: &SolidArguments, stress_state: StressState, response: &Response, state: &S) {
     // SAFETY: STRESS(NTENS), DDSDDE(NTENS,NTENS) column-major and STATEV(NSTATV ≥ states) were checked for NULL;
     // DDSDDE and the energies may be NULL.
     unsafe {
@@ -284,7 +288,7 @@ unsafe fn write<S: States>(a: &Arguments, stress_state: StressState, response: &
 /// # Safety
 /// As for [`write`].
 #[inline(always)]
-unsafe fn write_components<const N: usize>(a: &Arguments, response: &Response, components: [usize; N]) {
+unsafe fn write_components<const N: usize>(a: &SolidArguments, response: &Response, components: [usize; N]) {
     // SAFETY: forwarded to the caller.
     unsafe {
         for k in 0..N {

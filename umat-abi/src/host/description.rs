@@ -25,7 +25,7 @@ pub struct LawDescription {
     /// The repeating group.
     pub group: Option<Group>,
     /// STATEV.
-    pub states: Vec<State>,
+    pub states: Vec<StateDescription>,
     /// Quantities that follow from states.
     pub derived: Vec<Derived>,
     validate: metadata::Validate,
@@ -118,7 +118,7 @@ pub struct Group {
 
 /// One entry of STATEV.
 #[derive(Clone, Debug)]
-pub struct State {
+pub struct StateDescription {
     /// Column name.
     pub name: String,
     /// Unit.
@@ -290,7 +290,7 @@ impl LawDescription {
                 parameters: read_parameters(&plugin.parameters)?,
                 group: if plugin.has_repeating == 0 { None } else { Some(read_group(&plugin.repeating)?) },
                 states: read_table(&plugin.states, |s: &metadata::StateVariable| {
-                    Ok(State {
+                    Ok(StateDescription {
                         name: text(s.name)?,
                         unit: text(s.unit)?,
                         doc: text(s.doc)?,

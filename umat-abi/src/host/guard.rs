@@ -33,10 +33,10 @@ impl WrittenInput {
     pub fn named(&self, argument: &str) -> String {
         match self.neighbours {
             [None, None] => argument.to_owned(),
-            [Some(before), None] => format!("{argument} (or {before} behind its end, where {argument} lies)"),
+            [Some(before), None] => format!("{argument} (or {before} past its end, where {argument} lies)"),
             [None, Some(after)] => format!("{argument} (or {after} in front of its beginning, where {argument} lies)"),
             [Some(before), Some(after)] => format!(
-                "{argument} (or {before} behind its end, or {after} in front of its beginning, where {argument} lies)"
+                "{argument} (or {before} past its end, or {after} in front of its beginning, where {argument} lies)"
             ),
         }
     }

@@ -23,10 +23,10 @@ pub enum Debonding {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sliding {
-    /// The embedded length becomes shorter (C2, C2β).
+    /// The embedded length shrinks (C2, C2β).
     #[default]
     Shortening,
-    /// The load stays what it was: small openings, as in C1 and C3.
+    /// The load stays constant: for small openings, as in C1 and C3.
     Held,
 }
 

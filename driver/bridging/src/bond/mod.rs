@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sides {
-    /// The longer side stays put: w = s.
+    /// The longer side does not move: w = s.
     One,
     /// Both carry P: w = s_1(P) + s_2(P).
     #[default]

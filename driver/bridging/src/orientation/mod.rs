@@ -17,9 +17,9 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Orientation {
-    /// Alike in all directions of space.
+    /// Random in space.
     Random3d,
-    /// Alike in all directions of a plane, which the crack is perpendicular to.
+    /// Random in a plane perpendicular to the crack.
     Planar,
     /// Normal distribution between 0 and 90°; spread 0: all at the mean.
     Aligned {
@@ -43,16 +43,16 @@ pub enum Orientation {
         #[serde(default = "first_axis")]
         normal: [f64; 3],
     },
-    /// Counted directions: edges and counts, or a file.
+    /// Histogram of counted directions: edges and counts, or a file.
     Histogram {
         /// Edges of the bins, degrees.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         edges_deg: Vec<f64>,
-        /// Fibres in each, in the volume.
+        /// Number of fibres in each bin, counted in the volume.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         counts: Vec<f64>,
-        /// CSV file, relative to the case file, with the columns from_deg, to_deg and count: a row a bin, the next begins where
-        /// one ends.
+        /// CSV file, relative to the case file, with the columns from_deg, to_deg and count. Each row is a bin, which
+        /// begins where the one before it ends.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         file: Option<String>,
     },
@@ -68,7 +68,7 @@ pub enum Orientation {
     Section {
         /// Width and height, mm.
         size: [f64; 2],
-        /// Walls that end the width, and the height.
+        /// Number of walls that bound the width and the height.
         faces: Faces,
     },
 }

@@ -21,7 +21,7 @@ const SAMPLES: usize = 512;
 const CORNER_PANELS: usize = 4;
 const CORNER_LEVEL: usize = 1;
 
-/// Number of walls, 0 to 2, that end the width and the height of a section.
+/// Number of walls, 0 to 2, that bound the width and the height of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Faces {
@@ -37,7 +37,7 @@ pub fn zone_parts(size: [f64; 2], faces: &Faces, fibre_length: f64) -> Result<[f
         let place = format!("orientation.size[{}]", usize::from(name == "height"));
         Invalid::unless(count <= 2, format!("orientation.faces.{name}"), "must be 0, 1 or 2")?;
         let part = 0.5 * f64::from(count) * fibre_length / size;
-        let rule = "must not be below the length of a fibre between two walls, half of it beside one";
+        let rule = "must be at least the length of a fibre between two walls, and half of it at one wall";
         Invalid::unless(size > 0.0 && part <= 1.0, place, rule)?;
         Ok(part)
     };

@@ -1,6 +1,6 @@
 //! Kind "bridging".
 
-use super::{CaseHead, Material, Piece, Positive, Whole};
+use super::{CommonCaseEntries, Material, Piece, Positive, Whole};
 use pullout_bridging::{BondLaw, Debonding, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -16,7 +16,7 @@ pub struct BridgingCase {
     pub kind: String,
     /// Title, text, files, curves.
     #[serde(flatten)]
-    pub head: CaseHead,
+    pub head: CommonCaseEntries,
     /// The fibre, and the source of its load.
     pub fibre: Piece<FibreOfFile>,
     /// V_f, at most 0.2.
@@ -33,11 +33,11 @@ pub struct BridgingCase {
     /// w_a, the opening at which fibres begin to carry (default 0).
     #[schemars(range(min = 0.0))]
     pub activation: Option<f64>,
-    /// Openings at which σ is given; strengths of beams do not depend on them.
+    /// Openings at which σ(w) is written. The strengths of beams do not depend on them.
     pub openings: Option<Piece<Openings>>,
     /// A notched beam in three-point bending (`{}`: that of EN 14651; default: none).
     pub beam: Option<Piece<NotchedBeam>>,
-    /// Beams with fibres at random (default: none); needs a beam.
+    /// Beams with randomly placed fibres (default: none). Needs `beam`.
     pub scatter: Option<Piece<Scatter>>,
     /// Settings of the output.
     pub output: Option<Piece<BridgingOutput>>,
@@ -74,17 +74,17 @@ pub enum Spacing {
     Even,
 }
 
-/// A straight round fibre, and where the load of one comes from.
+/// A straight round fibre, and the model that gives its load.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(tag = "model", rename_all = "snake_case")]
 pub enum FibreOfFile {
-    /// Constant friction in closed form, with debonding, slip hardening, an angle's part, rupture.
+    /// Closed form with constant friction, debonding, slip hardening, inclination and rupture.
     Closed(ClosedFibre),
-    /// A bond law τ(s) along a fibre that stretches.
+    /// A bond law τ(s) along an elastic fibre.
     ShearLag(ShearLagFibre),
-    /// Curves of tests.
+    /// Measured curves.
     Table(TableFibre),
-    /// Curves of runs of a specimen with one fibre.
+    /// Curves computed with a specimen that has one fibre.
     Fe(FeFibre),
 }
 
@@ -160,7 +160,8 @@ fibre_of_file! {
 fibre_of_file! {
     /// A fibre with a bond law.
     ShearLagFibre {
-        /// τ(s): points [slip, traction], constant after the last, or a law as contact.law has it, under no pressure.
+        /// τ(s): points [slip, traction], constant after the last; or a law in the form of contact.law, evaluated
+        /// without pressure.
         law: LawOfFile,
         /// Effect of the inclination angle (default exp with f = 0.35).
         inclination: Option<Inclination>,
@@ -170,12 +171,12 @@ fibre_of_file! {
 fibre_of_file! {
     /// A fibre whose curves were measured.
     TableFibre {
-        /// CSV file, relative to the case file, with the columns theta_deg, embedded, slip and load: of each angle and
-        /// embedded length a curve by rising slip; the load is that along the crack's normal.
+        /// CSV file, relative to the case file, with the columns theta_deg, embedded, slip and load. Each pair of angle
+        /// and embedded length has a curve with rising slip. The load acts along the crack normal.
         #[schemars(length(min = 1))]
         file: String,
-        /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle of the curves); from the
-        /// largest angle of the curves to this one the load is that at the largest angle.
+        /// Angle, degrees, above which fibres carry nothing (default 80, or the largest angle of the curves if that is
+        /// more). Between the largest angle of the curves and this one, the load is that at the largest angle.
         cut_deg: Option<f64>,
     }
 }
@@ -183,23 +184,23 @@ fibre_of_file! {
 fibre_of_file! {
     /// A fibre whose curves are runs of a specimen, kept for later use.
     FeFibre {
-        /// The case of kind "pullout" with this fibre and no other, relative to this file.
+        /// Case of kind "pullout" with this one fibre, relative to this file.
         #[schemars(length(min = 1))]
         base: String,
-        /// Entries of the base that are set for all runs, by dotted path.
+        /// Entries of the base to set in all runs, by dotted path.
         set: Option<serde_json::Map<String, serde_json::Value>>,
         /// Angles, degrees (default 0, 15, 30, 45, 60, 75).
         angles_deg: Option<Vec<f64>>,
-        /// Embedded lengths over half the fibre's length, the last 1 (default 0.125, 0.25, 0.5, 0.75, 1).
+        /// Embedded lengths as fractions of half the fibre's length; the last is 1 (default 0.125, 0.25, 0.5, 0.75, 1).
         lengths: Option<Vec<f64>>,
-        /// The entry of the base that is the angle (default mesh.specimen.angle_deg; a specimen without one is at 0).
+        /// Entry of the base that sets the angle (default mesh.specimen.angle_deg; a specimen without it is at 0°).
         angle_key: Option<String>,
-        /// The entry of the base that is the embedded length (default mesh.specimen.embedded_length).
+        /// Entry of the base that sets the embedded length (default mesh.specimen.embedded_length).
         length_key: Option<String>,
-        /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle); from the largest angle of
-        /// the runs to this one the load is that at the largest angle.
+        /// Angle, degrees, above which fibres carry nothing (default 80, or the largest angle of the runs if that is
+        /// more). Between the largest angle of the runs and this one, the load is that at the largest angle.
         cut_deg: Option<f64>,
-        /// The folder that keeps the runs, relative to the current one (default out/fibres).
+        /// Folder that keeps the runs, relative to the current folder (default out/fibres).
         cache: Option<String>,
     }
 }

@@ -1,7 +1,7 @@
 //! Kind "interface".
 
 use super::{
-    CaseHead, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Piece, Positive, StepEnd,
+    CommonCaseEntries, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Piece, Positive, StepEnd,
     TableSource,
 };
 use schemars::JsonSchema;
@@ -17,13 +17,13 @@ pub struct InterfaceCase {
     pub kind: String,
     /// Title, text, files, curves.
     #[serde(flatten)]
-    pub head: CaseHead,
+    pub head: CommonCaseEntries,
     /// Plugin, steps, output.
     #[serde(flatten)]
     pub path: Path<InterfaceStep>,
     /// The state before the first step.
     pub initial: Option<Piece<InterfaceInitial>>,
-    /// Arguments of the plugin that the path leaves open; a replay of a recorded call gives them.
+    /// Plugin arguments that the path does not determine. The replay of a recorded call sets them.
     pub arguments: Option<Piece<ContactArguments>>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
@@ -69,7 +69,7 @@ pub struct InterfaceRamp {
     pub increments: Increments,
     /// Duration, s (default 1).
     pub time: Option<Positive>,
-    /// End values; what is not named is held.
+    /// End values. Components that are not named are held.
     pub target: InterfaceTarget,
     /// Conditions that end it early, and fields at its end.
     #[serde(flatten)]
@@ -80,8 +80,8 @@ pub struct InterfaceRamp {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct InterfaceTable {
-    /// CSV file, relative to the case file, or its columns: time (optional, s), slip, slip2 (mm), gap (mm) or p (MPa), temperature,
-    /// and predef1, predef2, … of the case's field variables.
+    /// CSV file, relative to the case file, or its columns: time (optional, s), slip, slip2 (mm), gap (mm) or p (MPa),
+    /// temperature, and predef1, predef2, … for the field variables of the case.
     pub table: TableSource,
     /// Conditions that end it early, and fields at its end.
     #[serde(flatten)]

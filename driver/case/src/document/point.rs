@@ -1,8 +1,8 @@
 //! Kind "point".
 
 use super::{
-    CaseHead, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Piece, Positive, StepEnd, TableSource,
-    UmatArguments,
+    CommonCaseEntries, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Piece, Positive, StepEnd,
+    TableSource, UmatArguments,
 };
 use pullout_run::program::{Measure, Mode};
 use schemars::JsonSchema;
@@ -19,20 +19,20 @@ pub struct PointCase {
     pub kind: String,
     /// Title, text, files, curves.
     #[serde(flatten)]
-    pub head: CaseHead,
+    pub head: CommonCaseEntries,
     /// Plugin, steps, output.
     #[serde(flatten)]
     pub path: Path<PointStep>,
     /// Stress state: the components that exist (default "3d").
     pub mode: Option<Piece<Mode>>,
-    /// Finite strain (default false): strains are those of U in F = R U, of which a step that is given strains or stresses
-    /// keeps R; UMAT is given DFGRD0, DFGRD1 and DROT, and STRAN and STRESS turned by DROT.
+    /// Finite strain (default false). Strains are those of U in F = R U; a step with strain or stress targets keeps R.
+    /// UMAT gets DFGRD0, DFGRD1 and DROT, and STRAN and STRESS rotated by DROT.
     pub nlgeom: Option<Piece<bool>>,
-    /// Measure of the strains and stresses of steps and history with nlgeom (default "logarithmic").
+    /// Strain and stress measure of steps and history with nlgeom (default "logarithmic").
     pub measure: Option<Piece<Measure>>,
     /// The state before the first step.
     pub initial: Option<Piece<PointInitial>>,
-    /// Arguments of UMAT that the path leaves open; a replay of a recorded call gives them.
+    /// UMAT arguments that the path does not determine. The replay of a recorded call sets them.
     pub arguments: Option<Piece<UmatArguments>>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
@@ -90,8 +90,8 @@ pub struct PointRamp {
     pub increments: Increments,
     /// Duration, s (default 1).
     pub time: Option<Positive>,
-    /// End values; components named by neither strain nor stress are stress-free.
-    pub target: Option<Target>,
+    /// End values. Components that are not named, neither as strain nor as stress, are stress-free.
+    pub target: Option<StepTarget>,
     /// End value of the deformation gradient, row by row (needs nlgeom).
     #[serde(rename = "F")]
     pub deformation_gradient: Option<Matrix>,
@@ -106,8 +106,8 @@ pub struct PointRamp {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct PointTable {
-    /// CSV file, relative to the case file, or its columns: time (optional, s), any components, as in target, temperature, and
-    /// predef1, predef2, … of the case's field variables.
+    /// CSV file, relative to the case file, or its columns: time (optional, s), components as in target, temperature,
+    /// and predef1, predef2, … for the field variables of the case.
     pub table: TableSource,
     /// Linear relations, each in place of one stress-free component.
     pub constraints: Option<Vec<Constraint>>,
@@ -120,7 +120,7 @@ pub struct PointTable {
 /// case's measure.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct Target {
+pub struct StepTarget {
     /// Components.
     #[serde(flatten)]
     pub components: ByComponent<EndValue>,
@@ -129,8 +129,8 @@ pub struct Target {
     pub deformation_gradient: Option<Matrix>,
 }
 
-/// A linear relation: the sum of coefficient · component equals a value at the end of the step. Undrained: the sum of e11,
-/// e22 and e33 holds. A stress path: q - η p holds.
+/// A linear relation: the sum of coefficient · component equals a value at the end of the step. Examples: hold e11 +
+/// e22 + e33 (undrained), or q - η p (a stress path).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct Constraint {

@@ -1,7 +1,8 @@
 //! Kind "pullout".
 
 use super::{
-    CaseHead, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, StepEnd, Whole,
+    CommonCaseEntries, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, StepEnd,
+    Whole,
 };
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
@@ -28,63 +29,63 @@ pub struct PulloutCase {
     pub kind: String,
     /// Title, text, files, curves.
     #[serde(flatten)]
-    pub head: CaseHead,
+    pub head: CommonCaseEntries,
     /// A specimen by its parameters, or a Gmsh file.
     pub mesh: Piece<MeshSource>,
     /// The parts by name: those of the specimen, or the physical surfaces of the file.
     pub parts: Piece<BTreeMap<String, Piece<Part>>>,
     /// One object for all contact pairs of the specimen, or a list of pairs.
     pub contact: Option<Piece<Contact>>,
-    /// Nodes that are pulled; default: the specimen's.
+    /// Nodes that are pulled; default: those of the specimen.
     pub grip: Option<Piece<Grip>>,
-    /// Name of one of the specimen's ways to be held, or supports by name; default: the specimen's.
+    /// One of the specimen's named support conditions, or supports by name; default: those of the specimen.
     pub supports: Option<Piece<Supports>>,
     /// Loads by name; each is multiplied by its drive.
     pub loads: Option<Piece<BTreeMap<String, Piece<Load>>>>,
     /// Multi-point constraints and ties.
     pub couplings: Option<Piece<Vec<Piece<Coupling>>>>,
-    /// Quantities that the history calls slip and load; default: the grip's, and the specimen's exit and tail.
+    /// What the history columns slip and load measure; default: the grip, and the exit and tail of the specimen.
     pub measure: Option<Piece<Measure>>,
     /// Large displacements (default false).
     pub nlgeom: Option<Piece<bool>>,
     /// A scalar at every node: a temperature, or the phase field of a law such as concrete_phase_field (default: none).
     pub field: Option<Piece<ScalarField>>,
-    /// Release of torn matter of laws with damage (default: none is released).
+    /// Release of torn concrete, for laws with damage (default: none is released).
     pub spalling: Option<Piece<Spalling>>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
     pub course: Course,
     /// The state before the first step.
     pub initial: Option<Piece<PulloutInitial>>,
-    /// Steps that the specimen is taken through.
+    /// Loading steps, in order.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<PulloutStep>>>,
     /// Settings of the output.
     pub output: Option<Piece<PulloutOutput>>,
     /// Tolerances and limits.
     pub controls: Option<Piece<PulloutControls>>,
-    /// Work that the solver skips where a scene does not need it (default "all"; results agree within the tolerance of equilibrium).
+    /// Work that the solver omits where the specimen does not need it (default "all"). Results agree within the
+    /// tolerance of equilibrium.
     pub skip: Option<Piece<Skip>>,
 }
 
-/// Criterion by which an element is torn matter: its forces fade, it is no longer part of its body and has no contact,
-/// and the same goes for whatever is then attached to nothing. Contact moves to the surface behind it, which has friction and
-/// no bond.
+/// Criterion for torn concrete. The forces of a torn element fade and its contact ends, as do those of everything that
+/// it alone attached. Contact moves to the newly exposed surface, with friction but without bond.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spalling {
-    /// Opening, mm, beyond which a crack releases its element, at all its points: greatest principal strain times the element's length. 10 G_f/f_t is
-    /// where the falling branch has ended.
+    /// Crack opening, mm, that all points of a torn element exceed: largest principal strain times element length. At
+    /// 10 G_f/f_t the softening branch has ended.
     pub opening: Positive,
-    /// Stress, MPa, that no principal stress may exceed in magnitude at any of its points: 1 % of f_t.
+    /// Largest magnitude, MPa, of the principal stresses at all points of a torn element. Use about 1 % of f_t.
     pub stress: Positive,
-    /// Increase of the slip over which both must hold, mm (default 0.02).
+    /// Slip, mm, over which both conditions must hold (default 0.02).
     pub wait: Option<Positive>,
-    /// Slip over which its forces fade, mm (default 0.02).
+    /// Slip, mm, over which the forces of a torn element fade (default 0.02).
     pub fade: Option<Positive>,
 }
 
-/// A body, or a piece of one.
+/// One body of the specimen.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
@@ -95,20 +96,20 @@ pub struct Part {
     /// Reference thickness, mm, or the property of a round fibre's section that the thickness preserves; default: the
     /// specimen's, 1 for a file.
     pub thickness: Option<Piece<Thickness>>,
-    /// Integration of its elements; default: reduced for Q8, full for the others.
+    /// Integration of the elements; default: reduced for Q8, full for the others.
     pub integration: Option<Piece<Integration>>,
-    /// Large displacements of this part; default: the case's. A part that moves little against its size, as a block does
-    /// around a fibre, is cheaper and safer without.
+    /// Large displacements of this part; default: as in the case. A part that moves little compared with its size, such
+    /// as the block around a fibre, is cheaper and more robust without them.
     pub nlgeom: Option<Piece<bool>>,
     /// The state before the first step.
     pub initial: Option<Piece<PartInitial>>,
-    /// Of a fibre: the tensile strength of its wire, MPa, on the initial area. The run ends, with a warning, where the mean axial stress of
-    /// a section reaches it (default: the wire does not break by stress).
+    /// Tensile strength of a fibre's wire, MPa, on the initial area. The run ends with a warning when the mean axial
+    /// stress of a section reaches it (default: the wire does not break by stress).
     pub strength: Option<Piece<Positive>>,
-    /// Of a fibre: the elongation at which its wire breaks, 0.01 for 1 %, measured over 5 diameters; the run ends there as at the strength
-    /// (default: the wire does not break by strain). Bending, over the exit or in a hook, does not count.
+    /// Elongation at which a fibre's wire breaks, measured over 5 diameters; 0.01 is 1 %. The run then ends with a
+    /// warning (default: the wire does not break by strain). Bending over the exit or in a hook does not count.
     pub elongation: Option<Piece<Positive>>,
-    /// Average the dilatation of its Q4 elements against locking (default true).
+    /// Average the dilatation of Q4 elements to avoid locking (default true).
     pub average_dilatation: Option<Piece<bool>>,
 }
 
@@ -116,8 +117,8 @@ pub struct Part {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PulloutInitial {
-    /// Values of the drives of loads at the start (default 0): the loads that the parts' initial stresses are in equilibrium
-    /// with.
+    /// Initial values of the drives of loads (default 0): the loads in equilibrium with the initial stresses of the
+    /// parts.
     pub drives: BTreeMap<String, f64>,
 }
 
@@ -126,8 +127,8 @@ pub struct PulloutInitial {
 #[serde(deny_unknown_fields)]
 pub struct PartInitial {
     /// Stress, MPa, the same at all points: in order (11, 22, 33, 12; without 33 in plane stress) or by name (s11, …).
-    /// Default: the stress that the library's SIGINI sets, or 0. Whatever the supports do not hold moves before the
-    /// first increment, until it is in equilibrium with the drives at their initial values.
+    /// Default: the stress that the library's SIGINI sets, or 0. Before the first increment, nodes move until the
+    /// stress is in equilibrium with the supports and the initial values of the drives.
     pub stress: Option<Components>,
 }
 
@@ -154,7 +155,7 @@ pub enum Section {
     Layers,
 }
 
-/// A step: drives go to their ends, or a cycle of steps.
+/// A step in which drives ramp to their end values, or a cycle of steps.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PulloutStep {
@@ -166,20 +167,20 @@ pub enum PulloutStep {
     Ramp(Box<PulloutRamp>),
 }
 
-/// A step in which drives go linearly to their end values.
+/// A step in which drives ramp linearly to their end values.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct PulloutRamp {
     /// Displacement of the grip at the end of the step, mm.
     pub slip: Option<f64>,
-    /// Values of other drives at the end of the step; what is not named stays.
+    /// Values of other drives at the end of the step. Drives that are not named keep their values.
     pub drives: Option<BTreeMap<String, f64>>,
     /// Duration, s (default 1).
     pub time: Option<Positive>,
     /// Conditions that end it early, and fields at its end.
     #[serde(flatten)]
     pub end: StepEnd,
-    /// Sizes of automatic increments, or a number of equal ones.
+    /// Sizes of automatic increments, or the number of equal increments.
     pub increments: Option<StepIncrements>,
 }
 
@@ -197,11 +198,11 @@ pub enum StepIncrements {
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AutomaticIncrements {
-    /// The first (default 1e-3).
+    /// First increment (default 1e-3).
     pub initial: Option<Fraction>,
-    /// The greatest (default 0.02).
+    /// Largest increment (default 0.02).
     pub maximum: Option<Fraction>,
-    /// The least: below it the run fails (default 1e-8).
+    /// Smallest increment; below it the run fails (default 1e-8).
     pub minimum: Option<Fraction>,
 }
 
@@ -209,18 +210,18 @@ pub struct AutomaticIncrements {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PulloutOutput {
-    /// Every n-th increment, and the last of each step, goes to history.csv (default 1).
+    /// Write every n-th increment, and the last of each step, to history.csv (default 1).
     pub every: Option<Increments>,
     /// Draw plots (default true).
     pub plots: Option<bool>,
-    /// Write fields for ParaView: never, at every 10th increment (true, the default), at every n-th; and at the end of
-    /// each step.
+    /// Write fields for ParaView: never (false), or at every 10th (true, the default) or every n-th increment and at
+    /// the end of each step.
     pub vtu: Option<Vtu>,
-    /// Pictures, and fields unless there are none, also at these moments: as soon as the slip first reaches each of these, mm, or at
-    /// these increments of the run. Beside those of the greatest load and of the end.
+    /// Further moments for pictures, and for fields unless vtu is false: slips in mm, each when it is first reached, or
+    /// increment numbers. There are always pictures of the greatest load and of the end.
     pub pictures_at: Option<PicturesAt>,
-    /// The elongation over 5 diameters beyond which a fibre without `strength` and `elongation` counts as ruptured: the summary gives the
-    /// slip, and the run warns (default 0.03). Nothing else follows from it.
+    /// Elongation over 5 diameters at which the run warns that a fibre without `strength` and `elongation` would have
+    /// ruptured; the summary gives the slip (default 0.03). The run itself continues.
     pub rupture_strain: Option<Positive>,
 }
 
@@ -268,14 +269,16 @@ pub struct PulloutControls {
     pub line_search: Option<bool>,
     /// Limit slips until the load has peaked, and locate the peak (default true).
     pub locate_peak: Option<bool>,
-    /// Viscous stabilisation of the parts whose law may soften or has an unsymmetric tangent: relaxation time, s (default 0: none).
+    /// Relaxation time of viscous stabilisation, s (default 0: none). It acts on parts whose law may soften or has an
+    /// unsymmetric tangent.
     #[schemars(range(min = 0.0))]
     pub relaxation_time: Option<f64>,
-    /// The largest part of the work that stabilisation may have taken: beyond it the run fails at its end (default: none; a warning from 1 % on).
+    /// Largest share of the work that stabilisation may take. A run that exceeds it fails at its end (default: no
+    /// limit, but a warning from 1 %).
     pub max_stabilisation_share: Option<Fraction>,
 }
 
-/// Work that is skipped: everything, nothing, or everything but what is set to false.
+/// Work that is omitted: everything, nothing, or everything except the items set to false.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Skip {
@@ -289,26 +292,26 @@ pub enum Skip {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum SkipWord {
-    /// Everything that can be.
+    /// Everything that can be omitted.
     All,
     /// Nothing.
     None,
 }
 
-/// Work that is skipped, item by item (each true by default).
+/// Work that is omitted, item by item (each true by default).
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SkipItems {
-    /// Stiffnesses of elements that did not change are kept.
+    /// Keep the stiffness of elements that did not change.
     pub unchanged_elements: Option<bool>,
-    /// Elements that stay elastic are condensed.
+    /// Condense elements that stay elastic.
     pub elastic_far_field: Option<bool>,
-    /// A factor is used again while it converges fast.
+    /// Reuse a factorisation while iterations converge fast.
     pub factor_reuse: Option<bool>,
-    /// A contact point looks for its edge from the last one.
+    /// Start the search for a contact point's edge at its last edge.
     pub contact_search: Option<bool>,
-    /// Has no effect any more; tangents are always asked for.
+    /// No longer has an effect: tangents are always requested.
     pub unused_tangents: Option<bool>,
-    /// Has no effect any more; the solver chooses.
+    /// No longer has an effect: the solver chooses.
     pub symmetric_solver: Option<bool>,
 }

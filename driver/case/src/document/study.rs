@@ -1,11 +1,11 @@
 //! The study file as serde reads it and as `pullout schema` prints it.
 
-use super::{Head, Piece, Positive};
+use super::{CommonEntries, Piece, Positive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-/// A family of runs: a case, what is varied, and what is claimed of the outcome (kind "study").
+/// A family of runs: a case, its variations, and claims about the results (kind "study").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct StudyFile {
@@ -14,7 +14,7 @@ pub struct StudyFile {
     pub kind: String,
     /// Title and text.
     #[serde(flatten)]
-    pub head: Head,
+    pub head: CommonEntries,
     /// Case file that the runs vary, relative to the study file.
     #[schemars(length(min = 1))]
     pub base: Piece<String>,
@@ -30,9 +30,9 @@ pub struct StudyFile {
     pub series: Option<Piece<Vec<Piece<SeriesOfFile>>>>,
     /// History columns of the curve whose peak and work count; default: load against slip, τ against slip, σ11 against ε11.
     pub curve: Option<Piece<Columns>>,
-    /// The work is the integral of y along the curve up to where x first passes this value, which has the sign of x; default:
-    /// the end of the shortest run that is done, if none turns back (by more than 5 % of its reach) and all go to one side,
-    /// else the whole path of each.
+    /// Value of x, with its sign, up to which the work (the integral of y along the curve) is taken. Default: the end
+    /// of the shortest finished run, if all curves run to one side and none turns back by more than 5 % of its reach;
+    /// otherwise the whole path of each run.
     pub work_to: Option<Piece<f64>>,
     /// More pictures of all runs, by history columns.
     pub overlays: Option<Piece<Vec<Piece<Columns>>>>,
@@ -62,7 +62,7 @@ pub struct MemberOfFile {
     pub label: String,
     /// Title in legends and tables; default: the label, or x with its unit.
     pub title: Option<String>,
-    /// Value of x, such as an angle in degrees; all members have one or none has.
+    /// Value of x, such as an angle in degrees. Either all members have one or none.
     pub x: Option<f64>,
     /// Overrides: dotted path and value, as `--set` has them. They come after those of the series.
     pub set: Option<Map<String, Value>>,
@@ -77,7 +77,7 @@ pub struct SeriesOfFile {
     pub name: String,
     /// Title in legends and tables; default: the name.
     pub title: Option<String>,
-    /// Another case file than the study's, relative to the study file.
+    /// Case file of this series instead of the study's, relative to the study file.
     #[schemars(length(min = 1))]
     pub base: Option<String>,
     /// Overrides: dotted path and value, as `--set` has them. They come after those of the study.
@@ -98,12 +98,12 @@ pub struct Columns {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClaimOfFile {
-    /// The claim in words.
+    /// Text of the claim.
     #[schemars(length(min = 1))]
     pub claim: String,
-    /// Name of a series, or names; default: all. It is found if it is found in each.
+    /// Name of a series, or several names; default: all. The claim holds if it holds in each.
     pub series: Option<OneOrMany>,
-    /// The members that are looked at; default: all.
+    /// Members to test; default: all.
     pub members: Option<Vec<MemberName>>,
     /// Quantity that is tested (default "peak"; "curve_within" and "done" need none).
     pub quantity: Option<QuantityOfFile>,
@@ -199,7 +199,7 @@ impl ColumnValue {
 pub enum Where {
     /// By name.
     Named(NamedPlace),
-    /// The line in which the curve's x first reaches this value, which has the sign of x.
+    /// The row in which the curve's x first reaches this value (with the sign of x).
     X(f64),
 }
 
@@ -207,13 +207,13 @@ pub enum Where {
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum NamedPlace {
-    /// The last line.
+    /// The last row.
     End,
-    /// The line of the curve's peak.
+    /// The row of the curve's peak.
     Peak,
-    /// The line where the column is greatest.
+    /// The row where the column is greatest.
     Greatest,
-    /// The line where the column is least.
+    /// The row where the column is least.
     Least,
 }
 

@@ -1,13 +1,13 @@
 //! The sweep file as serde reads it and as `pullout schema` prints it.
 
 use super::study::{Columns, QuantityOfFile};
-use super::{Head, Piece};
+use super::{CommonEntries, Piece};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
-/// Many runs of a case of which numbers are kept (kind "sweep").
+/// Many runs of a case, each of which leaves a row of numbers (kind "sweep").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct SweepFile {
@@ -16,30 +16,30 @@ pub struct SweepFile {
     pub kind: String,
     /// Title and text.
     #[serde(flatten)]
-    pub head: Head,
+    pub head: CommonEntries,
     /// The case that is varied: its file, relative to the sweep file, or the case itself.
     pub base: Piece<Base>,
     /// Overrides for all runs: dotted path and value, as `--set` has them.
     pub set: Option<Piece<Map<String, Value>>>,
-    /// Values by dotted path: every combination is run, the last path varying first.
+    /// Values by dotted path. Every combination is a run; the last path varies fastest.
     pub parameters: Option<Piece<Map<String, Value>>>,
-    /// The runs one by one: values by dotted path, the same paths in each.
+    /// The runs one by one: values by dotted path. All runs have the same paths.
     #[schemars(length(min = 1))]
     pub points: Option<Piece<Vec<Map<String, Value>>>>,
     /// The runs as a CSV table whose header has the dotted paths, relative to the sweep file.
     #[schemars(length(min = 1))]
     pub design: Option<Piece<String>>,
-    /// Numbers that are kept of each run, by the names of their columns `q.NAME` (default: peak, slip_at_peak, work and end).
+    /// Numbers to keep of each run, by the names of their columns `q.NAME` (default: peak, slip_at_peak, work and end).
     pub quantities: Option<Piece<BTreeMap<String, QuantityOfFile>>>,
     /// The curve whose peak and work count; default: load against slip, τ against slip, σ11 against ε11.
     pub curve: Option<Piece<Columns>>,
-    /// The work is the integral of y along the curve up to where x first passes this value, which has the sign of x; default:
-    /// along the whole path of the run.
+    /// Value of x, with its sign, up to which the work (the integral of y along the curve) is taken. Default: the whole
+    /// path of the run.
     pub work_to: Option<Piece<f64>>,
-    /// History columns that are kept as they are, or on the grid.
+    /// History columns to keep, as computed or on the grid.
     pub curves: Option<Piece<Vec<String>>>,
-    /// Ascending values of the curve's x at which the columns are kept, interpolated along the first branch; NaN beyond
-    /// the values that the run reaches.
+    /// Ascending values of x at which the columns are kept, interpolated along the first branch of the curve. Beyond
+    /// the range of the run, columns are NaN.
     #[schemars(length(min = 1))]
     pub grid: Option<Piece<Vec<f64>>>,
 }

@@ -1,7 +1,9 @@
 //! Local axes, thermal expansion and shrinkage of a material.
 
 use super::{Length, Level, Use};
-use crate::document::{AxialValues, Entry, Expansion, ExpansionTable, Material, Orientation, Shrinkage, TabularValues};
+use crate::document::{
+    AxialValues, EntryPoint, Expansion, ExpansionTable, Material, Orientation, Shrinkage, TabularValues,
+};
 use crate::problem::{Place, Problem};
 use crate::reader::Reader;
 use crate::structure;
@@ -37,7 +39,7 @@ pub fn frame_from_json(material: &Value, mode: Mode) -> Result<Option<Arc<Frame>
     let mut reader = Reader::new(Path::new(""), &[], false);
     let purpose = Use {
         level: Level::Point,
-        entry: Entry::Umat,
+        entry: EntryPoint::Umat,
         mode: Some((mode, place.clone())),
         length: Length::Unknown,
         initial_temperature: 0.0,
@@ -50,7 +52,7 @@ pub fn frame_from_json(material: &Value, mode: Mode) -> Result<Option<Arc<Frame>
 /// Reads the frame of a material; `None`: the law sees what the host has.
 pub fn of(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: &Use) -> Option<Arc<Frame>> {
     let Material { expansion, shrinkage, orientation, .. } = material;
-    if purpose.entry != Entry::Umat {
+    if purpose.entry != EntryPoint::Umat {
         let keys = [
             ("expansion", expansion.is_some()),
             ("shrinkage", shrinkage.is_some()),

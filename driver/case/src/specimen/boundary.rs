@@ -1,12 +1,12 @@
 //! Drives, supports and loads of a specimen, and the quantities measured on it.
 
-use super::Scene;
+use super::KnownMesh;
 use super::couplings::node;
-use super::mesh::Ground;
+use super::mesh::MeshAndSets;
 use crate::document::pullout as document;
 use crate::document::{Piece, PulloutCase};
 use crate::problem::{Place, hint};
-use crate::reader::{Reader, Taken};
+use crate::reader::{Reader, UsedDefaults};
 use fe_core::mesh::specimen::PulledFibre;
 use fe_core::model::{Load, LoadKind, Measured, MeasuredFibre, Support};
 use indexmap::IndexMap;
@@ -66,7 +66,7 @@ impl Drives {
     }
 
     /// Says that nothing follows the drive of this name, unless what cannot be read may do so.
-    pub fn tell_unknown(&self, reader: &mut Reader<'_>, name: &str, place: &Place) {
+    pub fn report_unknown(&self, reader: &mut Reader<'_>, name: &str, place: &Place) {
         if !self.may_lack {
             let message =
                 format!("no support, load or interference has the drive '{name}'{}", hint(name, self.drives.keys()));
@@ -106,7 +106,7 @@ impl Drives {
 }
 
 /// Grip, supports, loads and measure, with the drives that contact has.
-pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>, drives: Drives) -> Boundary {
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>, drives: Drives) -> Boundary {
     let mut boundary = Boundary { drives, supports: Vec::new(), loads: Vec::new(), measured: Measured::default() };
     boundary.add_grip(reader, case, scene);
     boundary.add_supports(reader, case, scene);
@@ -116,7 +116,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>, dr
 }
 
 impl Boundary {
-    fn add_grip(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
+    fn add_grip(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) {
         let place = Place::root().key(GRIP);
         let default = scene.ground.and_then(|ground| Some((ground.grip?, ground.specimen.pull_direction)));
         if case.grip.is_none() && default.is_none() {
@@ -128,7 +128,7 @@ impl Boundary {
             return;
         }
         let chosen = |piece: &Piece<document::Grip>| piece.0.as_ref().is_ok_and(|grip| grip.nodes.is_some());
-        let fibres = scene.ground.map_or(&[][..], Ground::several_fibres);
+        let fibres = scene.ground.map_or(&[][..], MeshAndSets::several_fibres);
         let fibres = if case.grip.as_ref().is_some_and(chosen) { &[][..] } else { fibres };
         // known even where the rest is not: steps may name it
         let drives: Vec<usize> = match scene.ground.is_some_and(|ground| ground.grips_each) && !fibres.is_empty() {
@@ -153,7 +153,7 @@ impl Boundary {
         }
         let nodes = name.and_then(|name| scene.node_set(reader, name, &place.key("nodes")));
         let (Some(nodes), Some([x, y])) = (nodes, direction) else { return };
-        let mut taken = Taken::default();
+        let mut taken = UsedDefaults::default();
         if given.nodes.is_none() {
             taken.note("nodes", name.unwrap_or_default());
         }
@@ -202,7 +202,7 @@ impl Boundary {
         }
     }
 
-    fn add_supports(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
+    fn add_supports(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) {
         let place = Place::root().key("supports");
         let ways = scene.ground.map_or(&[][..], |ground| &ground.supports);
         let named = match reader.optional(case.supports.as_ref(), &place) {
@@ -243,7 +243,7 @@ impl Boundary {
         &mut self,
         reader: &mut Reader<'_>,
         supports: &BTreeMap<String, Piece<document::Support>>,
-        scene: Scene<'_>,
+        scene: KnownMesh<'_>,
         place: &Place,
     ) {
         for (name, piece) in supports {
@@ -281,7 +281,7 @@ impl Boundary {
         }
     }
 
-    fn add_loads(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
+    fn add_loads(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) {
         let place = Place::root().key("loads");
         let loads = reader.optional(case.loads.as_ref(), &place);
         self.drives.may_lack |= case.loads.is_some() && loads.is_none();
@@ -295,8 +295,7 @@ impl Boundary {
             let drive = self.drives.followed(load.drive.as_deref().unwrap_or(name), &place_of_drive);
             if load.drive.is_none() && self.measured.slip.contains(&drive) {
                 let message = format!(
-                    "is called like the drive '{name}' of the grip, which would multiply it: call it otherwise, or say so \
-                     with \"drive\": \"{name}\""
+                    "has the name of the grip's drive '{name}', which would multiply it: rename the load, or confirm with \"drive\": \"{name}\""
                 );
                 reader.problem(&place, message);
             }
@@ -306,13 +305,13 @@ impl Boundary {
         }
     }
 
-    fn measure(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
+    fn measure(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) {
         let place = Place::root().key("measure");
         let given = reader.optional(case.measure.as_ref(), &place).cloned().unwrap_or_default();
         if let Some(name) = &given.slip {
             self.measured.slip = self.drives.index(name).into_iter().collect();
             if self.measured.slip.is_empty() {
-                self.drives.tell_unknown(reader, name, &place.key("slip"));
+                self.drives.report_unknown(reader, name, &place.key("slip"));
             }
         } else if self.measured.slip.is_empty() {
             self.measured.slip = self.drives.index(SLIP).into_iter().collect();
@@ -332,7 +331,7 @@ impl Boundary {
         if let Some(direction) = given.direction.and_then(|given| unit(reader, given, &place.key("direction"))) {
             self.measured.direction = direction;
         }
-        let fibre = scene.ground.and_then(Ground::lone_fibre);
+        let fibre = scene.ground.and_then(MeshAndSets::lone_fibre);
         let mut find = |given: Option<&document::NodeReference>, default: Option<usize>, key: &str| match given {
             Some(reference) => node(reader, reference, scene, &place.key(key)),
             None => default,
@@ -362,7 +361,7 @@ fn load_kind(
     reader: &mut Reader<'_>,
     name: &str,
     load: &document::Load,
-    scene: Scene<'_>,
+    scene: KnownMesh<'_>,
     place: &Place,
 ) -> Option<LoadKind> {
     let given = [load.force.is_some(), load.traction.is_some(), load.pressure.is_some()];

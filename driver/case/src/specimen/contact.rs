@@ -1,13 +1,13 @@
 //! Contact pairs.
 
-use super::Scene;
+use super::KnownMesh;
 use super::boundary::Drives;
 use super::mesh::MATRIX;
 use crate::document::pullout as document;
-use crate::document::{Entry, PropValue, Props, PulloutCase};
+use crate::document::{EntryPoint, PropValue, Props, PulloutCase};
 use crate::plugin::{self, Length, Level, Use};
 use crate::problem::{Place, hint};
-use crate::reader::{Reader, Taken};
+use crate::reader::{Reader, UsedDefaults};
 use fe_core::mesh::specimen::{ContactSurfaces, SurfaceRole};
 use fe_core::mesh::{ElementEdge, Mesh};
 use fe_core::model::{
@@ -36,7 +36,7 @@ const PERTURBATION: f64 = 1e4;
 pub fn resolve(
     reader: &mut Reader<'_>,
     case: &PulloutCase,
-    scene: Scene<'_>,
+    scene: KnownMesh<'_>,
     drives: &mut Drives,
 ) -> Option<Vec<ContactPair>> {
     let place = Place::root().key("contact");
@@ -104,7 +104,7 @@ fn is_on_request(pair: &ContactSurfaces) -> bool {
 }
 
 /// Tells the widths of the lines of contact of round fibres in the plane.
-fn note_widths(reader: &mut Reader<'_>, pairs: &[ContactPair], defaults: &[ContactSurfaces], scene: Scene<'_>) {
+fn note_widths(reader: &mut Reader<'_>, pairs: &[ContactPair], defaults: &[ContactSurfaces], scene: KnownMesh<'_>) {
     let mut parts = scene.mesh.into_iter().flat_map(|mesh| mesh.parts());
     let Some(matrix) = parts.find(|part| part.name == MATRIX) else { return };
     let is_line = |default: &&ContactSurfaces| default.width.is_some() && !is_on_request(default);
@@ -124,7 +124,7 @@ fn note_widths(reader: &mut Reader<'_>, pairs: &[ContactPair], defaults: &[Conta
 }
 
 /// The thickness of the part that a pair's slave surface belongs to.
-fn slave_thickness(pair: &ContactPair, scene: Scene<'_>) -> Option<f64> {
+fn slave_thickness(pair: &ContactPair, scene: KnownMesh<'_>) -> Option<f64> {
     let mesh = scene.mesh?;
     let element = pair.slave.first()?.element;
     Some(mesh.parts()[mesh.elements()[element].part()].thickness)
@@ -161,7 +161,7 @@ fn all_pairs(
     pair: &document::Pair,
     fit: Fit,
     defaults: &[ContactSurfaces],
-    scene: Scene<'_>,
+    scene: KnownMesh<'_>,
     place: &Place,
 ) -> Option<Vec<ContactPair>> {
     let names_surfaces = pair.slave.is_some() || pair.master.is_some();
@@ -249,14 +249,14 @@ fn one_pair(
     fit: Fit,
     default: Option<&ContactSurfaces>,
     index: usize,
-    scene: Scene<'_>,
+    scene: KnownMesh<'_>,
     place: &Place,
 ) -> Option<ContactPair> {
     let surfaces = surfaces(reader, pair, default, scene, place);
     let law = law(reader, pair, place);
     let width = width(reader, pair, default, place);
     let quadrature = reader.optional(pair.quadrature.as_ref(), &place.key("quadrature"));
-    let mut taken = Taken::default();
+    let mut taken = UsedDefaults::default();
     let quadrature = match quadrature {
         None => {
             taken.note("quadrature.gauss", POINTS);
@@ -270,13 +270,13 @@ fn one_pair(
     let critical_slip = reader.optional(pair.critical_slip.as_ref(), &place.key("critical_slip"));
     let release = reader.optional(pair.release.as_ref(), &place.key("release"));
     // what a soft normal law has no use for
-    let mut unused = Taken::default();
+    let mut unused = UsedDefaults::default();
     let mut of_hard = &mut taken;
     let keys = [("penalty_factor", pair.penalty_factor.is_some()), ("enforcement", pair.enforcement.is_some())];
     if let Some(ContactLaw::Fric { normal: NormalLaw::Soft(_), .. }) = &law {
         of_hard = &mut unused;
         for (key, _) in keys.iter().filter(|(_, given)| *given) {
-            reader.problem(&place.key(key), "is for the hard normal law: leave it out beside a soft one");
+            reader.problem(&place.key(key), "is for the hard normal law: leave it out with a soft one");
         }
     }
     let penalty_factor = of_hard.real("penalty_factor", penalty_factor.copied(), PENALTY_FACTOR);
@@ -330,7 +330,7 @@ fn surfaces(
     reader: &mut Reader<'_>,
     pair: &document::Pair,
     default: Option<&ContactSurfaces>,
-    scene: Scene<'_>,
+    scene: KnownMesh<'_>,
     place: &Place,
 ) -> Option<(Vec<ElementEdge>, Vec<ElementEdge>)> {
     let slave =
@@ -377,7 +377,7 @@ fn surface(
     reader: &mut Reader<'_>,
     given: Option<&str>,
     default: Option<&str>,
-    scene: Scene<'_>,
+    scene: KnownMesh<'_>,
     place: &Place,
 ) -> Option<Vec<ElementEdge>> {
     let Some(name) = given.or(default) else {
@@ -424,18 +424,18 @@ fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<
     }
     let place = place.key("normal");
     let normal = reader.optional(pair.normal.as_ref(), &place).copied().map(normal_law);
-    let beside = normal.filter(|_| entry == Entry::Fric).map(|normal| (normal, place.clone()));
+    let beside = normal.filter(|_| entry == EntryPoint::Fric).map(|normal| (normal, place.clone()));
     let (length, initial_temperature) = (Length::Unknown, 0.0);
     let purpose = Use { level: Level::Specimen, entry, mode: None, length, initial_temperature, normal: beside };
     let law = plugin::resolve(reader, material, &place_of_law, purpose).map(PluginLaw::from);
     match (entry, normal) {
-        (Entry::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal }),
-        (Entry::Fric, None) if pair.normal.is_none() => {
+        (EntryPoint::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal }),
+        (EntryPoint::Fric, None) if pair.normal.is_none() => {
             let message = "is missing: FRIC has no normal law; give {\"hard\": {}} (unilateral) or another";
             reader.problem(&place, message);
             None
         }
-        (Entry::Fric, None) => None,
+        (EntryPoint::Fric, None) => None,
         (_, Some(_)) => {
             reader.problem(&place, "a UINTER plugin has the normal law: leave it out, or set law.entry to fric");
             None
@@ -461,7 +461,7 @@ fn width(reader: &mut Reader<'_>, pair: &document::Pair, default: Option<&Contac
     }
 }
 
-fn enforcement(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place, taken: &mut Taken) -> Enforcement {
+fn enforcement(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place, taken: &mut UsedDefaults) -> Enforcement {
     let given = reader.optional(pair.enforcement.as_ref(), &place.key("enforcement")).copied();
     match given.unwrap_or(document::Enforcement::Uzawa(document::Uzawa::default())) {
         document::Enforcement::Uzawa(given) => Enforcement::Uzawa {

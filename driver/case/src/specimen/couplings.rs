@@ -1,6 +1,6 @@
 //! Multi-point constraints and ties.
 
-use super::Scene;
+use super::KnownMesh;
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::problem::Place;
@@ -16,7 +16,7 @@ const RELATIVE_TOLERANCE: f64 = 1e-6;
 const LEAST_SHARE: f64 = 1e-3;
 
 /// All couplings, the specimen's first; unusable ones are left out.
-pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Vec<Coupling> {
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) -> Vec<Coupling> {
     let root = Place::root().key("couplings");
     let own = scene.ground.into_iter().flat_map(|ground| &ground.specimen.couplings);
     let mut couplings: Vec<Coupling> =
@@ -41,7 +41,12 @@ fn along(coupling: &NodeCoupling, component: usize) -> Coupling {
     }
 }
 
-fn from_terms(reader: &mut Reader<'_>, given: &document::Terms, scene: Scene<'_>, place: &Place) -> Option<Coupling> {
+fn from_terms(
+    reader: &mut Reader<'_>,
+    given: &document::Terms,
+    scene: KnownMesh<'_>,
+    place: &Place,
+) -> Option<Coupling> {
     let place_of_dependent = place.key("dependent");
     let dependent = node(reader, &given.dependent.node, scene, &place_of_dependent.key("node"));
     let dependent = dependent.map(|node| Freedom { node, component: given.dependent.component as usize });
@@ -61,7 +66,7 @@ fn from_terms(reader: &mut Reader<'_>, given: &document::Terms, scene: Scene<'_>
 }
 
 /// Both displacements of each node follow the edge that it lies on.
-fn from_tie(reader: &mut Reader<'_>, tie: &document::Tie, scene: Scene<'_>, place: &Place) -> Vec<Coupling> {
+fn from_tie(reader: &mut Reader<'_>, tie: &document::Tie, scene: KnownMesh<'_>, place: &Place) -> Vec<Coupling> {
     let nodes = scene.node_set(reader, &tie.tie, &place.key("tie"));
     let edges = scene.edge_set(reader, &tie.to, &place.key("to"));
     let (Some(nodes), Some(edges), Some(mesh)) = (nodes, edges, scene.mesh) else { return Vec::new() };
@@ -78,7 +83,7 @@ fn from_tie(reader: &mut Reader<'_>, tie: &document::Tie, scene: Scene<'_>, plac
             nearest => {
                 let distance = nearest.map_or(f64::INFINITY, |point| point.distance);
                 let message = format!(
-                    "node {} of '{}' at ({x:.6}, {y:.6}) lies {distance:.3e} mm beside the edges of '{}'",
+                    "node {} of '{}' at ({x:.6}, {y:.6}) lies {distance:.3e} mm away from the edges of '{}'",
                     node + 1,
                     tie.tie,
                     tie.to
@@ -176,7 +181,7 @@ fn extent(mesh: &Mesh) -> f64 {
 pub fn node(
     reader: &mut Reader<'_>,
     reference: &document::NodeReference,
-    scene: Scene<'_>,
+    scene: KnownMesh<'_>,
     place: &Place,
 ) -> Option<usize> {
     match reference {
@@ -198,7 +203,7 @@ pub fn node(
                 return None;
             }
             if scene.loose.contains(&nearest) {
-                scene.tell_loose(reader, nearest, "", place);
+                scene.report_loose_node(reader, nearest, "", place);
             }
             Some(nearest)
         }

@@ -2,10 +2,10 @@
 
 use super::boundary::BOTH;
 use super::generated::{X, without_effect};
-use super::mesh::{DefaultSupports, Ground, Held, thickness};
+use super::mesh::{DefaultSupports, Held, MeshAndSets, thickness};
 use crate::document::Positive;
 use crate::document::pullout::{self as document, FibreShape, SeparationLength, SeparationRule, Thickness};
-use crate::reader::Taken;
+use crate::reader::UsedDefaults;
 use fe_core::element::ElementKind;
 use fe_core::mesh::specimen::{
     self, Configuration, FINE_DIAMETERS, Fibre, FibreMesh, Fibres, FibresMesh, GradedThickness, ParameterProblem,
@@ -33,8 +33,8 @@ const FREE_LENGTH_AFTER_BEND: f64 = 3.0;
 pub(super) fn perpendicular_fibre(
     given: &document::PerpendicularFibre,
     matrix: Option<Thickness>,
-    taken: &mut Taken,
-) -> Result<Ground, SpecimenError> {
+    taken: &mut UsedDefaults,
+) -> Result<MeshAndSets, SpecimenError> {
     let axisymmetric = taken.or("axisymmetric", given.axisymmetric, false);
     let has_radius = given.outer_radius.is_some();
     without_effect(&[
@@ -107,8 +107,8 @@ pub(super) fn inclined_fibre(
     given: &document::InclinedFibre,
     matrix: Option<Thickness>,
     slip: f64,
-    taken: &mut Taken,
-) -> Result<Ground, SpecimenError> {
+    taken: &mut UsedDefaults,
+) -> Result<MeshAndSets, SpecimenError> {
     let angle = taken.real("angle_deg", given.angle_deg, ANGLE).to_radians();
     let is_straight = given.shape == Some(FibreShape::Straight);
     without_effect(&[
@@ -169,8 +169,8 @@ pub(super) fn fibres(
     given: &document::Fibres,
     matrix: Option<Thickness>,
     slip: f64,
-    taken: &mut Taken,
-) -> Result<Ground, SpecimenError> {
+    taken: &mut UsedDefaults,
+) -> Result<MeshAndSets, SpecimenError> {
     let mut made = Vec::new();
     for given in &given.fibres {
         let of = |key: &str| format!("{}.{key}", given.name);
@@ -282,7 +282,7 @@ fn hooked_path(
     rotation: f64,
     [diameter, embedded_length]: [f64; 2],
     of: &dyn Fn(&str) -> String,
-    taken: &mut Taken,
+    taken: &mut UsedDefaults,
 ) -> Result<(f64, Vec<Segment>), PathProblem> {
     let count = given.hook.len();
     if let Some(bends) = given.bends.filter(|bends| *bends != count) {
@@ -344,8 +344,8 @@ fn around(
     fibres: Vec<Fibre>,
     block: &document::Fibres,
     matrix: Option<Thickness>,
-    taken: &mut Taken,
-) -> Result<Ground, SpecimenError> {
+    taken: &mut UsedDefaults,
+) -> Result<MeshAndSets, SpecimenError> {
     let (default, sizes) = (Fibres::default(), FibresMesh::default());
     let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
     let matrix_thickness = matrix_thickness(matrix, block.matrix_thickness, thickest, default.matrix_thickness, taken);
@@ -384,7 +384,7 @@ fn matrix_thickness(
     given: Option<Positive>,
     diameter: f64,
     default: f64,
-    taken: &mut Taken,
+    taken: &mut UsedDefaults,
 ) -> f64 {
     let of_part = of_part.and_then(|of_part| thickness(of_part, Some(diameter)).ok());
     of_part.unwrap_or_else(|| taken.real("matrix_thickness", given, default))
@@ -401,10 +401,10 @@ fn graded(given: document::GradedThickness) -> GradedThickness {
 }
 
 /// A specimen that is held by one of some node sets, and by what holds it in any case.
-fn pulled_fibre(name: &str, mut specimen: specimen::Specimen, ways: &[&'static str], also: &[Held]) -> Ground {
+fn pulled_fibre(name: &str, mut specimen: specimen::Specimen, ways: &[&'static str], also: &[Held]) -> MeshAndSets {
     specimen.contact_pairs.extend(specimen.fibres.iter().map(|fibre| fibre.end.clone()));
     let exists = |set: &&&str| specimen.definition.node_sets.contains_key(**set);
     let held = |set: &'static str| [&[(set, BOTH)], also].concat();
     let supports = ways.iter().filter(exists).map(|&set| DefaultSupports { name: set, supports: held(set) }).collect();
-    Ground { words: format!("specimen {name}"), specimen, supports, grip: Some("grip"), grips_each: false }
+    MeshAndSets { words: format!("specimen {name}"), specimen, supports, grip: Some("grip"), grips_each: false }
 }

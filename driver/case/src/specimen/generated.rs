@@ -2,9 +2,9 @@
 
 use super::boundary::BOTH;
 use super::fibres;
-use super::mesh::{DefaultSupports, Ground, Held};
+use super::mesh::{DefaultSupports, Held, MeshAndSets};
 use crate::document::pullout::{CurvedChannel, DragOutStrip, Hertz, Specimen, ThickCylinder, Thickness, TwoBlocks};
-use crate::reader::Taken;
+use crate::reader::UsedDefaults;
 use fe_core::element::ElementKind;
 use fe_core::mesh::MeshDefinition;
 use fe_core::mesh::specimen::{self, ContactSurfaces, CylinderSection, ParameterProblem, SpecimenError, SurfaceRole};
@@ -21,8 +21,8 @@ pub fn generate(
     given: &Specimen,
     matrix: Option<Thickness>,
     slip: f64,
-    taken: &mut Taken,
-) -> Result<Ground, SpecimenError> {
+    taken: &mut UsedDefaults,
+) -> Result<MeshAndSets, SpecimenError> {
     match given {
         Specimen::PerpendicularFibre(given) => fibres::perpendicular_fibre(given, matrix, taken),
         Specimen::InclinedFibre(given) => fibres::inclined_fibre(given, matrix, slip, taken),
@@ -57,7 +57,7 @@ pub fn generate(
     }
 }
 
-fn thick_cylinder(given: &ThickCylinder, taken: &mut Taken) -> Result<Ground, SpecimenError> {
+fn thick_cylinder(given: &ThickCylinder, taken: &mut UsedDefaults) -> Result<MeshAndSets, SpecimenError> {
     let axisymmetric = taken.or("axisymmetric", given.axisymmetric, false);
     let cells = taken.or("other_cells", given.other_cells, 10);
     without_effect(&[("height", given.height.is_some() && !axisymmetric, "a quarter of the cross-section")])?;
@@ -79,7 +79,7 @@ fn thick_cylinder(given: &ThickCylinder, taken: &mut Taken) -> Result<Ground, Sp
     Ok(one_body("thick_cylinder", definition, supports))
 }
 
-fn two_blocks(given: &TwoBlocks, taken: &mut Taken) -> Result<Ground, SpecimenError> {
+fn two_blocks(given: &TwoBlocks, taken: &mut UsedDefaults) -> Result<MeshAndSets, SpecimenError> {
     let definition = specimen::two_blocks(&specimen::TwoBlocks {
         width: taken.real("width", given.width, 1.0),
         heights: taken.two("heights", given.heights, [1.0; 2]),
@@ -91,7 +91,7 @@ fn two_blocks(given: &TwoBlocks, taken: &mut Taken) -> Result<Ground, SpecimenEr
     Ok(in_contact("two_blocks", definition, &supports, "lower_contact", "upper_contact", None))
 }
 
-fn hertz(given: &Hertz, taken: &mut Taken) -> Result<Ground, SpecimenError> {
+fn hertz(given: &Hertz, taken: &mut UsedDefaults) -> Result<MeshAndSets, SpecimenError> {
     let definition = specimen::cylinder_on_plane(&specimen::CylinderOnPlane {
         radius: taken.real("radius", given.radius, 10.0),
         half_width: taken.real("half_width", given.half_width, 5.0),
@@ -106,7 +106,7 @@ fn hertz(given: &Hertz, taken: &mut Taken) -> Result<Ground, SpecimenError> {
     Ok(in_contact("hertz", definition, &supports, "base_contact", "cylinder_contact", None))
 }
 
-fn drag_out_strip(given: &DragOutStrip, taken: &mut Taken) -> Result<Ground, SpecimenError> {
+fn drag_out_strip(given: &DragOutStrip, taken: &mut UsedDefaults) -> Result<MeshAndSets, SpecimenError> {
     let default = specimen::DragOutStrip::default();
     let definition = specimen::drag_out_strip(&specimen::DragOutStrip {
         strip_length: taken.real("strip_length", given.strip_length, default.strip_length),
@@ -126,7 +126,7 @@ fn drag_out_strip(given: &DragOutStrip, taken: &mut Taken) -> Result<Ground, Spe
     Ok(in_contact("drag_out_strip", definition, &supports, "block_contact", "strip_contact", grip))
 }
 
-fn curved_channel(given: &CurvedChannel, taken: &mut Taken) -> Result<Ground, SpecimenError> {
+fn curved_channel(given: &CurvedChannel, taken: &mut UsedDefaults) -> Result<MeshAndSets, SpecimenError> {
     let definition = specimen::curved_channel(&specimen::CurvedChannel {
         radius: taken.real("radius", given.radius, 10.0),
         angle: taken.real("angle_deg", given.angle_deg, 90.0).to_radians(),
@@ -142,10 +142,10 @@ fn curved_channel(given: &CurvedChannel, taken: &mut Taken) -> Result<Ground, Sp
     Ok(in_contact("curved_channel", definition, &[("channel", BOTH)], "channel_contact", "fibre_contact", grip))
 }
 
-fn one_body(name: &str, definition: MeshDefinition, supports: &[Held]) -> Ground {
+fn one_body(name: &str, definition: MeshDefinition, supports: &[Held]) -> MeshAndSets {
     let supports = vec![DefaultSupports { name: "standard", supports: supports.to_vec() }];
     let specimen = specimen::Specimen { definition, ..Default::default() };
-    Ground { words: format!("specimen {name}"), specimen, supports, ..Ground::default() }
+    MeshAndSets { words: format!("specimen {name}"), specimen, supports, ..MeshAndSets::default() }
 }
 
 fn in_contact(
@@ -155,7 +155,7 @@ fn in_contact(
     slave: &str,
     master: &str,
     grip: Option<(&'static str, [f64; 2])>,
-) -> Ground {
+) -> MeshAndSets {
     let mut ground = one_body(name, definition, supports);
     ground.specimen.contact_pairs = vec![ContactSurfaces {
         name: "contact".into(),

@@ -4,7 +4,7 @@ use super::generated::generate;
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::problem::{Place, hint, nearest};
-use crate::reader::{Reader, Taken};
+use crate::reader::{Reader, UsedDefaults};
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::specimen::{PulledFibre, Specimen, SpecimenError};
@@ -21,7 +21,7 @@ pub const COVER: &str = "cover";
 
 /// A mesh as its maker gave it, and what the specimen says where the case says nothing.
 #[derive(Clone, Debug, Default)]
-pub struct Ground {
+pub struct MeshAndSets {
     /// Description of the mesh for the report.
     pub words: String,
     /// The mesh with its fibres and contact pairs, those of the fibres' ends among them; of a file the mesh alone.
@@ -35,7 +35,7 @@ pub struct Ground {
     pub grips_each: bool,
 }
 
-impl Ground {
+impl MeshAndSets {
     /// The fibre that is alone.
     pub fn lone_fibre(&self) -> Option<&PulledFibre> {
         if let [fibre] = &self.specimen.fibres[..] { Some(fibre) } else { None }
@@ -65,13 +65,13 @@ pub struct DefaultSupports {
 pub type Held = (&'static str, &'static [[f64; 2]]);
 
 /// Makes or reads the mesh.
-pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<MeshAndSets> {
     let place = Place::root().key("mesh");
     match reader.piece(&case.mesh, &place)? {
         document::MeshSource::Specimen(source) => {
             let place = place.key("specimen");
             let specimen = reader.piece(&source.specimen, &place)?;
-            let mut taken = Taken::default();
+            let mut taken = UsedDefaults::default();
             match generate(specimen, thickness_of_matrix(case), super::steps::greatest_slip(case), &mut taken) {
                 Ok(mut ground) => {
                     let diameter = ground.diameter();
@@ -126,7 +126,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                 reader.warn(format!("{}: {which} clockwise nodes: turned round", file.display()));
             }
             let specimen = Specimen { definition, ..Specimen::default() };
-            Some(Ground { words: format!("file {}", source.file), specimen, ..Ground::default() })
+            Some(MeshAndSets { words: format!("file {}", source.file), specimen, ..MeshAndSets::default() })
         }
     }
 }
@@ -199,7 +199,7 @@ fn layer(reader: &mut Reader<'_>, definition: &mut MeshDefinition, fibre: &Pulle
 const USUAL_THICKNESS: [f64; 2] = [1e-3, 1e5];
 
 /// Checks the mesh; its faults are reported at `mesh`. The nodes of a part are a set of its name, unless there is another.
-pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
+pub fn checked(reader: &mut Reader<'_>, ground: &MeshAndSets) -> Option<Mesh> {
     let mut definition = ground.specimen.definition.clone();
     for part in definition.parts.iter().filter(|part| part.model != PlaneModel::Axisymmetric) {
         if !(USUAL_THICKNESS[0]..=USUAL_THICKNESS[1]).contains(&part.thickness) {

@@ -1,14 +1,14 @@
 //! The laws of the parts.
 
-use super::Scene;
+use super::KnownMesh;
 use super::mesh::called;
 use crate::document::pullout as document;
-use crate::document::{Entry, Piece, Positive, PulloutCase};
+use crate::document::{EntryPoint, Piece, Positive, PulloutCase};
 use crate::fields;
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{check_count, components};
 use crate::problem::Place;
-use crate::reader::{Reader, Taken};
+use crate::reader::{Reader, UsedDefaults};
 use fe_core::element::{ElementKind, Integration};
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::Mesh;
@@ -28,7 +28,7 @@ pub struct Parts {
 }
 
 /// `None` if a law is missing.
-pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<Parts> {
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) -> Option<Parts> {
     let root = Place::root().key("parts");
     let given = reader.piece(&case.parts, &root)?;
     let mut resolved = BTreeMap::new();
@@ -97,9 +97,9 @@ pub fn wires(reader: &mut Reader<'_>, case: &PulloutCase, mesh: &Mesh, fibres: &
 }
 
 /// What the case leaves to the mesh.
-fn defaults(given: &document::Part, index: usize, mesh: &Mesh) -> Taken {
+fn defaults(given: &document::Part, index: usize, mesh: &Mesh) -> UsedDefaults {
     let part = &mesh.parts()[index];
-    let mut taken = Taken::default();
+    let mut taken = UsedDefaults::default();
     if given.model.is_none() {
         taken.note("model", mode(part.model).name());
     }
@@ -124,7 +124,7 @@ fn law(
 ) -> Option<PluginLaw> {
     let place_of_material = place.key("material");
     let material = reader.piece(&part.material, &place_of_material)?;
-    if let Some(Entry::Uinter | Entry::Fric) = material.entry {
+    if let Some(EntryPoint::Uinter | EntryPoint::Fric) = material.entry {
         reader.problem(
             &place_of_material.key("entry"),
             "a part calls the entry point umat; uinter and fric are for contact",
@@ -132,7 +132,8 @@ fn law(
     }
     let mode = known.map(|(index, mesh)| (mode(mesh.parts()[index].model), place.key("model")));
     let length = known.map_or(Length::Unknown, |(index, mesh)| Length::OfElements(extreme_lengths(mesh, index)));
-    let purpose = Use { level: Level::Specimen, entry: Entry::Umat, mode, length, initial_temperature, normal: None };
+    let purpose =
+        Use { level: Level::Specimen, entry: EntryPoint::Umat, mode, length, initial_temperature, normal: None };
     let plugin = plugin::resolve(reader, material, &place_of_material, purpose)?;
     if let Some(statev0) = &material.statev0 {
         check_count(reader, statev0, &plugin, &place_of_material.key("statev0"));
@@ -144,7 +145,7 @@ fn law(
         let [s11, s22, s33, s12, ..] = components(reader, Some(stress), &STRESS_NAMES, mode, &place.key("stress"));
         [s11, s22, s33, s12]
     });
-    plugin::tell_initial_values(reader, &plugin.library, [material.statev0.is_some(), stress.is_some()]);
+    plugin::report_initial_values(reader, &plugin.library, [material.statev0.is_some(), stress.is_some()]);
     Some(PluginLaw { plugin, statev0: material.statev0.clone(), stress0: stress })
 }
 

@@ -1,6 +1,6 @@
 //! A scalar per node: the temperature of the laws.
 
-use super::Scene;
+use super::KnownMesh;
 use super::boundary::Drives;
 use crate::document::pullout as document;
 use crate::document::{Piece, PulloutCase};
@@ -12,7 +12,7 @@ use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, P
 pub fn resolve(
     reader: &mut Reader<'_>,
     case: &PulloutCase,
-    scene: Scene<'_>,
+    scene: KnownMesh<'_>,
     drives: &mut Drives,
 ) -> Option<ScalarField> {
     let place = Place::root().key("field");
@@ -82,7 +82,12 @@ fn drive(drives: &mut Drives, name: Option<&str>, place: &Place) -> Option<usize
 }
 
 /// Whether each part has the field; `None`: the case does not say.
-fn parts(reader: &mut Reader<'_>, given: &document::ScalarField, scene: Scene<'_>, place: &Place) -> Option<Vec<bool>> {
+fn parts(
+    reader: &mut Reader<'_>,
+    given: &document::ScalarField,
+    scene: KnownMesh<'_>,
+    place: &Place,
+) -> Option<Vec<bool>> {
     let place = place.key("parts");
     let names = reader.optional(given.parts.as_ref(), &place)?;
     let parts = scene.mesh?.parts();

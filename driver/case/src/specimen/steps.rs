@@ -5,7 +5,7 @@ use crate::document::pullout as document;
 use crate::document::pullout::PulloutStep as StepDocument;
 use crate::document::{Cycles, Piece, PulloutCase};
 use crate::problem::Place;
-use crate::reader::{Reader, Taken};
+use crate::reader::{Reader, UsedDefaults};
 use crate::steps::{self, Counted, Found};
 use crate::{fields as field_values, history};
 use fe_core::model::{Fields, Measured, Step, StepControl};
@@ -106,7 +106,7 @@ fn one_step(
                 reader
                     .problem(&place, "nothing is pulled: the specimen has no grip and no support has the drive 'slip'");
             }
-            None => drives.tell_unknown(reader, name, &place),
+            None => drives.report_unknown(reader, name, &place),
         }
     }
     if let Some(slip) = ramp.slip {
@@ -119,7 +119,7 @@ fn one_step(
     let place_of_until = place.key("until");
     let until = history::until(reader, ramp.end.until.as_ref(), Some(columns), &place_of_until);
     refuse_unmeasured(reader, until.as_ref(), columns, measured, &place_of_until);
-    let mut taken = Taken::default();
+    let mut taken = UsedDefaults::default();
     let time = taken.real("time", ramp.time, 1.0);
     let control = control(reader, ramp.increments, &place.key("increments"), &mut taken);
     // told once, not for each of many steps
@@ -152,7 +152,7 @@ fn control(
     reader: &mut Reader<'_>,
     increments: Option<document::StepIncrements>,
     place: &Place,
-    taken: &mut Taken,
+    taken: &mut UsedDefaults,
 ) -> StepControl {
     let given = match increments {
         Some(document::StepIncrements::Equal(n)) => return StepControl::Fixed { increments: n.0 },

@@ -1,7 +1,7 @@
 use super::malformed::{Sample, Seen::ByMeaning, Seen::BySchema, check};
 use super::{Bench, Case};
 use pullout_bridging::{Bond, Orientation, Polyline};
-use pullout_run::bridging::{BridgingProgram, Results, Source, run};
+use pullout_run::bridging::{BridgingProgram, LoadSource, Results, run};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -148,7 +148,7 @@ fn a_law_of_contact_is_sampled() {
     let law = r#"fibre.law={"plugin": "bond_slip", "props": {"law": "A", "form": "piecewise", "normal_law": "hard", "p_0": 3,
         "delta_N": 0.004, "k_e": 400, "tau_res": 0, "k_u": 0, "mu": 0, "points": [[0.004, 1.6], [1, 0.6]]}}"#;
     let Ok(Case::Bridging(program)) = Bench::new().read(&case(), &[LAW, law]) else { panic!("a case") };
-    let Source::Bond(Bond::ShearLag(bond), _) = &program.source else { panic!("a bond law") };
+    let LoadSource::Bond(Bond::ShearLag(bond), _) = &program.source else { panic!("a bond law") };
     let points = &bond.law.points;
     assert!(points[0] == [0.0, 0.0] && (points.last().expect("points")[0] - 15.0).abs() < 1e-9);
     for [slip, traction] in points {
@@ -166,7 +166,7 @@ fn a_law_of_contact_keeps_its_corners() {
         vec![[0.01, 5.0], [0.1, 6.0], [1.0, 2.0], [1.37, 2.0], [1.3701, 0.7], [100.0, 0.7]],
     ] {
         let program = of_law(&corners);
-        let Source::Bond(Bond::ShearLag(bond), _) = &program.source else { panic!("a bond law") };
+        let LoadSource::Bond(Bond::ShearLag(bond), _) = &program.source else { panic!("a bond law") };
         let found = Polyline::new(bond.law.points.iter().map(|point| (point[0], point[1])));
         let exact = Polyline::new([(0.0, 0.0)].into_iter().chain(corners.iter().map(|corner| (corner[0], corner[1]))));
         let greatest = corners.iter().map(|corner| corner[1]).fold(0.0, f64::max);
@@ -184,7 +184,7 @@ fn a_law_of_contact_keeps_its_corners() {
 #[test]
 fn a_law_of_contact_begins_with_its_stiffness() {
     let program = of_law(&[[1e-5, 1e-4], [1.0, 5.0], [100.0, 5.0]]);
-    let Source::Bond(Bond::ShearLag(bond), _) = &program.source else { panic!("a bond law") };
+    let LoadSource::Bond(Bond::ShearLag(bond), _) = &program.source else { panic!("a bond law") };
     let [slip, traction] = bond.law.points[1];
     assert!((traction / slip / 10.0 - 1.0).abs() < 0.02, "{}", traction / slip);
 }

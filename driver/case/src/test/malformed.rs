@@ -164,7 +164,7 @@ const POINT: &[Sample] = &[
         ByMeaning,
     ),
     // measures
-    (&["measure=nominal"], "$.measure", "it needs \"nlgeom\": true", ByMeaning),
+    (&["measure=nominal"], "$.measure", "needs \"nlgeom\": true", ByMeaning),
     (
         &["nlgeom=true", "measure=nominal", "steps.0.target={\"e11\": -1}"],
         "$.steps[0].target.e11",

@@ -10,7 +10,7 @@ use fe_core::model::{
     Quadrature, ScalarField, Skipping, SoftLaw, Spalling, StepControl, Width,
 };
 use pullout_run::pullout::PulloutProgram;
-use pullout_run::pullout::fibre::Fibre;
+use pullout_run::pullout::fibre::FibreGeometry;
 use serde_json::{Value, json};
 
 /// Columns and rows of elements of a body, and its box.
@@ -417,7 +417,7 @@ fn an_inclined_fibre_may_touch_its_exit_and_separate_there() {
     assert_eq!(model.measured.axis, Some(std::f64::consts::FRAC_PI_4.sin_cos().into()));
     assert_eq!(model.measured.interface_lines, [[0], [1]]);
     // what pictures follow: 12.2 mm in the block, the bend of radius 1.5 φ, 3 mm
-    let axis = Fibre::of(&model).expect("a fibre").axis;
+    let axis = FibreGeometry::of(&model).expect("a fibre").axis;
     let length: f64 = axis.windows(2).map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1])).sum();
     assert!((length - (12.2 + 1.5 * 0.406 * std::f64::consts::FRAC_PI_4 + 3.0)).abs() < 2e-3, "{length} mm");
     assert!((model.measured.bearing_factor - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "t_N/(φ L)");
@@ -451,7 +451,7 @@ fn what_the_steps_pull_out_is_meshed_finely() {
     let longest = |overrides: &[&str], below: f64| {
         let model = accepted(&inclined_case(), &[&["mesh.specimen.mesh_size=1"], overrides].concat()).model;
         // elements along the embedded axis from the exit to this depth
-        let axis = Fibre::of(&model).expect("a fibre").axis;
+        let axis = FibreGeometry::of(&model).expect("a fibre").axis;
         let depth = |node: &[f64; 2]| -(node[0] + node[1]) * 0.5_f64.sqrt();
         let nodes: Vec<f64> = axis.iter().map(depth).filter(|depth| (-1e-9..below).contains(depth)).collect();
         nodes.windows(2).map(|ends| (ends[1] - ends[0]).abs()).fold(0.0, f64::max)
@@ -824,7 +824,7 @@ const MALFORMED: &[Sample] = &[
     (
         &["loads={\"slip\": {\"edges\": \"side\", \"pressure\": 1}}"],
         "$.loads.slip",
-        "is called like the drive 'slip' of the grip",
+        "has the name of the grip's drive 'slip'",
         ByMeaning,
     ),
     (

@@ -324,8 +324,8 @@ fn the_schema_says_units_and_denies_unknown_keys() {
     let schema = super::schema();
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     let text = schema.to_string();
-    assert!(text.contains("CELENT, mm") && text.contains("Stress 11, MPa"));
-    for name in ["PointCase", "InterfaceCase", "Material", "PointRamp", "Target", "Until", "Compare"] {
+    assert!(text.contains("Characteristic length, mm") && text.contains("Stress 11, MPa"));
+    for name in ["PointCase", "InterfaceCase", "Material", "PointRamp", "StepTarget", "Until", "Compare"] {
         assert_eq!(schema["$defs"][name]["additionalProperties"], false, "{name}");
     }
     assert_eq!(schema["$defs"]["PointCase"]["required"], json!(["kind", "material", "steps"]));

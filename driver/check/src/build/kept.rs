@@ -2,7 +2,7 @@
 //! the source, what it includes, and the compiler.
 
 use super::scan::Scan;
-use super::source::{Language, Source};
+use super::source::{Language, PluginSource};
 use super::{Refusal, Request, build};
 use pullout_run::input::{self, Input};
 use std::env;
@@ -18,7 +18,7 @@ use umat_abi::host::library_file_name;
 /// # Errors
 /// [`Refusal`].
 pub fn kept(file: &Path, tell: &dyn Fn(String)) -> Result<PathBuf, Refusal> {
-    let source = Source::new(file, None)?;
+    let source = PluginSource::new(file, None)?;
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let folder = cache().join(hash(&source));
     let library = folder.join(library_file_name(&stem));
@@ -43,7 +43,7 @@ fn cache() -> PathBuf {
 }
 
 /// A hash, in hexadecimal digits, of what a library is made of.
-fn hash(source: &Source) -> String {
+fn hash(source: &PluginSource) -> String {
     let mut text = format!("{}\n", env!("CARGO_PKG_VERSION"));
     if let Some(compiler) = source.language.compiler() {
         let version = Command::new(compiler).arg("--version").output();
@@ -57,7 +57,7 @@ fn hash(source: &Source) -> String {
 }
 
 /// The source and the files of the user's that it includes.
-fn inputs(source: &Source) -> Vec<PathBuf> {
+fn inputs(source: &PluginSource) -> Vec<PathBuf> {
     let mut files = vec![source.file.clone()];
     if let Language::Fortran(_) = source.language {
         files.extend(Scan::of(source).files);

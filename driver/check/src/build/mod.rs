@@ -21,7 +21,7 @@ pub use source::Form;
 use object::{Object, ObjectKind};
 use pullout_run::input::{self, Input};
 use scan::Scan;
-use source::{Language, Source};
+use source::{Language, PluginSource};
 use std::ffi::OsString;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -118,7 +118,8 @@ fn refused(program: &str, file: &Path, output: &str, hint: &str) -> Refusal {
 /// # Errors
 /// [`Refusal`]; then an older library of that name stays as it is.
 pub fn build(request: &Request) -> Result<Built, Refusal> {
-    let sources = request.sources.iter().map(|file| Source::new(file, request.form)).collect::<Result<Vec<_>, _>>()?;
+    let sources =
+        request.sources.iter().map(|file| PluginSource::new(file, request.form)).collect::<Result<Vec<_>, _>>()?;
     let output = request.output.clone().unwrap_or_else(|| default_output(&request.sources));
     may_be_written(&output, &sources)?;
     let utilities = utilities_path().map_err(Refusal::Failed)?;
@@ -171,7 +172,7 @@ pub fn defines(library: &Path, symbol: &str) -> io::Result<bool> {
 }
 
 /// Only a shared library is overwritten: never a source, nor anything else of the user's.
-fn may_be_written(output: &Path, sources: &[Source]) -> Result<(), Refusal> {
+fn may_be_written(output: &Path, sources: &[PluginSource]) -> Result<(), Refusal> {
     let refusal = |message: &str| Err(Refusal::File { file: output.to_path_buf(), message: message.into() });
     if output.parent().is_some_and(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
         return refusal("the folder is not there");
@@ -258,7 +259,7 @@ const MOST_ERRORS: usize = 12;
 
 /// Compiles one source, in the other form of Fortran if that of its suffix is not it.
 fn compile_in_either_form(
-    source: &Source,
+    source: &PluginSource,
     scan: &Scan,
     number: usize,
     folder: &Path,
@@ -328,7 +329,7 @@ fn shortened(output: &str) -> String {
 
 /// Compiles one source; an object file is taken as it is. Within: what the compiler says if it refuses.
 fn compile(
-    source: &Source,
+    source: &PluginSource,
     scan: &Scan,
     number: usize,
     folder: &Path,
@@ -399,7 +400,7 @@ struct Linker {
     of_lapack: Option<String>,
 }
 
-fn linker(sources: &[Source]) -> Linker {
+fn linker(sources: &[PluginSource]) -> Linker {
     let any = |wanted: fn(&Language) -> bool| sources.iter().any(|source| wanted(&source.language));
     let cpp = any(|language| *language == Language::Cpp);
     // An object file may come from any compiler; Fortran is what UMATs are written in.

@@ -2,7 +2,7 @@
 //! and uses.
 
 use super::includes::{self, is_ours};
-use super::source::{Form, Language, Source};
+use super::source::{Form, Language, PluginSource};
 use pullout_run::input::{self, Input};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -38,7 +38,7 @@ pub(super) struct Scan {
 
 impl Scan {
     /// Reads a source and what it includes.
-    pub(super) fn of(source: &Source) -> Self {
+    pub(super) fn of(source: &PluginSource) -> Self {
         let mut scan = Self::default();
         let Language::Fortran(form) = source.language else {
             return scan;

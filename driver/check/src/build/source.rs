@@ -101,7 +101,7 @@ impl Language {
 
 /// A file and its language.
 #[derive(Clone, Debug)]
-pub(super) struct Source {
+pub(super) struct PluginSource {
     pub(super) file: PathBuf,
     pub(super) language: Language,
     /// The text; empty for an object file.
@@ -110,13 +110,13 @@ pub(super) struct Source {
     form_is_guessed: bool,
 }
 
-impl Source {
+impl PluginSource {
     pub(super) fn new(file: &Path, form: Option<Form>) -> Result<Self, Refusal> {
         let refusal = |message: String| Refusal::File { file: file.to_path_buf(), message };
         let suffix = file.extension().unwrap_or_default().to_string_lossy();
         let Some(language) = Language::of(&suffix) else {
             return Err(refusal(
-                "its suffix tells no language (fixed form: .f .for .ftn .f77; free form: .f90 .f95 .f03 .f08; .c; .cpp \
+                "its suffix is that of no language (fixed form: .f .for .ftn .f77; free form: .f90 .f95 .f03 .f08; .c; .cpp \
                  .cc .cxx; .o)"
                     .into(),
             ));

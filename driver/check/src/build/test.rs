@@ -1,4 +1,4 @@
-use super::source::{Language, Source};
+use super::source::{Language, PluginSource};
 use super::*;
 
 /// A source file in a folder of its own.
@@ -11,7 +11,7 @@ fn written(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
 
 fn language(name: &str, text: &str, form: Option<Form>) -> Language {
     let (_folder, file) = written(name, text);
-    Source::new(&file, form).unwrap().language
+    PluginSource::new(&file, form).unwrap().language
 }
 
 #[test]
@@ -31,7 +31,7 @@ fn the_suffix_tells_the_language_and_the_form() {
     assert_eq!(language("a.for", "C comment\n!DIR$ FREEFORM\n", None), Language::Fortran(Form::Free));
     assert_eq!(language("a.for", "      END\n!DIR$ FREEFORM\n", None), Language::Fortran(Form::Fixed));
     let (_folder, file) = written("a.txt", "");
-    assert!(matches!(Source::new(&file, None), Err(Refusal::File { .. })));
+    assert!(matches!(PluginSource::new(&file, None), Err(Refusal::File { .. })));
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn a_linkers_words_name_what_is_undefined() {
 /// Returns the scan of a source with this name and text.
 fn scanned(name: &str, text: &str) -> (tempfile::TempDir, Scan) {
     let (folder, file) = written(name, text);
-    let scan = Scan::of(&Source::new(&file, None).unwrap());
+    let scan = Scan::of(&PluginSource::new(&file, None).unwrap());
     (folder, scan)
 }
 

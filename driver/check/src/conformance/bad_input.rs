@@ -6,8 +6,8 @@
 use super::messages::Capture;
 use super::metadata::parameter_of;
 use super::report::{Ledger, Verdict};
-use super::sample::State;
-use super::subject::{Answer, Committed, Entry, Subject};
+use super::sample::SampledState;
+use super::subject::{Answer, CheckedEntryPoint, Committed, Subject};
 use umat_abi::host::{Alteration, CallOutcome, Library, same_bits};
 use umat_abi::law::StressState;
 use umat_abi::metadata::flags;
@@ -36,14 +36,14 @@ fn cut_back(answer: &Answer) -> bool {
 }
 
 /// States later in their histories, with non-zero STATEV if there are any.
-fn chosen(sample: &[State]) -> impl Iterator<Item = &State> {
+fn chosen(sample: &[SampledState]) -> impl Iterator<Item = &SampledState> {
     let eventful = sample.iter().filter(|state| state.from.statev.iter().any(|x| *x != 0.0));
     let quiet = sample.iter().filter(|state| state.from.statev.iter().all(|x| *x == 0.0));
     eventful.chain(quiet).take(STATES)
 }
 
 /// NaN and infinities in strains, increments and states, one at a time.
-pub(super) fn not_finite(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn not_finite(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("NaN and infinity");
     let described = subject.described();
     // Third-party code may loop for ever on infinity; NaN ends most loops.
@@ -78,13 +78,13 @@ fn words(from: &Committed, answer: &Answer) -> String {
 }
 
 /// The state with one input spoiled, for each input.
-fn spoiled(subject: &Subject<'_>, state: &State, value: f64) -> Vec<(String, Committed, Vec<f64>)> {
+fn spoiled(subject: &Subject<'_>, state: &SampledState, value: f64) -> Vec<(String, Committed, Vec<f64>)> {
     let mut cases = Vec::new();
     for k in 0..state.step.len() {
         let mut step = state.step.clone();
         step[k] = value;
         cases.push((format!("increment of {}", subject.entry.input_name(k)), state.from.clone(), step));
-        if matches!(subject.entry, Entry::Umat(_)) {
+        if matches!(subject.entry, CheckedEntryPoint::Umat(_)) {
             let mut from = state.from.clone();
             from.input[k] = value;
             cases.push((subject.entry.input_name(k), from, state.step.clone()));
@@ -129,7 +129,7 @@ impl Refusals {
 }
 
 /// Each parameter NaN, infinite, outside its bounds, none of its choices.
-pub(super) fn properties(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn properties(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("wrong PROPS");
     let (Some(law), Some(state)) = (&subject.plugin.law, sample.first()) else {
         return ledger.skip("no metadata: bounds are unknown");
@@ -151,7 +151,7 @@ pub(super) fn properties(subject: &mut Subject<'_>, sample: &[State], ledger: &m
 }
 
 /// Wrong NTENS, NSTATV, NPROPS, and stress states that the law does not support.
-pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn counts(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("wrong counts");
     let (Some(law), Some(state)) = (&subject.plugin.law, sample.first()) else {
         return ledger.skip("no metadata: what the plugin checks is unknown");
@@ -168,7 +168,7 @@ pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut L
         alterations.extend([0, -1].map(Alteration::PropertyCount));
     }
     match subject.entry {
-        Entry::Umat(present) => {
+        CheckedEntryPoint::Umat(present) => {
             let wrong = [[5, 3, 2], [2, 1, 1], [1, 1, 0], [0, 0, 0], [-1, -1, -1]];
             alterations.extend(wrong.map(Alteration::Components));
             let other = [StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
@@ -176,7 +176,7 @@ pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut L
             let fitting = unsupported.filter(|s| s.components().len() < present.components().len());
             alterations.extend(fitting.map(|s| Alteration::Components(<[i32; 3]>::from(s.counts()))));
         }
-        Entry::Uinter(_) | Entry::Fric(_) => {
+        CheckedEntryPoint::Uinter(_) | CheckedEntryPoint::Fric(_) => {
             alterations.extend([[0, 0, 0], [-1, 0, 0]].map(Alteration::Components));
         }
     }
@@ -194,9 +194,9 @@ pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut L
 }
 
 /// CELENT 0, NaN, negative and NULL: all alike, by a law that does not need it now or by a refusal; no division by it.
-pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("CELENT unusable");
-    if !matches!(subject.entry, Entry::Umat(_)) {
+    if !matches!(subject.entry, CheckedEntryPoint::Umat(_)) {
         return;
     }
     if !subject.claims(flags::USES_CELENT) {

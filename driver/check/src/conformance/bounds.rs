@@ -2,7 +2,7 @@
 //! NFDIR is seen when it happens.
 
 use super::report::{Ledger, Verdict};
-use super::sample::State;
+use super::sample::SampledState;
 use super::subject::Subject;
 use std::collections::BTreeSet;
 use umat_abi::host::{Alignment, Probed};
@@ -11,7 +11,7 @@ use umat_abi::host::{Alignment, Probed};
 const STATES: usize = 8;
 
 /// Reads and writes outside the arrays.
-pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("outside arrays");
     if subject.described() {
         return;

@@ -3,7 +3,7 @@
 
 use super::Options;
 use super::report::{Ledger, Report, Verdict};
-use super::subject::{Committed, Entry, Setting};
+use super::subject::{CheckedEntryPoint, Committed, Setting};
 use pullout_run::isolation::worker;
 use pullout_run::path::{self, Accepted, ContactPoint, MaterialPoint, Observer, Row, Statistics, Stop};
 use pullout_run::program::{InterfaceEntry, Kind, Program};
@@ -33,7 +33,7 @@ pub(super) struct Increment {
 #[derive(Clone, Debug)]
 pub(super) struct CasePath {
     /// The entry point that it calls.
-    pub(super) entry: Entry,
+    pub(super) entry: CheckedEntryPoint,
     pub(super) increments: Vec<Increment>,
     /// The point before the first increment, reached or not; `None`: the case cannot begin.
     pub(super) start: Option<Committed>,
@@ -60,12 +60,14 @@ impl CasePath {
         // the calls that find out are part of it
         Ledger::new(report, options.label(entry)).begin(CHECK);
         let mut reason = None;
-        if let (Kind::Point(point), Entry::Umat(StressState::PlaneStrainOrAxisymmetric | StressState::PlaneStress)) =
-            (&program.kind, entry)
+        if let (
+            Kind::Point(point),
+            CheckedEntryPoint::Umat(StressState::PlaneStrainOrAxisymmetric | StressState::PlaneStress),
+        ) = (&program.kind, entry)
             && let Ok((stress_state, why)) = path::components_of_calls(program, point, databases)
         {
             (entry, reason) =
-                (Entry::Umat(stress_state), why.map(|why| format!("NTENS = 6, as a run calls it: {why}")));
+                (CheckedEntryPoint::Umat(stress_state), why.map(|why| format!("NTENS = 6, as a run calls it: {why}")));
         }
         if let Kind::Interface(contact) = &program.kind
             && let Ok((directions, why)) = path::directions_of_calls(program, contact, databases)
@@ -112,7 +114,7 @@ impl CasePath {
     /// Runs a case, with `between` behind each increment; the path, and why it was left if it was.
     fn along(
         program: &Program,
-        entry: Entry,
+        entry: CheckedEntryPoint,
         options: &Options,
         time_limit: Duration,
         databases: &mut ExternalDatabases,
@@ -130,10 +132,10 @@ impl CasePath {
             Ok(()) => None,
             Err(Stop::Failed(failure)) => Some(failure.message),
             Err(Stop::Write(_)) if keeper.count as u64 >= longest => {
-                Some(format!("left after {longest} increments: the plugin does not survive the next one"))
+                Some(format!("stopped after {longest} increments: the plugin does not survive the next one"))
             }
             Err(Stop::Write(_)) => Some(format!(
-                "left after {} increments, because it takes longer than {:.1} s",
+                "stopped after {} increments, because it takes longer than {:.1} s",
                 statistics.increments,
                 time_limit.as_secs_f64()
             )),
@@ -161,23 +163,23 @@ impl CasePath {
 }
 
 /// The entry point of a case, with the components of its mode.
-fn entry(program: &Program) -> Entry {
+fn entry(program: &Program) -> CheckedEntryPoint {
     match &program.kind {
-        Kind::Point(point) => Entry::Umat(point.mode.stress_state()),
+        Kind::Point(point) => CheckedEntryPoint::Umat(point.mode.stress_state()),
         Kind::Interface(contact) => contact_entry(contact.entry, contact.tangential_directions),
     }
 }
 
-fn contact_entry(entry: InterfaceEntry, tangential_directions: usize) -> Entry {
+fn contact_entry(entry: InterfaceEntry, tangential_directions: usize) -> CheckedEntryPoint {
     match entry {
-        InterfaceEntry::Uinter => Entry::Uinter(1 + tangential_directions),
-        InterfaceEntry::Fric => Entry::Fric(tangential_directions),
+        InterfaceEntry::Uinter => CheckedEntryPoint::Uinter(1 + tangential_directions),
+        InterfaceEntry::Fric => CheckedEntryPoint::Fric(tangential_directions),
     }
 }
 
 /// Keeps the increments of a run.
 struct Keeper<'k> {
-    entry: Entry,
+    entry: CheckedEntryPoint,
     increments: Vec<Increment>,
     start: Option<Committed>,
     stride: usize,
@@ -235,7 +237,7 @@ impl Keeper<'_> {
     }
 }
 
-fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
+fn of_umat(entry: CheckedEntryPoint, before: &MaterialPoint, call: &UmatCall) -> Increment {
     let called = call.solid().unwrap_or(call);
     let mut gradient = before.deformation_gradient;
     if call.is_through_solid() {
@@ -282,7 +284,7 @@ fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
     // what surrounds the point stays with the call of the plane
     let (fields, call) = (&call.fields, call.wide().unwrap_or(call));
     let directions = call.stress().len();
-    let entry = Entry::Uinter(directions);
+    let entry = CheckedEntryPoint::Uinter(directions);
     let from = Committed {
         input: [-before.gap, before.slip[0], before.slip[1]][..directions].to_vec(),
         output: [before.pressure, before.shear[0], before.shear[1]][..directions].to_vec(),
@@ -301,7 +303,7 @@ fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
 fn of_fric(before: &ContactPoint, call: &FricCall) -> Increment {
     let (fields, call) = (&call.fields, call.wide().unwrap_or(call));
     let directions = call.stress().len();
-    let entry = Entry::Fric(directions);
+    let entry = CheckedEntryPoint::Fric(directions);
     let [stored, dissipated, ..] = before.energies;
     let from = Committed {
         input: before.slip[..directions].iter().copied().chain([before.pressure]).collect(),

@@ -3,7 +3,7 @@
 use super::Options;
 use super::random::SEED;
 use super::report::{Ledger, Verdict};
-use super::sample::State;
+use super::sample::SampledState;
 use super::subject::{Answer, Subject, distance, largest};
 use pullout_run::PLUGIN_STACK;
 use umat_abi::host::{Alteration, ExternalDatabases};
@@ -14,7 +14,7 @@ const THREADS: usize = 4;
 /// Times that each thread goes through the sample.
 const ROUNDS: usize = 5;
 
-fn answer(subject: &mut Subject<'_>, state: &State) -> Answer {
+fn answer(subject: &mut Subject<'_>, state: &SampledState) -> Answer {
     subject.call(&state.from, &state.step, 0.0, Alteration::None)
 }
 
@@ -37,7 +37,7 @@ const STACKS: [u64; 2] = [0, 1e-4_f64.to_bits()];
 const UNSET: &str = "the result depends on what the stack held before: a variable is used before it is set";
 
 /// Each call twice in a row, and on other stacks.
-pub(super) fn repeatability(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn repeatability(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("repeated call");
     for state in sample {
         let (first, second) = (answer(subject, state), answer(subject, state));
@@ -68,7 +68,7 @@ pub(super) fn first_call(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) -> 
 /// answer `first` is: a memory that is full since then changes no more between later calls.
 pub(super) fn call_order(
     subject: &mut Subject<'_>,
-    sample: &[State],
+    sample: &[SampledState],
     first: &Answer,
     options: &Options,
     databases: &mut ExternalDatabases,
@@ -127,7 +127,7 @@ fn run_again(subject: &mut Subject<'_>, options: &Options, databases: &mut Exter
 }
 
 /// All threads at once on different states, against the answers of one.
-pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn threads(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("thread safety");
     if !subject.claims(flags::THREAD_SAFE) {
         return ledger.skip("not claimed");
@@ -167,7 +167,7 @@ pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], ledger: &mut 
 }
 
 /// The tangent's pointer NULL gives the same stress and states.
-pub(super) fn stress_only(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn stress_only(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("stress only");
     if !subject.claims(flags::STRESS_ONLY) {
         return ledger.skip("not claimed");

@@ -5,7 +5,7 @@ use super::case_path::CasePath;
 use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::sample::target;
-use super::subject::{INSTANT, Subject, Trouble};
+use super::subject::{INSTANT, NoAnswer, Subject};
 use super::tolerances;
 use pullout_run::deformation::incremental_motion;
 
@@ -37,7 +37,7 @@ struct Balance {
     fall: f64,
 }
 
-fn run(subject: &mut Subject<'_>, targets: &[Vec<f64>], increments: u32) -> Result<Balance, Trouble> {
+fn run(subject: &mut Subject<'_>, targets: &[Vec<f64>], increments: u32) -> Result<Balance, NoAnswer> {
     let mut point = subject.virgin();
     let zero = vec![0.0; point.input.len()];
     // The stress of the virgin state itself: contact in a soft layer carries pressure before it closes.
@@ -155,7 +155,7 @@ fn volume(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     const SAME: f64 = 1e-2;
     let last = subject.path.as_ref().and_then(|path| path.increments.last());
     let Some(last) = last.map(|increment| subject.end_gradient(&increment.from, &increment.step)) else {
-        return ledger.skip("finite strain: a case has it looked at");
+        return ledger.skip("finite strain: only a case has it checked");
     };
     let mut point = subject.virgin();
     let first = point.gradient;
@@ -195,7 +195,7 @@ fn volume(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     let (verdict, words) = match (is(present), is(reference)) {
         (true, _) => (Verdict::Pass, "SSE, SPD and SCD are per present volume, as they should"),
         (false, true) => {
-            (Verdict::Warn, "SSE, SPD and SCD are per reference volume; hosts take them for per present volume")
+            (Verdict::Warn, "SSE, SPD and SCD are per reference volume; hosts expect them per present volume")
         }
         (false, false) => (Verdict::Warn, "SSE, SPD and SCD are not the work of the stresses"),
     };

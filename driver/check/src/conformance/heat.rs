@@ -1,8 +1,8 @@
 //! Derivatives that couple a UMAT with a temperature, DDSDDT, DRPLDE and DRPLDT, against differences of STRESS and RPL.
 
 use super::report::{Ledger, Verdict};
-use super::sample::State;
-use super::subject::{Answer, Entry, Subject, distance, largest};
+use super::sample::SampledState;
+use super::subject::{Answer, CheckedEntryPoint, Subject, distance, largest};
 use super::tangent::{Findings, Measure, Mismatch, states};
 use super::tolerances::ROUNDING_OF_DIFFERENCES;
 use std::fmt;
@@ -34,12 +34,12 @@ impl fmt::Display for Kind {
                 "left at 0: staggered steps do not need it, steps that solve temperature and displacements together converge slowly \
                  without it",
             ),
-            Self::Scaled(factor) if is_near(*factor, -1.0) => f.write_str("right but for its sign"),
+            Self::Scaled(factor) if is_near(*factor, -1.0) => f.write_str("right except for its sign"),
             Self::Scaled(factor) if (factor - 1.0).abs() < 5e-3 => write!(f, "off by {:.1e} of itself", factor - 1.0),
             Self::Scaled(factor) => write!(f, "{factor:.3} of what it should be"),
             Self::Shears(factor) => write!(
                 f,
-                "right but for shears: {factor:.3} of what they should be; STRAN and DSTRAN have engineering shears, gamma = 2 \
+                "right except for shears: {factor:.3} of what they should be; STRAN and DSTRAN have engineering shears, gamma = 2 \
                  epsilon"
             ),
             Self::Wrong => f.write_str("wrong"),
@@ -52,11 +52,11 @@ fn is_near(a: f64, b: f64) -> bool {
 }
 
 /// The rows of the derivatives of a UMAT that writes any of the four; the others get none.
-pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
-    let Entry::Umat(stress_state) = subject.entry else { return };
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
+    let CheckedEntryPoint::Umat(stress_state) = subject.entry else { return };
     ledger.begin(DERIVATIVES[0].0);
     let (along, count) = states(subject, sample, CALLS);
-    let all: Vec<&State> = along.iter().chain(&sample[..count]).collect();
+    let all: Vec<&SampledState> = along.iter().chain(&sample[..count]).collect();
     let answers: Vec<Answer> = all.iter().filter_map(|state| subject.evaluate(&state.from, &state.step).ok()).collect();
     if answers.iter().all(|answer| answer.heat_values() == [0.0; 14]) {
         return;

@@ -1,7 +1,7 @@
 //! Data that a plain UMAT keeps between calls: its writable memory, compared before and after.
 
 use super::report::{Ledger, Verdict};
-use super::sample::State;
+use super::sample::SampledState;
 use super::subject::Subject;
 use object::{Object, ObjectSymbol, SymbolKind};
 use pullout_run::input::{self, Input};
@@ -13,7 +13,7 @@ use umat_abi::host::{Alteration, DataSnapshot};
 const STATES: usize = 12;
 
 /// Variables that change from call to call. What was set up once, in the calls so far, does not.
-pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("data between calls");
     if subject.described() {
         return;

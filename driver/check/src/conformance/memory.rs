@@ -1,7 +1,7 @@
 //! Writing where a plugin must not, and not writing where it must.
 
 use super::report::{Ledger, Verdict};
-use super::sample::State;
+use super::sample::SampledState;
 use super::subject::Subject;
 use umat_abi::host::{Alteration, Plugin};
 
@@ -11,7 +11,7 @@ const FILLINGS: [f64; 2] = [-1.234_567e77, 9.876_543e-66];
 const STATES: usize = 30;
 
 /// Entries of the tangent (FRIC: and of DSLIP) that the plugin leaves as they were.
-pub(super) fn unset_entries(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn unset_entries(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("tangent entries set");
     let columns = subject.entry.inputs();
     let mut unset = std::collections::BTreeSet::new();
@@ -34,7 +34,7 @@ pub(super) fn unset_entries(subject: &mut Subject<'_>, sample: &[State], ledger:
 }
 
 /// Input arguments that the plugin writes: a host that gives no copies of them, as this one does, goes on with what it wrote.
-pub(super) fn inputs_untouched(subject: &Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn inputs_untouched(subject: &Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("inputs untouched");
     let plugin = Plugin { library: subject.plugin.library.clone().watched(), ..subject.plugin.clone() };
     let Ok(mut twin) = subject.twin_of(&plugin, &subject.props) else {
@@ -57,6 +57,6 @@ pub(super) fn overruns(subject: &Subject<'_>, ledger: &mut Ledger<'_>) {
         return ledger.row("array bounds", Verdict::Pass, "", "");
     }
     let arrays: Vec<_> = subject.overruns.iter().map(|(array, calls)| format!("{array} in {calls} calls")).collect();
-    let detail = format!("writes behind the end of {}", arrays.join(", "));
+    let detail = format!("writes past the end of {}", arrays.join(", "));
     ledger.row("array bounds", Verdict::Fail, format!("{} arrays", arrays.len()), detail);
 }

@@ -34,7 +34,7 @@ mod tolerances;
 mod virgin;
 
 pub use report::{Event, Report, Row, Verdict};
-pub use subject::Entry;
+pub use subject::CheckedEntryPoint;
 
 use case_path::CasePath;
 use pullout_run::program::Program;
@@ -140,9 +140,11 @@ impl Options {
     }
 
     /// Returns what rows of an entry point are called.
-    fn label(&self, entry: Entry) -> &'static str {
+    fn label(&self, entry: CheckedEntryPoint) -> &'static str {
         match entry {
-            Entry::Umat(StressState::PlaneStrainOrAxisymmetric) if self.is_axisymmetric => "axisymmetric, NTENS 4",
+            CheckedEntryPoint::Umat(StressState::PlaneStrainOrAxisymmetric) if self.is_axisymmetric => {
+                "axisymmetric, NTENS 4"
+            }
             _ => entry.label(),
         }
     }
@@ -206,11 +208,11 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
 }
 
 /// Every entry point and set of components that the law claims.
-fn entries(law: Option<&LawDescription>, path: Option<&CasePath>, options: &Options) -> Vec<Entry> {
+fn entries(law: Option<&LawDescription>, path: Option<&CasePath>, options: &Options) -> Vec<CheckedEntryPoint> {
     const SOLID: [StressState; 3] =
         [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
     let Some(law) = law else {
-        return vec![path.map_or(Entry::Umat(StressState::ThreeD), |path| path.entry)];
+        return vec![path.map_or(CheckedEntryPoint::Umat(StressState::ThreeD), |path| path.entry)];
     };
     let mut entries = Vec::new();
     if law.kinds & kinds::UMAT != 0 {
@@ -218,13 +220,13 @@ fn entries(law: Option<&LawDescription>, path: Option<&CasePath>, options: &Opti
             .into_iter()
             .filter(|stress_state| stress_state.bits() & law.stress_states != 0)
             .filter(|stress_state| options.stress_state.is_none_or(|wanted| wanted == *stress_state));
-        entries.extend(supported.map(Entry::Umat));
+        entries.extend(supported.map(CheckedEntryPoint::Umat));
     }
     if law.kinds & kinds::UINTER != 0 {
-        entries.extend([2, 3].map(Entry::Uinter));
+        entries.extend([2, 3].map(CheckedEntryPoint::Uinter));
     }
     if law.kinds & kinds::FRIC != 0 {
-        entries.extend([1, 2].map(Entry::Fric));
+        entries.extend([1, 2].map(CheckedEntryPoint::Fric));
     }
     entries
 }

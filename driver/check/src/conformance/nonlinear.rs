@@ -2,8 +2,8 @@
 //! seen nothing of a damage law.
 
 use super::report::{Ledger, Verdict};
-use super::sample::State;
-use super::subject::{Committed, Entry, Subject, distance, largest};
+use super::sample::SampledState;
+use super::subject::{CheckedEntryPoint, Committed, Subject, distance, largest};
 use super::tolerances::{NONLINEAR, ROUNDING_OF_F};
 use umat_abi::host::{Alignment, Alteration, CallOutcome, Probed};
 
@@ -18,7 +18,7 @@ pub(super) fn is_nonlinear(subject: &mut Subject<'_>, from: &Committed, step: &[
     const SMALL: f64 = 1e-3;
     let mut virgin = subject.virgin_during(from);
     let mut small: Vec<f64> = step.iter().map(|d| SMALL * d).collect();
-    if let Entry::Fric(n) = subject.entry {
+    if let CheckedEntryPoint::Fric(n) = subject.entry {
         // friction sticks under a pressure: nothing sticks at the start, where there may be none
         virgin.input[n] = from.input[n] + step[n];
         small[n] = 0.0;
@@ -86,7 +86,7 @@ fn kept(subject: &mut Subject<'_>, from: &Committed, step: &[f64], increments: u
 }
 
 /// Counts the nonlinear states, and judges whether the sample says anything of the law.
-pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     const MOST_INCREMENTS: usize = 200;
     const CALLS: usize = 4;
     const TIME: f64 = 1.0;
@@ -144,7 +144,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
         nonlinear_beyond(subject, sample).map(|factor| format!("it is nonlinear at {factor} times what was sampled"))
     };
     let Some(why) = why else {
-        let words = if nonlinear > 0 { words } else { format!("linear everywhere it was looked at; {words}") };
+        let words = if nonlinear > 0 { words } else { format!("linear everywhere it was checked; {words}") };
         return ledger.add(Verdict::Pass, figure, words);
     };
     let advice = if subject.path.is_some() { "give a case that goes farther" } else { "give a case by --case" };
@@ -153,7 +153,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
 
 /// Returns how many times farther than the sample a first step finds the law nonlinear, or ended by what it cannot answer. Asked
 /// in a process of its own first.
-fn nonlinear_beyond(subject: &mut Subject<'_>, sample: &[State]) -> Option<f64> {
+fn nonlinear_beyond(subject: &mut Subject<'_>, sample: &[SampledState]) -> Option<f64> {
     const FACTORS: [f64; 5] = [3.0, 10.0, 100.0, 1e3, 1e4];
     /// Midpoint increments of the deformation gradient end at 2.
     const LONGEST_FINITE_STEP: f64 = 1.0;
@@ -161,7 +161,7 @@ fn nonlinear_beyond(subject: &mut Subject<'_>, sample: &[State]) -> Option<f64> 
     for factor in FACTORS.into_iter().filter(|factor| *factor <= farthest) {
         for state in sample.iter().rev().take(ASKED) {
             // friction is a cone: it slides farther under the same pressure
-            let slips = if let Entry::Fric(n) = subject.entry { n } else { state.step.len() };
+            let slips = if let CheckedEntryPoint::Fric(n) = subject.entry { n } else { state.step.len() };
             let reach =
                 state.step.iter().zip(&subject.size).take(slips).fold(0.0_f64, |m, (d, size)| m.max((d / size).abs()));
             let mut step = state.step.clone();
@@ -179,7 +179,11 @@ fn nonlinear_beyond(subject: &mut Subject<'_>, sample: &[State]) -> Option<f64> 
 
 /// A state variable on which the stress depends, other than those that are known. Asked in a process of its own first: values that
 /// the law never gives may end it.
-fn influential_state(subject: &mut Subject<'_>, sample: &[State], is_known: impl Fn(usize) -> bool) -> Option<String> {
+fn influential_state(
+    subject: &mut Subject<'_>,
+    sample: &[SampledState],
+    is_known: impl Fn(usize) -> bool,
+) -> Option<String> {
     for state in sample.iter().rev().take(ASKED) {
         let expected = subject.call(&state.from, &state.step, 0.0, Alteration::None);
         let histories: Vec<usize> = (0..subject.nstatv).filter(|&k| subject.is_history(k) && !is_known(k)).collect();

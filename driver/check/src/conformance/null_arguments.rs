@@ -2,7 +2,7 @@
 
 use super::messages::Capture;
 use super::report::{Ledger, Verdict};
-use super::sample::State;
+use super::sample::SampledState;
 use super::subject::Subject;
 use umat_abi::host::Alteration;
 use umat_abi::metadata::flags;
@@ -11,7 +11,7 @@ use umat_abi::metadata::flags;
 const STATES: usize = 5;
 
 /// The answer is the same bit for bit.
-pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("NULL arguments");
     if !subject.described() {
         return ledger.skip("no metadata: the plugin may read any argument");

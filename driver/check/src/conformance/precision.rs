@@ -5,7 +5,7 @@
 //! prove nothing: an iteration in double precision that ends early makes them as large.
 
 use super::report::{Ledger, Verdict};
-use super::sample::State;
+use super::sample::SampledState;
 use super::subject::{Subject, distance, largest};
 use umat_abi::host::Alteration;
 
@@ -27,12 +27,12 @@ const LOST_BITS: u64 = (1 << 29) - 1;
 const LAST_BITS: u64 = 0xff << 29;
 
 /// The row "double precision" of a plain UMAT.
-pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("double precision");
     if subject.described() {
         return;
     }
-    let noises: Vec<(&State, f64)> =
+    let noises: Vec<(&SampledState, f64)> =
         sample.iter().filter_map(|state| noise(subject, state).map(|noise| (state, noise))).collect();
     let noisy: Vec<_> = noises.iter().filter(|(_, noise)| *noise > NOISE).collect();
     let worst = noises.iter().map(|(_, noise)| *noise).fold(0.0, f64::max);
@@ -55,19 +55,19 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
 }
 
 /// The stress at the end of a state's step, and of the strain there enlarged by a share of itself.
-fn beyond(subject: &mut Subject<'_>, state: &State, share: f64) -> Option<Vec<f64>> {
+fn beyond(subject: &mut Subject<'_>, state: &SampledState, share: f64) -> Option<Vec<f64>> {
     let step: Vec<f64> = state.step.iter().zip(&state.from.input).map(|(d, x)| d + share * (x + d)).collect();
     subject.evaluate(&state.from, &step).ok().map(|answer| answer.output)
 }
 
 /// Returns whether a small change of the strain leaves the stress as it is, to the bit.
-fn stands_still(subject: &mut Subject<'_>, state: &State) -> bool {
+fn stands_still(subject: &mut Subject<'_>, state: &SampledState) -> bool {
     let stress = beyond(subject, state, 0.0);
     stress.is_some() && stress == beyond(subject, state, SMALL_STEP)
 }
 
 /// The largest second difference of the stress at strains that differ by [`STEP`], relative to the stress.
-fn noise(subject: &mut Subject<'_>, state: &State) -> Option<f64> {
+fn noise(subject: &mut Subject<'_>, state: &SampledState) -> Option<f64> {
     let outputs: Vec<Vec<f64>> = (0..NEIGHBOURS).map_while(|k| beyond(subject, state, STEP * k as f64)).collect();
     let size = outputs.iter().map(|output| largest(output)).fold(0.0, f64::max).max(largest(&state.from.output));
     if outputs.len() < NEIGHBOURS || size == 0.0 {
@@ -82,7 +82,7 @@ fn noise(subject: &mut Subject<'_>, state: &State) -> Option<f64> {
 }
 
 /// Arrays most of whose entries have the precision of REAL*4.
-fn rounded(subject: &mut Subject<'_>, sample: &[State]) -> Vec<&'static str> {
+fn rounded(subject: &mut Subject<'_>, sample: &[SampledState]) -> Vec<&'static str> {
     let mut counts = [("STRESS", 0, 0), ("DDSDDE", 0, 0), ("STATEV", 0, 0)];
     for state in sample {
         let answer = subject.call(&state.from, &state.step, 0.0, Alteration::None);

@@ -110,7 +110,7 @@ impl Report {
         let outcome = match self.failures().count() {
             0 if self.is_vacuous() => {
                 let void = self.rows.iter().filter(|row| row.verdict == Verdict::NotTested).count();
-                format!("not tested: {count}, {void} of which tell nothing of the law")
+                format!("not tested: {count}, {void} of which say nothing about the law")
             }
             0 => format!("{count}: none failed"),
             failures => format!("{count}: {failures} failed"),

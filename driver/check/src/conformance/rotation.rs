@@ -2,8 +2,8 @@
 
 use super::random::Random;
 use super::report::{Ledger, Verdict};
-use super::sample::{State, step_to, target};
-use super::subject::{Committed, Entry, INSTANT, Subject, distance, largest};
+use super::sample::{SampledState, step_to, target};
+use super::subject::{CheckedEntryPoint, Committed, INSTANT, Subject, distance, largest};
 use super::tolerances;
 use nalgebra::Matrix3;
 use pullout_run::deformation;
@@ -12,7 +12,7 @@ use umat_abi::law::StressState;
 use umat_abi::metadata::flags;
 
 /// Inputs (or outputs) in the rotated frame. Slips turn in the plane of the interface; a single one changes sign.
-fn rotated(entry: Entry, values: &[f64], rotation: &Matrix3<f64>, shear: f64) -> Vec<f64> {
+fn rotated(entry: CheckedEntryPoint, values: &[f64], rotation: &Matrix3<f64>, shear: f64) -> Vec<f64> {
     let turn = |first: usize| {
         let mut values = values.to_vec();
         let (a, b) = (values[first], values[first + 1]);
@@ -26,11 +26,11 @@ fn rotated(entry: Entry, values: &[f64], rotation: &Matrix3<f64>, shear: f64) ->
         values
     };
     match entry {
-        Entry::Umat(_) => entry.of_six(&deformation::rotated(&entry.six(values), rotation, shear)),
-        Entry::Uinter(3) => turn(1),
-        Entry::Fric(2) => turn(0),
-        Entry::Uinter(_) => flip(1),
-        Entry::Fric(_) => flip(0),
+        CheckedEntryPoint::Umat(_) => entry.of_six(&deformation::rotated(&entry.six(values), rotation, shear)),
+        CheckedEntryPoint::Uinter(3) => turn(1),
+        CheckedEntryPoint::Fric(2) => turn(0),
+        CheckedEntryPoint::Uinter(_) => flip(1),
+        CheckedEntryPoint::Fric(_) => flip(0),
     }
 }
 
@@ -38,7 +38,7 @@ fn rotated(entry: Entry, values: &[f64], rotation: &Matrix3<f64>, shear: f64) ->
 const CLEAR: f64 = 1e-3;
 
 fn random_rotation(subject: &Subject<'_>, random: &mut Random) -> Matrix3<f64> {
-    random.rotation(subject.entry != Entry::Umat(StressState::ThreeD))
+    random.rotation(subject.entry != CheckedEntryPoint::Umat(StressState::ThreeD))
 }
 
 /// The largest difference, relative to the largest stress and a floor for the rounding of the elastic stress.
@@ -55,7 +55,7 @@ pub(super) fn check(subject: &mut Subject<'_>, paths: usize, ledger: &mut Ledger
     if !claimed && (subject.described() || subject.finite) {
         return ledger.skip("not claimed");
     }
-    if matches!(subject.entry, Entry::Umat(StressState::OneD | StressState::Beam)) {
+    if matches!(subject.entry, CheckedEntryPoint::Umat(StressState::OneD | StressState::Beam)) {
         return ledger.skip("the stresses of a line do not turn");
     }
     let mut random = Random::of_check(0x707);
@@ -122,9 +122,9 @@ fn elastic_anisotropy(
 }
 
 /// DROT: the host has turned stress and strain; states that are tensors turn in the plugin, scalars do not.
-pub(super) fn incremental_rotation(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn incremental_rotation(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("DROT");
-    if !matches!(subject.entry, Entry::Umat(_)) {
+    if !matches!(subject.entry, CheckedEntryPoint::Umat(_)) {
         return;
     }
     if !subject.described() {
@@ -159,7 +159,7 @@ pub(super) fn incremental_rotation(subject: &mut Subject<'_>, sample: &[State], 
 /// NLGEOM: a point that turns as a rigid body, F₁ = Q F₀, and is then strained answers like one that does not turn, turned. A plain
 /// law with axes does not, unless a host gives it strains along them, as *ORIENTATION does: a warning, if it takes its strains from
 /// the host and not from DFGRD1.
-pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("objectivity");
     const STATES: usize = 100;
     if !subject.finite {
@@ -218,7 +218,7 @@ pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], ledger: &
 }
 
 /// Returns whether the first steps of some of the states, made small, show an anisotropy.
-fn has_axes(subject: &mut Subject<'_>, sample: &[State], random: &mut Random) -> bool {
+fn has_axes(subject: &mut Subject<'_>, sample: &[SampledState], random: &mut Random) -> bool {
     let start = subject.virgin();
     sample.iter().any(|state| {
         let rotation = random_rotation(subject, random);

@@ -4,13 +4,13 @@ use super::Options;
 use super::case_path::{CasePath, Increment};
 use super::random::Random;
 use super::report::{Ledger, Verdict};
-use super::subject::{Committed, Entry, Subject, Trouble, largest};
+use super::subject::{CheckedEntryPoint, Committed, NoAnswer, Subject, largest};
 use std::fmt;
 use umat_abi::host::CallFailure;
 
 /// One state of the sample.
 #[derive(Clone, Debug)]
-pub(super) struct State {
+pub(super) struct SampledState {
     /// Number: with the seed, its name.
     pub(super) number: usize,
     origin: Origin,
@@ -31,7 +31,7 @@ enum Origin {
     Increment([i32; 2]),
 }
 
-impl State {
+impl SampledState {
     /// Returns whether it is an increment of the case as it is.
     pub(super) fn is_on_the_path(&self) -> bool {
         matches!(self.origin, Origin::Increment(_))
@@ -39,11 +39,11 @@ impl State {
 }
 
 /// Up to so many increments of the case's path, evenly spread, the last one among them.
-pub(super) fn along_the_path(subject: &Subject<'_>, most: usize) -> Vec<State> {
+pub(super) fn along_the_path(subject: &Subject<'_>, most: usize) -> Vec<SampledState> {
     let Some(path) = &subject.path else { return Vec::new() };
     let stride = path.increments.len().div_ceil(most.max(1)).max(1);
     let increments = path.increments.iter().rev().step_by(stride);
-    let of = |(number, increment): (usize, &Increment)| State {
+    let of = |(number, increment): (usize, &Increment)| SampledState {
         number,
         origin: Origin::Increment(increment.from.counters),
         from: increment.from.clone(),
@@ -52,7 +52,7 @@ pub(super) fn along_the_path(subject: &Subject<'_>, most: usize) -> Vec<State> {
     increments.enumerate().map(of).collect()
 }
 
-impl fmt::Display for State {
+impl fmt::Display for SampledState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let number = self.number;
         match self.origin {
@@ -80,13 +80,13 @@ pub(super) fn target(subject: &Subject<'_>, random: &mut Random) -> Vec<f64> {
     };
     (0..subject.entry.inputs())
         .map(|k| match subject.entry {
-            Entry::Umat(stress_state) => {
+            CheckedEntryPoint::Umat(stress_state) => {
                 let shear = if stress_state.components()[k] < 3 { 1.0 } else { 1.4 };
                 magnitude * shear * subject.size[k] * other_magnitude().1
             }
-            Entry::Uinter(_) | Entry::Fric(_) => {
+            CheckedEntryPoint::Uinter(_) | CheckedEntryPoint::Fric(_) => {
                 let (magnitude, sign) = other_magnitude();
-                let pressure = subject.entry == Entry::Fric(k);
+                let pressure = subject.entry == CheckedEntryPoint::Fric(k);
                 magnitude * subject.size[k] * if pressure { sign.abs() } else { sign }
             }
         })
@@ -102,7 +102,7 @@ pub(super) fn step_to(point: &Committed, target: &[f64]) -> Vec<f64> {
 const FEWEST: usize = 4;
 
 /// Draws the sample; a plugin that gives no answer fails here, with the state named.
-pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) -> Vec<State> {
+pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) -> Vec<SampledState> {
     let mut sample = Vec::with_capacity(options.states);
     let (mut cut_backs, mut failures, mut far) = (0, 0, 0);
     let mut first_failure = String::new();
@@ -120,13 +120,13 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
         let (origin, mut point, ways) = origin(subject, path.as_deref(), number, &mut random);
         ledger.draw(number, matches!(origin, Origin::Excursion(_)));
         match state(subject, &mut random, origin, ways, &mut point, &mut cut_backs) {
-            Ok(step) => sample.push(State { number, origin, from: point, step }),
+            Ok(step) => sample.push(SampledState { number, origin, from: point, step }),
             // what the case never does may be beyond the law
             Err(_) if matches!(origin, Origin::Excursion(_)) => far += 1,
             Err((trouble, end)) => {
                 failures += 1;
                 if failures == 1 {
-                    let state = State { number, origin, from: point, step: Vec::new() };
+                    let state = SampledState { number, origin, from: point, step: Vec::new() };
                     first_failure = format!(
                         "{state}: {trouble}, from {:?} to {end:?}, STATEV {:?}",
                         state.from.input, state.from.statev
@@ -163,7 +163,7 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
 }
 
 /// Draws a few states without a call: of a law that answers none.
-pub(super) fn unanswered(subject: &Subject<'_>) -> Vec<State> {
+pub(super) fn unanswered(subject: &Subject<'_>) -> Vec<SampledState> {
     let path = subject.path.clone().filter(|path| !path.increments.is_empty());
     (0..FEWEST)
         .map(|number| {
@@ -174,7 +174,7 @@ pub(super) fn unanswered(subject: &Subject<'_>) -> Vec<State> {
                 None => target(subject, &mut random),
             };
             let step = admissible(subject, &from, step_to(&from, &end));
-            State { number, origin, from, step }
+            SampledState { number, origin, from, step }
         })
         .collect()
 }
@@ -205,7 +205,7 @@ fn like(subject: &Subject<'_>, increment: &Increment, random: &mut Random) -> Ve
     /// A step that the case does not make at all, relative to what the inputs reach.
     const LEAST: f64 = 1e-3;
     let factor = random.magnitude().powf(0.7) * if random.unit() < 0.2 { -1.0 } else { 1.0 };
-    let solid = matches!(subject.entry, Entry::Umat(_));
+    let solid = matches!(subject.entry, CheckedEntryPoint::Umat(_));
     let all = largest(&increment.step);
     let step = &increment.step;
     (0..step.len())
@@ -224,7 +224,7 @@ fn state(
     increment: Option<&Increment>,
     point: &mut Committed,
     cut_backs: &mut usize,
-) -> Result<Vec<f64>, (Trouble, Vec<f64>)> {
+) -> Result<Vec<f64>, (NoAnswer, Vec<f64>)> {
     const MOST_HALVINGS: usize = 10;
     let legs = if matches!(origin, Origin::Excursion(_)) { 0 } else { (3.0 * random.unit()) as usize };
     for _ in 0..legs {
@@ -251,12 +251,12 @@ fn state(
     for _ in 0..MOST_HALVINGS {
         match subject.evaluate(point, &step) {
             Ok(_) => return Ok(step),
-            Err(Trouble::Call(CallFailure::CutBack(_))) => step.iter_mut().for_each(|d| *d *= 0.5),
+            Err(NoAnswer::Call(CallFailure::CutBack(_))) => step.iter_mut().for_each(|d| *d *= 0.5),
             Err(trouble) => return Err((trouble, end)),
         }
         *cut_backs += 1;
     }
-    Err((Trouble::Call(CallFailure::CutBack(0.5)), end))
+    Err((NoAnswer::Call(CallFailure::CutBack(0.5)), end))
 }
 
 /// The input at the end of a step.
@@ -267,7 +267,7 @@ pub(super) fn end_of(point: &Committed, step: &[f64]) -> Vec<f64> {
 /// A pressure stays one: hosts ask for friction where the surfaces touch.
 fn admissible(subject: &Subject<'_>, point: &Committed, mut step: Vec<f64>) -> Vec<f64> {
     const LEAST: f64 = 1e-3;
-    if let Entry::Fric(n) = subject.entry {
+    if let CheckedEntryPoint::Fric(n) = subject.entry {
         step[n] = (point.input[n] + step[n]).abs().max(LEAST * subject.size[n]) - point.input[n];
     }
     step

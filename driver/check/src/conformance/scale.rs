@@ -1,7 +1,7 @@
 //! Scale on which a strain, a slip or a gap is "large" for this law: found from its own response.
 
 use super::report::{Ledger, Verdict};
-use super::subject::{Entry, Subject, largest};
+use super::subject::{CheckedEntryPoint, Subject, largest};
 
 /// The secant differs from the initial one by this share where nonlinearity begins.
 const NONLINEAR: f64 = 1e-2;
@@ -20,7 +20,7 @@ pub(super) fn find(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     let is_of_path = of_path(subject);
     match subject.entry {
         _ if is_of_path => {}
-        Entry::Umat(stress_state) => {
+        CheckedEntryPoint::Umat(stress_state) => {
             let shear = stress_state.components().iter().position(|&i| i == 3).unwrap_or(0);
             let base = vec![0.0; subject.entry.inputs()];
             let found = [(0, 1.0), (0, -1.0), (shear, 1.0)]
@@ -29,7 +29,7 @@ pub(super) fn find(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
                 .fold(f64::INFINITY, f64::min);
             subject.size.fill(if found.is_finite() { found } else { LINEAR_STRAIN });
         }
-        Entry::Uinter(n) => {
+        CheckedEntryPoint::Uinter(n) => {
             let mut press = vec![0.0; n];
             press[0] = 1e-6;
             let virgin = subject.virgin();
@@ -41,7 +41,7 @@ pub(super) fn find(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
             subject.size.fill(slip);
             subject.size[0] = closing.min(opening);
         }
-        Entry::Fric(n) => {
+        CheckedEntryPoint::Fric(n) => {
             let mut press = vec![0.0; n + 1];
             press[n] = PRESSURE;
             let slip = slip_size(subject, &press, 0);
@@ -63,21 +63,21 @@ fn of_path(subject: &mut Subject<'_>) -> bool {
     }
     let mut sizes = path.sizes();
     match subject.entry {
-        Entry::Umat(_) => {
+        CheckedEntryPoint::Umat(_) => {
             let largest = largest(&sizes);
             sizes.fill(if largest > 0.0 { largest } else { LINEAR_STRAIN });
         }
-        Entry::Uinter(_) | Entry::Fric(_) => {
+        CheckedEntryPoint::Uinter(_) | CheckedEntryPoint::Fric(_) => {
             // a slip that the case does not make is like the one that it makes
             let normal = match subject.entry {
-                Entry::Fric(n) => n,
+                CheckedEntryPoint::Fric(n) => n,
                 _ => 0,
             };
             let slip = (0..sizes.len()).filter(|&k| k != normal).map(|k| sizes[k]).fold(0.0, f64::max);
             for (k, size) in sizes.iter_mut().enumerate().filter(|(_, size)| **size == 0.0) {
                 *size = match subject.entry {
                     _ if k != normal && slip > 0.0 => slip,
-                    Entry::Fric(_) if k == normal => PRESSURE,
+                    CheckedEntryPoint::Fric(_) if k == normal => PRESSURE,
                     _ => LINEAR_SLIP,
                 };
             }
@@ -137,16 +137,16 @@ fn find_output_size(subject: &mut Subject<'_>) {
     let (n, m) = (subject.entry.outputs(), subject.entry.inputs());
     let mut step: Vec<f64> = subject.size.iter().map(|size| 1e-3 * size).collect();
     match subject.entry {
-        Entry::Umat(_) => {}
-        Entry::Uinter(_) => step[0] = subject.size[0],
-        Entry::Fric(k) => step[k] = subject.size[k],
+        CheckedEntryPoint::Umat(_) => {}
+        CheckedEntryPoint::Uinter(_) => step[0] = subject.size[0],
+        CheckedEntryPoint::Fric(k) => step[k] = subject.size[k],
     }
     let virgin = subject.virgin();
     if let Ok(answer) = subject.evaluate(&virgin, &step) {
         let row = |i: usize| (0..m).map(|j| answer.tangent[i * m + j] * subject.size[j]).collect::<Vec<_>>();
         let rows: Vec<f64> = (0..n).map(|i| largest(&row(i))).collect();
         let all = largest(&rows);
-        let solid = matches!(subject.entry, Entry::Umat(_));
+        let solid = matches!(subject.entry, CheckedEntryPoint::Umat(_));
         subject.output_size = rows.into_iter().map(|row| if solid { all } else { row }).collect();
     }
 }

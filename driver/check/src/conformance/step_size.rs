@@ -3,7 +3,7 @@
 use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::sample::target;
-use super::subject::{Subject, Trouble, distance, largest};
+use super::subject::{NoAnswer, Subject, distance, largest};
 use super::tolerances;
 use pullout_run::deformation::exponential;
 use umat_abi::metadata::flags;
@@ -15,7 +15,7 @@ const TIME: f64 = 2.0;
 
 /// The end stress of a path from the virgin state, or why an increment has none. Where F follows the strain, it is F that
 /// grows in proportion: sums of DSTRAN lead to an end that depends on their number.
-fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<f64>, Trouble> {
+fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<f64>, NoAnswer> {
     let mut point = subject.virgin();
     let virgin = point.gradient;
     let gradient = if subject.finite { Some(exponential(&subject.entry.six(end)) * virgin) } else { None };
@@ -26,7 +26,7 @@ fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<
         point = if let Some(gradient) = gradient {
             let there = if k == count { gradient } else { virgin + (gradient - virgin) * fraction };
             let deformed = subject.deformed(&point, &there);
-            deformed.ok_or_else(|| Trouble::Refused("it has no answer on a path of F".into()))?
+            deformed.ok_or_else(|| NoAnswer::Refused("it has no answer on a path of F".into()))?
         } else {
             let step: Vec<f64> = end.iter().zip(&point.input).map(|(x, start)| fraction * x - start).collect();
             subject.after(&point, &step)?

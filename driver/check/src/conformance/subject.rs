@@ -11,7 +11,7 @@ use super::Options;
 use super::case_path::CasePath;
 use super::entry_call::{fric, prepare_fric, prepare_uinter, prepare_umat, uinter, umat};
 use super::report::Verdict;
-use super::sample::State;
+use super::sample::SampledState;
 use nalgebra::Matrix3;
 use pullout_run::deformation::{columns, incremental_motion, of_constant_volume, rotated, spinless, symmetric};
 use pullout_run::isolation::worker;
@@ -26,7 +26,7 @@ use umat_abi::law::{Request, StressState};
 
 /// Entry point and components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Entry {
+pub enum CheckedEntryPoint {
     /// UMAT.
     Umat(StressState),
     /// UINTER with NDIR directions.
@@ -35,7 +35,7 @@ pub enum Entry {
     Fric(usize),
 }
 
-impl Entry {
+impl CheckedEntryPoint {
     pub(super) fn label(self) -> &'static str {
         match self {
             Self::Umat(StressState::ThreeD) => "3D, NTENS 6",
@@ -160,14 +160,14 @@ pub(super) struct Committed {
 
 impl Committed {
     /// A point of zeros.
-    pub(super) fn zero(entry: Entry, nstatv: usize) -> Self {
+    pub(super) fn zero(entry: CheckedEntryPoint, nstatv: usize) -> Self {
         Self {
             input: vec![0.0; entry.inputs()],
             output: vec![0.0; entry.outputs()],
             statev: vec![0.0; nstatv],
             energies: [0.0; 5],
             slip: [0.0; 2],
-            flags: if let Entry::Fric(_) = entry { [FricCall::STICKING, 0] } else { [-1; 2] },
+            flags: if let CheckedEntryPoint::Fric(_) = entry { [FricCall::STICKING, 0] } else { [-1; 2] },
             time: [0.0; 2],
             counters: [1; 2],
             gradient: Matrix3::identity(),
@@ -235,7 +235,7 @@ pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
 
 /// Reason why a call gave no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(super) enum Trouble {
+pub(super) enum NoAnswer {
     /// Failure that any host recognises; a cut-back request left the arrays as they were.
     #[error("{0}")]
     Call(CallFailure),
@@ -289,7 +289,7 @@ impl Call {
 /// One entry point with one set of components.
 pub(super) struct Subject<'p> {
     pub(super) plugin: &'p Plugin,
-    pub(super) entry: Entry,
+    pub(super) entry: CheckedEntryPoint,
     /// Name of the entry point in rows.
     pub(super) label: &'static str,
     pub(super) props: Vec<f64>,
@@ -330,7 +330,7 @@ const PENALTY: f64 = 1e4;
 impl<'p> Subject<'p> {
     pub(super) fn new(
         plugin: &'p Plugin,
-        entry: Entry,
+        entry: CheckedEntryPoint,
         props: &[f64],
         options: &Options,
         path: Option<Arc<CasePath>>,
@@ -372,15 +372,15 @@ impl<'p> Subject<'p> {
         })
     }
 
-    fn prepare(plugin: &Plugin, entry: Entry, props: &[f64], nstatv: usize) -> Result<Call, LoadError> {
+    fn prepare(plugin: &Plugin, entry: CheckedEntryPoint, props: &[f64], nstatv: usize) -> Result<Call, LoadError> {
         // One symbol cannot be both UINTER and FRIC.
         let has_one_kind = plugin.law.as_ref().is_none_or(|law| law.kinds.count_ones() == 1);
         let symbol = plugin.symbol.clone().filter(|_| has_one_kind);
         let plugin = Plugin { symbol, props: props.to_vec(), nstatv, ..plugin.clone() };
         Ok(match entry {
-            Entry::Umat(state) => Call::Umat(Box::new(plugin.plain_umat(state)?)),
-            Entry::Uinter(directions) => Call::Uinter(Box::new(plugin.uinter(directions)?)),
-            Entry::Fric(directions) => Call::Fric(Box::new(plugin.fric(directions)?)),
+            CheckedEntryPoint::Umat(state) => Call::Umat(Box::new(plugin.plain_umat(state)?)),
+            CheckedEntryPoint::Uinter(directions) => Call::Uinter(Box::new(plugin.uinter(directions)?)),
+            CheckedEntryPoint::Fric(directions) => Call::Fric(Box::new(plugin.fric(directions)?)),
         })
     }
 
@@ -425,7 +425,7 @@ impl<'p> Subject<'p> {
             call.celent = self.length;
             Some(*call)
         };
-        let (mut plane, mut solid) = (prepare(self.entry)?, prepare(Entry::Umat(solid))?);
+        let (mut plane, mut solid) = (prepare(self.entry)?, prepare(CheckedEntryPoint::Umat(solid))?);
         let blank = self.blank();
         let from = Committed { input: vec![0.0; 6], output: vec![0.0; 6], ..blank };
         prepare_umat(&mut solid, &from, &[0.0; 6], self.share, &from.gradient);
@@ -459,8 +459,8 @@ impl<'p> Subject<'p> {
     }
 
     /// The verdict on no answer to a step of zero, which hosts ask for before the first iteration: no law may answer it with NaN.
-    pub(super) fn blame_for(&self, trouble: &Trouble) -> Verdict {
-        if matches!(trouble, Trouble::Call(CallFailure::NotFinite(_))) { Verdict::Fail } else { self.blame() }
+    pub(super) fn blame_for(&self, trouble: &NoAnswer) -> Verdict {
+        if matches!(trouble, NoAnswer::Call(CallFailure::NotFinite(_))) { Verdict::Fail } else { self.blame() }
     }
 
     /// The point before the first increment: the case's, reached or not, or one of zeros without a case.
@@ -556,7 +556,7 @@ impl<'p> Subject<'p> {
         make: impl FnOnce(&mut Self, &Committed, &[f64]) -> Option<T>,
     ) -> Option<T> {
         let entry = self.entry;
-        let motion = incremental_motion(&from.gradient, end).filter(|_| matches!(entry, Entry::Umat(_)))?;
+        let motion = incremental_motion(&from.gradient, end).filter(|_| matches!(entry, CheckedEntryPoint::Umat(_)))?;
         let turned = |values: &[f64], shear: f64| entry.of_six(&rotated(&entry.six(values), &motion.rotation, shear));
         let before = Committed { input: turned(&from.input, 2.0), output: turned(&from.output, 1.0), ..from.clone() };
         let step = entry.of_six(&motion.strain_increment);
@@ -579,7 +579,7 @@ impl<'p> Subject<'p> {
     }
 
     /// Finds out whether the law reads the deformation gradients: then the answer changes without them.
-    pub(super) fn find_out_what_is_read(&mut self, sample: &[State]) {
+    pub(super) fn find_out_what_is_read(&mut self, sample: &[SampledState]) {
         const ASKED: usize = 20;
         let asked = if self.finite { ASKED } else { 0 };
         self.reads_gradient = sample.iter().rev().take(asked).any(|state| {
@@ -621,15 +621,15 @@ impl<'p> Subject<'p> {
     }
 
     /// The response to a step, or why there is none.
-    pub(super) fn evaluate(&mut self, from: &Committed, step: &[f64]) -> Result<Answer, Trouble> {
+    pub(super) fn evaluate(&mut self, from: &Committed, step: &[f64]) -> Result<Answer, NoAnswer> {
         let mut answer = self.call(from, step, 0.0, Alteration::None);
         match judge(Ok(answer.outcome), answer.not_finite) {
             // the sign of our own laws
             Err(CallFailure::CutBack(_)) if self.described() && answer.output.iter().any(|x| x.is_nan()) => {
                 let why = "it refused: NaN and a cut-back request (a panic, or a configuration error)";
-                return Err(Trouble::Refused(why.into()));
+                return Err(NoAnswer::Refused(why.into()));
             }
-            judgement => judgement.map_err(Trouble::Call)?,
+            judgement => judgement.map_err(NoAnswer::Call)?,
         }
         match &answer.given {
             Ok(FricAnswer::Tractions) => {}
@@ -637,31 +637,31 @@ impl<'p> Subject<'p> {
                 answer.output.fill(0.0);
                 answer.tangent.fill(0.0);
             }
-            Ok(FricAnswer::Sticks) => return Err(Trouble::Refused("it returned LM = 1, no tractions".into())),
-            Err(words) => return Err(Trouble::Refused(words.clone())),
+            Ok(FricAnswer::Sticks) => return Err(NoAnswer::Refused("it returned LM = 1, no tractions".into())),
+            Err(words) => return Err(NoAnswer::Refused(words.clone())),
         }
         Ok(answer)
     }
 
     /// The point after a step, or why there is none.
-    pub(super) fn after(&mut self, from: &Committed, step: &[f64]) -> Result<Committed, Trouble> {
+    pub(super) fn after(&mut self, from: &Committed, step: &[f64]) -> Result<Committed, NoAnswer> {
         let answer = self.evaluate(from, step)?;
         Ok(self.advanced(from, step, &answer))
     }
 
     /// Goes along a step, halving it where the plugin asks for a cut-back; returns the number of cut-backs.
-    pub(super) fn advance(&mut self, point: &mut Committed, step: &[f64]) -> Result<usize, Trouble> {
+    pub(super) fn advance(&mut self, point: &mut Committed, step: &[f64]) -> Result<usize, NoAnswer> {
         const MOST_HALVINGS: u32 = 10;
         self.advance_halving(point, step, MOST_HALVINGS)
     }
 
-    fn advance_halving(&mut self, point: &mut Committed, step: &[f64], halvings: u32) -> Result<usize, Trouble> {
+    fn advance_halving(&mut self, point: &mut Committed, step: &[f64], halvings: u32) -> Result<usize, NoAnswer> {
         match self.after(point, step) {
             Ok(after) => {
                 *point = after;
                 Ok(0)
             }
-            Err(Trouble::Call(CallFailure::CutBack(_))) if halvings > 0 => {
+            Err(NoAnswer::Call(CallFailure::CutBack(_))) if halvings > 0 => {
                 let half: Vec<f64> = step.iter().map(|d| 0.5 * d).collect();
                 self.share *= 0.5;
                 let first = self.advance_halving(point, &half, halvings - 1);
@@ -702,7 +702,7 @@ impl<'p> Subject<'p> {
     /// Writes the arguments of a call.
     fn prepare_call(&mut self, from: &Committed, step: &[f64]) {
         let end = self.end_gradient(from, step);
-        let keeps_volume = self.finite && self.entry == Entry::Umat(StressState::PlaneStress);
+        let keeps_volume = self.finite && self.entry == CheckedEntryPoint::Umat(StressState::PlaneStress);
         match &mut self.call {
             Call::Umat(call) => {
                 call.celent = self.length;

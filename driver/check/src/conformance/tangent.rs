@@ -1,8 +1,8 @@
 //! The consistent tangent against differences of the response, and what it is if it is not that.
 
 use super::report::{Ledger, Verdict};
-use super::sample::{self, State};
-use super::subject::{Answer, Committed, Entry, Subject, distance, largest};
+use super::sample::{self, SampledState};
+use super::subject::{Answer, CheckedEntryPoint, Committed, Subject, distance, largest};
 use super::tolerances::{DIFFERENCES_DECIDE, EXCLUDED_SHARE, SYMMETRY, TANGENT, TANGENT_JUMP};
 use std::fmt;
 use umat_abi::metadata::flags;
@@ -52,7 +52,7 @@ pub(super) struct Findings<'s> {
     kinks: usize,
     undecided: usize,
     on_path: Option<f64>,
-    pub(super) wrong: Vec<(&'s State, Mismatch)>,
+    pub(super) wrong: Vec<(&'s SampledState, Mismatch)>,
     count: usize,
 }
 
@@ -60,7 +60,7 @@ impl<'s> Findings<'s> {
     /// Looks at a matrix of derivatives at all states; differences of what is smaller than `least` tell nothing.
     pub(super) fn of(
         subject: &mut Subject<'_>,
-        states: impl Iterator<Item = &'s State>,
+        states: impl Iterator<Item = &'s SampledState>,
         measure: Measure,
         least: f64,
     ) -> Self {
@@ -94,7 +94,7 @@ impl<'s> Findings<'s> {
     }
 
     /// The state whose error is the largest.
-    fn largest(&self) -> Option<&(&'s State, Mismatch)> {
+    fn largest(&self) -> Option<&(&'s SampledState, Mismatch)> {
         self.wrong.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error))
     }
 
@@ -165,7 +165,7 @@ impl fmt::Display for Kind {
                  j) is element i + NTENS (j - 1)",
             ),
             Self::DoubledShear => f.write_str(
-                "right but for shears: twice what they should be, 2 mu in place of mu; STRAN and DSTRAN have engineering shears, \
+                "right except for shears: twice what they should be, 2 mu in place of mu; STRAN and DSTRAN have engineering shears, \
                  gamma = 2 epsilon",
             ),
             Self::Cauchy => {
@@ -182,7 +182,7 @@ impl fmt::Display for Kind {
 }
 
 /// The row "consistent tangent".
-pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("consistent tangent");
     let calls = 1 + 4 * STEPS.len() * subject.entry.inputs();
     let (along, count) = states(subject, sample, calls);
@@ -201,7 +201,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
 }
 
 /// States of the case's path as they are, and how many of the sample, that are looked at in so many calls each.
-pub(super) fn states(subject: &Subject<'_>, sample: &[State], calls: usize) -> (Vec<State>, usize) {
+pub(super) fn states(subject: &Subject<'_>, sample: &[SampledState], calls: usize) -> (Vec<SampledState>, usize) {
     let along = sample::along_the_path(subject, subject.affordable(ALONG_THE_PATH, calls, TIME));
     (along, subject.affordable(sample.len(), calls, TIME).min(sample.len()))
 }
@@ -221,7 +221,7 @@ fn summary(kinds: &[Kind]) -> String {
 /// The magnitude of each input here: the larger of its group's end values and steps.
 fn local_sizes(subject: &Subject<'_>, from: &Committed, step: &[f64]) -> Vec<f64> {
     let end = |k: usize| (from.input[k] + step[k]).abs();
-    let solid = matches!(subject.entry, Entry::Umat(_));
+    let solid = matches!(subject.entry, CheckedEntryPoint::Umat(_));
     // where a small step leads on, the point before it, at which it may have begun to load, is near
     const REACH: f64 = 30.0;
     let all = (0..step.len()).fold(0.0_f64, |m, k| m.max(end(k))).min(REACH * largest(step));
@@ -242,7 +242,7 @@ impl Scale {
         let columns = measure.columns(subject.entry);
         let entries = columns * measure.rows(subject.entry);
         let weight = |size: f64, of: f64| if of > 0.0 { size / of } else { 0.0 };
-        let weights = if matches!(subject.entry, Entry::Umat(_)) {
+        let weights = if matches!(subject.entry, CheckedEntryPoint::Umat(_)) {
             vec![weight(1.0, matrices.iter().map(|matrix| largest(matrix)).fold(least, f64::max)); entries]
         } else {
             let row_size = |i: usize| {
@@ -296,19 +296,19 @@ impl Measure {
         matches!(self, Self::HeatByStrain | Self::HeatByTemperature)
     }
 
-    fn columns(self, entry: Entry) -> usize {
+    fn columns(self, entry: CheckedEntryPoint) -> usize {
         if self.is_by_temperature() { 1 } else { entry.inputs() }
     }
 
-    fn rows(self, entry: Entry) -> usize {
+    fn rows(self, entry: CheckedEntryPoint) -> usize {
         if self.is_of_heat() { 1 } else { entry.outputs() }
     }
 
-    fn row_name(self, entry: Entry, row: usize) -> String {
+    fn row_name(self, entry: CheckedEntryPoint, row: usize) -> String {
         if self.is_of_heat() { "RPL".to_owned() } else { entry.output_name(row) }
     }
 
-    fn column_name(self, entry: Entry, column: usize) -> String {
+    fn column_name(self, entry: CheckedEntryPoint, column: usize) -> String {
         if self.is_by_temperature() { "TEMP".to_owned() } else { entry.input_name(column) }
     }
 
@@ -399,7 +399,7 @@ fn differences(
 }
 
 /// Compares one state's derivatives with the differences at the best step.
-fn examine(subject: &mut Subject<'_>, state: &State, measure: Measure, least: f64) -> Finding {
+fn examine(subject: &mut Subject<'_>, state: &SampledState, measure: Measure, least: f64) -> Finding {
     let Ok(answer) = subject.evaluate(&state.from, &state.step) else { return Finding::Undecided };
     let sizes = measure.sizes(subject, &state.from, &state.step);
     let reported = measure.reported(&answer);
@@ -436,7 +436,7 @@ fn examine(subject: &mut Subject<'_>, state: &State, measure: Measure, least: f6
 /// Returns whether one-sided differences disagree, or the derivative itself jumps, within the reach of the differences.
 fn near_kink(
     subject: &mut Subject<'_>,
-    state: &State,
+    state: &SampledState,
     here: Answer,
     sizes: &[f64],
     scale: &Scale,
@@ -466,7 +466,7 @@ fn near_kink(
 }
 
 /// Returns what a wrong tangent is.
-fn classify(subject: &mut Subject<'_>, state: &State, mismatch: &Mismatch) -> Kind {
+fn classify(subject: &mut Subject<'_>, state: &SampledState, mismatch: &Mismatch) -> Kind {
     const SAME: f64 = 1e-6;
     /// The virgin stiffness by differences over a ten-thousandth of the strain, where a smooth law is not quite linear.
     const VIRGIN: f64 = 1e-4;
@@ -508,7 +508,7 @@ fn classify(subject: &mut Subject<'_>, state: &State, mismatch: &Mismatch) -> Ki
 }
 
 /// Returns which of the usual errors made a tangent of a derivative, if it is one of these.
-fn habit(entry: Entry, tangent: &[f64], derivative: &[f64], scale: &Scale) -> Option<Kind> {
+fn habit(entry: CheckedEntryPoint, tangent: &[f64], derivative: &[f64], scale: &Scale) -> Option<Kind> {
     /// Rounding of the differences, and of a law with a few digits.
     const SAME: f64 = 1e-5;
     let n = entry.outputs();
@@ -520,7 +520,7 @@ fn habit(entry: Entry, tangent: &[f64], derivative: &[f64], scale: &Scale) -> Op
     if is(&of(&|i, j| derivative[j * n + i])) {
         return Some(Kind::Transposed);
     }
-    let Entry::Umat(stress_state) = entry else { return None };
+    let CheckedEntryPoint::Umat(stress_state) = entry else { return None };
     let shear = |i: usize| stress_state.components()[i] >= 3;
     // of the diagonal alone, or of all that is multiplied with a shear
     let on_diagonal = of(&|i, j| derivative[i * n + j] * if i == j && shear(i) { 2.0 } else { 1.0 });
@@ -533,7 +533,7 @@ fn habit(entry: Entry, tangent: &[f64], derivative: &[f64], scale: &Scale) -> Op
 pub(super) fn shear_stiffness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     /// What an elastic law leaves of these differences, relative to its stiffness.
     const SAME: f64 = 1e-6;
-    let Entry::Umat(stress_state) = subject.entry else { return };
+    let CheckedEntryPoint::Umat(stress_state) = subject.entry else { return };
     if subject.described() {
         return;
     }
@@ -578,7 +578,7 @@ fn loading_factor(tangent: &[f64], unloading: &[f64], derivative: &[f64]) -> Opt
 }
 
 /// C_ij = C_ji as claimed, or how far from it.
-pub(super) fn symmetry(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn symmetry(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("symmetric tangent");
     let n = subject.entry.outputs();
     if n != subject.entry.inputs() {

@@ -3,8 +3,8 @@
 
 use super::random::Random;
 use super::report::{Ledger, Report, Verdict};
-use super::sample::{State, end_of, step_to, target};
-use super::subject::{Answer, Committed, Entry, INSTANT, Subject, distance, largest};
+use super::sample::{SampledState, end_of, step_to, target};
+use super::subject::{Answer, CheckedEntryPoint, Committed, INSTANT, Subject, distance, largest};
 use super::tolerances;
 use umat_abi::law::StressState;
 use umat_abi::metadata::OVERSTRESS_WORK;
@@ -29,7 +29,7 @@ pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     match answer {
         Err(trouble) => ledger.add(subject.blame_for(&trouble), "", trouble.to_string()),
         Ok(answer) => {
-            let skipped = usize::from(matches!(subject.entry, Entry::Uinter(_)));
+            let skipped = usize::from(matches!(subject.entry, CheckedEntryPoint::Uinter(_)));
             // an initial stress of the case stays
             let raised = |output: &[f64]| distance(&output[skipped..], &virgin.output[skipped..]);
             let stress = raised(&answer.output);
@@ -64,12 +64,12 @@ fn rounding(subject: &Subject<'_>, answer: &Answer, virgin: &Committed) -> f64 {
 const SMALL_STATE: f64 = 1e-2;
 
 /// The largest value of each state variable in the sample.
-fn typical_states(subject: &Subject<'_>, sample: &[State]) -> Vec<f64> {
+fn typical_states(subject: &Subject<'_>, sample: &[SampledState]) -> Vec<f64> {
     (0..subject.nstatv).map(|k| sample.iter().fold(0.0_f64, |m, state| m.max(state.from.statev[k].abs()))).collect()
 }
 
 /// A step of zero leaves stress, states and energies as they are; but it settles what a law that extrapolates lags behind.
-pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("zero increment");
     let zero = vec![0.0; subject.entry.inputs()];
     let mut worst = (0.0, String::new());
@@ -106,7 +106,7 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger
     let verdict = match worst.0 <= tolerances::ZERO_INCREMENT {
         true => Verdict::Pass,
         false if extrapolates(subject) => {
-            let detail = format!("settles what the law, which extrapolates, lags behind: {}", worst.1);
+            let detail = format!("applies the damage that the extrapolating law lags behind: {}", worst.1);
             return ledger.add(Verdict::Info, format!("{:.1e}", worst.0), detail);
         }
         false => subject.blame(),
@@ -120,9 +120,10 @@ fn extrapolates(subject: &Subject<'_>) -> bool {
 }
 
 /// Checks that the state `strain_33` is ε33 where ε33 is given.
-pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("strain_33");
-    let given = matches!(subject.entry, Entry::Umat(stress_state) if stress_state.components().contains(&2));
+    let given =
+        matches!(subject.entry, CheckedEntryPoint::Umat(stress_state) if stress_state.components().contains(&2));
     let (Some(index), true) = (subject.plugin.strain_33(), given) else { return };
     for state in sample {
         let Ok(answer) = subject.evaluate(&state.from, &state.step) else { continue };
@@ -145,7 +146,7 @@ pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     const SAME: f64 = 1e-3;
     ledger.begin("thickness");
     let index = subject.plugin.strain_33();
-    if subject.entry != Entry::Umat(StressState::PlaneStress) || (index.is_none() && !subject.finite) {
+    if subject.entry != CheckedEntryPoint::Umat(StressState::PlaneStress) || (index.is_none() && !subject.finite) {
         return;
     }
     let described = subject.described();
@@ -153,7 +154,7 @@ pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
         let verdict = if described { Verdict::Skipped } else { Verdict::NotTested };
         ledger.add(verdict, "", format!("{why}: nothing to compare plane stress at finite strain with"));
     };
-    let Some(mut space) = subject.through_six() else { return unseen(ledger, "it does not serve NTENS 6") };
+    let Some(mut space) = subject.through_six() else { return unseen(ledger, "it does not support NTENS 6") };
     let mut random = Random::of_check(0x7417);
     let increments = subject.path.as_ref().map_or(&[][..], |path| &path.increments);
     let every = increments.len().div_ceil(STEPS).max(1);
@@ -201,9 +202,11 @@ pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
 
 /// Plane strain, and plane stress with the ε33 that it found, give the stresses of the 3D response.
 pub(super) fn agreement_with_three_d(subjects: &mut [Subject<'_>], report: &mut Report) {
-    let Some(solid) = subjects.iter().position(|s| s.entry == Entry::Umat(StressState::ThreeD)) else { return };
+    let Some(solid) = subjects.iter().position(|s| s.entry == CheckedEntryPoint::Umat(StressState::ThreeD)) else {
+        return;
+    };
     for k in (0..subjects.len()).filter(|&k| k != solid) {
-        let Entry::Umat(stress_state) = subjects[k].entry else { continue };
+        let CheckedEntryPoint::Umat(stress_state) = subjects[k].entry else { continue };
         let Ok([plane, solid]) = subjects.get_disjoint_mut([k, solid]) else { continue };
         let mut ledger = Ledger::new(report, plane.label);
         agreement(plane, solid, stress_state, &mut ledger);

@@ -63,7 +63,7 @@ pub fn write(
             } }
             @if let Err(message) = &fit.bond { p { "The bond: " (message) "." } }
             p { "Errors are standard errors to first order. A number whose standard error is above "
-                (significant(100.0 * IDENTIFIABLE, 2)) " % of its value is not identifiable: the test does not tell it." }
+                (significant(100.0 * IDENTIFIABLE, 2)) " % of its value is not identifiable: the test does not determine it." }
         },
     );
     directory.write("report.html", page.into_string())?;

@@ -36,7 +36,7 @@ impl Off {
     pub fn words(&self, name: &str, value: f64) -> String {
         match *self {
             Self::Before { start, at_turn: true } => {
-                format!("the run turns back at {name} {start}, behind their turn the data also have {value}")
+                format!("the run reverses at {name} {start}; after their reversal the data also have {value}")
             }
             Self::Before { start, at_turn: false } => {
                 format!("the run begins at {name} {start}, the data also have {value}")
@@ -46,8 +46,7 @@ impl Off {
                 format!("the run {how} at {name} {end}, the data go on to {value}")
             }
             Self::Turned { x, point } => format!(
-                "the data turn back at {name} {x} (point {point}), the run does not: leave out the points from {} on, or give the \
-                 case a step that turns back as well",
+                "the data reverse at {name} {x} (point {point}), the run does not: leave out the points from {} on, or give the case a step that reverses as well",
                 point + 1
             ),
         }

@@ -160,8 +160,7 @@ impl Turns {
     pub fn words(&self, x: &str) -> Option<String> {
         let percent = 100.0 * self.scatter?;
         Some(format!(
-            "{x} of the data goes back by more than {percent} % of its range where that of the run does not: it is taken for scatter, \
-             and no branch of a loop"
+            "{x} of the data goes back by more than {percent} % of its range, that of the run does not: it counts as scatter, not as a branch of a loop"
         ))
     }
 }
@@ -191,7 +190,7 @@ pub fn compare(rows: &impl Rows, curve: &Compare) -> io::Result<Comparison> {
         let Some(start) = starts.get(number) else {
             let (turn, (x, _)) = (first, curve.points[first - 1]);
             warning = Some(format!(
-                "{}: {} turns back at {x} (point {turn}), but {} of the run does not there: the points from {} on are left out",
+                "{}: {} reverses at {x} (point {turn}), but {} of the run does not: the points from {} on are left out",
                 curve.file,
                 curve.file_x,
                 name(curve.x),

@@ -73,7 +73,7 @@ fn small_loops_are_compared_branch_by_branch() {
         assert_eq!((comparison.rms, comparison.points, comparison.warning), (Some(0.0), 6, None), "{back}");
         // which a run that goes on does not have
         let comparison = compare(&history(&[0.0, 2.0], &[0.0, 20.0]), &curve(&own, 1.0)).unwrap();
-        assert!(comparison.warning.unwrap().contains("taken for scatter"), "{back}");
+        assert!(comparison.warning.unwrap().contains("counts as scatter"), "{back}");
     }
     // the file goes back less far than the run
     let deep = history(&[0.0, 1.0, 0.5, 1.0, 2.0], &[0.0, 10.0, 0.0, 10.0, 20.0]);

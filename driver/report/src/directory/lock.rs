@@ -47,7 +47,7 @@ impl Lock {
                         return Err(taken(directory, &text));
                     }
                     Some(format!(
-                        "{}: this file system has no locks: nothing keeps a run on another host from writing here as well",
+                        "{}: this file system has no locks: a run on another host could write here at the same time",
                         directory.display()
                     ))
                 }

@@ -162,7 +162,7 @@ impl ResultDirectory {
             .collect();
         if !read.is_empty() {
             return Err(io::Error::other(format!(
-                "{}: the case is read from {} there, which its results would replace: choose another --out",
+                "{}: the results would replace {} there, which is an input of the case: choose another --out",
                 path.display(),
                 listed(&read)
             )));

@@ -95,14 +95,14 @@ impl Account {
     fn of_bridging(program: &bridging::BridgingProgram) -> Self {
         let mut settings = vec![("Fibre".to_owned(), entries(&program.fibre))];
         match &program.source {
-            bridging::Source::Bond(bond, inclination) => {
+            bridging::LoadSource::Bond(bond, inclination) => {
                 settings.push(("Bond".into(), entries(bond)));
                 settings.push(("Angle".into(), entries(inclination)));
             }
-            bridging::Source::Curves(curves, cut) => {
+            bridging::LoadSource::Curves(curves, cut) => {
                 settings.push(("Curves".into(), format!("{}, none beyond {}°", curves.len(), rounded(*cut))));
             }
-            bridging::Source::Simulated(simulations) => {
+            bridging::LoadSource::Simulated(simulations) => {
                 let (runs, cut) = (simulations.runs.len(), rounded(simulations.cut_deg));
                 settings.push((
                     "Curves".into(),
@@ -111,8 +111,8 @@ impl Account {
             }
         }
         let sides = match program.sides {
-            pullout_bridging::Sides::One => "one gives way",
-            pullout_bridging::Sides::Two => "two give way",
+            pullout_bridging::Sides::One => "fibres pull out of one side",
+            pullout_bridging::Sides::Two => "fibres pull out of both sides",
         };
         settings.extend([
             ("Sides".to_owned(), sides.to_owned()),

@@ -74,7 +74,7 @@ fn crack(findings: &Findings) -> Markup {
         table {
             (line("Orientation factor η", number(findings.efficiency), ""))
             @if let Some(zones) = findings.efficiency_by_zones {
-                (line("the same by zones", number(zones), "Dupont, Vandewalle 2005"))
+                (line("η by zones", number(zones), "Dupont, Vandewalle 2005"))
             }
             (line("Fibres", number(findings.fibres_per_cm2), "per cm²"))
             (line("Greatest σ", number(findings.sigma_peak) + &at(findings.w_peak), "MPa"))
@@ -118,13 +118,13 @@ fn strengths(beam: &BeamFindings, scatter: Option<&ScatterFindings>) -> Markup {
                 (scatter.beams) " beams with " (significant(scatter.fibres.mean, 4)) " fibres across the ligament on average (coefficient of variation "
                 (significant(100.0 * scatter.fibres.cv, 3)) " %). Class of the fib Model Code 2010: "
                 (scatter.class.as_deref().unwrap_or("none")) ". "
-                @if scatter.structural { "Fibres may stand for bars." } @else { "Fibres may not stand for bars." }
+                @if scatter.structural { "Fibres may replace bars." } @else { "Fibres may not replace bars." }
             }
         }
         p {
             "By the fib Model Code 2010 from f_R1 and f_R3, w_u = 2.5 mm: rigid-plastic f_Ftu = " (number(code.rigid_plastic))
             " MPa; linear f_Fts = " (number(code.serviceability)) " and f_Ftu = " (number(code.ultimate))
-            " MPa. The σ(w) that they stand for: " (number(code.sigma[0])) " MPa at 0.5 mm, " (number(code.sigma[1]))
+            " MPa. The σ(w) that they represent: " (number(code.sigma[0])) " MPa at 0.5 mm, " (number(code.sigma[1]))
             " MPa at 2.5 mm."
         }
     }

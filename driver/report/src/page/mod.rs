@@ -286,7 +286,7 @@ fn peaks(summary: &Summary) -> Markup {
                 }
             }
         } }
-        @if !still.is_empty() { p { "Zero throughout or not known: " code { (still.join(", ")) } } }
+        @if !still.is_empty() { p { "Zero throughout or unknown: " code { (still.join(", ")) } } }
         }
     }
 }

@@ -74,7 +74,7 @@ pub fn energies(findings: &Findings) -> Markup {
             @for (name, energy) in parts() {
                 tr { td.key { (words(name)) } td.number { (rounded(energy)) } td.number { (share(energy)) } }
             }
-            tr { td.key { "Work less energies" } td.number { (rounded(missing)) } td.number { (share(missing)) } }
+            tr { td.key { "External work minus energies" } td.number { (rounded(missing)) } td.number { (share(missing)) } }
         }
         @if let Some(error) = findings.energy_error_max {
             p { "Greatest energy error of all increments: " (significant(error, 3)) "." }

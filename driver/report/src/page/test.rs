@@ -52,7 +52,7 @@ fn tells_everything() {
         "measured.csv",
         "1.25",
         "3.5",
-        "Zero throughout or not known: <code>e33</code>",
+        "Zero throughout or unknown: <code>e33</code>",
         ">done<",
     ];
     for text in expected {
@@ -76,7 +76,7 @@ fn what_rounding_leaves_is_no_peak() {
     let noise = Peak { max: Some(2.6645e-15), min: Some(-1e-16), ..summary.peaks["s11"] };
     summary.peaks.insert("s22".into(), noise);
     let page = page_of(&summary);
-    assert!(page.contains("Zero throughout or not known: <code>e33, s22</code>") && !page.contains("10⁻¹⁵"), "{page}");
+    assert!(page.contains("Zero throughout or unknown: <code>e33, s22</code>") && !page.contains("10⁻¹⁵"), "{page}");
     // alone it is the greatest of its kind
     summary.peaks.shift_remove("s11");
     assert!(page_of(&summary).contains("2.6645·10⁻¹⁵"));

@@ -4,7 +4,7 @@ use super::axis::{Axis, drawable};
 use super::decimation::{MOST_POINTS, decimate, drawable_stretches};
 use super::guarded;
 use super::inset::Inset;
-use super::legend::{Entry, Legend, Sample};
+use super::legend::{Legend, LegendEntry, Sample};
 use super::markup;
 use super::quantity::Quantity;
 use crate::extremes;
@@ -280,14 +280,14 @@ impl Figure {
         self.scaled_lines(x, y).into_iter().flatten().chain(points).chain(outlines).collect()
     }
 
-    fn legend_entries(&self) -> Vec<Entry> {
+    fn legend_entries(&self) -> Vec<LegendEntry> {
         let sample = |line: &Line| match line.marked {
             true if self.has_bars() => Sample::Bar,
             true => Sample::MarkedLine(line.style),
             false => Sample::Line(line.style),
         };
-        let entry = |sample, color, label: &str| Entry { sample, color, label: label.to_owned() };
-        let mut entries: Vec<Entry> = match &self.key {
+        let entry = |sample, color, label: &str| LegendEntry { sample, color, label: label.to_owned() };
+        let mut entries: Vec<LegendEntry> = match &self.key {
             None => self.lines.iter().map(|line| entry(sample(line), self.color(line.style), &line.label)).collect(),
             Some(key) => key.entries(|style| self.color(style)),
         };
@@ -364,15 +364,16 @@ impl Figure {
 
 impl Key {
     /// Rows of colours (or their bar), then rows of dashes.
-    fn entries(&self, color: impl Fn(Style) -> RGBColor) -> Vec<Entry> {
-        let line = |style, color, label: &String| Entry { sample: Sample::Line(style), color, label: label.clone() };
+    fn entries(&self, color: impl Fn(Style) -> RGBColor) -> Vec<LegendEntry> {
+        let line =
+            |style, color, label: &String| LegendEntry { sample: Sample::Line(style), color, label: label.clone() };
         let of_color = |(k, label)| {
             let style = Style { color: k, dash: 0 };
             line(style, color(style), label)
         };
-        let mut rows: Vec<Entry> = match self.colors.as_slice() {
+        let mut rows: Vec<LegendEntry> = match self.colors.as_slice() {
             [first, .., last] if self.shaded => {
-                vec![Entry { sample: Sample::Shades, color: INK, label: format!("{first} … {last}") }]
+                vec![LegendEntry { sample: Sample::Shades, color: INK, label: format!("{first} … {last}") }]
             }
             colors => colors.iter().enumerate().map(of_color).collect(),
         };

@@ -33,7 +33,7 @@ pub(super) enum Sample {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
+pub(super) struct LegendEntry {
     pub sample: Sample,
     pub color: RGBColor,
     pub label: String,
@@ -44,14 +44,14 @@ pub(super) type Corner = (bool, bool);
 
 #[derive(Clone, Debug)]
 pub(super) struct Legend {
-    entries: Vec<Entry>,
+    entries: Vec<LegendEntry>,
     /// Corner in which it stands; `None`: below the picture.
     corner: Option<Corner>,
 }
 
 impl Legend {
     /// Looks for a corner that is free of lines and points.
-    pub fn place(entries: Vec<Entry>, drawn: &[Vec<(f64, f64)>], x: &Axis, y: &Axis) -> Self {
+    pub fn place(entries: Vec<LegendEntry>, drawn: &[Vec<(f64, f64)>], x: &Axis, y: &Axis) -> Self {
         let legend = Self { entries, corner: None };
         Self { corner: free_corner(legend.size(), drawn, x, y), ..legend }
     }

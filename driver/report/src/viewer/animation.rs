@@ -20,7 +20,7 @@ pub fn gif(run: &Path, field: Option<&str>, view: Option<[f64; 4]>, frames: usiz
 
 /// The states of a run that its report shows.
 struct Scenes {
-    head: Head,
+    head: AnimationHeader,
     /// Of the nodes in the beginning, mm.
     positions: Vec<f32>,
     /// Nodes.
@@ -38,7 +38,7 @@ struct Scenes {
 /// What stands in the report beside the numbers.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Head {
+struct AnimationHeader {
     nodes: usize,
     triangles: usize,
     edges: usize,
@@ -46,7 +46,7 @@ struct Head {
     displacement: [f64; 2],
     fields: Vec<Field>,
     parts: Vec<String>,
-    frames: Vec<State>,
+    frames: Vec<AnimationFrame>,
     curve: [Vec<Option<f64>>; 2],
 }
 
@@ -59,7 +59,7 @@ struct Field {
 }
 
 #[derive(Deserialize)]
-struct State {
+struct AnimationFrame {
     slip: f64,
     load: f64,
     contacts: usize,
@@ -77,7 +77,7 @@ impl Scenes {
         let head = script(&page, r#"<script class="head" type="application/json">"#).ok_or_else(without)?;
         let packed = script(&page, r#"<script class="data" type="text/plain">"#).ok_or_else(without)?;
         let wrong = |error: &dyn std::fmt::Display| crate::malformed(&file, error);
-        let head: Head = serde_json::from_str(head).map_err(|error| wrong(&error))?;
+        let head: AnimationHeader = serde_json::from_str(head).map_err(|error| wrong(&error))?;
         let packed = base64::Engine::decode(&base64::engine::general_purpose::STANDARD, packed.trim());
         let mut data = Vec::new();
         DeflateDecoder::new(&*packed.map_err(|error| wrong(&error))?).read_to_end(&mut data)?;
@@ -92,7 +92,7 @@ impl Scenes {
         Self::decode(head, &data, field, view).ok_or_else(|| wrong(&"its states are cut off"))
     }
 
-    fn decode(head: Head, data: &[u8], field: usize, view: Option<[f64; 4]>) -> Option<Self> {
+    fn decode(head: AnimationHeader, data: &[u8], field: usize, view: Option<[f64; 4]>) -> Option<Self> {
         let mut rest = data;
         let mut take = |count: usize, size: usize| {
             let (front, behind) = rest.split_at_checked(count.checked_mul(size)?)?;

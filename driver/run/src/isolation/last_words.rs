@@ -16,9 +16,9 @@ const PATIENCE: Duration = Duration::from_millis(500);
 
 /// Lines that workers told, of which each is passed on once.
 #[derive(Clone, Debug, Default)]
-pub struct Told(Arc<Mutex<BTreeSet<Vec<u8>>>>);
+pub struct ForwardedLines(Arc<Mutex<BTreeSet<Vec<u8>>>>);
 
-impl Told {
+impl ForwardedLines {
     /// Returns whether nobody told a line before.
     pub fn is_new(&self, line: &[u8]) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(line.to_vec())
@@ -99,7 +99,7 @@ pub(super) struct LastWords {
 
 impl LastWords {
     /// Begins to listen to a worker whose standard error is a pipe; `told`: what others told is not passed on again.
-    pub(super) fn of(child: &mut Child, told: Option<&Told>) -> Self {
+    pub(super) fn of(child: &mut Child, told: Option<&ForwardedLines>) -> Self {
         let kept = Arc::<Mutex<Vec<u8>>>::default();
         let backtraces = Arc::<Mutex<Backtraces>>::default();
         let (sender, end) = mpsc::channel();
@@ -218,8 +218,7 @@ fn destroyed_heap(words: &str) -> Option<String> {
     let is_of_it = |line: &&str| OVERWRITTEN.iter().any(|mark| line.contains(mark));
     let line = words.lines().rev().find(is_of_it)?.trim().trim_matches('*').trim();
     Some(format!(
-        "memory beside an array was written over (\"{line}\"): this call or an earlier one wrote beyond the end of an \
-         array; a library made with `plugin build --debug` names Fortran's"
+        "memory next to an array was overwritten (\"{line}\"): this call or an earlier one wrote past the end of an array; for Fortran, a library made by `plugin build --debug` names the array"
     ))
 }
 

@@ -121,9 +121,8 @@ pub(super) fn taken(path: &Path) -> io::Result<(Head, String)> {
     Ok((head, work))
 }
 
-/// Tells a message to the process that started this one, if it is there to do work for another; one that cannot be told ends a
-/// worker.
-pub fn tell(message: &impl Serialize) {
+/// Sends a message to the process that started this one, if this one is a worker. A worker that cannot send ends.
+pub fn send(message: &impl Serialize) {
     let Some((_, file)) = TOLD.get() else { return };
     let line = serde_json::to_string(message).map_err(io::Error::from);
     let told = line.and_then(|line| match file.lock() {

@@ -1,7 +1,7 @@
 //! Starts a worker and watches it.
 
 use super::ending::{Cause, Report, behind_the_end};
-use super::last_words::{LastWords, Told};
+use super::last_words::{ForwardedLines, LastWords};
 use super::passage::Passage;
 use super::prints::{self, Echo};
 use super::spoilt::Spoilt;
@@ -40,7 +40,7 @@ pub struct Watch<'a> {
     /// Receives the processor time charged to the worker.
     pub spent: Option<&'a Cell<Duration>>,
     /// Lines that other workers told, which are not told again.
-    pub told: Option<&'a Told>,
+    pub told: Option<&'a ForwardedLines>,
 }
 
 /// End of a worker.

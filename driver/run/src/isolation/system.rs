@@ -49,7 +49,7 @@ pub fn this_is_the_program() {
 }
 
 fn files() -> io::Result<&'static [PathBuf; 2]> {
-    let unknown = || io::Error::new(io::ErrorKind::NotFound, "nobody has said where the program `pullout` is");
+    let unknown = || io::Error::new(io::ErrorKind::NotFound, "the location of the program `pullout` is not known");
     PROGRAM.get().ok_or_else(unknown)
 }
 

@@ -47,7 +47,7 @@ struct Call {
 }
 
 /// Strain, stress and increment that UMAT is given beside DROT, DFGRD0 and DFGRD1.
-pub(super) struct Entry {
+pub(super) struct FiniteStrainInput {
     pub(super) strain: [f64; 6],
     pub(super) stress: [f64; 6],
     pub(super) increment: [f64; 6],
@@ -109,7 +109,12 @@ impl Finite {
     }
 
     /// Prepares a call that ends at a strain of the case; `None` if no stretch has it.
-    pub(super) fn stretch(&mut self, from: &Committed, strain: &[f64; 6], call: &mut UmatCall) -> Option<Entry> {
+    pub(super) fn stretch(
+        &mut self,
+        from: &Committed,
+        strain: &[f64; 6],
+        call: &mut UmatCall,
+    ) -> Option<FiniteStrainInput> {
         let end = self.end_of(from, strain)?;
         self.deform(from, &end, call)
     }
@@ -131,7 +136,12 @@ impl Finite {
     }
 
     /// Prepares a call that ends at a deformation gradient; `None` if the volume is inverted on the way.
-    pub(super) fn deform(&mut self, from: &Committed, end: &Matrix3<f64>, call: &mut UmatCall) -> Option<Entry> {
+    pub(super) fn deform(
+        &mut self,
+        from: &Committed,
+        end: &Matrix3<f64>,
+        call: &mut UmatCall,
+    ) -> Option<FiniteStrainInput> {
         let Committed { deformation_gradient: gradient, strain, stress, .. } = from;
         let motion = incremental_motion(gradient, end)?;
         let increment = motion.strain_increment;
@@ -147,7 +157,7 @@ impl Finite {
             rotation: motion.rotation,
             turned_stress: stress,
         };
-        Some(Entry { strain, stress, increment })
+        Some(FiniteStrainInput { strain, stress, increment })
     }
 
     /// F as it is passed.

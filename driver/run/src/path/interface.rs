@@ -2,7 +2,7 @@
 //!
 //! Outside the plugin gap > 0 is open and p > 0 is compression: gap = −RDISP(1), p = STRESS(1).
 
-use super::subdivision::{Divisible, Trouble, take_steps};
+use super::subdivision::{AttemptFailure, Divisible, take_steps};
 use super::{Accepted, Observer, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
 use crate::arguments::ContactArguments;
 use crate::columns::{self, CONTACT, ContactPoint as Committed};
@@ -98,7 +98,7 @@ impl Call {
 
 /// Goal of the current increment: \[slip, slip2, normal\] at its ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Goal {
+pub(super) struct InterfaceIncrementGoal {
     pub(super) normal: NormalControl,
     start: [f64; 3],
     pub(super) end: [f64; 3],
@@ -121,7 +121,7 @@ struct Runner<'p> {
     max_iterations: u32,
     committed: Committed,
     trial: Committed,
-    goal: Goal,
+    goal: InterfaceIncrementGoal,
     /// Temperature and field variables at the start and at the end of the current increment.
     fields: [FieldValues; 2],
     /// \[slip, slip2, normal\] and fields at the start of the step.
@@ -193,7 +193,7 @@ impl<'p> Runner<'p> {
             max_iterations: program.controls.max_iterations,
             trial: committed.clone(),
             committed,
-            goal: Goal {
+            goal: InterfaceIncrementGoal {
                 normal: NormalControl::Gap,
                 start: [0.0; 3],
                 end: [0.0; 3],
@@ -226,7 +226,7 @@ impl<'p> Runner<'p> {
         if matches!(self.call, Call::Uinter(_)) && self.arguments.traction.is_none() {
             let place = [self.committed.slip[0], self.committed.slip[1], -self.committed.gap];
             self.evaluate(place, MOMENT, false, &mut Statistics::default())
-                .map_err(|(Trouble::CutBack { reason, .. } | Trouble::Fatal(reason))| reason)?;
+                .map_err(|(AttemptFailure::CutBack { reason, .. } | AttemptFailure::Fatal(reason))| reason)?;
             self.committed.shear = self.trial.shear;
             self.committed.pressure = self.trial.pressure;
             if self.arguments.energies.is_none() {
@@ -245,7 +245,7 @@ impl<'p> Runner<'p> {
         time_increment: f64,
         is_first: bool,
         statistics: &mut Statistics,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), AttemptFailure> {
         statistics.plugin_calls += 1;
         let of_path = ContactArguments::default();
         let given = if is_first { self.arguments } else { &of_path };
@@ -283,14 +283,14 @@ impl<'p> Runner<'p> {
                 match call.answer() {
                     Ok(FricAnswer::Tractions) => trial.shear[..self.directions].copy_from_slice(call.stress()),
                     Ok(FricAnswer::Sticks) => {
-                        return Err(Trouble::Fatal(
+                        return Err(AttemptFailure::Fatal(
                             "it returned LM = 1 (the host enforces stick): under a prescribed slip the \
                              traction is then undefined"
                                 .into(),
                         ));
                     }
                     Ok(FricAnswer::NoShear) => {}
-                    Err(message) => return Err(Trouble::Fatal(message)),
+                    Err(message) => return Err(AttemptFailure::Fatal(message)),
                 }
                 trial.statev.copy_from_slice(call.statev());
                 trial.inelastic_slip = std::array::from_fn(|i| committed.inelastic_slip[i] + call.dslip[i]);
@@ -330,7 +330,7 @@ impl<'p> Runner<'p> {
         dtime: f64,
         is_first: bool,
         statistics: &mut Statistics,
-    ) -> Result<u32, Trouble> {
+    ) -> Result<u32, AttemptFailure> {
         let tolerance = STRESS_TOLERANCE * pressure.abs().max(1.0);
         let mut penetration = -self.committed.gap;
         let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -360,7 +360,7 @@ impl<'p> Runner<'p> {
             _ if is_lost => String::new(),
             most => format!(" in {most} iterations, max_iterations"),
         };
-        Err(Trouble::CutBack {
+        Err(AttemptFailure::CutBack {
             fraction: 0.5,
             reason: format!(
                 "no gap found for p = {} MPa{within} (reached {} MPa): {}the normal law does not carry it; control gap \
@@ -416,7 +416,7 @@ impl Divisible for Runner<'_> {
         step.fields.set_increment(fields, &self.committed.fields, &step.pace, index, &mut self.fields);
     }
 
-    fn tell_start(&mut self, observer: &mut dyn Observer) -> io::Result<()> {
+    fn report_start(&mut self, observer: &mut dyn Observer) -> io::Result<()> {
         self.set_fields(0.0, 1.0);
         let duration = self.goal.step_time.1 - self.goal.step_time.0;
         let time = [self.committed.step_time, self.committed.total_time].map(|start| start + duration);
@@ -432,7 +432,7 @@ impl Divisible for Runner<'_> {
         })
     }
 
-    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
+    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, AttemptFailure> {
         let goal = self.goal;
         let place: [f64; 3] = std::array::from_fn(|i| lerp(goal.start[i], goal.end[i], to));
         let at = |fraction| lerp(goal.step_time.0, goal.step_time.1, fraction);

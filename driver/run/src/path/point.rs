@@ -2,7 +2,7 @@
 
 use super::finite::Finite;
 use super::newton::{Divergence, Evaluation, LARGEST_CHANGE, STRESS_TOLERANCE, Targets, is_unknown};
-use super::subdivision::{Divisible, Trouble, take_steps};
+use super::subdivision::{AttemptFailure, Divisible, take_steps};
 use super::{Accepted, Failure, Observer, Recorder, Statistics, Stop, replay};
 use crate::arguments::UmatArguments;
 use crate::columns::{self, Group, POINT, PointRow};
@@ -12,7 +12,7 @@ use crate::program::lerp;
 use crate::program::{
     Constraint, Control, FieldValues, Measure, PointDrive, PointGoal, PointProgram, PointStep, Program,
 };
-use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, untold_nominal, untold_thickness};
+use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, gradient_needs_thickness, nominal_needs_thickness};
 use nalgebra::Matrix3;
 use std::io;
 use umat_abi::host::{
@@ -66,14 +66,13 @@ pub(super) fn run(
     }
     let is_untold = runner.plane_stress && program.plugin.law.is_none() && !runner.call.is_through_solid();
     if is_untold && point.nlgeom && point.measure == Measure::Nominal {
-        return Err(Stop::unusable(format!("$.measure: {}", untold_nominal(&program.plugin.name))));
+        return Err(Stop::unusable(format!("$.measure: {}", nominal_needs_thickness(&program.plugin.name))));
     }
     if is_untold && runner.finite.is_some() {
-        recorder.observer.warn(untold_thickness(&program.plugin.name));
+        recorder.observer.warn(gradient_needs_thickness(&program.plugin.name));
     } else if is_untold {
         recorder.observer.warn(format!(
-            "the column e33 is NaN: in plane stress UMAT is not given the strain 33, and the library of '{}' does not say \
-             which state variable holds it (\"as\": \"3d\" finds it)",
+            "the column e33 is NaN: in plane stress UMAT does not get the strain 33, and the library of '{}' names no state variable that holds it (\"as\": \"3d\" finds it)",
             program.plugin.name
         ));
     }
@@ -87,8 +86,7 @@ pub(super) fn run(
     }
     if let Some(names) = runner.names_of_unknown() {
         recorder.observer.warn(format!(
-            "{} knows nothing of {names} (their rows and columns of DDSDDE are 0): the strains there were left alone; modes 1d and \
-             beam call a law of one or two components as it is meant",
+            "{} does not compute {names} (their rows and columns of DDSDDE are 0): pullout left those strains unchanged; use mode 1d or beam for a law with one or two components",
             program.plugin.name
         ));
     }
@@ -138,7 +136,7 @@ pub struct Committed {
 
 /// Goal of the current increment.
 #[derive(Clone, Debug)]
-pub(super) struct Goal {
+pub(super) struct PointIncrementGoal {
     /// Values at the start of the increment, by component (of the controlled quantity).
     start: [f64; 6],
     /// Controls with the values at the end of the increment.
@@ -154,7 +152,7 @@ pub(super) struct Goal {
     pub(super) fields: [FieldValues; 2],
 }
 
-impl Goal {
+impl PointIncrementGoal {
     /// Returns whether any component is not given by its strain.
     fn controls_stress(&self, components: &[usize]) -> bool {
         components.iter().any(|&i| !matches!(self.controls[i], Control::Strain(_)))
@@ -186,7 +184,7 @@ struct Runner<'p> {
     /// Tangent at the last committed state, for the first guess.
     tangent: Option<[[f64; 6]; 6]>,
     plan: Plan,
-    goal: Goal,
+    goal: PointIncrementGoal,
     trial: Trial,
     /// Whether nothing has been attempted yet.
     is_first_attempt: bool,
@@ -280,7 +278,7 @@ impl<'p> Runner<'p> {
         let free = call.free_strain_33(initial.fields.temperature, initial.time);
         let thickness = thickness_at(&call, committed.strain[2], strain_33, &committed.statev, free);
         let finite = point.nlgeom.then(|| Finite::new(point, plugin, &committed, thickness));
-        let goal = Goal {
+        let goal = PointIncrementGoal {
             start: [0.0; 6],
             controls: [Control::FREE; 6],
             relations_at_start: Vec::new(),
@@ -480,12 +478,13 @@ impl<'p> Runner<'p> {
     }
 
     /// Goes to F at a fraction of the increment.
-    fn attempt_deformation(&mut self, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
+    fn attempt_deformation(&mut self, to: f64, statistics: &mut Statistics) -> Result<u32, AttemptFailure> {
         let Some(end) = self.gradient_at(to) else { return Ok(0) };
         let mut point = self.point(statistics);
         let Some(finite) = point.finite.as_mut() else { return Ok(0) };
         let strain = finite.strain_of_case(&end);
-        let entry = finite.deform(point.committed, &end, point.call).ok_or_else(|| Trouble::Fatal(INVERTED.into()))?;
+        let entry =
+            finite.deform(point.committed, &end, point.call).ok_or_else(|| AttemptFailure::Fatal(INVERTED.into()))?;
         let compares = point.call.tangent_source() == TangentSource::Compared;
         let request = if compares { Request::StressAndTangent } else { Request::Stress };
         point.call(&entry.strain, &entry.stress, &entry.increment, request)?;
@@ -543,7 +542,7 @@ impl Point<'_> {
         increment: &[f64; 6],
         end: impl FnOnce() -> [f64; 6],
         request: Request,
-    ) -> Result<Evaluation, Trouble> {
+    ) -> Result<Evaluation, AttemptFailure> {
         let Some(finite) = self.finite.as_mut() else {
             let Committed { strain, stress, .. } = self.committed;
             self.call(strain, stress, increment, request)?;
@@ -552,7 +551,7 @@ impl Point<'_> {
         let end = end();
         let entry = finite
             .stretch(self.committed, &end, self.call)
-            .ok_or_else(|| Trouble::CutBack { fraction: 0.5, reason: INVERTED.into() })?;
+            .ok_or_else(|| AttemptFailure::CutBack { fraction: 0.5, reason: INVERTED.into() })?;
         self.call(&entry.strain, &entry.stress, &entry.increment, request)?;
         let returned = evaluation(self.call, self.components);
         let Some(finite) = &self.finite else { return Ok(returned) };
@@ -569,7 +568,7 @@ impl Point<'_> {
         stress: &[f64; 6],
         increment: &[f64; 6],
         request: Request,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), AttemptFailure> {
         let call = &mut *self.call;
         call.set_point([strain, increment, stress], &self.committed.statev, self.committed.energies);
         self.statistics.plugin_calls += 1;
@@ -682,7 +681,7 @@ impl Divisible for Runner<'_> {
         }
     }
 
-    fn tell_start(&mut self, observer: &mut dyn Observer) -> io::Result<()> {
+    fn report_start(&mut self, observer: &mut dyn Observer) -> io::Result<()> {
         self.prepare_call(0.0, 1.0);
         self.hand_over();
         observer.begins(Accepted::Umat(&self.committed, &self.call))
@@ -695,7 +694,7 @@ impl Divisible for Runner<'_> {
         }
     }
 
-    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
+    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, AttemptFailure> {
         self.prepare_call(from, to);
         let is_first = std::mem::take(&mut self.is_first_attempt);
         if is_first {
@@ -732,19 +731,19 @@ impl Divisible for Runner<'_> {
             Ok(iterations) => iterations,
             Err(Divergence::Evaluation(trouble)) => return Err(trouble),
             Err(Divergence::NotConverged { residual }) => {
-                return Err(Trouble::CutBack { fraction: 0.5, reason: self.not_converged(&residual) });
+                return Err(AttemptFailure::CutBack { fraction: 0.5, reason: self.not_converged(&residual) });
             }
             Err(Divergence::Far { component, change, is_determined, iterations }) => {
                 self.refused.push(change.abs());
                 if !is_determined || !self.refused.falls_steadily() {
-                    return Err(Trouble::CutBack { fraction: 0.5, reason: far(component, change) });
+                    return Err(AttemptFailure::CutBack { fraction: 0.5, reason: far(component, change) });
                 }
                 iterations
             }
         };
         statistics.iterations += u64::from(iterations);
         if !self.follows_strain && self.follows_gradient_alone(&increment) {
-            return Err(Trouble::Fatal(FOLLOWS_GRADIENT.into()));
+            return Err(AttemptFailure::Fatal(FOLLOWS_GRADIENT.into()));
         }
         self.trial.strain = targets.end(&increment);
         if let Some(size) = targets.measure.filter(|_| !strain_only)
@@ -752,7 +751,7 @@ impl Divisible for Runner<'_> {
             && change.abs() > (LARGEST_CHANGE * size).max(GROWN * self.tried_change)
         {
             if !self.resists(&targets.controls, statistics) {
-                return Err(Trouble::CutBack { fraction: 0.5, reason: torn(component, change) });
+                return Err(AttemptFailure::CutBack { fraction: 0.5, reason: torn(component, change) });
             }
             self.tried_change = change.abs();
         }
@@ -903,7 +902,7 @@ impl Runner<'_> {
         let rest = std::array::from_fn(|i| back[i] - a_little[i]);
         let mut here = strain;
         let mut stresses = [[0.0; 6]; 5];
-        let result: Result<(), Trouble> = aside(&mut self.call, |call| {
+        let result: Result<(), AttemptFailure> = aside(&mut self.call, |call| {
             call.dtime *= INSTANT;
             for (by, stress) in [none, a_little, none, rest, none].iter().zip(&mut stresses) {
                 here = std::array::from_fn(|i| here[i] + by[i]);
@@ -970,10 +969,10 @@ impl Runner<'_> {
             (Some(result), _) if is_found => format!("it returned {result}"),
             (Some(result), _) => return Some(format!("no equilibrium found: it returned {result}")),
             (None, Some(deviation)) if deviation.deviation > RIGHT => format!(
-                "the tangent that it reports is off: it differs from differences of the stress by {:.1e} of its largest entry",
+                "its tangent is wrong: it differs from differences of the stress by {:.1e} of its largest entry",
                 deviation.deviation
             ),
-            _ if is_found => "the tangent that it reports does not lead on".to_owned(),
+            _ if is_found => "iterations with its tangent do not converge".to_owned(),
             _ => return None,
         };
         Some(format!("no equilibrium found: {found}; {ADVICE}"))
@@ -998,8 +997,7 @@ impl Runner<'_> {
         let mut stresses = self.components.iter().zip(self.call.stress());
         if let Some((&i, _)) = stresses.find(|(i, stress)| no_answer(**i, **stress)) {
             return format!(
-                "no equilibrium found: {stress} answers no strain (row and column of DDSDDE are 0) and is {:.3e} MPa off its \
-                 target: leave {stress} out",
+                "no equilibrium found: {stress} does not depend on the strain (its row and column of DDSDDE are 0) and misses its target by {:.3e} MPa: leave {stress} out",
                 residual[i],
                 stress = STRESS_NAMES[i]
             );
@@ -1024,8 +1022,7 @@ impl Runner<'_> {
         }
         match self.components.iter().copied().max_by(by_residual) {
             Some(i) => format!(
-                "no equilibrium found: {} stays {:.3e} MPa off its target; control {} by strain, or use smaller \
-                 increments",
+                "no equilibrium found: {} misses its target by {:.3e} MPa; control {} by strain, or use smaller increments",
                 STRESS_NAMES[i], residual[i], STRAIN_NAMES[i]
             ),
             None => "no equilibrium found".into(),
@@ -1086,8 +1083,7 @@ fn aside<T>(call: &mut UmatCall, work: impl FnOnce(&mut UmatCall) -> T) -> T {
 fn torn(component: usize, change: f64) -> String {
     let strain = STRAIN_NAMES[component];
     format!(
-        "no equilibrium found near the last one: {strain} would change by {change:.3e} in the step, and what is there would resist \
-         as little as torn matter; control {strain} by strain"
+        "no equilibrium found near the last one: {strain} would change by {change:.3e} in the step, to a state with as little resistance as torn material; control {strain} by strain"
     )
 }
 

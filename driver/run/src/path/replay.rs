@@ -55,7 +55,7 @@ fn frame(program: &Program, [initial, step]: [Value; 2], [start, end]: [&FieldVa
 pub(super) fn point(
     program: &Program,
     state: &point::Committed,
-    goal: &point::Goal,
+    goal: &point::PointIncrementGoal,
     call: &UmatCall,
     first_strain_increment: Option<Vec<f64>>,
 ) -> Value {
@@ -121,7 +121,7 @@ pub(super) fn point(
 pub(super) fn interface(
     program: &Program,
     state: &super::ContactPoint,
-    goal: &interface::Goal,
+    goal: &interface::InterfaceIncrementGoal,
     fields_at_end: &FieldValues,
     counters: [i32; 3],
 ) -> Value {

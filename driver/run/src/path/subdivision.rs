@@ -8,7 +8,7 @@ use umat_abi::host::CallFailure;
 
 /// An attempt that did not succeed.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Trouble {
+pub(super) enum AttemptFailure {
     /// Try a smaller piece: this fraction of it.
     CutBack {
         /// 0 < fraction < 1.
@@ -20,7 +20,7 @@ pub(super) enum Trouble {
     Fatal(String),
 }
 
-impl From<CallFailure> for Trouble {
+impl From<CallFailure> for AttemptFailure {
     fn from(failure: CallFailure) -> Self {
         let reason = failure.to_string();
         match failure.fraction(0.5) {
@@ -48,14 +48,14 @@ pub(super) trait Divisible {
     ///
     /// # Errors
     /// The observer's.
-    fn tell_start(&mut self, observer: &mut dyn Observer) -> io::Result<()>;
+    fn report_start(&mut self, observer: &mut dyn Observer) -> io::Result<()>;
 
     /// Finds what the first guess of a step's first increment needs.
     fn prepare_guess(&mut self, _number: u32, _statistics: &mut Statistics) {}
 
     /// Computes, from the committed state at fraction `from` of the increment, the state at `to`.
     /// Returns the number of iterations.
-    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble>;
+    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, AttemptFailure>;
 
     /// Looks again at an increment that is given up behind a fraction of it; returns what is behind that, where it shows.
     fn look_again(&mut self, from: f64, statistics: &mut Statistics) -> Option<String>;
@@ -85,7 +85,7 @@ pub(super) fn take_steps<P: Divisible>(
         for (index, increment) in (0..taken).zip(1..) {
             point.aim(step, number, index);
             if (number, index) == (1, 0) {
-                point.tell_start(recorder.observer)?;
+                point.report_start(recorder.observer)?;
             }
             if index == 0 {
                 point.prepare_guess(number, statistics);
@@ -180,8 +180,8 @@ fn advance(
                 cutbacks = 0;
                 first = None;
             }
-            Err(Trouble::Fatal(message)) => return Err(given_up(message)),
-            Err(Trouble::CutBack { fraction, reason }) => {
+            Err(AttemptFailure::Fatal(message)) => return Err(given_up(message)),
+            Err(AttemptFailure::CutBack { fraction, reason }) => {
                 statistics.cutbacks += 1;
                 cutbacks += 1;
                 piece = (to - done) * fraction.clamp(SMALLEST_CUT, LARGEST_CUT);
@@ -212,7 +212,9 @@ fn repeat(
                 iterations += count;
                 done = to;
             }
-            Err(Trouble::Fatal(reason) | Trouble::CutBack { reason, .. }) if tried.verdict == Verdict::Stands => {
+            Err(AttemptFailure::Fatal(reason) | AttemptFailure::CutBack { reason, .. })
+                if tried.verdict == Verdict::Stands =>
+            {
                 let reason = format!("{reason} (the increment is a recorded one, which is repeated as it is)");
                 return Err(GivenUp { reason, first: to });
             }

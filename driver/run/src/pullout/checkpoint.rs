@@ -81,7 +81,7 @@ impl Checkpoints {
         let path = folder.join(FILE);
         let named = |message: &str| format!("{}: {message}", path.display());
         let content = input::read(&path, Input::Checkpoint).map_err(|error| named(&error.to_string()))?;
-        let damaged = || named("this is no checkpoint, or it is damaged");
+        let damaged = || named("this is not a checkpoint, or it is damaged");
         let rest = content.strip_prefix(MAGIC).ok_or_else(damaged)?;
         let (header, state): (Header, &[u8]) = postcard::take_from_bytes(rest).map_err(|_| damaged())?;
         if header.version != VERSION {
@@ -92,13 +92,15 @@ impl Checkpoints {
         }
         let fingerprint = fingerprint(program).map_err(|error| error.to_string())?;
         if header.fingerprint != fingerprint {
-            return Err(named("made by another case, or with other plugins: a run goes on with what it began with"));
+            return Err(named(
+                "made by another case, or with other plugins: a restart needs the same case and plugins",
+            ));
         }
         let saved: Box<Saved> = postcard::from_bytes(state).map_err(|_| damaged())?;
         if let Some(file) = saved.recorder.fields.as_ref().and_then(|fields| fields.changed(folder)) {
             let file = folder.join(file);
             return Err(format!(
-                "{}: is missing or was changed since the checkpoint: a run goes on with what it left",
+                "{}: is missing or was changed since the checkpoint: a restart needs the files as the run left them",
                 file.display()
             ));
         }

@@ -63,15 +63,12 @@ pub fn warnings(model: &Model, solids: &Solids, work: f64) -> Vec<String> {
     let told = |share: f64| (share > SMALL_SHARE).then(|| significant(100.0 * share, 2));
     let across = told(share(&|crack| crack.angle > ALONG)).map(|share| {
         format!(
-            "crack band: cracks take {of_work} % of the work; {share} % of the damage is in elements that cracks cross at more than {ALONG}° to their edges, where they \
-             lock: T6 dissipate up to 1.5 times the fracture energy, others up to twice (with edges along the crack they do not; \
-             T6 stay within 15 % with concrete_damage_fixed)"
+            "crack band: cracks take {of_work} % of the work. Cracks lock in elements that they cross at more than {ALONG}° to the edges, which have {share} % of the damage: T6 dissipate up to 1.5 times the fracture energy, others up to twice. Put edges along the crack, or use T6 with concrete_damage_fixed (within 15 %)"
         )
     });
     let in_part = told(share(&Crack::is_in_part)).map(|share| {
         format!(
-            "crack band: cracks take {of_work} % of the work; {share} % of the damage is in Q8 elements that cracks open in part, as a rule at one of two columns of \
-             points: they dissipate down to 0.6 times the fracture energy (T6 and Q4 do not)"
+            "crack band: cracks take {of_work} % of the work. Q8 elements with {share} % of the damage are only partly open, usually at one of two columns of points: they dissipate as little as 0.6 times the fracture energy. T6 and Q4 do not have this error"
         )
     });
     // the mean, since of two T6 that make a square one opens more and the other less
@@ -82,9 +79,7 @@ pub fn warnings(model: &Model, solids: &Solids, work: f64) -> Vec<String> {
     let wide = told(share(&is_straight)).filter(|_| !RIGHT_WIDTHS.contains(&times)).map(|share| {
         let times = significant(times, 2);
         format!(
-            "crack band: cracks take {of_work} % of the work, and the band is not as wide as the law is told (elements are flat, or T6 open all over): cracks along edges, {share} % \
-             of the damage, dissipate about {times} times the fracture energy (make elements as wide as long; where a whole column \
-             cracks, Q4)"
+            "crack band: cracks take {of_work} % of the work. Cracks along edges, with {share} % of the damage, dissipate about {times} times the fracture energy, because the band is not as wide as CELENT (flat elements, or T6 that open all over): make elements as wide as long, or use Q4 where a whole column cracks"
         )
     });
     across.into_iter().chain(in_part).chain(wide).collect()

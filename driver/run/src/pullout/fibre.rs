@@ -8,7 +8,7 @@ const AXIS: &str = "fibre_axis";
 
 /// A fibre that is measured at its exit and at its tail.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fibre {
+pub struct FibreGeometry {
     /// Index of its part.
     pub part: usize,
     /// Polyline from the tail over the exit to the grip, reference positions, mm.
@@ -19,7 +19,7 @@ pub struct Fibre {
     pub radius: f64,
 }
 
-impl Fibre {
+impl FibreGeometry {
     /// `None` for models without a fibre in a hole.
     pub fn of(model: &Model) -> Option<Self> {
         let first = model.measured.fibres.first();
@@ -75,7 +75,7 @@ pub struct Wall {
 
 impl Wall {
     /// Finds the wall of a fibre on the slave surface of a contact pair.
-    pub fn of(fibre: &Fibre, mesh: &Mesh, slave: &[ElementEdge]) -> Option<Self> {
+    pub fn of(fibre: &FibreGeometry, mesh: &Mesh, slave: &[ElementEdge]) -> Option<Self> {
         let end = |edge: &ElementEdge, k: usize| fibre.arc(mesh.nodes()[mesh.edge_nodes(*edge).nodes()[k]]);
         let (start, end) = (end(slave.first()?, 0), end(slave.last()?, 1));
         Some(Self { start, direction: if end >= start { 1.0 } else { -1.0 } })

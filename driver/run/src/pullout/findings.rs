@@ -111,13 +111,11 @@ impl Rupture {
             let strain = significant(100.0 * rupture.axial_strain, 3);
             Some(if wire.has_limits() {
                 format!(
-                    "{name}: the wire breaks at a slip of {slip} mm under {load} N; the run ends there. It bears up to {stress} MPa on \
-                     the initial area, and is stretched by up to {strain} % over 5 diameters"
+                    "{name}: the wire breaks at a slip of {slip} mm under {load} N, and the run ends. Its largest stress is {stress} MPa on the initial area, its largest elongation {strain} % over 5 diameters"
                 )
             } else {
                 format!(
-                    "{name}: at a slip of {slip} mm the wire is stretched by {strain} % over 5 diameters, more than {} %, and the run goes \
-                     on: give strength and elongation of its part to make it break",
+                    "{name}: at a slip of {slip} mm the elongation of the wire over 5 diameters is {strain} %, more than {} %, but the wire does not break: give its part a strength and an elongation",
                     significant(100.0 * limit, 3)
                 )
             })

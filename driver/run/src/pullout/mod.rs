@@ -18,4 +18,4 @@ pub use findings::{Failure, Findings, Rupture};
 pub use overlap::Overlap;
 pub use peak::PeakLoad;
 pub use program::{PictureAt, PulloutProgram, Settings};
-pub use recorder::{Outcome, State, run};
+pub use recorder::{Outcome, SavedState, run};

@@ -1,13 +1,13 @@
 //! The states that a case asks pictures of, beside those of the greatest load and of the end.
 
-use super::{PictureAt, State};
+use super::{PictureAt, SavedState};
 use fe_core::output::Fields;
 use fe_core::stepping::{Record, Snapshot};
 use serde::{Deserialize, Serialize};
 
 /// The states at the moments that are wanted, in their order, as far as they came.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Moments(Vec<Option<State>>);
+pub struct Moments(Vec<Option<SavedState>>);
 
 impl Moments {
     /// Keeps these.
@@ -24,7 +24,7 @@ impl Moments {
                 PictureAt::Increment(increment) => number == increment,
             };
             if record.step > 0 && state.is_none() && is_now {
-                *state = Some(State { slip: record.slip, load: record.load, fields: Fields::of(snapshot) });
+                *state = Some(SavedState { slip: record.slip, load: record.load, fields: Fields::of(snapshot) });
                 is_one = true;
             }
         }
@@ -44,7 +44,7 @@ impl Moments {
     }
 
     /// Returns the requested moments that were reached, in the order of the case.
-    pub fn into_states(self, wanted: &[PictureAt]) -> Vec<(PictureAt, State)> {
+    pub fn into_states(self, wanted: &[PictureAt]) -> Vec<(PictureAt, SavedState)> {
         wanted.iter().copied().zip(self.0).filter_map(|(wanted, kept)| Some((wanted, kept?))).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! The state at the greatest load.
 
-use super::State;
+use super::SavedState;
 use fe_core::output::Fields;
 use fe_core::stepping::{Record, Snapshot};
 use serde::{Deserialize, Serialize};
@@ -59,9 +59,9 @@ impl PeakKeeper {
     }
 
     /// The state there.
-    pub fn into_state(self) -> Option<State> {
+    pub fn into_state(self) -> Option<SavedState> {
         let PeakLoad { load, slip, .. } = self.peak?;
-        Some(State { slip, load, fields: self.fields? })
+        Some(SavedState { slip, load, fields: self.fields? })
     }
 }
 

@@ -38,11 +38,11 @@ pub struct Outcome {
     /// Findings besides the history.
     pub findings: Findings,
     /// The state at the greatest load, if the run went on from there and pictures are wanted.
-    pub peak: Option<State>,
+    pub peak: Option<SavedState>,
     /// The state at the end, if pictures are wanted and anything was computed.
-    pub end: Option<State>,
+    pub end: Option<SavedState>,
     /// The states that the case asks pictures of, as far as the run came to them.
-    pub moments: Vec<(PictureAt, State)>,
+    pub moments: Vec<(PictureAt, SavedState)>,
     /// The states that it went through, if they were kept.
     pub trail: Option<Trail>,
 }
@@ -63,7 +63,7 @@ impl Outcome {
 
 /// A state that pictures show.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct State {
+pub struct SavedState {
     /// Slip, mm.
     pub slip: f64,
     /// Load, N.
@@ -160,8 +160,8 @@ pub fn run(program: &PulloutProgram, settings: &Settings<'_>, observer: &mut dyn
     let pairs = model.contacts.iter().map(|pair| pair.name.clone());
     findings.penalties = pairs.zip(snapshot.contact().penalties()).collect();
     let [slip, load] = ["slip", "load"].map(|name| present.value(name));
-    let end = || State { slip, load, fields: Fields::of(&snapshot) };
-    let goes_on = |state: &State| state.fields.time < snapshot.time();
+    let end = || SavedState { slip, load, fields: Fields::of(&snapshot) };
+    let goes_on = |state: &SavedState| state.fields.time < snapshot.time();
     Outcome {
         statistics: Statistics {
             increments: done.increments,

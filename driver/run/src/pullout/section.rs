@@ -1,7 +1,7 @@
 //! The section of a round fibre in the plane: it has the area of the circle or its bending inertia, not both.
 
 use super::PulloutProgram;
-use super::fibre::Fibre;
+use super::fibre::FibreGeometry;
 use crate::number::significant;
 use fe_core::assembly::Solids;
 use fe_core::kinematics::PlaneModel;
@@ -22,7 +22,7 @@ const INERTIA_TOLERANCE: f64 = 0.1;
 /// concerns.
 pub fn warning(program: &PulloutProgram, solids: &Solids, work: f64) -> Option<String> {
     let diameter = program.fibre_diameter?;
-    let index = Fibre::of(&program.model)?.part;
+    let index = FibreGeometry::of(&program.model)?.part;
     let part = program.model.mesh.parts().get(index).filter(|part| part.model != PlaneModel::Axisymmetric)?;
     // layers have the plastic moment of the circle
     let is_layer = |element: &Element| element.part() == index && element.thickness() != part.thickness;

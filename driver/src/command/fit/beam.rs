@@ -7,11 +7,11 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub(in super::super) struct Beam {
-    /// The test: CSV with a header line, CMOD in mm and load in N, or the strengths f_L, f_R1 … f_R4 in MPa (of several
-    /// beams their means are taken).
+    /// The test: CSV with a header line. Columns are CMOD in mm and load in N, or the strengths f_L, f_R1 … f_R4 in
+    /// MPa; several beams are averaged.
     #[arg(value_name = "BEAM.csv")]
     test: PathBuf,
-    /// The case of kind "bridging" that says beam, matrix, fibre and dosage.
+    /// Case of kind "bridging" with beam, matrix, fibre and dosage.
     #[arg(long, value_name = "CASE.json")]
     case: PathBuf,
     /// Column of the CMOD [default: cmod].
@@ -20,18 +20,18 @@ pub(in super::super) struct Beam {
     /// Column of the load [default: load].
     #[arg(long, value_name = "COLUMN")]
     load: Option<String>,
-    /// Factor on the load: 1000 if it is in kN.
+    /// Factor on the load: 1000 if the load is in kN.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = super::positive, allow_negative_numbers = true)]
     load_factor: f64,
     /// Result directory [default: out/<test file stem>/].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
+    /// Also replace files in the result directory that pullout did not write or that were changed since, and list them.
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Say nothing but errors.
+    /// Print only errors.
     #[arg(long)]
     quiet: bool,
 }

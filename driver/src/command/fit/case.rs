@@ -9,44 +9,45 @@ use std::path::PathBuf;
 
 /// Arguments of a fit of a case, beside `fit bond` and `fit beam`: with one of these, none of them is required.
 #[derive(Debug, clap::Args)]
-pub(in super::super) struct Arguments {
-    /// The case, with the values to start from. Several tests share the numbers: a case and a --data each, or one case for all.
+pub(in super::super) struct CaseFitArguments {
+    /// The case with the initial values. To fit several tests together, give a --data for each, and one case for each
+    /// or one for all.
     #[arg(value_name = "CASE.json", required = true)]
     cases: Vec<PathBuf>,
-    /// A number of the case that is sought between two bounds, e.g. material.props.E=1e4:4e4 (may be repeated).
+    /// Parameter of the case to fit, with its bounds, e.g. material.props.E=1e4:4e4 (may be repeated).
     #[arg(long = "free", value_name = "PATH=lo:hi", required = true, value_parser = Free::parse)]
     free: Vec<Free>,
-    /// The measured curve: CSV with a header line (once for each test).
+    /// Measured curve: CSV with a header line (once for each test).
     #[arg(long, value_name = "CURVE.csv", required = true)]
     data: Vec<PathBuf>,
-    /// Columns of the history that it is compared with; those of the data have the same names, or are the first two (once, or
-    /// once for each test).
+    /// History columns to compare with the data (once, or once for each test). The columns of the data have the same
+    /// names, or are the first two.
     #[arg(long, value_name = "X,Y", default_value = "slip,load", value_parser = columns)]
     curve: Vec<[String; 2]>,
-    /// Weight of a test's squared differences, which are parts of its greatest value (once for each test) [default: 1].
+    /// Weight of a test's squared differences, relative to its largest value (once for each test) [default: 1].
     #[arg(long = "weight", value_name = "W", value_parser = super::positive, allow_negative_numbers = true)]
     weights: Vec<f64>,
-    /// Places to search from, those of the case and others between the bounds; the best end counts.
+    /// Number of starting points: the values of the case, and others between the bounds. The best result counts.
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
     starts: u32,
-    /// Most runs of all searches.
+    /// Largest number of runs of all searches together.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..))]
     max_runs: u32,
     /// Result directory [default: out/<case file stem>-fit/].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
+    /// Also replace files in the result directory that pullout did not write or that were changed since, and list them.
     #[arg(long)]
     overwrite: bool,
-    /// Override an entry of the case, e.g. steps.0.increments=5.
+    /// Override an entry of the case, e.g. steps.0.increments=5 (VALUE is JSON, otherwise a string).
     #[arg(long = "set", value_name = "a.b.c=VALUE")]
     overrides: Vec<String>,
-    /// Look for plugins here first (may be repeated).
+    /// Search this folder for plugins first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) isolation: Isolation,
-    /// Say nothing but errors.
+    /// Print only errors.
     #[arg(long)]
     quiet: bool,
 }
@@ -57,7 +58,7 @@ fn columns(text: &str) -> Result<[String; 2], String> {
     names.filter(|[x, y]| !x.is_empty() && !y.is_empty() && x != y).ok_or_else(|| "write X,Y: two columns".into())
 }
 
-impl Arguments {
+impl CaseFitArguments {
     pub(super) fn act(&self) -> Result<u8, Refusal> {
         let request = CaseRequest {
             tests: self.tests()?,

@@ -5,29 +5,29 @@ use pullout_check::build::{self, Form, Request};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
-pub(in crate::command) struct Arguments {
+pub(in crate::command) struct BuildArguments {
     /// Fortran (.f .for .ftn fixed form; .f90 … free form), C, C++; object files are linked as they are.
     #[arg(required = true, value_name = "SOURCE")]
     sources: Vec<PathBuf>,
-    /// The library; default: lib<first source>.so in this folder.
+    /// The library [default: lib<first source>.so in this folder].
     #[arg(short, long, value_name = "OUT.so")]
     output: Option<PathBuf>,
-    /// The Fortran sources are in fixed form, whatever their suffix.
+    /// Read the Fortran sources in fixed form, whatever their suffix.
     #[arg(long, conflicts_with = "free")]
     fixed: bool,
-    /// The Fortran sources are in free form, whatever their suffix.
+    /// Read the Fortran sources in free form, whatever their suffix.
     #[arg(long)]
     free: bool,
-    /// A further flag for the compilers, e.g. --flag=-fopenmp (may be repeated).
+    /// Additional compiler flag, e.g. --flag=-fopenmp (may be repeated).
     #[arg(long = "flag", value_name = "FLAG", allow_hyphen_values = true)]
     flags: Vec<String>,
-    /// Check array bounds, uninitialised reals and invalid operations at run time: slower, and what goes wrong is told
-    /// with the source's line.
+    /// Check array bounds, uninitialised reals and invalid operations at run time. Calls are slower; errors are
+    /// reported with the line of the source.
     #[arg(long)]
     debug: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn run(arguments: &BuildArguments) -> Result<u8, Refusal> {
     let form = match (arguments.fixed, arguments.free) {
         (true, _) => Some(Form::Fixed),
         (_, true) => Some(Form::Free),

@@ -18,20 +18,20 @@ use umat_abi::law::StressState;
 mod children;
 
 #[derive(Debug, clap::Args)]
-pub(in crate::command) struct Arguments {
+pub(in crate::command) struct CheckArguments {
     #[command(flatten)]
     of: Subject,
-    /// Around the path of this case, with its parameters, mode, times, temperatures, initial state; a library without
-    /// metadata cannot be judged without one. A FILE takes the place of the library that the case names.
+    /// Check along the path of this case, with its parameters, mode, times, temperatures and initial state. A library
+    /// without metadata needs it. A FILE takes the place of the library that the case names.
     #[arg(long, value_name = "CASE.json")]
     case: Option<PathBuf>,
-    /// Override an entry of the case, e.g. steps.0.increments=5.
+    /// Override an entry of the case, e.g. steps.0.increments=5 (VALUE is JSON, otherwise a string).
     #[arg(long = "set", value_name = "a.b.c=VALUE")]
     overrides: Vec<String>,
-    /// NSTATV instead of the case's.
+    /// NSTATV that replaces the case's.
     #[arg(long, value_name = "N")]
     nstatv: Option<usize>,
-    /// Rows and verdict as JSON.
+    /// Print rows and verdict as JSON.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -44,22 +44,22 @@ struct Subject {
     /// A law's name, or a shared library.
     #[arg(value_name = "NAME|FILE.so")]
     plugin: String,
-    /// PROPS instead of the case's, or of the metadata's defaults.
+    /// PROPS that replace those of the case, or the defaults of the metadata.
     #[arg(long, value_name = "P1,P2,...", allow_hyphen_values = true, value_delimiter = ',')]
     props: Option<Vec<f64>>,
-    /// The mode instead of the case's; without a case, the only one that is checked.
+    /// Mode that replaces the case's. Without a case, only this mode is checked.
     #[arg(long, value_name = "3d|plane_strain|axisymmetric|plane_stress")]
     mode: Option<String>,
-    /// States in which the law is looked at, for each stress state.
+    /// Number of sampled states for each stress state.
     #[arg(long, default_value_t = Options::default().states)]
     states: usize,
-    /// Look here first (may be repeated).
+    /// Search this folder for plugins first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     #[serde(with = "isolation::paths")]
     plugin_paths: Vec<PathBuf>,
 }
 
-impl Arguments {
+impl CheckArguments {
     /// The entries of the case that change.
     fn overrides(&self) -> Vec<String> {
         let entry = |key: &str, value: Option<String>| value.map(|value| format!("{key}={value}"));
@@ -162,7 +162,7 @@ fn code_of(judged: &[Judged]) -> u8 {
 }
 
 /// Prints everything as JSON, if that is wanted; the exit code.
-fn conclude(arguments: &Arguments, judged: &[Judged]) -> u8 {
+fn conclude(arguments: &CheckArguments, judged: &[Judged]) -> u8 {
     let code = code_of(judged);
     if arguments.json {
         let laws: Vec<Value> = judged
@@ -184,7 +184,7 @@ fn conclude(arguments: &Arguments, judged: &[Judged]) -> u8 {
 }
 
 /// Checks a library, by its law's name or by its path; the exit code.
-pub(super) fn run(arguments: &Arguments) -> Result<u8, Refusal> {
+pub(super) fn run(arguments: &CheckArguments) -> Result<u8, Refusal> {
     let file = file_of(&arguments.of.plugin, &arguments.of.plugin_paths)?;
     let case = arguments.case.as_deref();
     if case.is_none() && (arguments.nstatv.is_some() || !arguments.overrides.is_empty()) {
@@ -222,7 +222,7 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
     };
     let plugins = plugins(checks, library, &mut options)?;
     options.listener = match is_told {
-        false => Some(|event| isolation::tell(&event)),
+        false => Some(|event| isolation::send(&event)),
         true => Some(|event| {
             if let Event::Row(row) = event {
                 say(&format!("{row}\n"));
@@ -232,7 +232,7 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
     let mut judged = Vec::new();
     for plugin in plugins {
         let path = plugin.library.path();
-        isolation::tell(&Event::Law(plugin.name.clone(), path.to_owned()));
+        isolation::send(&Event::Law(plugin.name.clone(), path.to_owned()));
         if is_told {
             say(&Judged::header(&plugin.name, path));
         }
@@ -252,8 +252,7 @@ fn plugins(checks: &Checks, library: &Library, options: &mut Options) -> Result<
     let Some(source) = &checks.case else {
         if library.laws().is_empty() {
             return wrong(format!(
-                "{}: has no metadata; give its props and nstatv by --case, a case along whose path the law shows what it \
-                 does: without one it cannot be judged",
+                "{}: has no metadata: it cannot be checked without a --case that has its props and nstatv, and a path that makes the law nonlinear",
                 path.display()
             ));
         }

@@ -8,7 +8,7 @@ use pullout_report::bridging::conclude;
 use pullout_report::directory::ResultDirectory;
 use pullout_report::record::cpu_time;
 use pullout_report::summary::Summary;
-use pullout_run::bridging::{BridgingProgram, SimulationFindings, Source, run};
+use pullout_run::bridging::{BridgingProgram, LoadSource, SimulationFindings, run};
 use pullout_study::Execution;
 use std::io;
 use std::num::NonZeroUsize;
@@ -45,7 +45,7 @@ fn curves(
     job: &Job,
     threads: NonZeroUsize,
 ) -> Result<Option<(Vec<Curve>, SimulationFindings)>, String> {
-    let Source::Simulated(simulations) = &program.source else { return Ok(None) };
+    let LoadSource::Simulated(simulations) = &program.source else { return Ok(None) };
     let execution = Execution {
         out: &simulations.cache,
         jobs: threads.get(),

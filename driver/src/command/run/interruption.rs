@@ -49,7 +49,7 @@ pub(super) fn checkpoints(job: &Job, case: &Case) -> Result<Checkpoints, String>
     let checkpoints = Checkpoints::restart(program, folder, every)?;
     let kept = checkpoints.from.as_deref().and_then(Kept::of);
     let Kept { history_bytes: bytes, history_sha256, .. } = kept.ok_or_else(|| {
-        format!("{}: this is no checkpoint, or it is damaged", folder.join(checkpoint::FILE).display())
+        format!("{}: this is not a checkpoint, or it is damaged", folder.join(checkpoint::FILE).display())
     })?;
     let history = folder.join("history.csv");
     let named = |message: &dyn Display| format!("{}: {message}", history.display());
@@ -57,7 +57,9 @@ pub(super) fn checkpoints(job: &Job, case: &Case) -> Result<Checkpoints, String>
         return Err(named(&"rows from before the checkpoint are missing"));
     }
     if digest(&history, bytes).map(hexadecimal).map_err(|error| named(&error))? != history_sha256 {
-        return Err(named(&"rows from before the checkpoint were changed: a run goes on with what it left"));
+        return Err(named(
+            &"rows from before the checkpoint were changed: a restart needs the files as the run left them",
+        ));
     }
     Ok(checkpoints)
 }

@@ -1,4 +1,4 @@
-use super::super::{Arguments as CommandLine, Command};
+use super::super::{Command, CommandLine};
 use clap::{CommandFactory, Parser};
 use pullout_engine::Job;
 use serde_json::Value;

@@ -19,7 +19,7 @@ pub(super) const MAX_POINTS: usize = 9;
 pub(super) type ElementTrouble = (usize, Setback);
 
 /// The reference configuration of one element.
-pub(super) struct Shape<'a, const N: usize> {
+pub(super) struct ReferenceElement<'a, const N: usize> {
     /// ∂N/∂X at each point.
     pub(super) gradients: &'a [Nodal<N>],
     /// Shape functions at each point.
@@ -36,7 +36,7 @@ pub(super) struct Shape<'a, const N: usize> {
     pub(super) first_point: usize,
 }
 
-impl<'a, const N: usize> Shape<'a, N> {
+impl<'a, const N: usize> ReferenceElement<'a, N> {
     fn points(&self) -> std::ops::Range<usize> {
         0..self.volumes.len()
     }
@@ -65,7 +65,7 @@ pub(super) struct Task {
 /// Small strains: the points advance to the strain of `end`; `forces` become ∫ Bᵀ σ dV. `changed` is set when a
 /// tangent is another one.
 pub(super) fn advance_small<const N: usize>(
-    shape: &Shape<'_, N>,
+    shape: &ReferenceElement<'_, N>,
     points: &mut Points,
     end: &Nodal<N>,
     task: Task,
@@ -100,7 +100,11 @@ pub(super) fn advance_small<const N: usize>(
 }
 
 /// p̄ of an element with averaged dilatation.
-fn mean_stress<const N: usize>(shape: &Shape<'_, N>, points: &Points, ratio: impl Fn(usize) -> f64) -> Option<f64> {
+fn mean_stress<const N: usize>(
+    shape: &ReferenceElement<'_, N>,
+    points: &Points,
+    ratio: impl Fn(usize) -> f64,
+) -> Option<f64> {
     shape.average.then(|| {
         let pressure = |point: usize| mean(&points.acting[shape.first_point + point]);
         shape.integral(|point| pressure(point) * ratio(point)) / shape.integral(&ratio)
@@ -122,7 +126,7 @@ const COMPONENT_OF: [usize; GRADIENT_COMPONENTS] = [0, 3, 3, 1, 2];
 
 /// ∫ Bᵀ C B dV. Returns whether it is symmetric.
 pub(super) fn stiffness_small<const N: usize>(
-    shape: &Shape<'_, N>,
+    shape: &ReferenceElement<'_, N>,
     moduli: &[Moduli],
     stiffness: &mut [Nodal<N>],
 ) -> bool {
@@ -157,7 +161,7 @@ pub(super) type Motions = [FiniteIncrement; MAX_POINTS];
 
 /// Large displacements: the points advance from `start` to `end`; `forces` become ∫ σ ∂N/∂x dv over the end.
 pub(super) fn advance_finite<const N: usize>(
-    shape: &Shape<'_, N>,
+    shape: &ReferenceElement<'_, N>,
     points: &mut Points,
     [start, end]: [&Nodal<N>; 2],
     task: Task,
@@ -208,7 +212,7 @@ fn motion([start, end]: &[Gradient; 2]) -> Result<FiniteIncrement, Setback> {
 }
 
 /// θ̄ of an element with averaged dilatation.
-fn mean_dilatation<const N: usize>(shape: &Shape<'_, N>, motions: &Motions) -> Option<f64> {
+fn mean_dilatation<const N: usize>(shape: &ReferenceElement<'_, N>, motions: &Motions) -> Option<f64> {
     shape.average.then(|| {
         let ratio = |point: usize| motions[point].middle_volume_ratio;
         shape.integral(|point| motions[point].dilatation() * ratio(point)) / shape.integral(ratio)
@@ -226,7 +230,7 @@ pub(super) fn present_position([mut x, mut y]: [f64; 2], values: &[f64], displac
 
 /// Computes the derivative of the forces of [`advance_finite`], which is not symmetric.
 pub(super) fn stiffness_finite<const N: usize>(
-    shape: &Shape<'_, N>,
+    shape: &ReferenceElement<'_, N>,
     motions: &Motions,
     points: &Points,
     stiffness: &mut [Nodal<N>],
@@ -268,7 +272,7 @@ struct Average<const N: usize> {
 
 impl<const N: usize> Average<N> {
     /// Returns an average of zeros over the reference volume; `None` for an element that is not averaged.
-    fn default_of(shape: &Shape<'_, N>) -> Option<Self> {
+    fn default_of(shape: &ReferenceElement<'_, N>) -> Option<Self> {
         let zero = [[0.0; 2]; N];
         shape.average.then(|| {
             let volume = shape.integral(|_| 1.0);
@@ -287,7 +291,7 @@ impl<const N: usize> Average<N> {
     }
 
     /// The means under large displacements.
-    fn start(&mut self, shape: &Shape<'_, N>, motions: &Motions, points: &Points) {
+    fn start(&mut self, shape: &ReferenceElement<'_, N>, motions: &Motions, points: &Points) {
         self.volume = shape.integral(|point| motions[point].volume_ratio);
         self.mean_pressure = mean_stress(shape, points, |point| motions[point].volume_ratio).unwrap_or_default();
         self.middle_volume = shape.integral(|point| motions[point].middle_volume_ratio);

@@ -2,7 +2,7 @@
 
 use super::TangentChoice;
 use super::block::{BlockPlace, ElementBlock};
-use super::element::Shape;
+use super::element::ReferenceElement;
 use super::points::Points;
 use crate::element::{ElementKind, MAX_NODES, MappedPoint};
 use crate::kinematics::PlaneModel;
@@ -183,8 +183,8 @@ pub(super) struct Body {
 
 impl Body {
     /// An element's reference configuration, and the points.
-    pub(super) fn split<const N: usize>(&mut self, record: &ElementData) -> (Shape<'_, N>, &mut Points) {
-        let shape = Shape {
+    pub(super) fn split<const N: usize>(&mut self, record: &ElementData) -> (ReferenceElement<'_, N>, &mut Points) {
+        let shape = ReferenceElement {
             gradients: self.gradients[record.gradients.clone()].as_chunks::<N>().0,
             values: &self.part.values[record.kind as usize],
             volumes: &self.volumes[record.points.clone()],
@@ -278,8 +278,7 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Mode
         notes.extend(first.points.prepare(law, &shared[part].name, nlgeom[part])?);
         if nlgeom[part] && parts[part].model == PlaneModel::PlaneStress && !first.points.knows_thickness() {
             notes.push(format!(
-                "part '{}': {} does not tell its strain 33 in plane stress: its thickness stays that of the reference \
-                 (\"as\": \"3d\" finds it)",
+                "part '{}': {} does not report the strain 33 in plane stress: its thickness stays the initial one (\"as\": \"3d\" finds it)",
                 shared[part].name, law.name
             ));
         }

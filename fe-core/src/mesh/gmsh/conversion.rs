@@ -14,10 +14,10 @@ use crate::mesh::{ElementDefinition, ElementEdge, MeshDefinition, Part};
 const RELATIVE_PLANE_TOLERANCE: f64 = 1e-9;
 
 /// A fault, with the byte where its cause stands if it stands anywhere.
-type Trouble = (Option<usize>, String);
+type FileFault = (Option<usize>, String);
 
 /// Makes a mesh of a file.
-pub(super) fn mesh_definition(file: &File, parts: &[Part]) -> Result<(MeshDefinition, Vec<u64>), Trouble> {
+pub(super) fn mesh_definition(file: &File, parts: &[Part]) -> Result<(MeshDefinition, Vec<u64>), FileFault> {
     let surfaces = surface_elements(file)?;
     check_part_names(&surfaces, parts)?;
     let mut conversion = Conversion::new(file, parts);
@@ -34,7 +34,7 @@ pub(super) fn mesh_definition(file: &File, parts: &[Part]) -> Result<(MeshDefini
 type Surface<'f> = (&'f FileElement, ElementKind, Cow<'f, str>);
 
 /// The surface elements.
-fn surface_elements(file: &File) -> Result<Vec<Surface<'_>>, Trouble> {
+fn surface_elements(file: &File) -> Result<Vec<Surface<'_>>, FileFault> {
     let (mut surfaces, mut outside): (Vec<Surface<'_>>, _) = (Vec::new(), Vec::new());
     let mut element_with: HashMap<Vec<usize>, usize> = HashMap::new();
     for element in &file.elements {
@@ -90,7 +90,7 @@ fn group_names<'f>(file: &'f File, element: &FileElement) -> BTreeSet<Cow<'f, st
 }
 
 /// All physical surfaces with elements must have a part, and all parts such a surface.
-fn check_part_names(surfaces: &[Surface<'_>], parts: &[Part]) -> Result<(), Trouble> {
+fn check_part_names(surfaces: &[Surface<'_>], parts: &[Part]) -> Result<(), FileFault> {
     let available: BTreeSet<&str> = surfaces.iter().map(|(_, _, group)| &**group).collect();
     let given: BTreeSet<&str> = parts.iter().map(|part| part.name.as_str()).collect();
     let quoted = |names: &BTreeSet<&str>| names.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
@@ -147,7 +147,7 @@ impl<'a> Conversion<'a> {
         })
     }
 
-    fn add_surface(&mut self, element: &FileElement, kind: ElementKind, part: usize) -> Result<(), Trouble> {
+    fn add_surface(&mut self, element: &FileElement, kind: ElementKind, part: usize) -> Result<(), FileFault> {
         let mut nodes: Vec<usize> = element.nodes.iter().map(|&node| self.node(node)).collect();
         let corners: Vec<[f64; 2]> =
             nodes[..kind.corner_count()].iter().map(|&node| self.definition.nodes[node]).collect();
@@ -176,7 +176,7 @@ impl<'a> Conversion<'a> {
     }
 
     /// Node sets of points, edge and node sets of curves.
-    fn add_sets(&mut self) -> Result<(), Trouble> {
+    fn add_sets(&mut self) -> Result<(), FileFault> {
         let mut point_names = BTreeSet::new();
         for element in &self.file.elements {
             let groups = match element.element_type {
@@ -217,7 +217,7 @@ impl<'a> Conversion<'a> {
     }
 
     /// The element edge that a line lies on: of the element on its left, else of the one on its right.
-    fn edge_of(&self, line: &FileElement, group: &str) -> Result<ElementEdge, Trouble> {
+    fn edge_of(&self, line: &FileElement, group: &str) -> Result<ElementEdge, FileFault> {
         let ends = [0, 1].map(|end| self.node_index[line.nodes[end]]);
         let middle = line.nodes.get(2).map(|&node| self.node_index[node]);
         let found = match ends {
@@ -239,7 +239,7 @@ impl<'a> Conversion<'a> {
     }
 
     /// All nodes of the mesh have the z of the first.
-    fn check_plane(&self) -> Result<(), Trouble> {
+    fn check_plane(&self) -> Result<(), FileFault> {
         let nodes = || self.file_index.iter().map(|&node| &self.file.nodes[node]);
         let largest = nodes().flat_map(|node| node.position).fold(0.0_f64, |largest, x| largest.max(x.abs()));
         let other = nodes().next().map_or(0.0, |node| node.position[2]);

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::element_type::ElementType;
-use super::source::{Encoding, Source, Trouble, shown, unexpected};
+use super::source::{Encoding, FileFault, MeshReader, shown, unexpected};
 
 /// Most physical groups of an entity. All its elements are in all of them: without a limit a file of a megabyte
 /// makes sets of gigabytes.
@@ -55,7 +55,7 @@ enum Version {
 
 impl File {
     /// Reads all sections.
-    pub(super) fn read(source: &mut Source<'_>) -> Result<Self, Trouble> {
+    pub(super) fn read(source: &mut MeshReader<'_>) -> Result<Self, FileFault> {
         let version = read_format(source)?;
         let mut file = Self { version, ..Self::default() };
         let mut seen = HashSet::new();
@@ -94,7 +94,7 @@ impl File {
     }
 
     /// $PhysicalNames: always text.
-    fn read_names(&mut self, source: &mut Source<'_>) -> Result<(), Trouble> {
+    fn read_names(&mut self, source: &mut MeshReader<'_>) -> Result<(), FileFault> {
         for _ in 0..source.number::<u64>("the number of physical names")? {
             let dimension = source.number("the dimension of a physical group")?;
             let tag = source.number("the tag of a physical group")?;
@@ -105,7 +105,7 @@ impl File {
     }
 
     /// $Entities (4.1): of each point, curve, surface and volume its tag, its box, its groups and what bounds it.
-    fn read_entities(&mut self, source: &mut Source<'_>) -> Result<(), Trouble> {
+    fn read_entities(&mut self, source: &mut MeshReader<'_>) -> Result<(), FileFault> {
         let mut counts = [0; 4];
         for count in &mut counts {
             *count = source.size("the number of entities of a dimension")?;
@@ -139,7 +139,7 @@ impl File {
     }
 
     /// $Nodes (4.1): blocks, each with all tags before all positions.
-    fn read_nodes_4(&mut self, source: &mut Source<'_>) -> Result<(), Trouble> {
+    fn read_nodes_4(&mut self, source: &mut MeshReader<'_>) -> Result<(), FileFault> {
         let header = source.position();
         let block_count = source.size("the number of node blocks")?;
         let node_count = source.size("the number of nodes")?;
@@ -166,7 +166,7 @@ impl File {
     }
 
     /// $Elements (4.1): blocks of one type and entity.
-    fn read_elements_4(&mut self, source: &mut Source<'_>) -> Result<(), Trouble> {
+    fn read_elements_4(&mut self, source: &mut MeshReader<'_>) -> Result<(), FileFault> {
         let header = source.position();
         let block_count = source.size("the number of element blocks")?;
         let element_count = source.size("the number of elements")?;
@@ -196,7 +196,7 @@ impl File {
     }
 
     /// $Nodes (2.2).
-    fn read_nodes_2(&mut self, source: &mut Source<'_>) -> Result<(), Trouble> {
+    fn read_nodes_2(&mut self, source: &mut MeshReader<'_>) -> Result<(), FileFault> {
         let count = source.number::<u64>("the number of nodes")?;
         if source.encoding == Encoding::Binary {
             source.line_end()?;
@@ -211,7 +211,7 @@ impl File {
     }
 
     /// $Elements (2.2): in text one by one, in binary in blocks of one type and number of tags.
-    fn read_elements_2(&mut self, source: &mut Source<'_>) -> Result<(), Trouble> {
+    fn read_elements_2(&mut self, source: &mut MeshReader<'_>) -> Result<(), FileFault> {
         let count = source.number::<u64>("the number of elements")?;
         if source.encoding == Encoding::Binary {
             source.line_end()?;
@@ -247,12 +247,12 @@ impl File {
     /// The tags and nodes of an element (2.2): the first tag is its physical group, 0 for none.
     fn read_element_2(
         &mut self,
-        source: &mut Source<'_>,
+        source: &mut MeshReader<'_>,
         tag: u64,
         element_type: ElementType,
         tag_count: i64,
         place: usize,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), FileFault> {
         let mut group = 0;
         for index in 0..tag_count {
             let value = source.integer("a tag of an element")?;
@@ -268,7 +268,7 @@ impl File {
         self.add_element(source, tag, element_type, self.groups.len() - 1, place)
     }
 
-    fn add_node(&mut self, node: FileNode) -> Result<(), Trouble> {
+    fn add_node(&mut self, node: FileNode) -> Result<(), FileFault> {
         if !node.position.iter().all(|x| x.is_finite()) {
             return Err((node.place, format!("node {}: its position is not finite", node.tag)));
         }
@@ -282,12 +282,12 @@ impl File {
     /// Reads the nodes of an element and adds it.
     fn add_element(
         &mut self,
-        source: &mut Source<'_>,
+        source: &mut MeshReader<'_>,
         tag: u64,
         element_type: ElementType,
         groups: usize,
         place: usize,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), FileFault> {
         let mut nodes = Vec::with_capacity(element_type.node_count());
         for _ in 0..element_type.node_count() {
             let expected = "a node of an element";
@@ -304,7 +304,7 @@ impl File {
 }
 
 /// $MeshFormat: version, text or binary, bytes of a size_t; in binary a 1 that shows the byte order.
-fn read_format(source: &mut Source<'_>) -> Result<Version, Trouble> {
+fn read_format(source: &mut MeshReader<'_>) -> Result<Version, FileFault> {
     let start = source.position();
     let first = source.word("$MeshFormat")?;
     if first != "$MeshFormat" {
@@ -348,7 +348,7 @@ fn unread_binary(what: &str) -> String {
 }
 
 /// The line that opens a section: where, and its name.
-fn section_start(source: &mut Source<'_>) -> Result<(usize, String), Trouble> {
+fn section_start(source: &mut MeshReader<'_>) -> Result<(usize, String), FileFault> {
     source.skip_blanks();
     let start = source.position();
     let word = source.word("a section")?;
@@ -360,17 +360,17 @@ fn section_start(source: &mut Source<'_>) -> Result<(usize, String), Trouble> {
 }
 
 /// A tag that is an int in version 2.2; it is positive.
-fn read_tag(source: &mut Source<'_>, expected: &str) -> Result<u64, Trouble> {
+fn read_tag(source: &mut MeshReader<'_>, expected: &str) -> Result<u64, FileFault> {
     let place = source.position();
     let tag = source.integer(expected)?;
     u64::try_from(tag).map_err(|_| (place, unexpected(expected, &tag.to_string())))
 }
 
-fn read_type(source: &mut Source<'_>, place: usize) -> Result<ElementType, Trouble> {
+fn read_type(source: &mut MeshReader<'_>, place: usize) -> Result<ElementType, FileFault> {
     ElementType::new(source.integer("a type of element")?).map_err(|fault| (place, fault))
 }
 
-fn read_position(source: &mut Source<'_>) -> Result<[f64; 3], Trouble> {
+fn read_position(source: &mut MeshReader<'_>) -> Result<[f64; 3], FileFault> {
     let mut position = [0.0; 3];
     for coordinate in &mut position {
         *coordinate = source.real("a coordinate of a node")?;
@@ -379,7 +379,7 @@ fn read_position(source: &mut Source<'_>) -> Result<[f64; 3], Trouble> {
 }
 
 /// Compares the number in a header with the number found.
-fn check_count(place: usize, what: &str, stated: u64, found: usize) -> Result<(), Trouble> {
+fn check_count(place: usize, what: &str, stated: u64, found: usize) -> Result<(), FileFault> {
     if stated == found as u64 {
         return Ok(());
     }

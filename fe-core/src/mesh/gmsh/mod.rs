@@ -19,7 +19,7 @@ use super::{MeshDefinition, MeshError, Part};
 ///
 /// The first fault of the file with its place; all names that the file or `parts` lacks at once.
 pub fn read(path: &Path, bytes: &[u8], parts: &[Part]) -> Result<(MeshDefinition, Vec<u64>), MeshError> {
-    let mut source = source::Source::new(bytes);
+    let mut source = source::MeshReader::new(bytes);
     let file = file::File::read(&mut source).map_err(|trouble| source.error(path, trouble))?;
     conversion::mesh_definition(&file, parts).map_err(|(place, fault)| match place {
         Some(position) => source.error(path, (position, fault)),

@@ -4,7 +4,7 @@ use crate::mesh::MeshError;
 use std::path::Path;
 
 /// A fault at a byte of the file.
-pub(super) type Trouble = (usize, String);
+pub(super) type FileFault = (usize, String);
 
 /// Encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,13 +15,13 @@ pub(super) enum Encoding {
 }
 
 /// The bytes of a file and how far they are read.
-pub(super) struct Source<'a> {
+pub(super) struct MeshReader<'a> {
     bytes: &'a [u8],
     position: usize,
     pub(super) encoding: Encoding,
 }
 
-impl<'a> Source<'a> {
+impl<'a> MeshReader<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, position: 0, encoding: Encoding::Text }
     }
@@ -52,7 +52,7 @@ impl<'a> Source<'a> {
     }
 
     /// The next word of text.
-    pub(super) fn word(&mut self, expected: &str) -> Result<String, Trouble> {
+    pub(super) fn word(&mut self, expected: &str) -> Result<String, FileFault> {
         self.skip_blanks();
         let rest = &self.bytes[self.position..];
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
@@ -64,7 +64,7 @@ impl<'a> Source<'a> {
     }
 
     /// A number written as text whatever the file's encoding.
-    pub(super) fn number<T: std::str::FromStr>(&mut self, expected: &str) -> Result<T, Trouble> {
+    pub(super) fn number<T: std::str::FromStr>(&mut self, expected: &str) -> Result<T, FileFault> {
         self.skip_blanks();
         let start = self.position;
         let word = self.word(expected)?;
@@ -72,7 +72,7 @@ impl<'a> Source<'a> {
     }
 
     /// Text in quotes.
-    pub(super) fn quoted(&mut self, expected: &str) -> Result<String, Trouble> {
+    pub(super) fn quoted(&mut self, expected: &str) -> Result<String, FileFault> {
         self.skip_blanks();
         let start = self.position;
         let rest = &self.bytes[start..];
@@ -87,7 +87,7 @@ impl<'a> Source<'a> {
     }
 
     /// The end of a line, after which binary data starts.
-    pub(super) fn line_end(&mut self) -> Result<(), Trouble> {
+    pub(super) fn line_end(&mut self) -> Result<(), FileFault> {
         while let Some(&byte) = self.bytes.get(self.position) {
             if !byte.is_ascii_whitespace() {
                 let found = (byte as char).escape_debug().to_string();
@@ -102,7 +102,7 @@ impl<'a> Source<'a> {
     }
 
     /// An int of the file's encoding.
-    pub(super) fn integer(&mut self, expected: &str) -> Result<i64, Trouble> {
+    pub(super) fn integer(&mut self, expected: &str) -> Result<i64, FileFault> {
         match self.encoding {
             Encoding::Text => self.number(expected),
             Encoding::Binary => Ok(i32::from_le_bytes(self.take(expected)?).into()),
@@ -110,7 +110,7 @@ impl<'a> Source<'a> {
     }
 
     /// A size_t of the file's encoding.
-    pub(super) fn size(&mut self, expected: &str) -> Result<u64, Trouble> {
+    pub(super) fn size(&mut self, expected: &str) -> Result<u64, FileFault> {
         match self.encoding {
             Encoding::Text => self.number(expected),
             Encoding::Binary => Ok(u64::from_le_bytes(self.take(expected)?)),
@@ -118,14 +118,14 @@ impl<'a> Source<'a> {
     }
 
     /// A double of the file's encoding.
-    pub(super) fn real(&mut self, expected: &str) -> Result<f64, Trouble> {
+    pub(super) fn real(&mut self, expected: &str) -> Result<f64, FileFault> {
         match self.encoding {
             Encoding::Text => self.number(expected),
             Encoding::Binary => Ok(f64::from_le_bytes(self.take(expected)?)),
         }
     }
 
-    fn take<const COUNT: usize>(&mut self, expected: &str) -> Result<[u8; COUNT], Trouble> {
+    fn take<const COUNT: usize>(&mut self, expected: &str) -> Result<[u8; COUNT], FileFault> {
         let bytes = self.bytes[self.position..]
             .first_chunk::<COUNT>()
             .ok_or_else(|| (self.bytes.len(), truncated(expected)))?;
@@ -134,7 +134,7 @@ impl<'a> Source<'a> {
     }
 
     /// The line that ends a section.
-    pub(super) fn section_end(&mut self, section: &str) -> Result<(), Trouble> {
+    pub(super) fn section_end(&mut self, section: &str) -> Result<(), FileFault> {
         self.skip_blanks();
         let (start, expected) = (self.position, format!("$End{section}"));
         let found = self.word(&expected)?;
@@ -145,7 +145,7 @@ impl<'a> Source<'a> {
     }
 
     /// Skips a section that does not concern the mesh.
-    pub(super) fn skip_section(&mut self, section: &str) -> Result<(), Trouble> {
+    pub(super) fn skip_section(&mut self, section: &str) -> Result<(), FileFault> {
         let end = format!("$End{section}");
         let rest = &self.bytes[self.position..];
         match rest.windows(end.len()).position(|window| window == end.as_bytes()) {
@@ -158,7 +158,7 @@ impl<'a> Source<'a> {
     }
 
     /// The trouble with its file and place: a line of text, from 1, or a byte of binary data, from 0.
-    pub(super) fn error(&self, path: &Path, (position, fault): Trouble) -> MeshError {
+    pub(super) fn error(&self, path: &Path, (position, fault): FileFault) -> MeshError {
         let place = match self.encoding {
             Encoding::Text => {
                 let before = &self.bytes[..position.min(self.bytes.len())];

@@ -33,7 +33,7 @@ pub enum Finding {
     },
     /// The middle node of a quadratic edge is a node of an element that is not across that edge.
     #[error(
-        "node {} at ({}, {}) is the middle of edge {} of element {} and a node of element {} beside it: a T-junction, along which the displacements differ; let edges meet edges",
+        "node {} at ({}, {}) is the middle of edge {} of element {} and a node of element {} next to it: a T-junction, along which the displacements differ; let edges meet edges",
         node + 1, position[0], position[1], edge + 1, element + 1, other + 1
     )]
     TJunction {

@@ -12,27 +12,27 @@ const MOST: usize = 2048;
 
 /// One array in the list that the handler goes through. It is never taken out of it.
 #[derive(Debug)]
-struct Entry {
+struct WatchedArray {
     extent: Extent,
     is_alive: AtomicBool,
-    next: *const Entry,
+    next: *const WatchedArray,
 }
 
 /// The list's newest entry.
-static NEWEST: AtomicPtr<Entry> = AtomicPtr::new(ptr::null_mut());
+static NEWEST: AtomicPtr<WatchedArray> = AtomicPtr::new(ptr::null_mut());
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 
 /// A fenced array of which the handler knows.
 #[derive(Debug)]
 pub(in crate::host) struct Watched {
     fenced: Fenced,
-    entry: &'static Entry,
+    entry: &'static WatchedArray,
 }
 
 // SAFETY: the list's entries do not change but for what is atomic, and live for ever.
-unsafe impl Sync for Entry {}
+unsafe impl Sync for WatchedArray {}
 // SAFETY: as above.
-unsafe impl Send for Entry {}
+unsafe impl Send for WatchedArray {}
 
 /// Watches the fences of an array, so that accesses to them are noted; `None`: too many are watched, or no handler can be
 /// installed.
@@ -43,8 +43,8 @@ pub(in crate::host) fn watch(make: impl FnOnce() -> Option<Fenced>) -> Option<Wa
     }
     let fenced = make()?;
     COUNT.fetch_add(1, Ordering::Relaxed);
-    let entry = Entry { extent: *fenced.extent(), is_alive: AtomicBool::new(true), next: ptr::null() };
-    let entry: *mut Entry = Box::into_raw(Box::new(entry));
+    let entry = WatchedArray { extent: *fenced.extent(), is_alive: AtomicBool::new(true), next: ptr::null() };
+    let entry: *mut WatchedArray = Box::into_raw(Box::new(entry));
     let mut newest = NEWEST.load(Ordering::Acquire);
     loop {
         // SAFETY: nobody else knows it yet.
@@ -72,7 +72,7 @@ impl Drop for Watched {
 
 /// Runs in the signal handler.
 fn note(address: usize, writes: Option<bool>) {
-    let mut next: *const Entry = NEWEST.load(Ordering::Acquire);
+    let mut next: *const WatchedArray = NEWEST.load(Ordering::Acquire);
     // SAFETY: entries of the list live for ever.
     while let Some(entry) = unsafe { next.as_ref() } {
         if entry.is_alive.load(Ordering::Acquire)

@@ -24,7 +24,7 @@ pub const FOLLOWS_GRADIENT: &str =
 
 /// What to try with a UMAT that leaves its own arrays in a plane.
 pub const WRITTEN_FOR_SIX: &str =
-    "a law that is written for six components leaves its own arrays in a plane: \"as\": \"3d\" calls it with six";
+    "in plane modes, a law written for six components writes past its arrays: \"as\": \"3d\" calls it with six";
 
 impl Plugin {
     /// Calls of its UMAT with these components, through one with six if the manner or the metadata require it.
@@ -103,8 +103,8 @@ impl Plugin {
             })
         });
         let what = match differs {
-            Ok(Some(true)) => "gives another stress than with 6 where strains are large",
-            Ok(None) => "does not come back where strains are large, with 6 it does",
+            Ok(Some(true)) => "gives another stress than with 6 at large strains",
+            Ok(None) => "does not return at large strains, but does with 6",
             _ => return Ok(None),
         };
         Ok(Some(format!("with NTENS = 4 it {what}; {WRITTEN_FOR_SIX}")))

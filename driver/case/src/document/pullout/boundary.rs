@@ -51,7 +51,7 @@ pub enum Lateral {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Supports {
-    /// Name of one of the specimen's ways.
+    /// Name of one of the specimen's support conditions.
     Named(String),
     /// Supports by name.
     Given(BTreeMap<String, Piece<Support>>),
@@ -61,11 +61,11 @@ pub enum Supports {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Support {
-    /// Node set; default: the one called like the support. The nodes of a part are a set of its name.
+    /// Node set; default: the set with the support's name. Every part has a node set of its own name.
     pub nodes: Option<String>,
-    /// Direction in which they are held; default: both.
+    /// Direction in which the nodes are held; default: both.
     pub direction: Option<SupportDirection>,
-    /// The drive whose value is the displacement along the direction, mm; default: held.
+    /// Drive whose value is the displacement along the direction, mm; default: the nodes are held.
     pub drive: Option<String>,
 }
 
@@ -91,17 +91,17 @@ pub enum Both {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
-    /// Node set of a force; default: the one called like the load.
+    /// Node set of a force; default: the set with the load's name.
     pub nodes: Option<String>,
-    /// Edge set of a traction or pressure; default: the one called like the load.
+    /// Edge set of a traction or pressure; default: the set with the load's name.
     pub edges: Option<String>,
-    /// Force at each node, N; in axial symmetry on its whole circle.
+    /// Force at each node, N; in axial symmetry, the force on the node's full circle.
     pub force: Option<[f64; 2]>,
     /// Traction, MPa.
     pub traction: Option<[f64; 2]>,
-    /// Pressure against the body, MPa; follows the edge under large displacements.
+    /// Pressure on the body, MPa. It follows the edge under large displacements.
     pub pressure: Option<f64>,
-    /// The drive that multiplies it; default: one called like the load.
+    /// Drive that multiplies the load; default: the drive with the load's name.
     pub drive: Option<String>,
 }
 
@@ -109,29 +109,29 @@ pub struct Load {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Coupling {
-    /// Nodes of a set move with the edges beside them.
+    /// Nodes of a set move with adjacent edges.
     Tie(Tie),
-    /// u of a freedom = Σ factor · u of others.
+    /// One displacement as a sum of others: u = Σ factor · u.
     Terms(Terms),
 }
 
-/// Nodes that move with edges beside them.
+/// Nodes that move with adjacent edges.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tie {
-    /// Node set that is tied, of the finer side: where it is the coarser one, stresses are wrong.
+    /// Node set that is tied. It must be the finer side, otherwise stresses are wrong.
     pub tie: String,
-    /// Edge set that it is tied to.
+    /// Edge set that the nodes are tied to.
     pub to: String,
 }
 
-/// u of a freedom = Σ factor · u of others.
+/// One displacement as a sum of others: u = Σ factor · u.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Terms {
-    /// The freedom that follows.
+    /// The dependent displacement.
     pub dependent: FreedomOf,
-    /// Displacements that it follows.
+    /// The displacements it depends on, with their factors.
     #[schemars(length(min = 1))]
     pub terms: Vec<Term>,
 }
@@ -168,13 +168,13 @@ pub enum NodeReference {
     Position([f64; 2]),
 }
 
-/// Quantities that the history calls slip and load.
+/// What the history columns slip and load measure.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Measure {
-    /// Drive that is the slip; default: "slip".
+    /// Drive whose value is the slip; default: "slip".
     pub slip: Option<String>,
-    /// Support whose reaction is the load; default: the grip. Without either the load is nan.
+    /// Support whose reaction is the load; default: the grip. Without either, the load is nan.
     pub load: Option<String>,
     /// Pull direction; default: that of the support named as load if it has only one, else the grip's.
     pub direction: Option<Direction>,

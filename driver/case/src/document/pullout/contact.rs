@@ -15,27 +15,29 @@ pub enum Contact {
     Pairs(Vec<Piece<Pair>>),
 }
 
-/// Two surfaces that touch. Where both are pieces of one curve, the gaps that their edges make of it are no gaps; all others, and those of straight surfaces, are kept, and an overlap at the start is refused.
+/// Two surfaces that touch. If both follow the same curve, gaps due to their straight edges are ignored. All other gaps
+/// are kept, and an initial overlap is refused.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pair {
-    /// Name in messages; one of the specimen's pairs takes its surfaces and width from the specimen.
+    /// Name for messages. With the name of one of the specimen's pairs, surfaces and width come from the specimen.
     pub name: Option<String>,
     /// Edge set that carries the contact points: the hole.
     pub slave: Option<String>,
-    /// Edge set that they slide on: the fibre.
+    /// Edge set that the contact points slide on: the fibre.
     pub master: Option<String>,
     /// The plugin of the contact law; its entry is uinter (default) or fric.
     pub law: Piece<Material>,
-    /// Parameters in place of the law's where a hole's rounded edges at the exit may come to touch the fibre (default: no
-    /// bond, "law": "none" of bond_slip).
+    /// Parameters that replace those of the law at the rounded edges of the exit, which may come to touch the fibre
+    /// (default: no bond, "law": "none" of bond_slip).
     pub exit: Option<Piece<OtherProps>>,
-    /// Parameters in place of the law's between the end of a fibre and that of its hole, for fibres that are pushed in:
-    /// {"law": "none", "p_0": 0} of bond_slip bears pressure alone (default: no contact there).
+    /// Parameters that replace those of the law between the end of a fibre and the end of its hole, for fibres that are
+    /// pushed in (default: no contact there). With bond_slip, {"law": "none", "p_0": 0} carries only pressure.
     pub end: Option<Piece<OtherProps>>,
-    /// Parameters in place of the law's along the separation length (default: tensile capacity "p_0": 2 of bond_slip).
+    /// Parameters that replace those of the law along the separation length (default: tensile capacity "p_0": 2 of
+    /// bond_slip).
     pub separation: Option<Piece<OtherProps>>,
-    /// The host's normal law beside a FRIC plugin, also where the law's parameters have one (normal_law and p_0 of
+    /// Normal law that pullout uses with a FRIC plugin, even if the law has parameters for one (normal_law and p_0 of
     /// bond_slip).
     pub normal: Option<Piece<Normal>>,
     /// Position of the contact points (default 2 Gauss points on each slave edge).
@@ -48,16 +50,17 @@ pub struct Pair {
     pub penalty_factor: Option<Piece<Positive>>,
     /// Enforcement of the hard normal law (default uzawa).
     pub enforcement: Option<Piece<Enforcement>>,
-    /// Slip up to which the bond is elastic, mm: limits increments until the load has peaked (default: the law is asked).
+    /// Slip, mm, up to which the bond is elastic. It limits increments until the load has peaked (default: from the
+    /// law).
     pub critical_slip: Option<Piece<Positive>>,
-    /// Gaps and overlaps that the mesh has at the start: "keep" (default) keeps them, and refuses overlaps; "close" measures them as 0, so
-    /// that they neither press nor part; { "close": mm } does so up to that size.
+    /// Treatment of initial gaps and overlaps of the mesh. "keep" (default) keeps gaps and refuses overlaps; "close"
+    /// counts both as 0; { "close": mm } counts those up to this size as 0.
     pub initial_gap: Option<Piece<InitialGap>>,
-    /// Overlap that presses the surfaces apart, ramped by a drive: a shaft shrunk into its sleeve.
+    /// Interference fit, ramped by a drive, such as a shaft shrunk into a sleeve.
     pub interference: Option<Piece<Interference>>,
-    /// Whether the master has ends (default true): contact fades as a point passes one, and comes back with the point, with its friction
-    /// and pressure but without bond. A point may start past an end. With false the master goes on along the tangent of its end,
-    /// without end: what has passed it still presses and slides on nothing.
+    /// Whether contact ends at the ends of the master (default true). It fades as a point passes an end. If the point
+    /// comes back, friction and pressure return, but not the bond. A point may start beyond an end. With false, the
+    /// master continues for ever along its end tangent, and points beyond the end still press and slide.
     pub release: Option<Piece<bool>>,
 }
 
@@ -65,37 +68,38 @@ pub struct Pair {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum InitialGap {
-    /// All or none.
+    /// All of them.
     Word(InitialGapWord),
     /// Up to a size.
     Within(InitialGapWithin),
 }
 
-/// Whether gaps and overlaps of the mesh are measured.
+/// Treatment of all initial gaps and overlaps.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum InitialGapWord {
-    /// They are measured; overlaps are refused.
+    /// Gaps are kept; overlaps are refused.
     Keep,
-    /// They are measured as 0.
+    /// Gaps and overlaps count as 0.
     Close,
 }
 
-/// Gaps and overlaps that are measured as 0.
+/// Gaps and overlaps up to a size count as 0.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InitialGapWithin {
-    /// The greatest of them, mm.
+    /// Largest gap or overlap, mm, that counts as 0.
     pub close: Positive,
 }
 
-/// Overlap that presses surfaces apart.
+/// Interference fit.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Interference {
-    /// The drive that multiplies it.
+    /// Drive that multiplies the overlap.
     pub drive: String,
-    /// Overlap at a drive of 1, mm, the same everywhere; default: that of the mesh at each point, which presses nothing at a drive of 0.
+    /// Overlap at a drive of 1, mm, the same everywhere. Default: the overlap of the mesh at each point, which causes
+    /// no pressure at a drive of 0.
     pub depth: Option<Positive>,
 }
 
@@ -174,24 +178,24 @@ pub enum PartWord {
 pub enum Enforcement {
     /// The penalty alone.
     Penalty,
-    /// Penalty with updates of the multiplier.
+    /// Penalty with multiplier updates.
     Uzawa(Uzawa),
-    /// In one loop, the multiplier condensed locally: 10 to 300 times slower than updates where points open and close, and from ratios of
-    /// 30 000 on often without an end. For comparisons.
+    /// Multiplier condensed locally, in one loop. For comparisons only: where points open and close it is 10 to 300
+    /// times slower than uzawa, and at ratios of 30 000 and more it often does not end.
     PerturbedLagrangian(Perturbed),
 }
 
-/// Penalty with updates of the multiplier.
+/// Penalty with multiplier updates.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Uzawa {
-    /// Greatest gap or penetration of a closed point, mm (default 1e-6).
+    /// Largest gap or penetration of a closed point, mm (default 1e-6).
     pub tolerance: Option<Positive>,
-    /// Most updates in an increment (default 4).
+    /// Largest number of updates in an increment (default 4).
     pub max_updates: Option<Whole<1, 100>>,
 }
 
-/// The multiplier condensed locally.
+/// Multiplier condensed locally.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Perturbed {

@@ -102,7 +102,7 @@ pub struct PerpendicularFibre {
     pub embedded_elements: Option<Elements>,
     /// Size at the exit face (default 0.15).
     pub exit_size: Option<Positive>,
-    /// Make them all equal instead (default false).
+    /// Make all elements along the fibre equally long instead (default false).
     pub equal_sizes: Option<bool>,
     /// Elements across the fibre, or across its radius in axial symmetry (default 2).
     pub elements_across: Option<Elements>,
@@ -110,7 +110,7 @@ pub struct PerpendicularFibre {
     pub slave_edges_per_master: Option<Elements>,
     /// Size across the matrix at the hole (default 0.1).
     pub interface_size: Option<Positive>,
-    /// Each size over the one before it, away from the hole (default 1.3).
+    /// Ratio of each size to the one before it, away from the hole (default 1.3).
     pub growth: Option<Positive>,
     /// Largest size (default 2).
     pub largest_size: Option<Positive>,
@@ -161,7 +161,8 @@ pub struct InclinedFibre {
     pub elements_across: Option<Elements>,
     /// Size along the fibre where it crosses the exit (default a quarter of the diameter).
     pub exit_size: Option<Positive>,
-    /// Length of the embedded fibre that has this size (default 5 diameters, or what the steps pull out if that is more).
+    /// Embedded length with elements of exit_size (default 5 diameters, or the length that the steps pull out if that
+    /// is more).
     pub fine_length: Option<Positive>,
     /// Largest size along the fibre (default 0.5).
     pub largest_fibre_size: Option<Positive>,
@@ -178,8 +179,8 @@ pub struct Fibres {
     /// The fibres, each with a name of its own.
     #[schemars(length(min = 1))]
     pub fibres: Vec<Fibre>,
-    /// Pulls the fibres together, by the drive slip, or each by its own, slip.NAME (default together). A step's slip
-    /// pulls all whose drives it does not name.
+    /// Pull all fibres together by the drive slip, or each by its own drive slip.NAME (default together). A step's slip
+    /// applies to all fibres whose drives the step does not name.
     pub grips: Option<Grips>,
     /// Width of the block (default 25.4).
     pub width: Option<Positive>,
@@ -225,22 +226,24 @@ pub enum Grips {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fibre {
-    /// A name that no other fibre has: letters, digits, - and _.
+    /// Unique name: letters, digits, - and _.
     #[schemars(regex(pattern = NAME_PATTERN))]
     pub name: String,
     /// Diameter (default 0.406).
     pub diameter: Option<Positive>,
     /// Position on the exit face at which the fibre's axis crosses it, from the middle of the block (default 0).
     pub exit: Option<f64>,
-    /// The axis from the embedded end to the grip: pieces, each of which goes on in the direction in which the one before it ends, or a
-    /// hooked end by the numbers of a data sheet.
+    /// Axis from the embedded end to the grip: pieces, each continuing in the direction in which the one before it
+    /// ends; or a hooked end with the dimensions of a data sheet.
     pub path: FibrePath,
-    /// Angle by which the path inside the block is turned to the right, degrees: a tilt of its first piece, and of all its to_deg (default
-    /// 0). What lies outside stays: a hooked fibre bends to the normal of the face there.
+    /// Rotation of the axis inside the block to the right, degrees (default 0). It is added to the tilt of the first
+    /// piece and to all to_deg there. The axis outside the block stays: a hooked fibre bends to the normal of the face
+    /// there.
     pub rotate_deg: Option<f64>,
     /// Length of the axis from the embedded end to the exit face (default 12.2).
     pub embedded: Option<Positive>,
-    /// Diameters that differ, as a line through [distance from the embedded end, diameter]: an enlarged end (default none).
+    /// Variable diameter, for example of an enlarged end: straight lines through points [distance from the embedded
+    /// end, diameter] (default none).
     pub width_profile: Option<Vec<[f64; 2]>>,
     /// Length by which the hole exceeds the fibre (default 0).
     #[schemars(range(min = 0.0))]
@@ -250,8 +253,8 @@ pub struct Fibre {
     /// Length over which fibre and matrix separate at the exit (default 0).
     #[schemars(range(min = 0.0))]
     pub separation_length: Option<f64>,
-    /// Length of the embedded fibre that has the size of the exit (default 5 diameters, or what the steps pull out if that is
-    /// more).
+    /// Embedded length with elements of exit_size (default 5 diameters, or the length that the steps pull out if that
+    /// is more).
     pub fine_length: Option<Positive>,
 }
 
@@ -273,8 +276,9 @@ pub enum HookedWord {
     Hooked,
 }
 
-/// A straight shaft with a hooked end: from the shaft to the tip the axis turns by the angle, back, by the angle to the other side, and
-/// back, as far as there are pieces. The length of the shaft follows from `embedded`, the length of the axis in the block.
+/// A straight shaft with a hooked end. From shaft to tip, the axis bends by the angle, back, by the angle to the other
+/// side, and back, one bend per piece. The length of the shaft follows from `embedded`, the length of the axis in the
+/// block.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HookedPath {
@@ -282,18 +286,18 @@ pub struct HookedPath {
     #[serde(rename = "type")]
     #[expect(dead_code, reason = "it tells this path from pieces")]
     pub kind: HookedWord,
-    /// Lengths of the pieces of the hook from the tip to the shaft, between the corners in which their lines meet, mm: two of a 3D, three of
-    /// a 4D, four of a 5D end.
+    /// Lengths of the hook's pieces from the tip to the shaft, mm, measured between the corners where their lines meet:
+    /// two for a 3D end, three for 4D, four for 5D.
     #[schemars(length(min = 1))]
     pub hook: Vec<Positive>,
     /// Angle of each bend, degrees (default 45).
     #[schemars(range(min = 5.0, max = 90.0))]
     pub angle_deg: Option<f64>,
-    /// Number of bends: that of the pieces, if it is given.
+    /// Number of bends. If it is given, it must equal the number of pieces.
     pub bends: Option<usize>,
     /// Radius of the axis in the bends (default 2 diameters; data sheets do not give it).
     pub radius: Option<Positive>,
-    /// Length outside the block, up to the grip (default 3, behind the bend of an inclined fibre).
+    /// Length outside the block, up to the grip (default 3, after the bend of an inclined fibre).
     pub free_length: Option<Positive>,
     /// Radius of the bend of an inclined fibre outside the block (default 1.5 diameters).
     pub bend_radius: Option<Positive>,
@@ -309,8 +313,8 @@ pub struct PathPiece {
     pub arc: Option<ArcPiece>,
     /// Waves.
     pub wave: Option<WavePiece>,
-    /// Angle from the outward normal of the exit face where it begins, degrees, positive to the right; of the first piece
-    /// alone (default 0).
+    /// Direction in which the piece begins, as an angle from the outward normal of the exit face, degrees, positive to
+    /// the right. First piece only (default 0).
     pub tilt_deg: Option<f64>,
 }
 
@@ -320,9 +324,9 @@ pub struct PathPiece {
 pub struct ArcPiece {
     /// Radius of the axis.
     pub radius: Positive,
-    /// Angle from the outward normal of the exit face where it ends, degrees.
+    /// Direction in which the arc ends, as an angle from the outward normal of the exit face, degrees.
     pub to_deg: Option<f64>,
-    /// The angle by which it turns the axis, degrees, positive to the right, in place of to_deg.
+    /// Change of direction, degrees, positive to the right; an alternative to to_deg.
     pub by_deg: Option<f64>,
 }
 
@@ -342,11 +346,12 @@ pub struct WavePiece {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GradedThickness {
-    /// Spread of the cone to each side, over its depth (default 1, with which the fibre is about as stiff in its block
-    /// as in space).
+    /// Spread of the cone to each side divided by its depth (default 1, which makes the fibre about as stiff in its
+    /// block as in a 3-D one).
     #[schemars(range(min = 0.1))]
     pub slope: Option<f64>,
-    /// Extent along the face on each side of the fibre's axis (default 2 φ + (t − φ)/2 · (1 + tan θ/slope)).
+    /// Width of the graded zone on each side of the fibre's axis, along the face (default 2 φ + (t − φ)/2 · (1 + tan
+    /// θ/slope)).
     pub extent: Option<Positive>,
 }
 

@@ -118,7 +118,7 @@ fn skipping(skipping: Skipping) -> String {
     let items = [
         (skipping.unchanged_elements, "unchanged elements"),
         (skipping.elastic_far_field, "elastic far field"),
-        (skipping.factor_reuse, "factors that still serve"),
+        (skipping.factor_reuse, "reused factorisations"),
         (skipping.contact_search, "contact search"),
     ];
     let names: Vec<&str> = items.into_iter().filter(|(on, _)| *on).map(|(_, name)| name).collect();

@@ -14,7 +14,7 @@ fn energies_are_told_with_their_shares_and_what_is_missing() {
     for expected in [
         row("Interface energy", &[number("5"), number("62.5 %")].concat()),
         row("Interface dissipation", &[number("4"), number("50 %")].concat()),
-        row("Work less energies", &[number("1"), number("12.5 %")].concat()),
+        row("External work minus energies", &[number("1"), number("12.5 %")].concat()),
         row("Umat calls", &number("1234")),
         "0.125".into(),
     ] {

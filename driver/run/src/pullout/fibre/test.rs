@@ -2,7 +2,7 @@ use super::*;
 
 #[test]
 fn walls_lie_along_a_bent_fibre_in_either_direction() {
-    let fibre = Fibre { part: 0, axis: vec![[1.0, 1.0], [1.0, 4.0], [3.0, 4.0]], exit_node: 0, radius: 0.5 };
+    let fibre = FibreGeometry { part: 0, axis: vec![[1.0, 1.0], [1.0, 4.0], [3.0, 4.0]], exit_node: 0, radius: 0.5 };
     for (position, arc) in [([1.2, 1.0], 0.0), ([0.7, 2.5], 1.5), ([2.0, 4.4], 4.0), ([9.0, 4.0], 5.0)] {
         assert!((fibre.arc(position) - arc).abs() < 1e-12, "{position:?}");
     }

@@ -1,6 +1,6 @@
 //! Each group of checks in a process of its own: what ends one does not end the others.
 
-use super::{Arguments, Checks, Judged, TIME_LIMIT, conclude};
+use super::{CheckArguments, Checks, Judged, TIME_LIMIT, conclude};
 use crate::command::{BAD_INPUT, DONE, NO_PLUGIN, complain, isolated, say};
 use clap::ValueEnum;
 use pullout_check::conformance::{Event, Group, Report, Row, Verdict};
@@ -22,7 +22,7 @@ const BOUNDS: &str = "array bounds";
 
 /// Output read of a group.
 #[derive(Default)]
-struct Told {
+struct GroupOutput {
     /// Check and entry point.
     begun: Option<(Cow<'static, str>, Cow<'static, str>)>,
     /// The state that was being drawn, and whether it is far from the case's path.
@@ -31,7 +31,7 @@ struct Told {
 
 /// Findings of all groups.
 struct Tally<'a> {
-    arguments: &'a Arguments,
+    arguments: &'a CheckArguments,
     /// The case, if there is one.
     case: Source,
     judged: Vec<Judged>,
@@ -40,8 +40,8 @@ struct Tally<'a> {
 }
 
 /// Makes all groups.
-pub(super) fn run(arguments: &Arguments, mut checks: Checks, library: &Path, mut need: Need) -> u8 {
-    isolated::tell_of_wish(arguments.case.as_deref().unwrap_or(library), &need, false);
+pub(super) fn run(arguments: &CheckArguments, mut checks: Checks, library: &Path, mut need: Need) -> u8 {
+    isolated::warn_about_in_process(arguments.case.as_deref().unwrap_or(library), &need, false);
     for limit in need.libraries.values_mut().filter(|limit| **limit == isolation::CALL_TIME_LIMIT) {
         *limit = TIME_LIMIT;
     }
@@ -107,7 +107,7 @@ pub(super) fn run(arguments: &Arguments, mut checks: Checks, library: &Path, mut
     tally.conclude()
 }
 
-impl Told {
+impl GroupOutput {
     /// Returns whether all groups would end here.
     fn is_in_the_sample(&self) -> bool {
         self.begun.as_ref().is_none_or(|(check, _)| ["case's path", "typical size", "answers"].contains(&&**check))
@@ -116,13 +116,13 @@ impl Told {
 
 impl Tally<'_> {
     /// Takes what a group has told.
-    fn read(&mut self, events: Vec<Event>) -> Told {
-        let mut told = Told::default();
+    fn read(&mut self, events: Vec<Event>) -> GroupOutput {
+        let mut told = GroupOutput::default();
         let mut law = 0;
         for event in events {
             match event {
                 Event::Law(name, library) => law = self.law(&name, &library),
-                Event::Begins(check, entry) => told = Told { begun: Some((check, entry)), drawn: None },
+                Event::Begins(check, entry) => told = GroupOutput { begun: Some((check, entry)), drawn: None },
                 Event::Draws(state, is_far) => told.drawn = Some((state, is_far)),
                 Event::Row(row) => self.add(law, row),
             }
@@ -184,7 +184,7 @@ impl Tally<'_> {
     }
 
     /// Tells what a group had no time for.
-    fn leave(&mut self, library: &Path, group: Group, told: &Told, failure: &Failure, time_limit: Duration) {
+    fn leave(&mut self, library: &Path, group: Group, told: &GroupOutput, failure: &Failure, time_limit: Duration) {
         let law = self.present_law(library);
         let (check, stress_state) = told.begun.clone().unwrap_or(("start".into(), "-".into()));
         let detail = format!(
@@ -199,7 +199,7 @@ impl Tally<'_> {
     }
 
     /// Tells of a call that did not come back.
-    fn end(&mut self, library: &Path, group: Group, told: &Told, failure: &Failure) {
+    fn end(&mut self, library: &Path, group: Group, told: &GroupOutput, failure: &Failure) {
         let message = &failure.report.message;
         complain(format!("{}: {message}", library.display()));
         let law = self.present_law(library);
@@ -226,7 +226,7 @@ impl Tally<'_> {
     /// Tells the rows that concern all groups, and the conclusion; the exit code.
     fn conclude(mut self) -> u8 {
         if self.judged.is_empty() {
-            complain(format!("{}: nothing was told of any check", self.arguments.of.plugin));
+            complain(format!("{}: no check reported a result", self.arguments.of.plugin));
         }
         for (law, row) in std::mem::take(&mut self.bounds) {
             if !self.arguments.json {

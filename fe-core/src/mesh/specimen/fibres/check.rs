@@ -108,7 +108,7 @@ impl Fibres {
         let (sine, cosine) = lean.sin_cos();
         let (radius, exit) = (0.5 * fibre.diameter, fibre.exit_radius());
         let wedge = radius / cosine + exit * (1.0 + sine) / cosine;
-        let requirement = format!("such that the exit's edges, {wedge:.3} beside the axis, stay within the width");
+        let requirement = format!("such that the exit's edges, {wedge:.3} from the axis, stay within the width");
         required.that(wedge + fibre.exit.abs() < half, "exit_radius", exit, requirement);
         let start = (exit * (1.0 + sine) + radius * sine) / cosine;
         let requirement = format!("such that the exit's edge, {start:.3} deep along the fibre, ends above its tail");

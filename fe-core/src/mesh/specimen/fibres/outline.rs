@@ -39,7 +39,7 @@ pub(super) enum Surface {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct OutlinePiece {
     start: [f64; 2],
     middle: [f64; 2],
     surface: Surface,
@@ -52,7 +52,7 @@ struct Piece {
 /// The edges around the block, the block on their left.
 #[derive(Debug, Default)]
 pub(super) struct Outline {
-    pieces: Vec<Piece>,
+    pieces: Vec<OutlinePiece>,
 }
 
 /// The element edges of each fibre's surfaces, in the order of the outline; those of the block itself are the first fibre's.
@@ -131,7 +131,7 @@ impl Outline {
     }
 
     fn add(&mut self, start: [f64; 2], middle: [f64; 2], surface: Surface) {
-        self.pieces.push(Piece { start, middle, surface, fibre: 0, nodes: [None; 2] });
+        self.pieces.push(OutlinePiece { start, middle, surface, fibre: 0, nodes: [None; 2] });
     }
 
     /// A straight line without its end.
@@ -237,7 +237,7 @@ impl Outline {
             let of_edge = block.elements[edge.element].edge_nodes(edge.edge);
             let (start, end) = (of_edge[0], of_edge[1]);
             let nodes = [Some(end), of_edge.get(2).copied()];
-            channel.pieces.push(Piece { start: block.nodes[end], nodes, ..*piece });
+            channel.pieces.push(OutlinePiece { start: block.nodes[end], nodes, ..*piece });
             mouth = Some(start);
         }
         if let (Some(from), Some(to)) = (mouth, channel.pieces.first().map(|piece| piece.start)) {

@@ -67,7 +67,7 @@ struct Station {
 }
 
 #[derive(Clone, Debug)]
-enum Shape {
+enum AxisShape {
     Line,
     /// Signed: positive turns to the right.
     Arc(f64),
@@ -82,7 +82,7 @@ enum Shape {
 
 /// A piece of a path.
 #[derive(Clone, Debug)]
-struct Piece {
+struct AxisPiece {
     /// Arc lengths of its ends.
     from: f64,
     to: f64,
@@ -91,7 +91,7 @@ struct Piece {
     station: Station,
     /// Angle at its end.
     end_lean: f64,
-    shape: Shape,
+    shape: AxisShape,
     least_radius: f64,
     /// The point in its middle, from which no other is further away than half of its length.
     middle: [f64; 2],
@@ -100,28 +100,28 @@ struct Piece {
 /// An axis: straight beyond both of its ends.
 #[derive(Clone, Debug)]
 pub(super) struct Path {
-    pieces: Vec<Piece>,
+    pieces: Vec<AxisPiece>,
 }
 
 impl Path {
     /// A path that begins at its embedded end with an angle and crosses y = 0 at x = `exit` after `embedded`.
     pub(super) fn new(lean: f64, segments: &[Segment], embedded: f64, exit: f64) -> Self {
         let (mut s, mut lean) = (-embedded, lean);
-        let mut pieces: Vec<Piece> = Vec::new();
+        let mut pieces: Vec<AxisPiece> = Vec::new();
         for &segment in segments {
             let length = segment.length(lean);
             let (shape, end_lean) = match segment {
-                Segment::Straight { .. } => (Shape::Line, lean),
-                Segment::Arc { radius, to } => (Shape::Arc(radius.copysign(to - lean)), to),
+                Segment::Straight { .. } => (AxisShape::Line, lean),
+                Segment::Arc { radius, to } => (AxisShape::Arc(radius.copysign(to - lean)), to),
                 Segment::Wave { amplitude, length, count } => {
                     let (table, step) = wave_table(amplitude, length, count);
-                    (Shape::Wave { amplitude, length, table, step }, lean)
+                    (AxisShape::Wave { amplitude, length, table, step }, lean)
                 }
             };
             if length > 0.0 {
                 let station = Station { point: [0.0; 2], lean };
                 let least_radius = segment.least_radius();
-                pieces.push(Piece {
+                pieces.push(AxisPiece {
                     from: s,
                     to: s + length,
                     anchor: s,
@@ -146,7 +146,7 @@ impl Path {
         let piece = &mut self.pieces[at_exit];
         match piece.shape {
             // no rounding of the embedded length
-            Shape::Line => (piece.anchor, piece.station.point) = (0.0, exit),
+            AxisShape::Line => (piece.anchor, piece.station.point) = (0.0, exit),
             _ => piece.station.point = moved(exit, piece.at(0.0).point, -1.0),
         }
         let (mut start, mut end) = (piece.at(piece.from).point, piece.end().point);
@@ -170,7 +170,7 @@ impl Path {
 
     /// Arc lengths where curved pieces begin and end, and their least radius.
     pub(super) fn curves(&self) -> impl Iterator<Item = ([f64; 2], f64)> {
-        let curved = self.pieces.iter().filter(|piece| !matches!(piece.shape, Shape::Line));
+        let curved = self.pieces.iter().filter(|piece| !matches!(piece.shape, AxisShape::Line));
         curved.map(|piece| ([piece.from, piece.to], piece.least_radius))
     }
 
@@ -213,7 +213,7 @@ impl Path {
             }
             let (from, to) = (piece.from.max(from), piece.to.min(to));
             let candidates = match piece.shape {
-                Shape::Line => {
+                AxisShape::Line => {
                     let (sine, cosine) = piece.station.lean.sin_cos();
                     let [p_x, p_y] = piece.station.point;
                     vec![(piece.anchor + (x - p_x) * sine + (y - p_y) * cosine).clamp(from, to)]
@@ -249,7 +249,7 @@ impl Path {
         let index = self.pieces.partition_point(|piece| piece.to < high);
         Some(match self.pieces.get(index) {
             // to the last bit
-            Some(Piece { shape: Shape::Line, anchor, station: Station { point: [_, y], lean }, .. }) => {
+            Some(AxisPiece { shape: AxisShape::Line, anchor, station: Station { point: [_, y], lean }, .. }) => {
                 let (sine, cosine) = lean.sin_cos();
                 anchor + (-exit_radius - centre * sine - y) / cosine
             }
@@ -283,7 +283,7 @@ fn moved([x, y]: [f64; 2], [u, v]: [f64; 2], factor: f64) -> [f64; 2] {
     [x + factor * u, y + factor * v]
 }
 
-impl Piece {
+impl AxisPiece {
     /// A distance from a point that none of its points is nearer than, mm.
     fn least_distance(&self, point: [f64; 2]) -> f64 {
         distance(point, self.middle) - 0.5 * (self.to - self.from) - ROUNDING
@@ -292,9 +292,9 @@ impl Piece {
     fn at(&self, s: f64) -> Station {
         let along = s - self.anchor;
         match &self.shape {
-            Shape::Line => self.station.on(along),
-            Shape::Arc(radius) => self.turned(*radius, self.station.lean + along / radius),
-            Shape::Wave { amplitude, length, table, step } => {
+            AxisShape::Line => self.station.on(along),
+            AxisShape::Arc(radius) => self.turned(*radius, self.station.lean + along / radius),
+            AxisShape::Wave { amplitude, length, table, step } => {
                 let u = along_wave(along, *amplitude, *length, table, *step);
                 let (wave, slope) = wave_at(u, *amplitude, *length);
                 let Station { point, lean } = self.station.on(u);
@@ -313,7 +313,7 @@ impl Piece {
     /// Returns where it ends, the angle without rounding.
     fn end(&self) -> Station {
         match self.shape {
-            Shape::Arc(radius) => self.turned(radius, self.end_lean),
+            AxisShape::Arc(radius) => self.turned(radius, self.end_lean),
             _ => Station { lean: self.end_lean, ..self.at(self.to) },
         }
     }
