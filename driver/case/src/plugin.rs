@@ -167,6 +167,17 @@ pub fn report_initial_values(reader: &mut Reader<'_>, library: &Library, given: 
     }
 }
 
+/// Warns of routines of heat in a library that are not called where the case is as it is: HETVAL, UMATHT; `reasons`: why not.
+pub fn tell_heat_routines(reader: &mut Reader<'_>, library: &Library, reasons: [(&str, Option<&str>); 2]) {
+    for (symbol, reason) in reasons {
+        let routine = library.routines().iter().find(|routine| routine.symbol == symbol);
+        if let (Some(routine), Some(reason)) = (routine, reason) {
+            let warning = format!("{}: its {} is not called: {reason}", library.path().display(), routine.name());
+            reader.warn(warning);
+        }
+    }
+}
+
 /// Loads a library, each file once in a case.
 fn open(reader: &mut Reader<'_>, path: &Path, place: Place) -> Option<Library> {
     let file = host::real_path(path);

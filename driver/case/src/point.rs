@@ -76,6 +76,11 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         )
     });
     let heat = shows_heat(case.path.output.as_ref());
+    if let Some(plugin) = &plugin {
+        let silent = (!heat).then_some("\"output\": {\"heat\": true} shows what it adds to RPL");
+        let reasons = [("hetval", silent), ("umatht", Some("a point has no gradient of the temperature"))];
+        plugin::tell_heat_routines(reader, &plugin.library, reasons);
+    }
     let columns = plugin.as_ref().map(|plugin| columns::of_point(nlgeom, heat, &plugin.state_names()));
     let measure = measure(reader, case.measure.as_ref(), nlgeom);
     if let (Some(Mode::PlaneStress), true, Some(plugin)) = (mode, nlgeom, &plugin) {

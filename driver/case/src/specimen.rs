@@ -114,12 +114,23 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
             reader.warn_no_effect(&root.key("temperature"), reason);
         }
     }
+    if field.is_none() {
+        let reason = Some("the case has no \"field\"");
+        let mut told = Vec::new();
+        for law in &parts.laws {
+            if !told.contains(&law.library.path()) {
+                plugin::tell_heat_routines(reader, &law.library, [("hetval", reason), ("umatht", reason)]);
+                told.push(law.library.path());
+            }
+        }
+    }
     if let Some(field) = &mut field {
         let least = |part: usize| {
             let of_part = (0..mesh.elements().len()).filter(|&element| mesh.elements()[element].part() == part);
             of_part.map(|element| mesh.element_area(element).sqrt()).fold(f64::INFINITY, f64::min)
         };
         scalar_field::with_cracks_of(reader, field, &parts.laws, least);
+        scalar_field::with_routines(reader, case, field, &parts.laws);
     }
     let model = Model {
         mesh,

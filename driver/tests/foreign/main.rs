@@ -13,6 +13,7 @@ mod finite_strain;
 mod first_errors;
 mod frame;
 mod habits;
+mod heat;
 mod held;
 mod import;
 mod kept;

@@ -3,10 +3,12 @@
 use super::KnownMesh;
 use super::boundary::Drives;
 use crate::document::pullout as document;
+use crate::document::pullout::HeatRoutine;
 use crate::document::{Piece, PulloutCase};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, PluginLaw, ScalarField};
+use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField};
+use umat_abi::host::Library;
 
 /// The field of a case, without the cracks of the laws ([`with_cracks_of`]).
 pub fn resolve(
@@ -60,7 +62,86 @@ pub fn resolve(
     if case.course.temperature.is_some() {
         reader.warn_no_effect(&Place::root().key("temperature"), "parts of the field have its values");
     }
-    Some(ScalarField { kind, parts, conductivity, capacity, initial, fixed, fluxes, coupling, tolerance })
+    let umatht = reader.optional(given.umatht.as_ref(), &place.key("umatht")).cloned().unwrap_or_default();
+    let transfer = HeatTransfer {
+        props: umatht.props.unwrap_or_default(),
+        density: umatht.density.map_or(0.0, |density| density.0),
+    };
+    Some(ScalarField {
+        kind,
+        parts,
+        conductivity,
+        capacity,
+        initial,
+        has_generation: default.has_generation,
+        transfer: Some(transfer),
+        fixed,
+        fluxes,
+        coupling,
+        tolerance,
+    })
+}
+
+/// Decides which routines of heat are called: those that the case names, or those that the libraries of the parts have.
+pub fn with_routines(reader: &mut Reader<'_>, case: &PulloutCase, field: &mut ScalarField, laws: &[PluginLaw]) {
+    let root = Place::root().key("field");
+    let place = root.key("routines");
+    let Some(given) = case.field.as_ref().and_then(|piece| piece.0.as_ref().ok()) else { return };
+    let libraries = || laws.iter().zip(&field.parts).filter(|(_, has_field)| **has_field).map(|(law, _)| &law.library);
+    let in_library =
+        |library: &Library, routine: HeatRoutine| library.routines().iter().any(|one| one.symbol == symbol(routine));
+    let named: Option<Vec<HeatRoutine>> = given.routines.is_some().then(|| {
+        entries(reader, given.routines.as_ref(), &place)
+            .into_iter()
+            .filter_map(|(routine, place)| {
+                let is_there = libraries().any(|library| in_library(library, *routine));
+                if !is_there {
+                    let name = symbol(*routine).to_uppercase();
+                    reader.problem(&place, format!("no library of its parts has {name}"));
+                }
+                is_there.then_some(*routine)
+            })
+            .collect()
+    });
+    let is_called = |routine: HeatRoutine| {
+        let has = libraries().any(|library| in_library(library, routine));
+        named.as_ref().map_or(has, |named| named.contains(&routine))
+    };
+    let [has_generation, has_transfer] = [HeatRoutine::Hetval, HeatRoutine::Umatht].map(is_called);
+    let has_both = |library: &&Library| {
+        [HeatRoutine::Hetval, HeatRoutine::Umatht].into_iter().all(|routine| in_library(library, routine))
+    };
+    if has_generation
+        && has_transfer
+        && let Some(library) = libraries().find(has_both)
+    {
+        let library = library.path().display();
+        let message = format!("name one: {library} has HETVAL and UMATHT, which exclude each other, as in ABAQUS");
+        reader.problem(&place, message);
+    }
+    if !has_transfer {
+        if given.umatht.is_some() {
+            reader.warn_no_effect(&root.key("umatht"), "no UMATHT is called");
+        }
+        field.transfer = None;
+    } else if libraries().all(|library| in_library(library, HeatRoutine::Umatht)) {
+        for (key, is_given) in [("conductivity", given.conductivity.is_some()), ("capacity", given.capacity.is_some())]
+        {
+            if is_given {
+                let advice = "UMATHT tells what flows and what is stored; \"umatht\" has its props and density";
+                reader.warn_no_effect(&root.key(key), advice);
+            }
+        }
+    }
+    field.has_generation = has_generation;
+}
+
+/// The plain symbol of a routine, as [`umat_abi::host::Routine`] has it.
+fn symbol(routine: HeatRoutine) -> &'static str {
+    match routine {
+        HeatRoutine::Hetval => "hetval",
+        HeatRoutine::Umatht => "umatht",
+    }
 }
 
 /// The entries of a list that can be read, with their places.

@@ -912,6 +912,13 @@ const MALFORMED_FIELDS: &[Sample] = &[
     (&["field.fluxes=[{\"edges\": \"no\", \"flux\": 1}]"], "$.field.fluxes[0].edges", "no edge set 'no'", ByMeaning),
     (&["field.crack={\"G_f\": 0, \"l\": 1}"], "$.field.crack.G_f", "must be > 0", BySchema),
     (&["field.crack={\"G_f\": 1}"], "$.field.crack.l", "is missing", BySchema),
+    (&["field.routines=hetval"], "$.field.routines", "expected an array", BySchema),
+    (&["field.routines=[\"hetvl\"]"], "$.field.routines[0]", "expected \"hetval\"", BySchema),
+    (&["field.routines=[\"umatht\"]"], "$.field.routines[0]", "no library of its parts has UMATHT", ByMeaning),
+    (&["field.umatht=[1.0]"], "$.field.umatht", "expected an object", BySchema),
+    (&["field.umatht={\"prop\": [1]}"], "$.field.umatht.prop", "nearest valid name: 'props'", BySchema),
+    (&["field.umatht={\"props\": 1}"], "$.field.umatht.props", "expected an array", BySchema),
+    (&["field.umatht={\"density\": 0}"], "$.field.umatht.density", "must be > 0", BySchema),
     (&["field.crack={\"G_f\": 1, \"l\": 1}"], "$.field.crack", "a temperature has no cracks", ByMeaning),
 ];
 

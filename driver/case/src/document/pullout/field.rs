@@ -18,6 +18,11 @@ pub struct ScalarField {
     pub capacity: Option<Piece<Positive>>,
     /// Value at the start (default 0).
     pub initial: Option<Piece<f64>>,
+    /// Routines beside UMAT that are called: HETVAL adds FLUX(1) to RPL and FLUX(2) to DRPLDT, UMATHT takes the place of conductivity
+    /// and capacity (default: those that the libraries of its parts have).
+    pub routines: Option<Piece<Vec<Piece<HeatRoutine>>>>,
+    /// What UMATHT is given besides, the same for all parts.
+    pub umatht: Option<Piece<Umatht>>,
     /// Values that node sets are kept at from the first increment on.
     pub fixed: Option<Piece<Vec<Piece<FixedValue>>>>,
     /// Fluxes into the body through edge sets.
@@ -50,6 +55,26 @@ pub enum FieldCoupling {
     Staggered,
     /// Once each: displacements with the extrapolated field, then the field. Faster; take increments half as large.
     OnePass,
+}
+
+/// A routine of heat in the library of a UMAT.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum HeatRoutine {
+    /// Heat that is generated.
+    Hetval,
+    /// Heat that is stored and conducted.
+    Umatht,
+}
+
+/// What UMATHT is given.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Umatht {
+    /// Its PROPS (default: none).
+    pub props: Option<Vec<f64>>,
+    /// Density, by which U counts; without one the field is steady.
+    pub density: Option<Positive>,
 }
 
 /// A value that nodes are kept at.
