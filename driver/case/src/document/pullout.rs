@@ -1,7 +1,7 @@
 //! Kind "pullout".
 
 use super::{
-    CaseHead, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, StepEnd, Whole,
+    CaseHead, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Plots, Positive, StepEnd, Whole,
 };
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
@@ -211,8 +211,8 @@ pub struct AutomaticIncrements {
 pub struct PulloutOutput {
     /// Every n-th increment, and the last of each step, goes to history.csv (default 1).
     pub every: Option<Increments>,
-    /// Draw plots (default true).
-    pub plots: Option<bool>,
+    /// Draw plots (default true), or draw them with these titles and legends.
+    pub plots: Option<Plots>,
     /// Write fields for ParaView: never, at every 10th increment (true, the default), at every n-th; and at the end of
     /// each step.
     pub vtu: Option<Vtu>,
