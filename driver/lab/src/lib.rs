@@ -5,6 +5,7 @@
 //! laws and what the command line named, nothing else. Cases are read and run by [`pullout_engine`], pictures drawn by
 //! [`pullout_report`]: the page only shows them.
 
+mod done;
 mod http;
 mod subject;
 mod watch;

@@ -1,8 +1,8 @@
 //! What the lab was opened with: a law, a case, a library, or sources that are built again whenever they change.
 
 use crate::Error;
+use crate::done::Done;
 use crate::watch::{Watch, with_included};
-use crate::work::Done;
 use pullout_check::build;
 use pullout_check::description;
 use pullout_report::page;

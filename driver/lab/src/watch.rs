@@ -4,12 +4,12 @@ use pullout_check::build;
 use pullout_engine::Source;
 use pullout_run::input::folder_of;
 use pullout_run::isolation::materials;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, SystemTime};
-use umat_abi::host::{Found, is_source, library_path, names_a_file, search_paths};
+use umat_abi::host::{Found, is_source, library_path, names_a_file, real_path, search_paths};
 
 /// Time between two looks at the files.
 const LOOK: Duration = Duration::from_millis(50);
@@ -48,8 +48,12 @@ impl Watch {
             false => Found::by_name(plugin, &search_paths(&source.plugin_paths)).map(|found| found.path),
         };
         let plugins = materials(&document).into_iter().filter_map(|material| of_plugin(material["plugin"].as_str()?));
-        let named: BTreeSet<PathBuf> = source.inputs().into_iter().chain(plugins).collect();
-        Self::of(named.iter().flat_map(|file| with_included(file)))
+        // a file that is named in several ways is one
+        let mut files: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
+        for file in source.inputs().into_iter().chain(plugins).flat_map(|file| with_included(&file)) {
+            files.entry(real_path(&file)).or_insert(file);
+        }
+        Self::of(files.into_values())
     }
 
     /// Adds other files.

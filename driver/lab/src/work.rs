@@ -1,18 +1,17 @@
 //! Runs of cases that the page asks for, their pictures, and verdicts on laws.
 
+use crate::done::Done;
 use crate::subject::Subject;
 use pullout_case::Case;
 use pullout_engine::{Error, Outcome, Settings, Source};
 use pullout_report::history::History;
 use pullout_report::plots::figure::Drawing;
 use pullout_report::plots::{self, Curve, Spec, selection};
-use pullout_report::summary::{self, Summary};
 use pullout_run::{isolation, number};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::{self, Seek, Write as _};
-use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -50,33 +49,6 @@ pub(crate) struct Wanted {
 struct Ghost {
     name: String,
     document: Value,
-}
-
-/// A run that is over.
-#[derive(Debug)]
-pub(crate) struct Done {
-    history: History,
-    summary: Summary,
-    replay: Option<Value>,
-    prints: String,
-    /// What is drawn; `None`: nothing came so far.
-    spec: Option<Spec>,
-    milliseconds: f64,
-}
-
-impl Done {
-    /// Reads a run from its result directory.
-    pub fn read(folder: &Path) -> io::Result<Self> {
-        let summary = Summary::read(&folder.join(summary::FILE))?;
-        let history = History::of_run(folder, |table| table.read())?;
-        let (spec, milliseconds) = (Some(Spec::of_run(folder)?), 1e3 * summary.wall_time_s);
-        Ok(Self { history, summary, replay: None, prints: String::new(), spec, milliseconds })
-    }
-
-    /// The case's title.
-    pub fn title(&self) -> &str {
-        &self.summary.title
-    }
 }
 
 /// Runs so far.
