@@ -1,5 +1,6 @@
 //! Kind "bridging": fibres across a crack.
 
+use crate::document::Plots;
 use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, ShearLagFibre, Spacing, TableFibre};
 use crate::history;
 use crate::problem::{Place, Problem};
@@ -121,9 +122,11 @@ pub fn resolve(
     let columns = program.as_ref().map(BridgingProgram::columns);
     let about = history::about(reader, path, &case.head, None, columns.as_deref());
     check_tables(reader, &about, columns.as_deref().unwrap_or_default());
+    let (plots, captions) = Plots::of(output.plots.as_ref());
     let about = About {
         every: 1,
-        plots: output.plots.unwrap_or(true),
+        plots,
+        captions,
         warnings: std::mem::take(&mut reader.warnings),
         notes: std::mem::take(&mut reader.notes),
         defaults: std::mem::take(&mut reader.defaults),

@@ -4,6 +4,7 @@
 //! The pieces that are checked one by one stand in a [`Piece`], so that one wrong piece does not hide what is
 //! wrong with the others.
 
+use pullout_run::program;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer};
@@ -434,14 +435,51 @@ pub struct Compare {
     pub label: Option<String>,
 }
 
+/// Whether there are plots, or their words.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Plots {
+    /// All, or none.
+    Switch(bool),
+    /// All, and words of some by the names of their files: "load_slip".
+    Captions(BTreeMap<String, Caption>),
+}
+
+/// Words of a picture.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Caption {
+    /// Its title.
+    pub title: Option<String>,
+    /// Names of its lines in the legend, by the columns that they show along y.
+    pub legend: Option<BTreeMap<String, String>>,
+}
+
+impl Plots {
+    /// Returns whether plots are drawn (by default they are), and the words of some.
+    pub fn of(given: Option<&Self>) -> (bool, BTreeMap<String, program::Caption>) {
+        let caption = |given: &Caption| program::Caption {
+            title: given.title.clone(),
+            legend: given.legend.clone().unwrap_or_default(),
+        };
+        match given {
+            Some(Self::Switch(is_drawn)) => (*is_drawn, BTreeMap::new()),
+            Some(Self::Captions(all)) => {
+                (true, all.iter().map(|(name, given)| (name.clone(), caption(given))).collect())
+            }
+            None => (true, BTreeMap::new()),
+        }
+    }
+}
+
 /// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
     /// Write every n-th increment, and the last of each step, to history.csv (default 1).
     pub every: Option<Whole<1, MOST_INCREMENTS>>,
-    /// Draw plots and the report (default true).
-    pub plots: Option<bool>,
+    /// Draw plots and the report (default true), or draw them with these titles and legends.
+    pub plots: Option<Plots>,
     /// Write VTU files (kinds with a mesh only).
     pub vtu: Option<bool>,
     /// Add columns with the thermal terms that UMAT returns: RPL, DDSDDT, DRPLDE and DRPLDT (points only, default

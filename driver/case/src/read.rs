@@ -1,7 +1,7 @@
 //! Reads case files: JSON, overrides, structure, meaning.
 
 use crate::document::bridging::BridgingCase;
-use crate::document::{self, InterfaceCase, PointCase, PulloutCase};
+use crate::document::{self, InterfaceCase, Plots, PointCase, PulloutCase};
 use crate::point::Resolved;
 use crate::problem::{CaseErrors, Place, Problem};
 use crate::reader::Reader;
@@ -379,11 +379,13 @@ fn finish<S>(
     let limit = |given: Option<usize>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
     let (plugin, kind) = (resolved.plugin?, resolved.kind?);
     let most: Vec<Option<u64>> = pullout_run::path::increments_of_steps(&kind).into_iter().map(Some).collect();
+    let (plots, captions) = Plots::of(output.plots.as_ref());
     Some(Case::Path(Box::new(Program {
         about: About {
             recorded: increments::recorded(reader, course.increments.as_ref(), &most, about.until.is_some()),
             every: output.every.map_or(1, |every| every.0),
-            plots: output.plots.unwrap_or(true),
+            plots,
+            captions,
             warnings: std::mem::take(&mut reader.warnings),
             notes: std::mem::take(&mut reader.notes),
             defaults: std::mem::take(&mut reader.defaults),

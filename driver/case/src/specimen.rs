@@ -1,7 +1,7 @@
 //! Kind "pullout": mesh, parts, contact, boundary conditions and steps, put together into a model of the FE core.
 
-use crate::document::PulloutCase;
 use crate::document::pullout as document;
+use crate::document::{Plots, PulloutCase};
 use crate::problem::{Place, hint};
 use crate::reader::{Reader, UsedDefaults};
 use crate::{history, increments, plugin};
@@ -60,7 +60,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         steps::refuse_unmeasured(reader, about.until.as_ref(), &columns, &boundary.measured, &place);
     }
     let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
-    if output.pictures_at.is_some() && output.plots == Some(false) {
+    let (plots, captions) = Plots::of(output.plots.as_ref());
+    if output.pictures_at.is_some() && !plots {
         reader.warn_no_effect(&root.key("output").key("pictures_at"), "the case has \"plots\": false");
     }
     let controls = controls(reader, case);
@@ -168,7 +169,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     Some(PulloutProgram {
         about: About {
             every: output.every.map_or(1, |every| every.0),
-            plots: output.plots.unwrap_or(true),
+            plots,
+            captions,
             recorded,
             warnings: std::mem::take(&mut reader.warnings),
             notes: std::mem::take(&mut reader.notes),

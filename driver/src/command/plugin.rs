@@ -11,6 +11,7 @@ use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{self, End, Need, Passage, Watch, Work};
 use pullout_run::sources;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -23,6 +24,9 @@ pub(super) use check::Checks;
 pub(super) enum Action {
     /// List the plugins, their laws and versions, and the folders searched.
     List {
+        /// Print as JSON.
+        #[arg(long)]
+        json: bool,
         /// Search this folder for plugins first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
@@ -59,7 +63,7 @@ const TIME_LIMIT: f64 = 5.0;
 /// Does what the command line says, whose words are `line`.
 pub(super) fn act(action: &Action, line: &[OsString]) -> Result<u8, Refusal> {
     match action {
-        Action::List { plugin_paths } => Ok(list(plugin_paths)),
+        Action::List { json, plugin_paths } => Ok(list(plugin_paths, *json)),
         Action::Info { plugin, abaqus, json, plugin_paths, .. } => {
             let work = match (abaqus, json) {
                 (true, _) => abaqus_input,
@@ -117,9 +121,9 @@ fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, Refusal> {
     Found::by_name(name, &paths).map(|found| found.path).ok_or_else(|| no_plugin(not_found()))
 }
 
-fn list(plugin_paths: &[PathBuf]) -> u8 {
+fn list(plugin_paths: &[PathBuf], json: bool) -> u8 {
     let paths = search_paths(plugin_paths);
-    let mut rows = vec![["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from)];
+    let mut rows = Vec::new();
     for Found { path, .. } in Found::all(&paths) {
         let rows_or_error = match pullout_check::build::defines(&path, PLUGIN_SYMBOL) {
             Ok(true) => rows_of(&path),
@@ -136,12 +140,25 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
             Err(message) => complain(message),
         }
     }
+    if json {
+        let law = |[name, version, entry_points, library]: &[String; 4]| {
+            let entry_points: Vec<&str> = entry_points.split(' ').collect();
+            json!({ "name": name, "version": version, "entry_points": entry_points, "library": library })
+        };
+        let folder = |path: &PathBuf| json!({ "folder": path, "exists": path.is_dir() });
+        let laws: Vec<Value> = rows.iter().map(law).collect();
+        let searched: Vec<Value> = paths.iter().map(folder).collect();
+        say(&format!("{:#}\n", json!({ "laws": laws, "searched": searched })));
+        return DONE;
+    }
+    let is_empty = rows.is_empty();
+    rows.insert(0, ["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from));
     let mut text = description::table(&rows);
     text.push_str("\nSearched:\n");
     for path in &paths {
         let _ = writeln!(text, "  {}{}", path.display(), if path.is_dir() { "" } else { " (does not exist)" });
     }
-    if rows.len() == 1 {
+    if is_empty {
         let _ = writeln!(text, "No law was found; {}", pullout_case::where_to_look(&paths));
     }
     say(&text);

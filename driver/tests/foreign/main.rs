@@ -26,6 +26,7 @@ mod public;
 mod umats;
 mod unflagged;
 mod utilities;
+mod watch;
 
 use end_to_end_tests::{Tool, find, workspace};
 use program::{Desk, Run};

@@ -1,6 +1,6 @@
 //! Kind "bridging".
 
-use super::{CommonCaseEntries, Material, Piece, Positive, Whole};
+use super::{CommonCaseEntries, Material, Piece, Plots, Positive, Whole};
 use pullout_bridging::{BondLaw, Debonding, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -47,8 +47,8 @@ pub struct BridgingCase {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BridgingOutput {
-    /// Draw plots (default true).
-    pub plots: Option<bool>,
+    /// Draw plots (default true), or draw them with these titles and legends.
+    pub plots: Option<Plots>,
 }
 
 /// Openings at which σ is evaluated.

@@ -1,7 +1,7 @@
 //! Kind "pullout".
 
 use super::{
-    CommonCaseEntries, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, StepEnd,
+    CommonCaseEntries, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Plots, Positive, StepEnd,
     Whole,
 };
 use fe_core::element::Integration;
@@ -212,8 +212,8 @@ pub struct AutomaticIncrements {
 pub struct PulloutOutput {
     /// Write every n-th increment, and the last of each step, to history.csv (default 1).
     pub every: Option<Increments>,
-    /// Draw plots (default true).
-    pub plots: Option<bool>,
+    /// Draw plots (default true), or draw them with these titles and legends.
+    pub plots: Option<Plots>,
     /// Write fields for ParaView: never (false), or at every 10th (true, the default) or every n-th increment and at
     /// the end of each step.
     pub vtu: Option<Vtu>,
