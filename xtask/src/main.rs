@@ -88,9 +88,7 @@ fn main() -> ExitCode {
             let made = products.and_then(|products| deb::make(&workspace, &products, &build.profile, &out));
             ("deb", made.map(|package| vec![package]))
         }
-        Task::Wheel { build, maturin } => {
-            ("wheel", wheel::make(&workspace, &build, &maturin).map(|wheel| vec![wheel]))
-        }
+        Task::Wheel { build, maturin } => ("wheel", wheel::make(&workspace, &build, &maturin).map(|wheel| vec![wheel])),
     };
     match done {
         Ok(files) => {

@@ -154,23 +154,25 @@ impl CaseErrors {
     pub fn exit_code(&self) -> u8 {
         if self.problems.iter().all(|problem| problem.kind == ProblemKind::PluginNotLoadable) { 3 } else { 2 }
     }
+
+    /// Returns what is wrong, a line each, without the file.
+    pub fn lines(&self) -> Vec<String> {
+        let line = |problem: &Problem| {
+            // names and texts of the case may be of any length
+            let line: String = problem.to_string().chars().take(LONGEST_LINE + 1).collect();
+            let end = line.char_indices().nth(LONGEST_LINE).map_or(line.len(), |(end, _)| end);
+            line[..end].replace('\n', "\\n") + if end < line.len() { "…" } else { "" }
+        };
+        let more = self.problems.len().saturating_sub(MOST_SHOWN);
+        let more = (more > 0).then(|| format!("and {more} more problems"));
+        self.problems.iter().take(MOST_SHOWN).map(line).chain(more).collect()
+    }
 }
 
 impl fmt::Display for CaseErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let file = self.file.display();
-        for (k, problem) in self.problems.iter().take(MOST_SHOWN).enumerate() {
-            let line_end = if k == 0 { "" } else { "\n" };
-            // names and texts of the case may be of any length
-            let line: String = problem.to_string().chars().take(LONGEST_LINE + 1).collect();
-            let end = line.char_indices().nth(LONGEST_LINE).map_or(line.len(), |(end, _)| end);
-            let ellipsis = if end < line.len() { "…" } else { "" };
-            write!(f, "{line_end}{file}: {}{ellipsis}", line[..end].replace('\n', "\\n"))?;
-        }
-        match self.problems.len().saturating_sub(MOST_SHOWN) {
-            0 => Ok(()),
-            more => write!(f, "\n{file}: and {more} more problems"),
-        }
+        let (file, lines) = (self.file.display(), self.lines());
+        lines.iter().enumerate().try_for_each(|(k, line)| write!(f, "{}{file}: {line}", if k == 0 { "" } else { "\n" }))
     }
 }
 

@@ -173,7 +173,7 @@ impl Source {
         let runs_here = match &case {
             // beams at random take their time, which nothing ends here, and simulations start other processes
             Case::Bridging(program) => {
-                program.scatter.is_none() && !matches!(program.source, bridging::Source::Simulated(_))
+                program.scatter.is_none() && !matches!(program.source, bridging::LoadSource::Simulated(_))
             }
             Case::Path(_) | Case::Pullout(_) => true,
         };

@@ -24,6 +24,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 use subject::Subject;
+pub use work::Examination;
 use work::{Wanted, Work};
 
 /// Requests that are answered at the same time; more are refused.

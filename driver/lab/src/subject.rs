@@ -3,6 +3,7 @@
 use crate::Error;
 use crate::done::Done;
 use crate::watch::{Watch, with_included};
+use crate::work::CALL_TIME_LIMIT;
 use pullout_check::build;
 use pullout_check::description;
 use pullout_report::page;
@@ -197,7 +198,7 @@ impl Watched {
         } else {
             Ok(self.file.clone())
         };
-        let description = built.as_ref().ok().and_then(|library| described_apart(library).ok());
+        let description = built.as_ref().ok().and_then(|library| description::of_file(library, CALL_TIME_LIMIT).ok());
         let mut state = self.lock();
         state.version += 1;
         state.remarks = remarks.into_inner();
@@ -233,11 +234,4 @@ fn shipped(plugin_paths: &[PathBuf]) -> Vec<Value> {
         );
     }
     laws
-}
-
-/// What `pullout plugin info --json` says of a library that may end the process that loads it.
-fn described_apart(library: &Path) -> std::io::Result<Value> {
-    let mut command = std::process::Command::new(isolation::program()?);
-    command.args(["plugin", "info", "--json", "--"]).arg(library).stderr(std::process::Stdio::null());
-    Ok(serde_json::from_slice(&command.output()?.stdout)?)
 }

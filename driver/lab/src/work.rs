@@ -2,17 +2,18 @@
 
 use crate::done::Done;
 use crate::subject::Subject;
-use pullout_case::Case;
-use pullout_engine::{Error, Outcome, Settings, Source};
+use pullout_case::{Case, CaseProblem};
+use pullout_check::conformance::Judgement;
+use pullout_engine::{Error, Message, Outcome, Settings, Source};
 use pullout_report::history::History;
 use pullout_report::plots::figure::Drawing;
 use pullout_report::plots::{self, Curve, Spec, selection};
-use pullout_run::{isolation, number};
-use serde::Deserialize;
+use pullout_run::isolation::{self, Child};
+use pullout_run::number;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use std::io::{self, Seek, Write as _};
-use std::process::{Command, Stdio};
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -24,7 +25,7 @@ const LONGEST_KEPT: usize = 100_000;
 /// Kinds of requests of pages of which the newest ends the older one.
 const MOST_PAGES: usize = 32;
 /// Longest time of one call of a user's library, s.
-const CALL_TIME_LIMIT: f64 = 2.0;
+pub(crate) const CALL_TIME_LIMIT: f64 = 2.0;
 /// States in which a verdict looks at a law.
 const STATES: usize = 20;
 
@@ -49,6 +50,29 @@ pub(crate) struct Wanted {
 struct Ghost {
     name: String,
     document: Value,
+}
+
+/// Checks of a library around the path of a case, which another process makes and tells as a [`Judgement`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Examination {
+    /// Case.
+    pub case: Source,
+    /// Library, as the case names it.
+    pub plugin: String,
+    /// States in which the law is looked at.
+    pub states: usize,
+}
+
+impl isolation::Work for Examination {
+    const NAME: &'static str = "examine";
+}
+
+/// What the process tells that examines a law.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Told {
+    Judgement(Judgement),
+    Message(Message),
 }
 
 /// Runs so far.
@@ -136,30 +160,32 @@ impl Work {
         if stop.load(Ordering::Relaxed) {
             return json!({ "status": "superseded" });
         }
+        let case = match self.source(subject, &wanted.document) {
+            Ok(case) => case,
+            Err(refusal) => return refusal,
+        };
+        let plugin = wanted.document["material"]["plugin"].as_str().unwrap_or_default().to_owned();
         let checked = || -> io::Result<Value> {
-            let plugin = wanted.document["material"]["plugin"].as_str().unwrap_or_default();
-            if !subject.admits(plugin) {
-                return Ok(refusal(
-                    "material.plugin",
-                    "neither a shipped law nor the library that the lab was opened with",
-                ));
-            }
-            let mut text = tempfile::NamedTempFile::new()?;
-            text.write_all(wanted.document.to_string().as_bytes())?;
-            text.rewind()?;
-            let mut command = Command::new(isolation::program()?);
-            command.args(["plugin", "check", "--json", &format!("--states={STATES}"), "--case"]).arg(text.path());
-            command.arg("--").arg(plugin).current_dir(&subject.folder).stdin(Stdio::null());
-            let output = command.output()?;
-            Ok(serde_json::from_slice(&output.stdout)
-                .unwrap_or_else(|_| refusal("", String::from_utf8_lossy(&output.stderr).trim_end())))
+            let mut child = Child::start(&Examination { case, plugin, states: STATES }, Some(&subject.folder))?;
+            let mut answer = None;
+            child.wait(&|| None, None, &mut |told| {
+                for told in told {
+                    answer = match told {
+                        Told::Judgement(judgement) => serde_json::to_value(judgement).ok(),
+                        Told::Message(Message::Refused(all)) => Some(problems(&all)),
+                        Told::Message(_) => continue,
+                    };
+                }
+            })?;
+            let printed = || Ok(refusal("", String::from_utf8_lossy(&child.printed()?).trim_end()));
+            answer.map_or_else(printed, Ok)
         };
         checked().unwrap_or_else(|error| refusal("", &error.to_string()))
     }
 
     /// The case as lines of an ABAQUS input file.
     pub fn abaqus(&self, subject: &Subject, wanted: &Wanted) -> Result<String, Value> {
-        let prepared = self.source(subject, &wanted.document)?.read().map_err(|errors| problems(&errors))?;
+        let prepared = self.source(subject, &wanted.document)?.read().map_err(|errors| problems(&errors.problems))?;
         let plugin = match prepared.case() {
             Some(Case::Path(program)) => Some(&program.plugin),
             _ => None,
@@ -224,11 +250,11 @@ impl Work {
             }
         }
         let start = Instant::now();
-        let prepared = self.source(subject, document)?.read().map_err(|errors| problems(&errors))?;
+        let prepared = self.source(subject, document)?.read().map_err(|errors| problems(&errors.problems))?;
         let threads = std::thread::available_parallelism().ok();
         let settings = Settings { threads, stop: stop.clone(), ..Settings::default() };
         let outcome = prepared.run(settings).map_err(|error| match error {
-            Error::Case(errors) => problems(&errors),
+            Error::Case(errors) => problems(&errors.problems),
             Error::Stopped => json!({ "status": "superseded" }),
             Error::System(error) => refusal("", &error.to_string()),
         })?;
@@ -249,8 +275,8 @@ impl Work {
     }
 }
 
-fn problems(errors: &pullout_case::CaseErrors) -> Value {
-    let all: Vec<Value> = errors.problems.iter().map(|problem| json!({ "words": problem.to_string() })).collect();
+fn problems(problems: &[CaseProblem]) -> Value {
+    let all: Vec<Value> = problems.iter().map(|problem| json!({ "words": problem.to_string() })).collect();
     json!({ "status": "refused", "problems": all })
 }
 

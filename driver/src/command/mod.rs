@@ -21,8 +21,9 @@ mod watch;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use pullout_case::{Case, CaseErrors, CaseProblem};
-use pullout_check::build;
+use pullout_check::{build, description};
 use pullout_engine::{Inspection, Job, Message, Source};
+use pullout_lab::Examination;
 use pullout_run::PLUGIN_STACK;
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::prints::plain;
@@ -341,9 +342,13 @@ fn work(name: &str, work: &str) -> u8 {
             compile_sources(inspection.case.is_untrusted);
             Ok(run::inspect(&inspection))
         }),
-        plugin::Laws::NAME => done(work, |laws: plugin::Laws| {
+        description::Subject::NAME => done(work, |subject: description::Subject| {
             compile_sources(false);
-            laws.send()
+            subject.tell().map(|()| DONE).map_err(Refusal::failed)
+        }),
+        Examination::NAME => done(work, |asked: Examination| {
+            compile_sources(asked.case.is_untrusted);
+            plugin::examine(asked)
         }),
         plugin::Checks::NAME => done(work, |checks: plugin::Checks| {
             compile_sources(false);

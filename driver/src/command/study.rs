@@ -43,7 +43,7 @@ pub(super) struct StudyArguments {
     json: bool,
 }
 
-impl Arguments {
+impl StudyArguments {
     /// Returns whether only errors are told.
     fn is_quiet(&self) -> bool {
         self.quiet || self.json

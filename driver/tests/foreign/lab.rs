@@ -77,6 +77,10 @@ impl Lab {
         serde_json::from_str(&self.post("/run", document)).expect("JSON")
     }
 
+    fn verdict(&self, document: &Value) -> Value {
+        serde_json::from_str(&self.post("/check", document)).expect("JSON")
+    }
+
     fn library(&self, after: u64) -> Value {
         let (code, answer) = self.request(&format!("GET /library?after={after}"), &self.cookie, "");
         assert_eq!(code, 200, "{answer}");
@@ -127,8 +131,18 @@ fn what_is_seen_is_the_run_of_the_case_that_is_kept() {
         input.contains("*USER MATERIAL, CONSTANTS=") && input.contains("190000.0") && input.contains("320.0, 0.01"),
         "{input}"
     );
-    let verdict: Value = serde_json::from_str(&lab.post("/check", &case)).expect("JSON");
+    let verdict = lab.verdict(&case);
     assert_eq!(verdict["verdict"], "pass", "{verdict}");
+    // what a case names lies in the lab's folder, for its verdict as for its run
+    desk.write("path.csv", "time,e11\n1,0.001\n2,0.004\n");
+    let mut tabulated = case.clone();
+    tabulated["steps"] = json!([{ "table": "path.csv" }]);
+    assert_eq!(lab.run(&tabulated)["status"], "done");
+    let verdict = lab.verdict(&tabulated);
+    assert_eq!(verdict["verdict"], "pass", "{verdict}");
+    tabulated["steps"] = json!([{ "table": "nowhere.csv" }]);
+    let refused = lab.verdict(&tabulated);
+    assert_eq!((&refused["status"], &refused["problems"]), (&json!("refused"), &lab.run(&tabulated)["problems"]));
     let wrong = lab
         .run(&json!({ "kind": "point", "material": { "plugin": "j2_plasticity", "props": { "Em": 1 } }, "steps": [] }));
     assert!(wrong["status"] == "refused" && wrong["problems"].as_array().is_some_and(|all| !all.is_empty()), "{wrong}");
@@ -224,8 +238,7 @@ fn a_source_that_is_saved_is_built_and_run_again() {
         [1]
     .as_f64();
     approx::assert_relative_eq!(last.expect("a number"), hardened, max_relative = 1e-6);
-    let verdict = |case: &Value| -> Value { serde_json::from_str(&lab.post("/check", case)).expect("JSON") };
-    assert_eq!(verdict(&case)["verdict"], "pass");
+    assert_eq!(lab.verdict(&case)["verdict"], "pass");
     // the tangent alone
     let spoilt = good.replace("factor = 9 * mu**2", "factor = 4 * mu**2");
     assert_ne!(spoilt, good);
@@ -233,7 +246,7 @@ fn a_source_that_is_saved_is_built_and_run_again() {
     let second = lab.library(first["version"].as_u64().expect("a number"));
     assert_ne!(second["library"], first["library"], "{second}");
     let case = tension(&second["library"], &json!(J2));
-    assert_eq!(verdict(&case)["verdict"], "fail");
+    assert_eq!(lab.verdict(&case)["verdict"], "fail");
     // what the compiler refuses leaves the last good library
     fs::write(&source, good.replace("hardening = props(4)", "hardening = = props(4)")).expect("a file");
     let third = lab.library(second["version"].as_u64().expect("a number"));
@@ -264,6 +277,11 @@ fn a_library_that_ends_its_process_or_hangs_ends_no_lab() {
         assert!(seen.to_string().contains(words), "{seen}");
         assert!(start.elapsed() < Duration::from_secs(20));
     }
+    // calls that end a process that the lab did not start itself
+    let verdict = lab.verdict(&tension(&library["library"], &json!([1.0])));
+    let law = &verdict["laws"][0];
+    assert!(verdict["verdict"] == "fail" && law["rows"].to_string().contains("SIGABRT"), "{verdict}");
+    assert!(law["replays"].as_array().is_some_and(|all| !all.is_empty()), "{verdict}");
     assert_eq!(
         lab.run(&point(
             json!({ "plugin": "linear_elastic" }),

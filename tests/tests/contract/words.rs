@@ -51,7 +51,10 @@ fn pages(of: &[&str]) -> Vec<(String, String)> {
         if path.is_dir() { files(&path, &mut found) } else { found.push(path) }
     }
     let is_checked = |path: &Path| {
-        path.extension().is_some_and(|suffix| suffix == "md") && !NOT_CHECKED.iter().any(|name| path.ends_with(name) || path.parent().is_some_and(|folder| folder.ends_with(name)))
+        path.extension().is_some_and(|suffix| suffix == "md")
+            && !NOT_CHECKED
+                .iter()
+                .any(|name| path.ends_with(name) || path.parent().is_some_and(|folder| folder.ends_with(name)))
     };
     found.retain(|path| is_checked(path));
     found.sort();

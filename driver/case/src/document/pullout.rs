@@ -1,8 +1,8 @@
 //! Kind "pullout".
 
 use super::{
-    CommonCaseEntries, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Plots, Positive, StepEnd,
-    Whole,
+    CommonCaseEntries, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Plots, Positive,
+    StepEnd, Whole,
 };
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
