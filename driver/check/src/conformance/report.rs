@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::borrow::Cow;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Outcome of a check.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Passed.
@@ -22,6 +22,7 @@ pub enum Verdict {
     /// Not applicable: the law does not claim it.
     Skipped,
     /// Undecided: nothing that was looked at could have shown an error, or nothing was looked at.
+    #[default]
     #[serde(rename = "not tested")]
     NotTested,
 }
@@ -146,13 +147,13 @@ impl fmt::Display for Report {
 }
 
 /// Checks of a law, and what they came to.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Judged {
     /// Name of the law.
     pub name: String,
     /// File of its library.
     pub library: String,
-    /// Verdict of the report; until all checks were made, [`Verdict::NotTested`].
+    /// Verdict of the report.
     pub verdict: Verdict,
     /// Conclusion of the report.
     pub conclusion: String,
@@ -161,20 +162,6 @@ pub struct Judged {
     pub report: Report,
     /// Cases that repeat calls that did not come back.
     pub replays: Vec<Value>,
-}
-
-impl Judged {
-    /// Begins the checks of a law.
-    pub fn new(name: &str, library: &Path) -> Self {
-        Self {
-            name: name.to_owned(),
-            library: library.display().to_string(),
-            verdict: Verdict::NotTested,
-            conclusion: String::new(),
-            report: Report::default(),
-            replays: Vec::new(),
-        }
-    }
 }
 
 /// Checks of the laws of a library: what `pullout plugin check --json` prints, and what a process tells another one.
@@ -192,13 +179,9 @@ impl Judgement {
         for law in &mut laws {
             (law.verdict, law.conclusion) = (law.report.verdict(), law.report.conclusion());
         }
-        let is_of = |verdict: Verdict| laws.iter().any(|law| law.verdict == verdict);
-        let verdict = match (laws.is_empty() || is_of(Verdict::Fail), is_of(Verdict::NotTested)) {
-            (true, _) => Verdict::Fail,
-            (false, true) => Verdict::NotTested,
-            (false, false) => Verdict::Pass,
-        };
-        Self { verdict, laws }
+        let is_of = |verdict: &Verdict| laws.iter().any(|law| law.verdict == *verdict);
+        let first = [Verdict::Fail, Verdict::NotTested, Verdict::Pass].into_iter().find(is_of);
+        Self { verdict: first.unwrap_or(Verdict::Fail), laws }
     }
 }
 

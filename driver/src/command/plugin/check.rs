@@ -221,7 +221,8 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
         if is_told {
             say(&format!("{}\n\n", report.conclusion()));
         }
-        judged.push(Judged { report, ..Judged::new(&plugin.name, path) });
+        let library = path.display().to_string();
+        judged.push(Judged { name: plugin.name.clone(), library, report, ..Judged::default() });
     }
     Ok(judged)
 }

@@ -157,7 +157,8 @@ impl Tally {
         if self.is_told {
             say(&header(name, library));
         }
-        self.judged.push(Judged::new(name, library));
+        let library = library.display().to_string();
+        self.judged.push(Judged { name: name.to_owned(), library, ..Judged::default() });
         self.judged.len() - 1
     }
 
