@@ -1,8 +1,7 @@
 //! Kind "interface".
 
 use super::{
-    CaseHead, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Piece, Positive, StepEnd,
-    TableSource,
+    CaseHead, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Positive, StepEnd, TableSource,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -22,9 +21,9 @@ pub struct InterfaceCase {
     #[serde(flatten)]
     pub path: Path<InterfaceStep>,
     /// The state before the first step.
-    pub initial: Option<Piece<InterfaceInitial>>,
+    pub initial: Option<InterfaceInitial>,
     /// Arguments of the plugin that the path leaves open; a replay of a recorded call gives them.
-    pub arguments: Option<Piece<ContactArguments>>,
+    pub arguments: Option<ContactArguments>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
     pub course: Course,

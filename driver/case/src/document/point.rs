@@ -1,8 +1,7 @@
 //! Kind "point".
 
 use super::{
-    CaseHead, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Piece, Positive, StepEnd, TableSource,
-    UmatArguments,
+    CaseHead, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Positive, StepEnd, TableSource, UmatArguments,
 };
 use pullout_run::program::{Measure, Mode};
 use schemars::JsonSchema;
@@ -24,16 +23,16 @@ pub struct PointCase {
     #[serde(flatten)]
     pub path: Path<PointStep>,
     /// Stress state: the components that exist (default "3d").
-    pub mode: Option<Piece<Mode>>,
+    pub mode: Option<Mode>,
     /// Finite strain (default false): strains are those of U in F = R U, of which a step that is given strains or stresses
     /// keeps R; UMAT is given DFGRD0, DFGRD1 and DROT, and STRAN and STRESS turned by DROT.
-    pub nlgeom: Option<Piece<bool>>,
+    pub nlgeom: Option<bool>,
     /// Measure of the strains and stresses of steps and history with nlgeom (default "logarithmic").
-    pub measure: Option<Piece<Measure>>,
+    pub measure: Option<Measure>,
     /// The state before the first step.
-    pub initial: Option<Piece<PointInitial>>,
+    pub initial: Option<PointInitial>,
     /// Arguments of UMAT that the path leaves open; a replay of a recorded call gives them.
-    pub arguments: Option<Piece<UmatArguments>>,
+    pub arguments: Option<UmatArguments>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
     pub course: Course,

@@ -1,8 +1,6 @@
 //! Kind "pullout".
 
-use super::{
-    CaseHead, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, StepEnd, Whole,
-};
+use super::{CaseHead, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Positive, StepEnd, Whole};
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use schemars::JsonSchema;
@@ -30,41 +28,41 @@ pub struct PulloutCase {
     #[serde(flatten)]
     pub head: CaseHead,
     /// A specimen by its parameters, or a Gmsh file.
-    pub mesh: Piece<MeshSource>,
+    pub mesh: MeshSource,
     /// The parts by name: those of the specimen, or the physical surfaces of the file.
-    pub parts: Piece<BTreeMap<String, Piece<Part>>>,
+    pub parts: BTreeMap<String, Part>,
     /// One object for all contact pairs of the specimen, or a list of pairs.
-    pub contact: Option<Piece<Contact>>,
+    pub contact: Option<Contact>,
     /// Nodes that are pulled; default: the specimen's.
-    pub grip: Option<Piece<Grip>>,
+    pub grip: Option<Grip>,
     /// Name of one of the specimen's ways to be held, or supports by name; default: the specimen's.
-    pub supports: Option<Piece<Supports>>,
+    pub supports: Option<Supports>,
     /// Loads by name; each is multiplied by its drive.
-    pub loads: Option<Piece<BTreeMap<String, Piece<Load>>>>,
+    pub loads: Option<BTreeMap<String, Load>>,
     /// Multi-point constraints and ties.
-    pub couplings: Option<Piece<Vec<Piece<Coupling>>>>,
+    pub couplings: Option<Vec<Coupling>>,
     /// Quantities that the history calls slip and load; default: the grip's, and the specimen's exit and tail.
-    pub measure: Option<Piece<Measure>>,
+    pub measure: Option<Measure>,
     /// Large displacements (default false).
-    pub nlgeom: Option<Piece<bool>>,
+    pub nlgeom: Option<bool>,
     /// A scalar at every node: a temperature, or the phase field of a law such as concrete_phase_field (default: none).
-    pub field: Option<Piece<ScalarField>>,
+    pub field: Option<ScalarField>,
     /// Release of torn matter of laws with damage (default: none is released).
-    pub spalling: Option<Piece<Spalling>>,
+    pub spalling: Option<Spalling>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
     pub course: Course,
     /// The state before the first step.
-    pub initial: Option<Piece<PulloutInitial>>,
+    pub initial: Option<PulloutInitial>,
     /// Steps that the specimen is taken through.
     #[schemars(length(min = 1))]
-    pub steps: Piece<Vec<Piece<PulloutStep>>>,
+    pub steps: Vec<PulloutStep>,
     /// Settings of the output.
-    pub output: Option<Piece<PulloutOutput>>,
+    pub output: Option<PulloutOutput>,
     /// Tolerances and limits.
-    pub controls: Option<Piece<PulloutControls>>,
+    pub controls: Option<PulloutControls>,
     /// Work that the solver skips where a scene does not need it (default "all"; results agree within the tolerance of equilibrium).
-    pub skip: Option<Piece<Skip>>,
+    pub skip: Option<Skip>,
 }
 
 /// Criterion by which an element is torn matter: its forces fade, it is no longer part of its body and has no contact,
@@ -89,27 +87,27 @@ pub struct Spalling {
 #[serde(deny_unknown_fields)]
 pub struct Part {
     /// The plugin and its parameters.
-    pub material: Piece<Material>,
+    pub material: Material,
     /// Assumption about the third direction; default: the specimen's, plane_strain for a file.
-    pub model: Option<Piece<PlaneModel>>,
+    pub model: Option<PlaneModel>,
     /// Reference thickness, mm, or the property of a round fibre's section that the thickness preserves; default: the
     /// specimen's, 1 for a file.
-    pub thickness: Option<Piece<Thickness>>,
+    pub thickness: Option<Thickness>,
     /// Integration of its elements; default: reduced for Q8, full for the others.
-    pub integration: Option<Piece<Integration>>,
+    pub integration: Option<Integration>,
     /// Large displacements of this part; default: the case's. A part that moves little against its size, as a block does
     /// around a fibre, is cheaper and safer without.
-    pub nlgeom: Option<Piece<bool>>,
+    pub nlgeom: Option<bool>,
     /// The state before the first step.
-    pub initial: Option<Piece<PartInitial>>,
+    pub initial: Option<PartInitial>,
     /// Of a fibre: the tensile strength of its wire, MPa, on the initial area. The run ends, with a warning, where the mean axial stress of
     /// a section reaches it (default: the wire does not break by stress).
-    pub strength: Option<Piece<Positive>>,
+    pub strength: Option<Positive>,
     /// Of a fibre: the elongation at which its wire breaks, 0.01 for 1 %, measured over 5 diameters; the run ends there as at the strength
     /// (default: the wire does not break by strain). Bending, over the exit or in a hook, does not count.
-    pub elongation: Option<Piece<Positive>>,
+    pub elongation: Option<Positive>,
     /// Average the dilatation of its Q4 elements against locking (default true).
-    pub average_dilatation: Option<Piece<bool>>,
+    pub average_dilatation: Option<bool>,
 }
 
 /// Initial state of a specimen.

@@ -1,6 +1,6 @@
 //! Contact pairs.
 
-use super::super::{Material, Piece, Positive, PropValue, Whole};
+use super::super::{Material, Positive, PropValue, Whole};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ pub enum Contact {
     /// One contact for all pairs of the specimen.
     All(Box<Pair>),
     /// Pair by pair.
-    Pairs(Vec<Piece<Pair>>),
+    Pairs(Vec<Pair>),
 }
 
 /// Two surfaces that touch. Where both are pieces of one curve, the gaps that their edges make of it are no gaps; all others, and those of straight surfaces, are kept, and an overlap at the start is refused.
@@ -26,39 +26,39 @@ pub struct Pair {
     /// Edge set that they slide on: the fibre.
     pub master: Option<String>,
     /// The plugin of the contact law; its entry is uinter (default) or fric.
-    pub law: Piece<Material>,
+    pub law: Material,
     /// Parameters in place of the law's where a hole's rounded edges at the exit may come to touch the fibre (default: no
     /// bond, "law": "none" of bond_slip).
-    pub exit: Option<Piece<OtherProps>>,
+    pub exit: Option<OtherProps>,
     /// Parameters in place of the law's between the end of a fibre and that of its hole, for fibres that are pushed in:
     /// {"law": "none", "p_0": 0} of bond_slip bears pressure alone (default: no contact there).
-    pub end: Option<Piece<OtherProps>>,
+    pub end: Option<OtherProps>,
     /// Parameters in place of the law's along the separation length (default: tensile capacity "p_0": 2 of bond_slip).
-    pub separation: Option<Piece<OtherProps>>,
+    pub separation: Option<OtherProps>,
     /// The host's normal law beside a FRIC plugin, also where the law's parameters have one (normal_law and p_0 of
     /// bond_slip).
-    pub normal: Option<Piece<Normal>>,
+    pub normal: Option<Normal>,
     /// Position of the contact points (default 2 Gauss points on each slave edge).
-    pub quadrature: Option<Piece<Quadrature>>,
+    pub quadrature: Option<Quadrature>,
     /// Contact area per length of the slave edge: mm, or "part" for the thickness of the slave's part; default: the
     /// specimen's, else "part".
-    pub width: Option<Piece<Width>>,
+    pub width: Option<Width>,
     /// Factor on min(E t/h of either body)/width of the hard normal law's penalty (default 100). From 1e5 on the rounding
     /// of positions can show in the pressure.
-    pub penalty_factor: Option<Piece<Positive>>,
+    pub penalty_factor: Option<Positive>,
     /// Enforcement of the hard normal law (default uzawa).
-    pub enforcement: Option<Piece<Enforcement>>,
+    pub enforcement: Option<Enforcement>,
     /// Slip up to which the bond is elastic, mm: limits increments until the load has peaked (default: the law is asked).
-    pub critical_slip: Option<Piece<Positive>>,
+    pub critical_slip: Option<Positive>,
     /// Gaps and overlaps that the mesh has at the start: "keep" (default) keeps them, and refuses overlaps; "close" measures them as 0, so
     /// that they neither press nor part; { "close": mm } does so up to that size.
-    pub initial_gap: Option<Piece<InitialGap>>,
+    pub initial_gap: Option<InitialGap>,
     /// Overlap that presses the surfaces apart, ramped by a drive: a shaft shrunk into its sleeve.
-    pub interference: Option<Piece<Interference>>,
+    pub interference: Option<Interference>,
     /// Whether the master has ends (default true): contact fades as a point passes one, and comes back with the point, with its friction
     /// and pressure but without bond. A point may start past an end. With false the master goes on along the tangent of its end,
     /// without end: what has passed it still presses and slides on nothing.
-    pub release: Option<Piece<bool>>,
+    pub release: Option<bool>,
 }
 
 /// Treatment of the gaps and overlaps of the mesh.
