@@ -1,7 +1,6 @@
 //! Problems of a case, and their places.
 
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -36,15 +35,6 @@ impl Place {
     #[must_use]
     pub fn index(&self, index: usize) -> Self {
         Self(format!("{}[{index}]", self.0))
-    }
-
-    /// Returns whether one of some places is this one or lies within it.
-    pub(crate) fn contains_one_of(&self, places: &BTreeSet<&Self>) -> bool {
-        // What begins with a text stands together in their order.
-        let has_beginning = |beginning: Self| {
-            places.range::<&Self, _>(&beginning..).next().is_some_and(|place| place.0.starts_with(&beginning.0))
-        };
-        places.contains(self) || [".", "["].into_iter().any(|next| has_beginning(Self(format!("{}{next}", self.0))))
     }
 
     /// Returns the place as `--set` names it: `material.props`.

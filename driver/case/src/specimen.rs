@@ -38,7 +38,7 @@ const USUAL_SLIP: f64 = 0.02;
 /// Resolves a case; what is wrong with it goes to the reader.
 pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Option<PulloutProgram> {
     let root = Place::root();
-    let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
+    let nlgeom = case.nlgeom.unwrap_or(false);
     let ground = mesh::resolve(reader, case);
     let checked = ground.as_ref().and_then(|ground| mesh::checked(reader, ground));
     let scene = KnownMesh { ground: ground.as_ref(), mesh: checked.as_ref(), loose: &[] };
@@ -59,7 +59,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         let place = root.key("until");
         steps::refuse_unmeasured(reader, about.until.as_ref(), &columns, &boundary.measured, &place);
     }
-    let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
+    let output = case.output.clone().unwrap_or_default();
     let (plots, captions) = Plots::of(output.plots.as_ref());
     if output.pictures_at.is_some() && !plots {
         reader.warn_no_effect(&root.key("output").key("pictures_at"), "the case has \"plots\": false");
@@ -200,7 +200,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
 /// Values of the drives at the start; none: all are 0.
 fn initial_drives(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Boundary) -> Vec<f64> {
     let place = Place::root().key("initial");
-    let Some(given) = reader.optional(case.initial.as_ref(), &place) else { return Vec::new() };
+    let Some(given) = case.initial.as_ref() else { return Vec::new() };
     let mut values = vec![0.0; boundary.drives.len()];
     for (name, value) in &given.drives {
         let place = place.key("drives").key(name);
@@ -282,7 +282,7 @@ fn no_set<'n, T>(
 
 fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
     let place = Place::root().key("controls");
-    let given = reader.optional(case.controls.as_ref(), &place).cloned().unwrap_or_default();
+    let given = case.controls.clone().unwrap_or_default();
     let default = Controls::default();
     let mut taken = UsedDefaults::default();
     let controls = Controls {
@@ -306,7 +306,7 @@ fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
 
 fn spalling(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Spalling> {
     let place = Place::root().key("spalling");
-    let given = reader.optional(case.spalling.as_ref(), &place)?;
+    let given = case.spalling.as_ref()?;
     let mut taken = UsedDefaults::default();
     let spalling = Spalling {
         opening: given.opening.0,
@@ -321,7 +321,7 @@ fn spalling(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Spalling> {
 fn skipping(reader: &mut Reader<'_>, case: &PulloutCase) -> Skipping {
     let all = Skipping::ALL;
     let place = Place::root().key("skip");
-    let skip = reader.optional(case.skip.as_ref(), &place);
+    let skip = case.skip.as_ref();
     if let Some(document::Skip::Items(items)) = skip {
         let gone = [("unused_tangents", items.unused_tangents), ("symmetric_solver", items.symmetric_solver)];
         for (name, _) in gone.iter().filter(|(_, given)| given.is_some()) {

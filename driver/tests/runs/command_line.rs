@@ -20,7 +20,7 @@ fn elastic() -> Value {
 
 #[test]
 fn bad_input_is_exit_code_2_and_nothing_is_run() {
-    const MALFORMED: [(&[&str], &str); 13] = [
+    const MALFORMED: [(&[&str], &str); 14] = [
         (&["kind=punkt"], "$.kind"),
         (&["tilte=x"], "$.tilte: unknown key; nearest valid name: 'title'"),
         (&["material.props.E=-1"], "$.material.props.E"),
@@ -33,7 +33,8 @@ fn bad_input_is_exit_code_2_and_nothing_is_run() {
         (&["mode=plane_stress", "steps.0.target.s33=0"], "fixes s33 = s13 = s23 = 0"),
         (&[r#"steps.0={"table": "nowhere.csv"}"#], "$.steps[0].table"),
         (&[r#"until={"quantity": "s12x", "greater_than": 1}"#], "$.until.quantity"),
-        (&["steps.0.increments=0", "titel=x", "material.props.nu=0.5"], "$.material.props.nu"),
+        (&["steps.0.increments=0", "titel=x", "material.colour=red"], "$.material.colour"),
+        (&["steps.0.target.s11=1", "material.props.E=-1", "material.props.nu=0.5"], "$.material.props.nu"),
     ];
     let desk = Desk::new();
     desk.case("case.json", &elastic());

@@ -1437,18 +1437,19 @@ fn of_a_specimen_that_cannot_be_read_only_the_cause_is_told() {
 
 #[test]
 fn all_problems_of_a_specimen_are_reported_at_once() {
-    let overrides = [
+    let of_structure = ["output.every=0", "colour=red"];
+    let of_meaning = [
         "grip.nodes=nowhere",
         "contact.slave=nothing",
         "parts.fibre.material.props.E=-1",
         "parts.matrix.material.plugin=bond_slip",
         "steps.0.drives={\"x\": 1}",
-        "output.every=0",
-        "colour=red",
     ];
-    let errors = Bench::new().read(&pullout_case(), &overrides).expect_err("malformed");
-    assert_eq!(errors.problems.len(), 9, "{errors}");
-    assert_eq!(errors.exit_code(), 2);
+    let both = [&of_structure[..], &of_meaning].concat();
+    for (overrides, count) in [(&of_structure[..], 2), (&both, 2), (&of_meaning, 7)] {
+        let errors = Bench::new().read(&pullout_case(), overrides).expect_err("malformed");
+        assert_eq!((errors.problems.len(), errors.exit_code()), (count, 2), "{errors}");
+    }
 }
 
 #[test]
