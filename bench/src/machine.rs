@@ -1,5 +1,6 @@
 //! Machine on which a figure was measured.
 
+use pullout_run::date;
 use std::time::SystemTime;
 
 /// The machine, the compiler and the day.
@@ -22,7 +23,7 @@ impl Machine {
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
             compiler: compiler().unwrap_or_else(|| "unknown compiler".into()),
             build: if cfg!(debug_assertions) { "development build" } else { "release build" },
-            date: date(SystemTime::now()),
+            date: date::day(SystemTime::now()),
         }
     }
 
@@ -53,42 +54,9 @@ fn compiler() -> Option<String> {
     versions.next().map(|version| format!("rustc {}", version.split(' ').next().unwrap_or(&version)))
 }
 
-/// The day in Greenwich, as 2026-01-31.
-fn date(time: SystemTime) -> String {
-    let seconds = time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    let mut days = seconds / 86_400;
-    let is_leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
-    let mut year = 1970;
-    while days >= 365 + u64::from(is_leap(year)) {
-        days -= 365 + u64::from(is_leap(year));
-        year += 1;
-    }
-    let february = 28 + u64::from(is_leap(year));
-    let mut month = 1;
-    for length in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31] {
-        if days < length {
-            break;
-        }
-        days -= length;
-        month += 1;
-    }
-    format!("{year}-{month:02}-{:02}", days + 1)
-}
-
 #[cfg(test)]
 mod test {
     use super::*;
-    use std::time::Duration;
-
-    #[test]
-    fn days_are_those_of_the_calendar() {
-        let on = |days: u64| date(SystemTime::UNIX_EPOCH + Duration::from_secs(86_400 * days + 3600));
-        assert_eq!(on(0), "1970-01-01");
-        assert_eq!(on(11_016), "2000-02-29");
-        assert_eq!(on(11_017), "2000-03-01");
-        assert_eq!(on(20_088), "2024-12-31");
-        assert_eq!(on(20_089), "2025-01-01");
-    }
 
     #[test]
     fn the_machine_has_a_compiler_and_cores() {

@@ -4,6 +4,7 @@
 - A link to a file outside of the book leads to the page that includes this file; on that page, or if no page does, it is its path. A
   file that is not there is a warning.
 - Files of tutorials show their names.
+- Pictures are loaded when they come into sight.
 - A letter with an index, `D_t` or `η_{n+1}`, is typeset in running text too.
 """
 
@@ -53,7 +54,8 @@ def linked(match, folder, page):
     """A link as the book has it, from `page`, which may include a file of another folder."""
     image, text, target = match.groups()
     path, _, anchor = target.partition("#")
-    if image or not path or "://" in path or path.startswith("mailto:") or path.endswith(".html"):
+    # a picture, also one that is a link
+    if image or text.startswith("![") or not path or "://" in path or path.startswith("mailto:") or path.endswith(".html"):
         return match.group()
     file = (folder / path).resolve()
     if not file.exists():
@@ -102,7 +104,14 @@ def read_included(app, path, docname, content):
         content[0] = converted(content[0], file.parent, BOOK / f"{docname}.md")
 
 
+def load_lazily(app, page, template, context, tree):
+    """Pictures are loaded when they come into sight."""
+    if "body" in context:
+        context["body"] = context["body"].replace("<img ", '<img loading="lazy" ')
+
+
 def setup(app):
     app.connect("source-read", read_page)
     app.connect("include-read", read_included)
+    app.connect("html-page-context", load_lazily)
     return {"parallel_read_safe": True}

@@ -230,7 +230,10 @@ impl Rows<'_> {
             let call = match &mut prepared {
                 Some((call, of_call)) if inputs.props.is_one || *of_call == props => call,
                 other => {
-                    let call = make(props).map_err(|error| Exception::Plugin.with(error.to_string()))?;
+                    let mut call = make(props).map_err(|error| Exception::Plugin.with(error.to_string()))?;
+                    if self.heat.is_some() {
+                        call.generate_heat();
+                    }
                     &mut other.insert((call, props)).0
                 }
             };
@@ -254,9 +257,9 @@ impl Rows<'_> {
                 continue;
             }
             call.set_point(start, &self.state[states.clone()], energies);
-            let outcome = call.call(request);
+            let outcome = call.call(request).and_then(|outcome| call.add_generated_heat().map(|()| outcome));
             let moduli = || request.wants_tangent().then(|| call.moduli_not_finite()).flatten();
-            if let Err(failure) = judge(outcome, call.not_finite().or_else(moduli)) {
+            if let Err(failure) = judge(outcome, call.not_finite().or_else(moduli).or_else(|| call.heat_not_finite())) {
                 let length = inputs.length.map(|length| length.row(at)[0]);
                 let verdict = law.map(|law| law.validate(props, length));
                 if let (Some(Validation::Invalid(message)), false) = (verdict, may_refuse) {

@@ -101,6 +101,45 @@ def test_another_law_and_path_by_the_keyboard(tmp_path: Path) -> None:
             assert all(line.startswith("warning: ") for line in said.splitlines()), said
 
 
+def strengths(browser: Browser) -> dict[str, float]:
+    """The numbers of a mix, by their names."""
+    rows = browser.evaluate("[...document.querySelectorAll('#strengths tr')].map((row) => [...row.cells].map((cell) => cell.textContent))")
+    return {str(name): float(value) for name, value, _ in rows}
+
+
+def test_a_mix_of_fibres(tmp_path: Path) -> None:
+    with lab(tmp_path, "bridging") as browser:
+        first = strengths(browser)
+        assert {"fL", "fR1", "fR2", "fR3", "fR4"} <= first.keys()
+        before = browser.evaluate("document.querySelector('#figures svg').outerHTML")
+        times = [browser.evaluate(DRAG % ("Fibre content (steel), kg/m³", place)) for place in range(600, 620)]
+        print(f"slider to picture of a mix: {statistics.median(times):.1f} ms")
+        more = strengths(browser)
+        assert more["fR3"] > first["fR3"] and browser.evaluate("document.querySelector('#figures svg').outerHTML") != before
+        browser.evaluate(DRAG % ("Fibre length, mm", 200))
+        assert strengths(browser)["fR3"] < more["fR3"], "short fibres pull out early"
+        # the case has the content as a part of the volume
+        case = json.loads(browser.evaluate("document.getElementById('case').value"))
+        shown = float(browser.evaluate("document.querySelector('input[type=number][aria-label^=\"Fibre content\"]').value"))
+        assert case["volume_fraction"] == pytest.approx(shown / 7850)
+        # what a mix has not is not there
+        for place in ("law-label", "mode-label", "length-label"):
+            assert browser.evaluate(f"document.getElementById('{place}').checkVisibility()") is False, place
+
+
+def test_a_finished_run(tmp_path: Path) -> None:
+    case = {"kind": "point", "title": "A bar", "material": {"plugin": "concrete_damage"}, "steps": [{"increments": 50, "target": {"e11": 5e-4}}]}
+    po.run(case, out=tmp_path / "out")
+    with lab(tmp_path, "out") as browser:
+        assert browser.evaluate("document.getElementById('title').textContent") == "A bar"
+        assert browser.evaluate("document.getElementById('status').textContent").startswith("done: 50 increments")
+        assert browser.evaluate("document.getElementById('material').hidden")
+        # its report, in which scripts run but as nobody's page
+        browser.evaluate("document.getElementById('report').click()")
+        browser.wait("document.querySelector('h1')?.textContent === 'A bar' && location.pathname === '/report'")
+        assert browser.evaluate("origin") == "null"
+
+
 @pytest.mark.skipif(shutil.which("gfortran") is None, reason="no gfortran")
 def test_a_umat_that_is_saved(tmp_path: Path) -> None:
     good = (ROOT / "tests/umats/j2.f90").read_text()

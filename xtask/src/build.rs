@@ -14,10 +14,14 @@ const LIBRARIES: [&str; 2] = ["/models/plugins/", "/umat-abi/"];
 /// The profile of what is for others. What is built of another profile is for tests.
 pub const FOR_OTHERS: &str = "dist";
 
-/// The target of what is to run with older C libraries than this machine's.
-const OLDER: &str = "x86_64-unknown-linux-gnu";
-/// The variables that name the target's linker, and its compiler of C.
-const LINKERS: [&str; 2] = ["CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_LINKER", "CC_x86_64_unknown_linux_gnu"];
+/// The target of what is to run with older C libraries than this machine's, and the variables that name the target's linker and its
+/// compiler of C.
+#[cfg(target_arch = "aarch64")]
+const OLDER: [&str; 3] =
+    ["aarch64-unknown-linux-gnu", "CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", "CC_aarch64_unknown_linux_gnu"];
+#[cfg(not(target_arch = "aarch64"))]
+const OLDER: [&str; 3] =
+    ["x86_64-unknown-linux-gnu", "CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_LINKER", "CC_x86_64_unknown_linux_gnu"];
 
 /// Files that Cargo made.
 #[derive(Debug, PartialEq, Eq)]
@@ -47,7 +51,8 @@ pub fn build(workspace: &Path, profile: &str, wheel: bool, linker: Option<&Path>
 
 /// Lets a build of Cargo's link by a linker for older Linux. Builds that name it alike find what others have made.
 pub fn link_by(command: &mut Command, linker: &Path) {
-    command.args(["--target", OLDER]).envs(LINKERS.map(|name| (name, linker)));
+    let [target, of_rust, of_c] = OLDER;
+    command.args(["--target", target]).envs([of_rust, of_c].map(|name| (name, linker)));
 }
 
 /// Cargo's messages of the build.

@@ -11,6 +11,9 @@ const DESCRIPTION: &str = "constitutive laws as UMAT plugins, and fibre pull-out
  and mixed paths, checks them, and pulls fibres out of concrete with them. The
  laws come as libraries for ABAQUS, Kratos, OOFEM and programs of one's own.";
 
+/// Licences as Debian wants them, beside those that `install` puts.
+const COPYRIGHT: &str = include_str!("../templates/copyright");
+
 /// Makes the package in `folder`; the result is its file. `dpkg-deb` does it.
 ///
 /// # Errors
@@ -34,12 +37,15 @@ pub fn make(workspace: &Path, products: &Products, profile: &str, folder: &Path)
     let [major, minor] = glibc;
     let control = format!(
         "Package: pullout\nVersion: {version}\nArchitecture: {architecture}\nSection: science\nPriority: optional\n\
-         Maintainer: The Pullout developers\nInstalled-Size: {}\nDepends: libc6 (>= {major}.{minor}), libgcc-s1\nSuggests: gfortran, gcc\n\
+         Maintainer: The Pullout developers\nInstalled-Size: {}\nDepends: libc6 (>= {major}.{minor}), libgcc-s1\n\
+         Recommends: fonts-dejavu-core\nSuggests: gfortran, gcc\n\
          Description: {DESCRIPTION}\n",
         bytes.div_ceil(1024)
     );
     let about = tree.join("DEBIAN");
-    let written = fs::create_dir_all(&about).and_then(|()| fs::write(about.join("control"), control));
+    let written = fs::create_dir_all(&about)
+        .and_then(|()| fs::write(about.join("control"), control))
+        .and_then(|()| fs::write(tree.join("usr/share/doc/pullout/copyright"), COPYRIGHT));
     written.map_err(|error| within(&about, error))?;
     let package = folder.join(format!("pullout_{version}_{architecture}.deb"));
     // what is for tests is large, and used at once

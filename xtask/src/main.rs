@@ -6,7 +6,7 @@ mod install;
 mod licences;
 mod wheel;
 
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -26,52 +26,69 @@ enum Task {
         /// Where to; made if it does not exist. The tree may be moved later.
         #[arg(long, value_name = "DIR")]
         prefix: PathBuf,
-        /// Cargo profile to build with.
-        #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
-        profile: String,
+        #[command(flatten)]
+        build: Build,
     },
     /// Make a package for Debian of what `install` puts, and print its name.
     Deb {
         /// Where it is put.
         #[arg(long, value_name = "DIR", default_value = "target")]
         out: PathBuf,
-        /// Cargo profile to build with. Packages of others than "dist" are not compressed: they are for tests.
-        #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
-        profile: String,
+        #[command(flatten)]
+        build: Build,
     },
     /// Build the wheel of the Python package, with the program, the laws and what belongs to them, but without the copies of
     /// the laws for ABAQUS and Kratos, and print its name: it is put into target/wheel.
+    ///
+    /// The Python has maturin. If it has auditwheel and abi3audit too, they must find nothing.
     Wheel {
-        /// Cargo profile to build with. Wheels of others than "dist" are larger, and not audited: they are for tests.
-        #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
-        profile: String,
-        /// Link with zig, for Linux from 2014 on (manylinux_2_17): the Python has ziglang too.
-        #[arg(long)]
-        zig: bool,
-        /// A Python that has maturin. If it has auditwheel and abi3audit too, they must find nothing.
-        #[arg(long, value_name = "PYTHON", default_value = "python3")]
-        python: PathBuf,
+        #[command(flatten)]
+        build: Build,
         /// More options of `maturin build`.
         #[arg(last = true)]
         maturin: Vec<String>,
     },
 }
 
+/// How the products are built.
+#[derive(Debug, Args)]
+struct Build {
+    /// Cargo profile to build with. Products of profiles other than "dist" are large and not checked: they are for tests.
+    #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
+    profile: String,
+    /// Link with zig, for Linux from 2014 on (glibc 2.17, manylinux2014): the Python has maturin and ziglang.
+    #[arg(long)]
+    zig: bool,
+    /// The Python that has the tools.
+    #[arg(long, value_name = "PYTHON", default_value = "python3")]
+    python: PathBuf,
+}
+
+impl Build {
+    /// The program and the libraries.
+    fn products(&self, workspace: &Path) -> Result<build::Products, String> {
+        build::build(workspace, &self.profile, false, self.linker(workspace)?.as_deref())
+    }
+
+    /// The linker for older Linux, where it is asked for.
+    fn linker(&self, workspace: &Path) -> Result<Option<PathBuf>, String> {
+        self.zig.then(|| wheel::linker(workspace, &self.python)).transpose()
+    }
+}
+
 fn main() -> ExitCode {
     let workspace = workspace();
     let (name, done) = match Arguments::parse().task {
-        Task::Install { prefix, profile } => {
-            let products = build::build(&workspace, &profile, false, None);
+        Task::Install { prefix, build } => {
+            let products = build.products(&workspace);
             ("install", products.and_then(|products| install::install(&workspace, &products, &prefix)))
         }
-        Task::Deb { out, profile } => {
-            let products = build::build(&workspace, &profile, false, None);
-            let made = products.and_then(|products| deb::make(&workspace, &products, &profile, &out));
+        Task::Deb { out, build } => {
+            let products = build.products(&workspace);
+            let made = products.and_then(|products| deb::make(&workspace, &products, &build.profile, &out));
             ("deb", made.map(|package| vec![package]))
         }
-        Task::Wheel { profile, zig, python, maturin } => {
-            ("wheel", wheel::make(&workspace, &profile, zig, &python, &maturin).map(|wheel| vec![wheel]))
-        }
+        Task::Wheel { build, maturin } => ("wheel", wheel::make(&workspace, &build, &maturin).map(|wheel| vec![wheel])),
     };
     match done {
         Ok(files) => {

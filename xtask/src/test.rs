@@ -5,7 +5,7 @@ fn what_is_installed_is_stripped_unless_another_profile_is_named() {
     let profile = |more: &[&str]| {
         let line = ["xtask", "install", "--prefix", "P"].iter().chain(more);
         match Arguments::parse_from(line).task {
-            Task::Install { profile, .. } | Task::Deb { profile, .. } | Task::Wheel { profile, .. } => profile,
+            Task::Install { build, .. } | Task::Deb { build, .. } | Task::Wheel { build, .. } => build.profile,
         }
     };
     assert_eq!(profile(&["--profile", "dev"]), "dev");

@@ -1,6 +1,7 @@
 //! The wheel: extension, program, laws and headers in one file for Python. The program is a script that calls the extension:
 //! a second copy of the engine would be a third of the wheel.
 
+use crate::Build;
 use crate::build::{self, FOR_OTHERS};
 use crate::install;
 use std::fs::{self, Permissions};
@@ -21,12 +22,13 @@ const BYTES: u64 = 12_000_000;
 
 /// Builds everything, and makes the wheel of it; the result is its file.
 ///
-/// `python` has maturin; where it has auditwheel and abi3audit as well, they must find nothing. With `zig` it has ziglang too, by which
-/// maturin links. `maturin` is told more.
+/// The Python of `how` has maturin; where it has auditwheel and abi3audit as well, they must find nothing. `maturin`: further arguments of
+/// `maturin build`.
 ///
 /// # Errors
 /// In words; what a tool has said about it is on the standard error.
-pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: &[String]) -> Result<PathBuf, String> {
+pub fn make(workspace: &Path, how: &Build, maturin: &[String]) -> Result<PathBuf, String> {
+    let Build { profile, python, .. } = how;
     if !has(python, "maturin") {
         let python = python.display();
         return Err(format!("{python} has no maturin, which makes the wheel: {python} -m pip install maturin"));
@@ -35,7 +37,7 @@ pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: 
     if folder.exists() {
         fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
-    let linker = if zig { Some(linker(workspace, python)?) } else { None };
+    let linker = how.linker(workspace)?;
     let products = build::build(workspace, profile, true, linker.as_deref())?;
     let data = folder.join(DATA).join("data");
     install::beside_the_program(workspace, &products, &data)?;
@@ -48,7 +50,7 @@ pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: 
     let mut command = Command::new(python);
     command.args(["-m", "maturin", "build", "--profile", profile, "--manifest-path"]);
     command.arg(workspace.join("python/Cargo.toml")).arg("--out").arg(&folder).args(maturin);
-    command.args(match profile {
+    command.args(match profile.as_str() {
         FOR_OTHERS => ["--compression-level", "9", "--auditwheel", "check"],
         // unstripped and used at once
         _ => ["--compression-method", "stored", "--auditwheel", "skip"],
@@ -115,7 +117,10 @@ fn tag_is_kept(name: &str, words: &str) -> Result<(), String> {
 
 /// Writes the linker for glibc 2.17, that of manylinux2014, the oldest for which the standard library of Rust is built: zig, as `maturin
 /// --zig` calls it, which names another linker than `cargo zigbuild`: each would build everything again.
-fn linker(workspace: &Path, python: &Path) -> Result<PathBuf, String> {
+///
+/// # Errors
+/// In words: the Python has no zig, or the file cannot be written.
+pub fn linker(workspace: &Path, python: &Path) -> Result<PathBuf, String> {
     let scripts = "import ziglang, sysconfig; print(sysconfig.get_path('scripts'), end='')";
     let told = Command::new(python).args(["-c", scripts]).stderr(Stdio::null()).output();
     let told = told.map_err(|error| format!("{}: {error}", python.display()))?;
@@ -125,7 +130,8 @@ fn linker(workspace: &Path, python: &Path) -> Result<PathBuf, String> {
     // maturin looks for the Python that has zig there
     let scripts = String::from_utf8_lossy(&told.stdout);
     let text = format!(
-        "#!/bin/sh\nPATH='{scripts}':$PATH\nexec maturin zig cc -- -g -fno-sanitize=all -target x86_64-linux-gnu.2.17 \"$@\"\n"
+        "#!/bin/sh\nPATH='{scripts}':$PATH\nexec maturin zig cc -- -g -fno-sanitize=all -target {}-linux-gnu.2.17 \"$@\"\n",
+        std::env::consts::ARCH
     );
     let folder = workspace.join("target");
     let file = folder.join("zig-cc");

@@ -1,5 +1,7 @@
 //! Kind "bridging": fibres across a crack.
 
+use crate::document::Plots;
+use crate::document::Positive;
 use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, ShearLagFibre, Spacing, TableFibre};
 use crate::history;
 use crate::problem::{Place, Problem};
@@ -69,51 +71,38 @@ pub fn resolve(
     others: &ReferencedCases,
 ) -> Option<BridgingProgram> {
     let root = Place::root();
-    let fibre = reader.piece(&case.fibre, &root.key("fibre")).and_then(|given| fibre(reader, others, given));
-    let volume_fraction = reader.piece(&case.volume_fraction, &root.key("volume_fraction")).map(|positive| positive.0);
-    let matrix = reader.piece(&case.matrix, &root.key("matrix")).copied();
-    let orientation = match &case.orientation {
-        Some(piece) => {
-            let given = reader.piece(piece, &root.key("orientation")).cloned();
-            given.and_then(|orientation| counted(reader, orientation))
-        }
-        None => Some(Orientation::Random3d),
-    };
-    let sides = reader.optional(case.sides.as_ref(), &root.key("sides")).copied().unwrap_or_default();
-    let given = reader.optional(case.openings.as_ref(), &root.key("openings")).copied().unwrap_or_default();
-    let beam = reader.optional(case.beam.as_ref(), &root.key("beam")).copied();
-    let scatter = reader.optional(case.scatter.as_ref(), &root.key("scatter")).copied();
-    let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
-    if case.scatter.is_some() && case.beam.is_none() {
+    let fibre = fibre(reader, others, &case.fibre);
+    let orientation = counted(reader, case.orientation.clone().unwrap_or(Orientation::Random3d));
+    let BridgingCase { volume_fraction: Positive(volume_fraction), matrix, beam, scatter, .. } = *case;
+    if scatter.is_some() && beam.is_none() {
         reader.problem(&root.key("scatter"), "is of beams: give \"beam\" too ({} is that of EN 14651)");
     }
     // each on its own, so that all is told at once
     let length = fibre.as_ref().map(|(fibre, _)| fibre.length);
     let checks = [
-        matrix.map(|matrix| matrix.check()),
+        Some(matrix.check()),
         beam.map(|beam| beam.check()),
         scatter.map(|scatter| scatter.check()),
         orientation.as_ref().zip(length).map(|(orientation, length)| orientation.directions(length, &[]).map(drop)),
     ];
     checks.into_iter().flatten().for_each(|checked| report_invalid(reader, checked));
     if reader.problems.is_empty() {
-        warn_of_effect(reader, fibre.as_ref(), matrix.as_ref(), scatter, beam.is_some());
-        warn_of_units(reader, fibre.as_ref(), matrix.as_ref(), beam.as_ref());
+        warn_of_effect(reader, fibre.as_ref(), &matrix, scatter, beam.is_some());
+        warn_of_units(reader, fibre.as_ref(), &matrix, beam.as_ref());
     }
-    let known = fibre.zip(volume_fraction).zip(matrix.zip(orientation));
-    let program = known.map(|(((fibre, source), volume_fraction), (matrix, orientation))| {
+    let program = fibre.zip(orientation).map(|((fibre, source), orientation)| {
         let composite = fibre.modulus * volume_fraction / (matrix.modulus * (1.0 - volume_fraction));
         BridgingProgram {
             about: About::default(),
             fibre,
             source,
-            sides,
+            sides: case.sides.unwrap_or_default(),
             volume_fraction,
             modular_ratio: case.modular_ratio.unwrap_or(composite),
             matrix,
             orientation,
             activation: case.activation.unwrap_or(0.0),
-            openings: openings(given),
+            openings: openings(case.openings.unwrap_or_default()),
             beam,
             scatter,
         }
@@ -121,9 +110,11 @@ pub fn resolve(
     let columns = program.as_ref().map(BridgingProgram::columns);
     let about = history::about(reader, path, &case.head, None, columns.as_deref());
     check_tables(reader, &about, columns.as_deref().unwrap_or_default());
+    let (plots, captions) = Plots::of(case.output.as_ref().and_then(|output| output.plots.as_ref()));
     let about = About {
         every: 1,
-        plots: output.plots.unwrap_or(true),
+        plots,
+        captions,
         warnings: std::mem::take(&mut reader.warnings),
         notes: std::mem::take(&mut reader.notes),
         defaults: std::mem::take(&mut reader.defaults),
@@ -145,14 +136,14 @@ pub fn resolve(
 fn warn_of_effect(
     reader: &mut Reader<'_>,
     fibre: Option<&(Fibre, LoadSource)>,
-    matrix: Option<&pullout_bridging::Matrix>,
+    matrix: &pullout_bridging::Matrix,
     scatter: Option<Scatter>,
     has_beam: bool,
 ) {
     let unbroken = fibre.is_some_and(|(fibre, _)| fibre.strength.is_none());
     let rupture = fibre.is_some_and(|(fibre, _)| fibre.rupture_f != 0.0);
     let varied = scatter.is_some_and(|scatter| scatter.strength_cv != 0.0);
-    let crushed = matrix.is_some_and(|matrix| matrix.fc.is_some());
+    let crushed = matrix.fc.is_some();
     for (is_idle, [of, key], why) in [
         (unbroken && rupture, ["fibre", "rupture_f"], "without \"strength\" the fibre does not break"),
         (unbroken && varied, ["scatter", "strength_cv"], "without \"strength\" the fibre does not break"),
@@ -168,7 +159,7 @@ fn warn_of_effect(
 fn warn_of_units(
     reader: &mut Reader<'_>,
     fibre: Option<&(Fibre, LoadSource)>,
-    matrix: Option<&pullout_bridging::Matrix>,
+    matrix: &pullout_bridging::Matrix,
     beam: Option<&NotchedBeam>,
 ) {
     let mut given = Vec::new();
@@ -195,14 +186,12 @@ fn warn_of_units(
             }
         }
     }
-    if let Some(matrix) = matrix {
-        given.push(("matrix.E", matrix.modulus, "MPa", [1e3, 1e5]));
-        given.push(("matrix.ft", matrix.ft, "MPa", USUAL_TENSILE_STRENGTH));
-        if matrix.softening != Softening::None {
-            given.push(("matrix.Gf", matrix.fracture_energy, "N/mm", [1e-3, 20.0]));
-        }
-        given.extend(matrix.fc.map(|fc| ("matrix.fc", fc, "MPa", [1.0, 400.0])));
+    given.push(("matrix.E", matrix.modulus, "MPa", [1e3, 1e5]));
+    given.push(("matrix.ft", matrix.ft, "MPa", USUAL_TENSILE_STRENGTH));
+    if matrix.softening != Softening::None {
+        given.push(("matrix.Gf", matrix.fracture_energy, "N/mm", [1e-3, 20.0]));
     }
+    given.extend(matrix.fc.map(|fc| ("matrix.fc", fc, "MPa", [1.0, 400.0])));
     for (what, value, unit, usual) in given {
         if !(usual[0]..=usual[1]).contains(&value) {
             reader.warn_unusual(what, value, unit, usual);

@@ -1,11 +1,11 @@
 //! The case file as serde reads it and as `pullout schema` prints it. Units: N, mm, MPa, s; shear strains are
 //! engineering shear.
 //!
-//! The pieces that are checked one by one stand in a [`Piece`], so that one wrong piece does not hide what is
-//! wrong with the others.
+//! Whatever its schema accepts, serde reads.
 
+use pullout_run::program;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{DeserializeOwned, Error};
+use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -29,32 +29,6 @@ pub enum TableSource {
     File(String),
     /// Numbers of each column, as many in each.
     Columns(BTreeMap<String, Vec<f64>>),
-}
-
-/// A part of the document that was read, or the reason why not. Its schema is that of `T`.
-#[derive(Clone, Debug)]
-pub struct Piece<T>(pub Result<T, String>);
-
-impl<'de, T: DeserializeOwned> Deserialize<'de> for Piece<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = serde_json::Value::deserialize(deserializer)?;
-        Ok(Self(serde_json::from_value(value).map_err(|error| error.to_string())))
-    }
-}
-
-impl<T: JsonSchema> JsonSchema for Piece<T> {
-    fn inline_schema() -> bool {
-        T::inline_schema()
-    }
-    fn schema_name() -> Cow<'static, str> {
-        T::schema_name()
-    }
-    fn schema_id() -> Cow<'static, str> {
-        T::schema_id()
-    }
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        T::json_schema(generator)
-    }
 }
 
 /// A whole number between two bounds; `5.0` is one as well.
@@ -138,11 +112,11 @@ number! {
 pub struct CommonEntries {
     /// Address of this schema, for editors.
     #[serde(rename = "$schema")]
-    pub schema: Option<Piece<String>>,
+    pub schema: Option<String>,
     /// Title of plots and report; default: the file's stem.
-    pub title: Option<Piece<String>>,
+    pub title: Option<String>,
     /// Text for the report.
-    pub description: Option<Piece<String>>,
+    pub description: Option<String>,
 }
 
 /// Entries common to cases of all kinds.
@@ -154,45 +128,44 @@ pub struct CommonCaseEntries {
     /// Files that the libraries of the case read on their own. They are copied with the case, and a change in them
     /// makes it a different run.
     #[expect(dead_code, reason = "read before the kinds differ")]
-    pub files: Option<Piece<Vec<String>>>,
+    pub files: Option<Vec<String>>,
     /// Measured curves to compare the run with. In a case of kind bridging, x and y are two columns of bridging.csv or
     /// two of beam.csv.
-    pub compare: Option<Piece<Vec<Piece<Compare>>>>,
+    pub compare: Option<Vec<Compare>>,
 }
 
 /// Entries of cases with steps that hold for all their steps.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct Course {
     /// Initial temperature, everywhere (default 0).
-    pub temperature: Option<Piece<f64>>,
+    pub temperature: Option<f64>,
     /// Initial field variables, everywhere.
-    pub predef: Option<Piece<Vec<f64>>>,
+    pub predef: Option<Vec<f64>>,
     /// Recorded increments of another run, repeated exactly in place of those of the steps. "until" then has no effect.
-    pub increments: Option<Piece<RunIncrements>>,
+    pub increments: Option<RunIncrements>,
     /// Condition that ends the run early.
-    pub until: Option<Piece<Until>>,
+    pub until: Option<Until>,
 }
 
 /// Entries common to material points and contact points; `S`: a step.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(bound(deserialize = "S: DeserializeOwned"))]
 pub struct Path<S> {
     /// The plugin and its parameters.
-    pub material: Piece<Material>,
+    pub material: Material,
     /// Folder that GETOUTDIR returns, relative to the case file; default: the folder of the case file. A replay names
     /// the folder of its original case.
     #[expect(dead_code, reason = "read by `job_folder`")]
-    pub job_folder: Option<Piece<String>>,
+    pub job_folder: Option<String>,
     /// Characteristic length, mm: CELENT of a material point, CHRLNGTH of a contact point. Required if the law's crack
     /// band is on.
-    pub characteristic_length: Option<Piece<Positive>>,
+    pub characteristic_length: Option<Positive>,
     /// Loading steps, in order.
     #[schemars(length(min = 1))]
-    pub steps: Piece<Vec<Piece<S>>>,
+    pub steps: Vec<S>,
     /// Settings of the output.
-    pub output: Option<Piece<Output>>,
+    pub output: Option<Output>,
     /// Iteration limits.
-    pub controls: Option<Piece<Controls>>,
+    pub controls: Option<Controls>,
 }
 
 /// Conditions at the end of a step of any kind.
@@ -434,14 +407,51 @@ pub struct Compare {
     pub label: Option<String>,
 }
 
+/// Whether there are plots, or their words.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Plots {
+    /// All, or none.
+    Switch(bool),
+    /// All, and words of some by the names of their files: "load_slip".
+    Captions(BTreeMap<String, Caption>),
+}
+
+/// Words of a picture.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Caption {
+    /// Its title.
+    pub title: Option<String>,
+    /// Names of its lines in the legend, by the columns that they show along y.
+    pub legend: Option<BTreeMap<String, String>>,
+}
+
+impl Plots {
+    /// Returns whether plots are drawn (by default they are), and the words of some.
+    pub fn of(given: Option<&Self>) -> (bool, BTreeMap<String, program::Caption>) {
+        let caption = |given: &Caption| program::Caption {
+            title: given.title.clone(),
+            legend: given.legend.clone().unwrap_or_default(),
+        };
+        match given {
+            Some(Self::Switch(is_drawn)) => (*is_drawn, BTreeMap::new()),
+            Some(Self::Captions(all)) => {
+                (true, all.iter().map(|(name, given)| (name.clone(), caption(given))).collect())
+            }
+            None => (true, BTreeMap::new()),
+        }
+    }
+}
+
 /// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
     /// Write every n-th increment, and the last of each step, to history.csv (default 1).
     pub every: Option<Whole<1, MOST_INCREMENTS>>,
-    /// Draw plots and the report (default true).
-    pub plots: Option<bool>,
+    /// Draw plots and the report (default true), or draw them with these titles and legends.
+    pub plots: Option<Plots>,
     /// Write VTU files (kinds with a mesh only).
     pub vtu: Option<bool>,
     /// Add columns with the thermal terms that UMAT returns: RPL, DDSDDT, DRPLDE and DRPLDT (points only, default
@@ -489,20 +499,18 @@ pub enum Hold {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "CycleOf{S}")]
-#[serde(bound(deserialize = "S: DeserializeOwned"))]
 pub struct Cycle<S> {
     /// Number of repetitions.
     pub repeat: Repetitions,
     /// The steps of one cycle.
     #[schemars(length(min = 1))]
-    pub steps: Vec<Piece<S>>,
+    pub steps: Vec<S>,
 }
 
 /// Steps that are run several times, in a member named "cycles".
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "CyclesOf{S}")]
-#[serde(bound(deserialize = "S: DeserializeOwned"))]
 pub struct Cycles<S> {
     /// The cycle.
     pub cycles: Cycle<S>,

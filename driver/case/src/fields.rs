@@ -11,18 +11,12 @@ use std::rc::Rc;
 const TEMPERATURE: &str = "temperature";
 const PREDEF: &str = "predef";
 
-/// Values at the start, as far as anything says something of them.
-pub fn initial(reader: &mut Reader<'_>, course: &Course) -> FieldValues {
-    let root = Place::root();
+/// Values at the start.
+pub fn initial(course: &Course) -> FieldValues {
     FieldValues {
-        temperature: reader.optional(course.temperature.as_ref(), &root.key(TEMPERATURE)).copied().unwrap_or_default(),
-        variables: reader.optional(course.predef.as_ref(), &root.key(PREDEF)).cloned().unwrap_or_default(),
+        temperature: course.temperature.unwrap_or_default(),
+        variables: course.predef.clone().unwrap_or_default(),
     }
-}
-
-/// The temperature at the start; what is wrong with it [`initial`] says.
-pub fn initial_temperature(course: &Course) -> f64 {
-    course.temperature.as_ref().and_then(|piece| piece.0.as_ref().ok()).copied().unwrap_or_default()
 }
 
 /// Values at the end of a step of a case with `count` field variables.

@@ -1,6 +1,6 @@
 //! Entries common to cases of all kinds, above all `until` and `compare`, which refer to columns of the history.
 
-use crate::document::{self, Piece};
+use crate::document;
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use pullout_run::program::{self, About};
@@ -12,20 +12,20 @@ pub fn about(
     reader: &mut Reader<'_>,
     path: &Path,
     given: &document::CommonCaseEntries,
-    until: Option<&Piece<document::Until>>,
+    until: Option<&document::Until>,
     columns: Option<&[String]>,
 ) -> About {
     let root = Place::root();
-    let title = reader.optional(given.head.title.as_ref(), &root.key("title")).cloned();
-    let description = reader.optional(given.head.description.as_ref(), &root.key("description")).cloned();
-    let place = root.key("until");
-    let until = reader.optional(until, &place);
     About {
         case_file: path.into(),
-        title: title.unwrap_or_else(|| path.file_stem().unwrap_or_default().to_string_lossy().into()),
-        description: description.unwrap_or_default(),
-        until: self::until(reader, until, columns, &place),
-        compare: compare_all(reader, given.compare.as_ref(), columns, &root.key("compare")),
+        title: given
+            .head
+            .title
+            .clone()
+            .unwrap_or_else(|| path.file_stem().unwrap_or_default().to_string_lossy().into()),
+        description: given.head.description.clone().unwrap_or_default(),
+        until: self::until(reader, until, columns, &root.key("until")),
+        compare: compare_all(reader, given.compare.as_deref().unwrap_or_default(), columns, &root.key("compare")),
         ..About::default()
     }
 }
@@ -75,19 +75,12 @@ pub fn until(
 /// All curves.
 fn compare_all(
     reader: &mut Reader<'_>,
-    curves: Option<&Piece<Vec<Piece<document::Compare>>>>,
+    curves: &[document::Compare],
     columns: Option<&[String]>,
     place: &Place,
 ) -> Vec<program::Compare> {
-    let curves = reader.optional(curves, place).map(Vec::as_slice).unwrap_or_default();
-    let mut resolved = Vec::new();
-    for (k, curve) in curves.iter().enumerate() {
-        let place = place.index(k);
-        if let Some(curve) = reader.piece(curve, &place) {
-            resolved.extend(compare(reader, curve, columns, &place));
-        }
-    }
-    resolved
+    let resolved = curves.iter().enumerate().map(|(k, curve)| compare(reader, curve, columns, &place.index(k)));
+    resolved.flatten().collect()
 }
 
 fn compare(

@@ -1,6 +1,6 @@
 //! Increments of another run that are repeated.
 
-use crate::document::{Piece, RunIncrements};
+use crate::document::RunIncrements;
 use crate::problem::Place;
 use crate::reader::Reader;
 use fe_core::stepping::{Recorded, Way};
@@ -12,14 +12,12 @@ use std::sync::Arc;
 /// of a specimen. `may_end_early`: it can end before its last step.
 pub fn recorded(
     reader: &mut Reader<'_>,
-    given: Option<&Piece<RunIncrements>>,
+    given: Option<&RunIncrements>,
     steps: &[Option<u64>],
     may_end_early: bool,
 ) -> Option<Arc<Recorded>> {
-    let place = Place::root().key("increments");
-    let given = reader.optional(given, &place)?;
-    let place = place.key("recorded");
-    let read: Result<Recorded, String> = match &given.recorded {
+    let place = Place::root().key("increments").key("recorded");
+    let read: Result<Recorded, String> = match &given?.recorded {
         Value::String(name) => {
             let file = reader.file(name, &place)?;
             let wrong = |error: String| format!("{}: {error}", file.display());

@@ -3,7 +3,7 @@
 use crate::document::{
     ContactArguments, EndValue, EntryPoint, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument,
 };
-use crate::document::{Cycles, InterfaceTable, Piece, TableSource};
+use crate::document::{Cycles, InterfaceTable, TableSource};
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{Resolved, statev};
 use crate::problem::Place;
@@ -35,17 +35,16 @@ struct OpenGoal {
 /// Resolves the plugin, the initial state and the steps.
 pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let root = Place::root();
-    let length = Length::of(reader, case.path.characteristic_length.as_ref());
+    let length = Length::of(case.path.characteristic_length);
     let characteristic_length = length.given();
     let place = root.key("material");
-    let material = reader.piece(&case.path.material, &place);
+    let material = &case.path.material;
     let message = "kind \"interface\" calls the entry point uinter or fric; use kind \"point\" for umat";
-    let given = material.and_then(|material| material.entry);
-    let entry = plugin::contact_entry(reader, given, &place, message);
+    let entry = plugin::contact_entry(reader, material.entry, &place, message);
     let purpose = Use { level: Level::Point, entry, mode: None, length, initial_temperature: 0.0, normal: None };
-    let plugin = material.and_then(|material| plugin::resolve(reader, material, &place, purpose));
+    let plugin = plugin::resolve(reader, material, &place, purpose);
     let place = root.key("initial");
-    let given = reader.optional(case.initial.as_ref(), &place).cloned().unwrap_or_default();
+    let given = case.initial.clone().unwrap_or_default();
     if entry == EntryPoint::Fric && given.gap.is_some() {
         reader.problem(&place.key("gap"), GAP_OF_FRIC);
     }
@@ -53,18 +52,17 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let initial_statev =
         statev(reader, material, given.statev.as_deref(), plugin.as_ref()).unwrap_or_else(|| vec![0.0; states]);
     let place = root.key("steps");
-    let documents = reader.piece(&case.path.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let mut directions = if given.slip2.is_some() { 2 } else { 1 };
-    directions = directions.max(directions_of(reader, documents));
+    directions = directions.max(directions_of(reader, &case.path.steps));
     let columns = plugin.as_ref().map(|plugin| columns::of_contact(directions, &plugin.state_names()));
-    let initial_fields = fields::initial(reader, &case.course);
+    let initial_fields = fields::initial(&case.course);
     let place_of_arguments = root.key("arguments");
-    let arguments = reader.optional(case.arguments.as_ref(), &place_of_arguments);
+    let arguments = case.arguments.as_ref();
     warn_of_effect(reader, arguments, entry, &place_of_arguments);
     let dpred = arguments.and_then(|given| given.dpred.as_deref());
     fields::check_count(reader, dpred, initial_fields.variables.len(), &place_of_arguments.key("dpred"));
     let setting = Setting { entry, field_variables: initial_fields.variables.len(), columns: columns.as_deref() };
-    let open = steps::expand(reader, documents, &place, &mut |reader, step, place| match step {
+    let open = steps::expand(reader, &case.path.steps, &place, &mut |reader, step, place| match step {
         StepDocument::Ramp(ramp) => Found::Step(Some(ramp_step(reader, ramp, &setting, place))),
         StepDocument::Table(table) => Found::Step(table_step(reader, table, &setting, place)),
         StepDocument::Cycle(cycle) => Found::Cycle(cycle),
@@ -80,7 +78,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
         initial_fields,
         steps: close(open, entry),
     });
-    Resolved { plugin, kind: Some(kind), columns, characteristic_length }
+    Resolved { plugin, kind, columns, characteristic_length }
 }
 
 /// Warns of arguments that the entry point does not have.
@@ -116,9 +114,8 @@ fn close(open: Vec<Step<OpenGoal>>, entry: EntryPoint) -> Vec<InterfaceStep> {
 }
 
 /// 2 if any step names `slip2`: `until` of an earlier step may then name its columns.
-fn directions_of(reader: &mut Reader<'_>, documents: &[Piece<StepDocument>]) -> usize {
-    let steps = documents.iter().filter_map(|piece| piece.0.as_ref().ok());
-    let directions = steps.map(|step| match step {
+fn directions_of(reader: &mut Reader<'_>, documents: &[StepDocument]) -> usize {
+    let directions = documents.iter().map(|step| match step {
         StepDocument::Cycle(cycle) | StepDocument::Cycles(Cycles { cycles: cycle }) => {
             directions_of(reader, &cycle.steps)
         }

@@ -2,7 +2,7 @@
 //!
 //! A file is parsed (`json`), overridden (`--set`), compared with the schema that its serde types make
 //! (`document`, `structure`), and resolved: plugin and parameters, steps, tables, curves. No step stops at
-//! the first problem; only broken JSON and an unknown kind leave nothing to go on with.
+//! the first problem; broken JSON, an unknown kind and a wrong structure leave nothing to go on with.
 
 pub mod abaqus;
 mod bridging;
@@ -28,7 +28,7 @@ mod table;
 mod test;
 mod validation;
 
-pub use document::{Piece, Positive, study, sweep};
+pub use document::{Positive, study, sweep};
 pub use json::{dotted, value_at};
 pub use plugin::{ALL_LAWS, frame_from_json, not_found, where_to_look};
 pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind, hint};

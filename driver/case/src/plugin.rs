@@ -4,7 +4,7 @@ mod frame;
 
 pub use frame::frame_from_json;
 
-use crate::document::{CalledAs, EntryPoint, Material, Piece, Positive, Props, Tangent};
+use crate::document::{CalledAs, EntryPoint, Material, Positive, Props, Tangent};
 use crate::host_normal;
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;
@@ -66,12 +66,8 @@ pub enum Length {
 
 impl Length {
     /// Returns the length that the case of a point gives.
-    pub fn of(reader: &mut Reader<'_>, given: Option<&Piece<Positive>>) -> Self {
-        let place = Place::root().key("characteristic_length");
-        match given {
-            None => Self::NotGiven,
-            Some(piece) => reader.piece(piece, &place).map_or(Self::Unknown, |length| Self::Given(length.0)),
-        }
+    pub fn of(given: Option<Positive>) -> Self {
+        given.map_or(Self::NotGiven, |length| Self::Given(length.0))
     }
 
     /// The one length that is known, mm.
@@ -164,6 +160,17 @@ pub fn report_initial_values(reader: &mut Reader<'_>, library: &Library, given: 
         };
         let warning = format!("{}: its {} {what}", library.path().display(), routine.name());
         reader.warn(warning);
+    }
+}
+
+/// Warns of routines of heat in a library that are not called where the case is as it is: HETVAL, UMATHT; `reasons`: why not.
+pub fn tell_heat_routines(reader: &mut Reader<'_>, library: &Library, reasons: [(&str, Option<&str>); 2]) {
+    for (symbol, reason) in reasons {
+        let routine = library.routines().iter().find(|routine| routine.symbol == symbol);
+        if let (Some(routine), Some(reason)) = (routine, reason) {
+            let warning = format!("{}: its {} is not called: {reason}", library.path().display(), routine.name());
+            reader.warn(warning);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Kind "point": modes, controls, initial state, steps.
 
 use crate::constraints::{self, fixed_by_mode};
-use crate::document::{self, Components, EndValue, EntryPoint, Material, Matrix, Piece, PointCase, PointRamp};
+use crate::document::{self, Components, EndValue, EntryPoint, Material, Matrix, PointCase, PointRamp};
 use crate::document::{PointStep as StepDocument, PointTable};
 use crate::plugin::{self, Length, Level, Use};
 use crate::problem::{Place, Problem, hint};
@@ -20,7 +20,7 @@ use umat_abi::host::Plugin;
 /// The parts of a program that the kinds of points resolve; reading a case adds the rest.
 pub struct Resolved {
     pub plugin: Option<Plugin>,
-    pub kind: Option<Kind>,
+    pub kind: Kind,
     pub columns: Option<Vec<String>>,
     pub characteristic_length: Option<f64>,
 }
@@ -39,65 +39,56 @@ struct Setting<'c> {
 /// Resolves the plugin, the initial state and the steps.
 pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     let root = Place::root();
-    let mode = match &case.mode {
-        None => Some(Mode::default()),
-        Some(piece) => reader.piece(piece, &root.key("mode")).copied(),
-    };
-    let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
-    if let Some(mode) = mode
-        && mode.is_of_line()
-        && nlgeom
-    {
+    let mode = case.mode.unwrap_or_default();
+    let nlgeom = case.nlgeom.unwrap_or(false);
+    if mode.is_of_line() && nlgeom {
         let message = format!("mode {} is for small strains only: the transverse stretches are unknown", mode.name());
         reader.problem(&root.key("nlgeom"), message);
     }
-    let length = Length::of(reader, case.path.characteristic_length.as_ref());
+    let length = Length::of(case.path.characteristic_length);
     let characteristic_length = length.given();
     let place = root.key("material");
-    let material = reader.piece(&case.path.material, &place);
-    let plugin = material.and_then(|material| {
-        if let Some(EntryPoint::Uinter | EntryPoint::Fric) = material.entry {
-            let message = "kind \"point\" calls the entry point umat; use kind \"interface\" for uinter and fric";
-            reader.problem(&place.key("entry"), message);
-        }
-        let mode = mode.map(|mode| (mode, root.key("mode")));
-        plugin::resolve(
-            reader,
-            material,
-            &place,
-            Use {
-                level: Level::Point,
-                entry: EntryPoint::Umat,
-                mode,
-                length,
-                initial_temperature: fields::initial_temperature(&case.course),
-                normal: None,
-            },
-        )
-    });
-    let heat = shows_heat(case.path.output.as_ref());
+    let material = &case.path.material;
+    if let Some(EntryPoint::Uinter | EntryPoint::Fric) = material.entry {
+        let message = "kind \"point\" calls the entry point umat; use kind \"interface\" for uinter and fric";
+        reader.problem(&place.key("entry"), message);
+    }
+    let plugin = plugin::resolve(
+        reader,
+        material,
+        &place,
+        Use {
+            level: Level::Point,
+            entry: EntryPoint::Umat,
+            mode: Some((mode, root.key("mode"))),
+            length,
+            initial_temperature: case.course.temperature.unwrap_or_default(),
+            normal: None,
+        },
+    );
+    let heat = case.path.output.as_ref().is_some_and(|output| output.heat == Some(true));
+    if let Some(plugin) = &plugin {
+        let silent = (!heat).then_some("\"output\": {\"heat\": true} shows what it adds to RPL");
+        let reasons = [("hetval", silent), ("umatht", Some("a point has no gradient of the temperature"))];
+        plugin::tell_heat_routines(reader, &plugin.library, reasons);
+    }
     let columns = plugin.as_ref().map(|plugin| columns::of_point(nlgeom, heat, &plugin.state_names()));
-    let measure = measure(reader, case.measure.as_ref(), nlgeom);
-    if let (Some(Mode::PlaneStress), true, Some(plugin)) = (mode, nlgeom, &plugin) {
+    if case.measure.is_some() && !nlgeom {
+        reader.problem(&root.key("measure"), "small strains have no measure: it needs \"nlgeom\": true");
+    }
+    let measure = case.measure.unwrap_or_default();
+    if let (Mode::PlaneStress, true, Some(plugin)) = (mode, nlgeom, &plugin) {
         check_thickness(reader, plugin, measure);
     }
-    let initial = initial(reader, case, material, plugin.as_ref(), mode.unwrap_or_default(), nlgeom);
-    let arguments = reader.optional(case.arguments.as_ref(), &root.key("arguments"));
-    if let Some(given) = arguments {
+    let initial = initial(reader, case, plugin.as_ref(), mode, nlgeom);
+    if let Some(given) = &case.arguments {
         check_arguments(reader, given, mode, nlgeom, initial.fields.variables.len());
     }
-    let arguments = arguments.cloned();
-    let setting = Setting {
-        mode: mode.unwrap_or_default(),
-        nlgeom,
-        measure,
-        field_variables: initial.fields.variables.len(),
-        columns: columns.as_deref(),
-    };
+    let setting =
+        Setting { mode, nlgeom, measure, field_variables: initial.fields.variables.len(), columns: columns.as_deref() };
     let place = root.key("steps");
-    let documents = reader.piece(&case.path.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let mut gradient = initial.deformation_gradient;
-    let steps = steps::expand(reader, documents, &place, &mut |reader, step, place| {
+    let steps = steps::expand(reader, &case.path.steps, &place, &mut |reader, step, place| {
         let step = match step {
             StepDocument::Ramp(ramp) => Some(ramp_step(reader, ramp, &setting, place)),
             StepDocument::Table(table) => table_step(reader, table, &setting, place),
@@ -121,25 +112,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     {
         reader.warn_no_effect(&root.key("temperature"), reason);
     }
-    let kind = mode.map(|mode| {
-        let arguments = arguments.unwrap_or_default();
-        Kind::Point(PointProgram { mode, nlgeom, measure, heat, initial, arguments, steps })
-    });
+    let arguments = case.arguments.clone().unwrap_or_default();
+    let kind = Kind::Point(PointProgram { mode, nlgeom, measure, heat, initial, arguments, steps });
     Resolved { plugin, kind, columns, characteristic_length }
-}
-
-/// Returns whether the history shows RPL and its derivatives; what is wrong with the output is told with the rest of it.
-fn shows_heat(output: Option<&Piece<document::Output>>) -> bool {
-    matches!(output, Some(Piece(Ok(output))) if output.heat == Some(true))
-}
-
-fn measure(reader: &mut Reader<'_>, given: Option<&Piece<Measure>>, nlgeom: bool) -> Measure {
-    let place = Place::root().key("measure");
-    let given = reader.optional(given, &place).copied();
-    if given.is_some() && !nlgeom {
-        reader.problem(&place, "a measure needs \"nlgeom\": true: small strains have none");
-    }
-    given.unwrap_or_default()
 }
 
 /// Says what is not known of the thickness in plane stress at finite strain. With six components it is found; where trial
@@ -286,7 +261,7 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
 fn check_arguments(
     reader: &mut Reader<'_>,
     given: &document::UmatArguments,
-    mode: Option<Mode>,
+    mode: Mode,
     nlgeom: bool,
     field_variables: usize,
 ) {
@@ -295,7 +270,7 @@ fn check_arguments(
     if nlgeom && (kinematics.into_iter().any(Option::is_some) || given.dstran.is_some()) {
         let message = "drot, dfgrd0, dfgrd1 and dstran belong to cases without nlgeom: here the steps determine them";
         reader.problem(&place, message);
-    } else if let (Some(dstran), Some(mode)) = (&given.dstran, mode) {
+    } else if let Some(dstran) = &given.dstran {
         let count = mode.stress_state().components().len();
         if dstran.len() != count {
             let message = format!("{} values given, {count} needed in mode {}", dstran.len(), mode.name());
@@ -327,17 +302,10 @@ fn check_gradient(reader: &mut Reader<'_>, f: &Matrix, mode: Mode, nlgeom: bool,
     }
 }
 
-fn initial(
-    reader: &mut Reader<'_>,
-    case: &PointCase,
-    material: Option<&Material>,
-    plugin: Option<&Plugin>,
-    mode: Mode,
-    nlgeom: bool,
-) -> PointState {
+fn initial(reader: &mut Reader<'_>, case: &PointCase, plugin: Option<&Plugin>, mode: Mode, nlgeom: bool) -> PointState {
     let root = Place::root();
     let place = root.key("initial");
-    let given = reader.optional(case.initial.as_ref(), &place).cloned().unwrap_or_default();
+    let given = case.initial.clone().unwrap_or_default();
     let mut strain = components(reader, given.strain.as_ref(), &STRAIN_NAMES, mode, &place.key("strain"));
     let place_of_stress = place.key("stress");
     let stress =
@@ -354,8 +322,8 @@ fn initial(
         // symmetric: its columns are its rows
         deformation_gradient = deformation::columns(&exponential(&strain));
     }
-    let fields = fields::initial(reader, &case.course);
-    let statev = statev(reader, material, given.statev.as_deref(), plugin);
+    let fields = fields::initial(&case.course);
+    let statev = statev(reader, &case.path.material, given.statev.as_deref(), plugin);
     if let Some(plugin) = plugin {
         plugin::report_initial_values(reader, &plugin.library, [statev.is_some(), stress.is_some()]);
     }
@@ -372,13 +340,13 @@ fn initial(
 /// STATEV at the start, from `material.statev0` or `initial.statev`; `None` if neither is given.
 pub fn statev(
     reader: &mut Reader<'_>,
-    material: Option<&Material>,
+    material: &Material,
     initial: Option<&[f64]>,
     plugin: Option<&Plugin>,
 ) -> Option<Vec<f64>> {
     let place = Place::root().key("initial").key("statev");
     let place_of_other = Place::root().key("material").key("statev0");
-    let (values, place) = match (initial, material.and_then(|material| material.statev0.as_deref())) {
+    let (values, place) = match (initial, material.statev0.as_deref()) {
         (Some(_), Some(_)) => {
             reader.problem(&place, "the initial states are given twice: here and as $.material.statev0");
             return None;

@@ -1,7 +1,6 @@
 //! Problems of a case, and their places.
 
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -36,15 +35,6 @@ impl Place {
     #[must_use]
     pub fn index(&self, index: usize) -> Self {
         Self(format!("{}[{index}]", self.0))
-    }
-
-    /// Returns whether one of some places is this one or lies within it.
-    pub(crate) fn contains_one_of(&self, places: &BTreeSet<&Self>) -> bool {
-        // What begins with a text stands together in their order.
-        let has_beginning = |beginning: Self| {
-            places.range::<&Self, _>(&beginning..).next().is_some_and(|place| place.0.starts_with(&beginning.0))
-        };
-        places.contains(self) || [".", "["].into_iter().any(|next| has_beginning(Self(format!("{}{next}", self.0))))
     }
 
     /// Returns the place as `--set` names it: `material.props`.
@@ -154,23 +144,25 @@ impl CaseErrors {
     pub fn exit_code(&self) -> u8 {
         if self.problems.iter().all(|problem| problem.kind == ProblemKind::PluginNotLoadable) { 3 } else { 2 }
     }
+
+    /// Returns what is wrong, a line each, without the file.
+    pub fn lines(&self) -> Vec<String> {
+        let line = |problem: &Problem| {
+            // names and texts of the case may be of any length
+            let line: String = problem.to_string().chars().take(LONGEST_LINE + 1).collect();
+            let end = line.char_indices().nth(LONGEST_LINE).map_or(line.len(), |(end, _)| end);
+            line[..end].replace('\n', "\\n") + if end < line.len() { "…" } else { "" }
+        };
+        let more = self.problems.len().saturating_sub(MOST_SHOWN);
+        let more = (more > 0).then(|| format!("and {more} more problems"));
+        self.problems.iter().take(MOST_SHOWN).map(line).chain(more).collect()
+    }
 }
 
 impl fmt::Display for CaseErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let file = self.file.display();
-        for (k, problem) in self.problems.iter().take(MOST_SHOWN).enumerate() {
-            let line_end = if k == 0 { "" } else { "\n" };
-            // names and texts of the case may be of any length
-            let line: String = problem.to_string().chars().take(LONGEST_LINE + 1).collect();
-            let end = line.char_indices().nth(LONGEST_LINE).map_or(line.len(), |(end, _)| end);
-            let ellipsis = if end < line.len() { "…" } else { "" };
-            write!(f, "{line_end}{file}: {}{ellipsis}", line[..end].replace('\n', "\\n"))?;
-        }
-        match self.problems.len().saturating_sub(MOST_SHOWN) {
-            0 => Ok(()),
-            more => write!(f, "\n{file}: and {more} more problems"),
-        }
+        let (file, lines) = (self.file.display(), self.lines());
+        lines.iter().enumerate().try_for_each(|(k, line)| write!(f, "{}{file}: {line}", if k == 0 { "" } else { "\n" }))
     }
 }
 

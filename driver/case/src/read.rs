@@ -1,7 +1,7 @@
 //! Reads case files: JSON, overrides, structure, meaning.
 
 use crate::document::bridging::BridgingCase;
-use crate::document::{self, InterfaceCase, PointCase, PulloutCase};
+use crate::document::{self, InterfaceCase, Plots, PointCase, PulloutCase};
 use crate::point::Resolved;
 use crate::problem::{CaseErrors, Place, Problem};
 use crate::reader::Reader;
@@ -269,7 +269,7 @@ pub fn read_sweep<D: DeserializeOwned, T>(
 fn read_family<D: DeserializeOwned, T>(
     reader: &mut Reader<'_>,
     kind: &str,
-    mut document: Value,
+    document: Value,
     resolve: impl FnOnce(&mut Reader<'_>, D) -> Option<T>,
 ) -> Option<T> {
     if document["kind"] != kind {
@@ -279,37 +279,33 @@ fn read_family<D: DeserializeOwned, T>(
         reader.problem(&Place::root().key("kind"), format!("a {kind} has the kind \"{kind}\"{what}"));
         return None;
     }
-    let structural = structure::check(kind, &mut document);
-    let before = reader.problems.len();
-    let study = typed(reader, document).and_then(|document| resolve(reader, document));
-    reader.add_structural(structural, before);
-    study
+    let document = typed(reader, kind, &document)?;
+    resolve(reader, document)
 }
 
-/// Structure first, then meaning; what the structure explains is not said twice.
+/// Structure first, then meaning: of a document of another structure it cannot be told what it means.
 fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) -> Option<Case> {
-    let mut readable = document.clone();
-    let structural = structure::check(kind, &mut readable);
-    let before = reader.problems.len();
-    let program = match kind {
-        "interface" => typed(reader, readable).and_then(|case: InterfaceCase| {
+    match kind {
+        "interface" => {
+            let case: InterfaceCase = typed(reader, kind, &document)?;
             let resolved = interface::resolve(reader, &case);
             finish(reader, path, document, resolved, &case.head, &case.course, &case.path)
-        }),
-        "pullout" => typed(reader, readable).and_then(|case: PulloutCase| {
+        }
+        "pullout" => {
+            let case: PulloutCase = typed(reader, kind, &document)?;
             specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
-        }),
-        "bridging" => typed(reader, readable).and_then(|case: BridgingCase| {
+        }
+        "bridging" => {
+            let case: BridgingCase = typed(reader, kind, &document)?;
             bridging::resolve(reader, path, &case, &bridging::ReferencedCases { specimen, law })
                 .map(|program| Case::Bridging(Box::new(program)))
-        }),
-        _ => typed(reader, readable).and_then(|case: PointCase| {
+        }
+        _ => {
+            let case: PointCase = typed(reader, kind, &document)?;
             let resolved = point::resolve(reader, &case);
             finish(reader, path, document, resolved, &case.head, &case.course, &case.path)
-        }),
-    };
-    reader.add_structural(structural, before);
-    program
+        }
+    }
 }
 
 /// A specimen that another case takes curves of; `None`: its plugins must not be loaded here, its own run checks it.
@@ -350,8 +346,14 @@ fn law(reader: &Reader<'_>, material: &Value, steps: &[Value]) -> bridging::Read
     }
 }
 
-fn typed<T: DeserializeOwned>(reader: &mut Reader<'_>, document: Value) -> Option<T> {
-    let read = serde_json::from_value(document).map_err(|error| format!("cannot be read: {error}"));
+/// A document, unless its structure is wrong.
+fn typed<T: DeserializeOwned>(reader: &mut Reader<'_>, kind: &str, document: &Value) -> Option<T> {
+    let problems = structure::check(kind, document);
+    if !problems.is_empty() {
+        reader.problems.extend(problems);
+        return None;
+    }
+    let read = T::deserialize(document).map_err(|error| format!("cannot be read: {error}"));
     reader.without_problem(read, &Place::root())
 }
 
@@ -367,23 +369,25 @@ fn finish<S>(
 ) -> Option<Case> {
     let root = Place::root();
     let about = history::about(reader, path, head, course.until.as_ref(), resolved.columns.as_deref());
-    let output = reader.optional(given.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
+    let output = given.output.clone().unwrap_or_default();
     if output.vtu == Some(true) {
         reader.warn("output.vtu: a case of this kind has no mesh; no VTU file is written".into());
     }
-    if output.heat.is_some() && matches!(resolved.kind, Some(program::Kind::Interface(_))) {
+    if output.heat.is_some() && matches!(resolved.kind, program::Kind::Interface(_)) {
         reader.warn_no_effect(&root.key("output").key("heat"), "a contact law returns none of it");
     }
-    let limits = reader.optional(given.controls.as_ref(), &root.key("controls")).cloned().unwrap_or_default();
+    let limits = given.controls.clone().unwrap_or_default();
     let default = program::Controls::default();
     let limit = |given: Option<usize>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
-    let (plugin, kind) = (resolved.plugin?, resolved.kind?);
+    let (plugin, kind) = (resolved.plugin?, resolved.kind);
     let most: Vec<Option<u64>> = pullout_run::path::increments_of_steps(&kind).into_iter().map(Some).collect();
+    let (plots, captions) = Plots::of(output.plots.as_ref());
     Some(Case::Path(Box::new(Program {
         about: About {
             recorded: increments::recorded(reader, course.increments.as_ref(), &most, about.until.is_some()),
             every: output.every.map_or(1, |every| every.0),
-            plots: output.plots.unwrap_or(true),
+            plots,
+            captions,
             warnings: std::mem::take(&mut reader.warnings),
             notes: std::mem::take(&mut reader.notes),
             defaults: std::mem::take(&mut reader.defaults),

@@ -1,10 +1,8 @@
 //! Resources with which the parts of a case are resolved, and the problems found on the way.
 
-use crate::document::Piece;
 use crate::problem::{Place, Problem};
-use crate::structure::Structure;
 use crate::table::{CsvFile, Table};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -136,18 +134,6 @@ impl<'a> Reader<'a> {
         self.problems
     }
 
-    /// Puts problems of structure before those of meaning, found since there were `before`, and drops what they explain.
-    pub(crate) fn add_structural(&mut self, structure: Structure, before: usize) {
-        let meaning = self.problems.split_off(before);
-        let places: BTreeSet<&Place> = structure.problems.iter().filter_map(|problem| problem.place.as_ref()).collect();
-        let explained = |problem: &Problem| {
-            problem.place.as_ref().is_some_and(|place| place.contains_one_of(&places)) || structure.explains(problem)
-        };
-        let meaning: Vec<Problem> = meaning.into_iter().filter(|problem| !explained(problem)).collect();
-        self.problems.extend(structure.problems);
-        self.problems.extend(meaning);
-    }
-
     /// Adds what is wrong.
     pub fn push(&mut self, problem: Problem) {
         self.problems.push(problem);
@@ -166,17 +152,6 @@ impl<'a> Reader<'a> {
     /// A value, unless there are messages why not, which are told at a place.
     pub(crate) fn without_problems<T>(&mut self, value: Result<T, Vec<String>>, place: &Place) -> Option<T> {
         value.map_err(|messages| messages.into_iter().for_each(|message| self.problem(place, message))).ok()
-    }
-
-    /// A piece, if it could be read.
-    pub fn piece<'p, T>(&mut self, piece: &'p Piece<T>, place: &Place) -> Option<&'p T> {
-        let value = piece.0.as_ref().map_err(|message| format!("cannot be read: {message}"));
-        self.without_problem(value, place)
-    }
-
-    /// A piece that may be left out, if it is there and could be read.
-    pub fn optional<'p, T>(&mut self, piece: Option<&'p Piece<T>>, place: &Place) -> Option<&'p T> {
-        piece.and_then(|piece| self.piece(piece, place))
     }
 }
 

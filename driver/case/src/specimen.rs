@@ -1,7 +1,7 @@
 //! Kind "pullout": mesh, parts, contact, boundary conditions and steps, put together into a model of the FE core.
 
-use crate::document::PulloutCase;
 use crate::document::pullout as document;
+use crate::document::{Plots, PulloutCase};
 use crate::problem::{Place, hint};
 use crate::reader::{Reader, UsedDefaults};
 use crate::{history, increments, plugin};
@@ -38,7 +38,7 @@ const USUAL_SLIP: f64 = 0.02;
 /// Resolves a case; what is wrong with it goes to the reader.
 pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Option<PulloutProgram> {
     let root = Place::root();
-    let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
+    let nlgeom = case.nlgeom.unwrap_or(false);
     let ground = mesh::resolve(reader, case);
     let checked = ground.as_ref().and_then(|ground| mesh::checked(reader, ground));
     let scene = KnownMesh { ground: ground.as_ref(), mesh: checked.as_ref(), loose: &[] };
@@ -59,8 +59,9 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         let place = root.key("until");
         steps::refuse_unmeasured(reader, about.until.as_ref(), &columns, &boundary.measured, &place);
     }
-    let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
-    if output.pictures_at.is_some() && output.plots == Some(false) {
+    let output = case.output.clone().unwrap_or_default();
+    let (plots, captions) = Plots::of(output.plots.as_ref());
+    if output.pictures_at.is_some() && !plots {
         reader.warn_no_effect(&root.key("output").key("pictures_at"), "the case has \"plots\": false");
     }
     let controls = controls(reader, case);
@@ -114,12 +115,23 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
             reader.warn_no_effect(&root.key("temperature"), reason);
         }
     }
+    if field.is_none() {
+        let reason = Some("the case has no \"field\"");
+        let mut told = Vec::new();
+        for law in &parts.laws {
+            if !told.contains(&law.library.path()) {
+                plugin::tell_heat_routines(reader, &law.library, [("hetval", reason), ("umatht", reason)]);
+                told.push(law.library.path());
+            }
+        }
+    }
     if let Some(field) = &mut field {
         let least = |part: usize| {
             let of_part = (0..mesh.elements().len()).filter(|&element| mesh.elements()[element].part() == part);
             of_part.map(|element| mesh.element_area(element).sqrt()).fold(f64::INFINITY, f64::min)
         };
         scalar_field::with_cracks_of(reader, field, &parts.laws, least);
+        scalar_field::with_routines(reader, case, field, &parts.laws);
     }
     let model = Model {
         mesh,
@@ -157,7 +169,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     Some(PulloutProgram {
         about: About {
             every: output.every.map_or(1, |every| every.0),
-            plots: output.plots.unwrap_or(true),
+            plots,
+            captions,
             recorded,
             warnings: std::mem::take(&mut reader.warnings),
             notes: std::mem::take(&mut reader.notes),
@@ -187,7 +200,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
 /// Values of the drives at the start; none: all are 0.
 fn initial_drives(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Boundary) -> Vec<f64> {
     let place = Place::root().key("initial");
-    let Some(given) = reader.optional(case.initial.as_ref(), &place) else { return Vec::new() };
+    let Some(given) = case.initial.as_ref() else { return Vec::new() };
     let mut values = vec![0.0; boundary.drives.len()];
     for (name, value) in &given.drives {
         let place = place.key("drives").key(name);
@@ -269,7 +282,7 @@ fn no_set<'n, T>(
 
 fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
     let place = Place::root().key("controls");
-    let given = reader.optional(case.controls.as_ref(), &place).cloned().unwrap_or_default();
+    let given = case.controls.clone().unwrap_or_default();
     let default = Controls::default();
     let mut taken = UsedDefaults::default();
     let controls = Controls {
@@ -293,7 +306,7 @@ fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
 
 fn spalling(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Spalling> {
     let place = Place::root().key("spalling");
-    let given = reader.optional(case.spalling.as_ref(), &place)?;
+    let given = case.spalling.as_ref()?;
     let mut taken = UsedDefaults::default();
     let spalling = Spalling {
         opening: given.opening.0,
@@ -308,7 +321,7 @@ fn spalling(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Spalling> {
 fn skipping(reader: &mut Reader<'_>, case: &PulloutCase) -> Skipping {
     let all = Skipping::ALL;
     let place = Place::root().key("skip");
-    let skip = reader.optional(case.skip.as_ref(), &place);
+    let skip = case.skip.as_ref();
     if let Some(document::Skip::Items(items)) = skip {
         let gone = [("unused_tangents", items.unused_tangents), ("symmetric_solver", items.symmetric_solver)];
         for (name, _) in gone.iter().filter(|(_, given)| given.is_some()) {

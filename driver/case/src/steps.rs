@@ -1,6 +1,6 @@
 //! Lists of steps with cycles in them, expanded.
 
-use crate::document::{Cycle, Increments, MOST_INCREMENTS, Piece, Positive};
+use crate::document::{Cycle, Increments, MOST_INCREMENTS, Positive};
 use crate::problem::Place;
 use crate::reader::Reader;
 use pullout_run::program::{Pace, Step};
@@ -47,14 +47,13 @@ pub type ResolveStep<'r, S, R> = dyn for<'s> FnMut(&mut Reader<'_>, &'s S, &Plac
 /// Resolves all steps in order; cycles are resolved once and repeated.
 pub fn expand<S, R: Counted>(
     reader: &mut Reader<'_>,
-    steps: &[Piece<S>],
+    steps: &[S],
     place: &Place,
     resolve: &mut ResolveStep<'_, S, R>,
 ) -> Vec<R> {
     let mut expanded = Vec::new();
     for (k, step) in steps.iter().enumerate() {
         let place = place.index(k);
-        let Some(step) = reader.piece(step, &place) else { continue };
         let (cycle, place) = match resolve(reader, step, &place) {
             Found::Step(step) => {
                 expanded.extend(step);

@@ -8,11 +8,11 @@ use crate::document::study::StudyFile;
 use crate::document::sweep::SweepFile;
 use crate::document::{InterfaceCase, PointCase, PulloutCase};
 use crate::problem::{MOST_SHOWN, Place, Problem, hint, nearest, shown, suggestion};
-use crate::validation::{JsonType, Keyword, Location, Violation, violations};
+use crate::validation::{JsonType, Keyword, Violation, violations};
 use schemars::generate::SchemaSettings;
 use schemars::{Schema, SchemaGenerator};
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 /// A kind of file: its name and its part of the schema.
@@ -93,72 +93,33 @@ pub fn what_runs(kind: &str) -> String {
     }
 }
 
-/// Checks a document of a kind; removes unknown keys and sets to null what is missing and arrays that stand for
-/// something else (serde would read their elements as members), so that the rest of the document can be read and
-/// checked as well.
-pub fn check(kind: &str, document: &mut Value) -> Structure {
-    let Some(schema) = schema_of_kind(kind) else { return Structure::default() };
+/// Checks the structure of a document of a kind: serde can read one in which nothing is wrong.
+pub fn check(kind: &str, document: &Value) -> Vec<Problem> {
+    let Some(schema) = schema_of_kind(kind) else { return Vec::new() };
     let mut findings = Findings::default();
-    for error in violations(schema, document) {
+    for error in violations(schema, document, true) {
         findings.describe(&error);
     }
-    let Findings { structure: mut found, unknown, missing, no_arrays, .. } = findings;
-    for pointer in no_arrays {
-        if let Some(value) = document.pointer_mut(&pointer) {
-            *value = Value::Null;
-        }
-    }
-    for (pointer, keys) in unknown {
-        if let Some(Value::Object(members)) = document.pointer_mut(&pointer) {
-            members.retain(|key, _| !keys.contains(key));
-        }
-    }
-    for (pointer, key) in missing {
-        if let Some(Value::Object(members)) = document.pointer_mut(&pointer) {
-            members.insert(key, Value::Null);
-        }
-    }
-    found.problems =
-        std::mem::take(&mut found.problems).into_iter().filter(|problem| !found.explains(problem)).collect();
-    found
-}
-
-/// Problems with the structure of a document.
-#[derive(Debug, Default)]
-pub struct Structure {
-    pub problems: Vec<Problem>,
-    /// Keys that are not there, and that unknown ones are nearest to.
-    meant: BTreeSet<Place>,
-}
-
-impl Structure {
-    /// Returns whether something is missing because its key is misspelt.
-    pub fn explains(&self, problem: &Problem) -> bool {
-        problem.place.as_ref().is_some_and(|place| self.meant.contains(place))
-    }
+    let Findings { mut problems, meant } = findings;
+    problems.retain(|problem| !problem.place.as_ref().is_some_and(|place| meant.contains(place)));
+    problems
 }
 
 #[derive(Default)]
 struct Findings {
-    structure: Structure,
-    /// Unknown keys by the JSON pointer of the object that they stand in.
-    unknown: BTreeMap<String, BTreeSet<String>>,
-    /// JSON pointer of an object, and a key that it lacks.
-    missing: Vec<(String, String)>,
-    /// JSON pointers of arrays where there should be none.
-    no_arrays: Vec<String>,
+    problems: Vec<Problem>,
+    /// Keys that are not there, and that unknown ones are nearest to: they are missing because they are misspelt.
+    meant: BTreeSet<Place>,
 }
 
 impl Findings {
     fn describe(&mut self, error: &Violation<'_>) {
-        let Location { place, pointer } = &error.location;
+        let place = &error.place;
         let found = || shown(error.instance);
         let message = match &error.keyword {
             Keyword::UnknownKeys(keys) => return self.describe_unknown(error, keys, &property_names(error)),
             Keyword::Missing(key) => {
-                self.structure.problems.push(Problem::structure(place.key(key), "is missing"));
-                self.missing.push((pointer.clone(), (*key).to_owned()));
-                return;
+                return self.problems.push(Problem::structure(place.key(key), "is missing"));
             }
             Keyword::Union(branches) => return self.describe_union(error, branches),
             Keyword::Limit(relation, limit) => format!("must be {relation} {limit}, found {}", found()),
@@ -167,40 +128,37 @@ impl Findings {
             Keyword::MinLength => "is empty".to_owned(),
             Keyword::MaxLength(limit) => format!("must have at most {limit} characters"),
             Keyword::Pattern => format!("must consist of letters, digits, - and _, found {}", found()),
+            Keyword::Format(least, greatest) => {
+                format!("must be a whole number from {least} to {greatest}, without a decimal point, found {}", found())
+            }
             Keyword::Ambiguous => format!("fits several forms at once, found {}", found()),
             Keyword::Type(_) | Keyword::Constant(_) => {
-                if error.instance.is_array() {
-                    self.no_arrays.push(pointer.clone());
-                }
                 let message = format!("expected {}, found {}", expected(error).unwrap_or_default(), found());
-                self.structure.problems.push(Problem::structure(place.clone(), message));
-                return;
+                return self.problems.push(Problem::structure(place.clone(), message));
             }
         };
-        self.structure.problems.push(Problem::new(place.clone(), message));
+        self.problems.push(Problem::new(place.clone(), message));
     }
 
     fn describe_unknown(&mut self, error: &Violation<'_>, unexpected: &[&str], valid: &[String]) {
-        let Location { place, pointer } = &error.location;
+        let place = &error.place;
         for key in unexpected {
             // to look for a similar name takes longer than all else
-            let is_shown = self.structure.problems.len() < MOST_SHOWN;
+            let is_shown = self.problems.len() < MOST_SHOWN;
             let nearest = if is_shown { nearest(key, valid) } else { None };
             let hint = if is_shown { suggestion(nearest, valid) } else { String::new() };
             let meant = nearest.filter(|nearest| error.instance.get(nearest).is_none());
-            self.structure.meant.extend(meant.map(|nearest| place.key(nearest)));
-            self.structure.problems.push(Problem::structure(place.key(key), format!("unknown key{hint}")));
+            self.meant.extend(meant.map(|nearest| place.key(nearest)));
+            self.problems.push(Problem::structure(place.key(key), format!("unknown key{hint}")));
         }
-        self.unknown.entry(pointer.clone()).or_default().extend(unexpected.iter().map(ToString::to_string));
     }
 
     /// Describes the branch that was meant: the one whose type fits, then the one with the fewest missing and
     /// unknown keys. If none fits in type, what each expects. Where no branch knows any key, the names in all.
     fn describe_union(&mut self, error: &Violation<'_>, context: &[Vec<Violation<'_>>]) {
-        let here = &error.location;
+        let here = &error.place;
         if let Some(problem) = wrong_tag(context, here) {
-            self.structure.problems.push(problem);
-            return;
+            return self.problems.push(problem);
         }
         // Of equally good branches: the first, or the last (the most general) if all lack a key.
         let chosen = |branch: &[Violation<'_>]| tag(branch, here).is_none();
@@ -234,12 +192,9 @@ impl Findings {
         if expectations.iter().any(|text| text.starts_with('"')) {
             expectations.retain(|text| text != type_name(JsonType::Text));
         }
-        if error.instance.is_array() {
-            self.no_arrays.push(here.pointer.clone());
-        }
         let hint = word_hint(error.instance, &expectations);
         let message = format!("expected {}, found {}{hint}", either(&expectations), shown(error.instance));
-        self.structure.problems.push(Problem::structure(here.place.clone(), message));
+        self.problems.push(Problem::structure(here.clone(), message));
     }
 }
 
@@ -249,12 +204,9 @@ fn property_names(error: &Violation<'_>) -> Vec<String> {
 }
 
 /// Returns the error of a branch that knows none of an object's keys, and these.
-fn wholly_unknown<'e, 'v>(
-    branch: &'e [Violation<'v>],
-    here: &Location,
-) -> Option<(&'e Violation<'v>, &'e Vec<&'v str>)> {
+fn wholly_unknown<'e, 'v>(branch: &'e [Violation<'v>], here: &Place) -> Option<(&'e Violation<'v>, &'e Vec<&'v str>)> {
     branch.iter().find_map(|error| match &error.keyword {
-        Keyword::UnknownKeys(unexpected) if error.location == *here => {
+        Keyword::UnknownKeys(unexpected) if error.place == *here => {
             let is_all = error.instance.as_object().is_some_and(|object| object.len() == unexpected.len());
             is_all.then_some((error, unexpected))
         }
@@ -263,18 +215,18 @@ fn wholly_unknown<'e, 'v>(
 }
 
 /// The first error of a branch that says that a member's word belongs to another branch, and the word of this one.
-fn tag<'e, 'v>(branch: &'e [Violation<'v>], here: &Location) -> Option<(&'e Violation<'v>, &'v str)> {
+fn tag<'e, 'v>(branch: &'e [Violation<'v>], here: &Place) -> Option<(&'e Violation<'v>, &'v str)> {
     branch.iter().find_map(|error| match error.keyword {
-        Keyword::Constant(Value::String(word)) if error.location != *here => Some((error, word.as_str())),
+        Keyword::Constant(Value::String(word)) if error.place != *here => Some((error, word.as_str())),
         _ => None,
     })
 }
 
 /// The problem of a word that no branch has, if every branch expects another one in the same member.
-fn wrong_tag(context: &[Vec<Violation<'_>>], here: &Location) -> Option<Problem> {
+fn wrong_tag(context: &[Vec<Violation<'_>>], here: &Place) -> Option<Problem> {
     let (first, _) = tag(context.first()?, here)?;
     let tags = context.iter().map(|branch| tag(branch, here));
-    let words = tags.map(|tag| tag.filter(|(error, _)| error.location == first.location));
+    let words = tags.map(|tag| tag.filter(|(error, _)| error.place == first.place));
     let words: Vec<&str> = words.map(|tag| tag.map(|(_, word)| word)).collect::<Option<_>>()?;
     if words.len() < 2 || words.windows(2).any(|pair| pair[0] == pair[1]) {
         return None;
@@ -283,7 +235,7 @@ fn wrong_tag(context: &[Vec<Violation<'_>>], here: &Location) -> Option<Problem>
         Some(found) => format!("there is no '{found}'{}", hint(found, &words)),
         None => format!("expected one of {}, found {}", words.join(", "), shown(first.instance)),
     };
-    Some(Problem::structure(first.location.place.clone(), message))
+    Some(Problem::structure(first.place.clone(), message))
 }
 
 /// A type, constant or list of words that does not fit at all.
@@ -293,9 +245,9 @@ const MISFIT_OF_MISSING_KEY: usize = 1_000;
 /// A key that the branch does not know.
 const MISFIT_OF_UNKNOWN_KEY: usize = 100;
 
-fn branch_misfit(branch: &[Violation<'_>], here: &Location) -> usize {
+fn branch_misfit(branch: &[Violation<'_>], here: &Place) -> usize {
     let (mut missing, mut unknown): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
-    for error in branch.iter().filter(|error| error.location == *here) {
+    for error in branch.iter().filter(|error| error.place == *here) {
         match &error.keyword {
             Keyword::Missing(key) => missing.push(*key),
             Keyword::UnknownKeys(keys) => unknown.extend(keys.iter().copied()),
@@ -308,8 +260,8 @@ fn branch_misfit(branch: &[Violation<'_>], here: &Location) -> usize {
     sum - MISFIT_OF_MISSING_KEY * misspelled.min(missing.len())
 }
 
-fn misfit(error: &Violation<'_>, here: &Location) -> usize {
-    if error.location != *here {
+fn misfit(error: &Violation<'_>, here: &Place) -> usize {
+    if error.place != *here {
         return 1;
     }
     match &error.keyword {
@@ -323,8 +275,8 @@ fn misfit(error: &Violation<'_>, here: &Location) -> usize {
     }
 }
 
-fn collect_expectations(context: &[Vec<Violation<'_>>], here: &Location, all: &mut Vec<String>) {
-    for error in context.iter().flatten().filter(|error| error.location == *here) {
+fn collect_expectations(context: &[Vec<Violation<'_>>], here: &Place, all: &mut Vec<String>) {
+    for error in context.iter().flatten().filter(|error| error.place == *here) {
         if let Keyword::Union(branches) = &error.keyword {
             collect_expectations(branches, here, all);
         } else if let Some(text) = expected(error).filter(|text| text != "null" && !all.contains(text)) {

@@ -10,7 +10,7 @@ pub const NAME_PATTERN: &str = "^[A-Za-z0-9_-]+$";
 #[derive(Clone, Debug)]
 pub struct Violation<'v> {
     /// The place of the value.
-    pub location: Location,
+    pub place: Place,
     /// The value.
     pub instance: &'v Value,
     /// The schema in which the keyword stands.
@@ -46,6 +46,8 @@ pub enum Keyword<'v> {
     MaxLength(u64),
     /// `pattern`, which is [`NAME_PATTERN`].
     Pattern,
+    /// `format` of a whole number: the least and the greatest. The draft takes it for a comment, serde does not.
+    Format(i128, i128),
 }
 
 /// The types of JSON Schema.
@@ -98,15 +100,6 @@ impl JsonType {
     }
 }
 
-/// A place in a document, as it is shown and as a JSON pointer.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Location {
-    /// The place as messages have it.
-    pub place: Place,
-    /// The JSON pointer (RFC 6901).
-    pub pointer: String,
-}
-
 /// The way from the root to a value, without memory of its own.
 #[derive(Clone, Copy)]
 enum Path<'p> {
@@ -116,28 +109,21 @@ enum Path<'p> {
 }
 
 impl Path<'_> {
-    fn location(&self) -> Location {
+    fn place(&self) -> Place {
         match self {
-            Self::Root => Location { place: Place::root(), pointer: String::new() },
-            Self::Key(parent, key) => {
-                let Location { place, pointer } = parent.location();
-                let escaped = key.replace('~', "~0").replace('/', "~1");
-                Location { place: place.key(key), pointer: format!("{pointer}/{escaped}") }
-            }
-            Self::Index(parent, index) => {
-                let Location { place, pointer } = parent.location();
-                Location { place: place.index(*index), pointer: format!("{pointer}/{index}") }
-            }
+            Self::Root => Place::root(),
+            Self::Key(parent, key) => parent.place().key(key),
+            Self::Index(parent, index) => parent.place().index(*index),
         }
     }
 }
 
 /// Returns all that is wrong with a document, in the order of its members.
 ///
-/// `root` is the schema in which `$ref` looks for `#/$defs/…`.
-pub fn violations<'v>(root: &'v Value, document: &'v Value) -> Vec<Violation<'v>> {
+/// `root` is the schema in which `$ref` looks for `#/$defs/…`. `heeds_formats`: whether [`Keyword::Format`] counts.
+pub fn violations<'v>(root: &'v Value, document: &'v Value, heeds_formats: bool) -> Vec<Violation<'v>> {
     let mut found = Vec::new();
-    Check { root }.value(root, document, &Path::Root, &mut found);
+    Check { root, heeds_formats }.value(root, document, &Path::Root, &mut found);
     found
 }
 
@@ -152,8 +138,17 @@ const LIMITS: [(&str, &str, Relation); 4] = [
     ("exclusiveMaximum", "<", f64::lt),
 ];
 
+/// Formats of whole numbers, with the least and the greatest.
+const FORMATS: [(&str, i128, i128); 4] = [
+    ("int32", i32::MIN as i128, i32::MAX as i128),
+    ("uint8", 0, u8::MAX as i128),
+    ("uint", 0, u64::MAX as i128),
+    ("uint64", 0, u64::MAX as i128),
+];
+
 struct Check<'v> {
     root: &'v Value,
+    heeds_formats: bool,
 }
 
 impl<'v> Check<'v> {
@@ -163,7 +158,7 @@ impl<'v> Check<'v> {
             let target = self.root.pointer(target.trim_start_matches('#')).unwrap_or(&Value::Null);
             self.value(target, instance, path, found);
         }
-        let mut report = |keyword| found.push(Violation { location: path.location(), instance, schema, keyword });
+        let mut report = |keyword| found.push(Violation { place: path.place(), instance, schema, keyword });
         if let Some(types) = keywords.get("type") {
             let words = types.as_array().map_or(std::slice::from_ref(types), Vec::as_slice);
             let types: Vec<JsonType> = words.iter().filter_map(|word| JsonType::of_word(word.as_str()?)).collect();
@@ -183,6 +178,16 @@ impl<'v> Check<'v> {
             }
         }
         let count = |keyword: &str| keywords.get(keyword).and_then(Value::as_u64);
+        let format = keywords
+            .get("format")
+            .and_then(Value::as_str)
+            .filter(|_| self.heeds_formats && JsonType::Integer.admits(instance));
+        if let Some((_, least, greatest)) = FORMATS.into_iter().find(|(name, ..)| Some(*name) == format) {
+            let whole = instance.as_i64().map(i128::from).or(instance.as_u64().map(i128::from));
+            if whole.is_none_or(|whole| whole > greatest || whole < least && !keywords.contains_key("minimum")) {
+                report(Keyword::Format(least, greatest));
+            }
+        }
         if let Value::String(text) = instance {
             let length = text.chars().count() as u64;
             if count("minLength").is_some_and(|least| length < least) {
@@ -246,7 +251,7 @@ impl<'v> Check<'v> {
                 (None, others) => self.value(others, member, &Path::Key(path, key), found),
             }
         }
-        let mut report = |keyword| found.push(Violation { location: path.location(), instance, schema, keyword });
+        let mut report = |keyword| found.push(Violation { place: path.place(), instance, schema, keyword });
         if !unknown.is_empty() {
             report(Keyword::UnknownKeys(unknown));
         }
@@ -281,6 +286,6 @@ impl<'v> Check<'v> {
             1 => return None,
             _ => Keyword::Ambiguous,
         };
-        Some(Violation { location: path.location(), instance, schema, keyword })
+        Some(Violation { place: path.place(), instance, schema, keyword })
     }
 }

@@ -1,10 +1,12 @@
 //! Plugins in words: what `pullout plugin info` prints.
 
-use pullout_run::isolation;
+use pullout_run::isolation::prints::Prints;
+use pullout_run::isolation::{self, End, Need, Passage, Watch, Work};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::Path;
-use umat_abi::host::{LawDescription, Library, Parameter, Routine, StateDescription, binds_deeply};
+use std::path::{Path, PathBuf};
+use umat_abi::host::{LawDescription, Library, LoadError, Parameter, Routine, StateDescription, binds_deeply};
 use umat_abi::metadata::{flags, kinds, stress_states};
 
 /// Returns what a library has, in lines: each law by its metadata, or the entry points of a library without; the routines
@@ -108,6 +110,51 @@ fn of_law(law: &LawDescription, path: &Path) -> String {
     }
     text.push('\n');
     text
+}
+
+/// Library that another process is asked to describe.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Subject {
+    #[serde(with = "isolation::path")]
+    library: PathBuf,
+}
+
+impl Work for Subject {
+    const NAME: &'static str = "describe";
+    const IS_HEARD_BY_STARTER: bool = true;
+}
+
+impl Subject {
+    /// Tells [`as_json`].
+    ///
+    /// # Errors
+    /// The library cannot be loaded.
+    pub fn tell(&self) -> Result<(), LoadError> {
+        isolation::send(&loaded(&self.library)?);
+        Ok(())
+    }
+}
+
+/// Describes the library of a file as JSON ([`as_json`]), in a process of its own if it may not run here; null: it could not be
+/// loaded there, which was said. `time_limit`: of loading it, s.
+///
+/// # Errors
+/// The library cannot be loaded, or ends the process.
+pub fn of_file(library: &Path, time_limit: f64) -> Result<Value, String> {
+    let Some(need) = Need::of_library(library, time_limit) else {
+        return loaded(library).map_err(|error| error.to_string());
+    };
+    let in_words = |error: std::io::Error| format!("{}: cannot be looked at: {error}", library.display());
+    let mut passage = Passage::new(&Subject { library: library.to_owned() }).map_err(in_words)?;
+    match isolation::supervise(&mut passage, &Watch::default(), &need).map_err(in_words)? {
+        End::Done(_) => Ok(passage.heard().pop().unwrap_or_default()),
+        End::Failed(failure) => Err(failure.report.message),
+    }
+}
+
+fn loaded(library: &Path) -> Result<Value, LoadError> {
+    let _prints = Prints::discard();
+    Ok(as_json(&isolation::load(library)?))
 }
 
 /// Returns what [`of_library`] says, as JSON: `laws` with their parameters and states, `entry_points`, `routines`.

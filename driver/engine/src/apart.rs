@@ -3,6 +3,7 @@
 use super::{Error, Inspection, Job, Keep, Message, Options, Outcome, Settings, Source};
 use pullout_case::{CaseErrors, CaseProblem};
 use pullout_report::history::History;
+use pullout_report::plots::Spec;
 use pullout_report::summary::{self, Summary};
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::{Child, Work, prints};
@@ -108,6 +109,7 @@ fn read(out: &Path) -> io::Result<Outcome> {
         increments: json("increments.json"),
         trail: None,
         view: None,
+        spec: Spec::of_run(out).ok(),
         prints: prints::FILES.iter().filter_map(|name| std::fs::read(out.join(name)).ok()).map(plainly).collect(),
     })
 }

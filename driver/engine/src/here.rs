@@ -4,23 +4,28 @@ use super::{Job, Keep, Message, Outcome, Settings};
 use fe_core::stepping::Recorded;
 use fe_core::threads::Threads;
 use pullout_case::Case;
-use pullout_report::directory::ResultDirectory;
+use pullout_report::bridging;
+use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_report::ending::{Specimen, compare_all, conclude, summarise};
 use pullout_report::history::History;
 use pullout_report::page;
+use pullout_report::plots::Spec;
 use pullout_report::progress::{Extent, Progress};
-use pullout_report::record::{Kept, RunRecorder};
+use pullout_report::record::{Kept, RunRecorder, cpu_time};
 use pullout_report::summary::{Status, Summary};
 use pullout_report::viewer::States;
+use pullout_run::bridging::{BridgingProgram, complete};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{send, worker};
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout::checkpoint::{self, Checkpoints};
 use pullout_run::{pullout, signals};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::io;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// State of an earlier run with which a restarted one goes on.
 const KEPT: [&str; 7] =
@@ -177,6 +182,23 @@ fn view((program, outcome): &Specimen<'_>, history: &History, states: &States) -
     Ok(states.page(program, history, outcome.peak.as_ref())?.map(|viewer| page::around("Over the run", &viewer)))
 }
 
+/// Runs a case of kind "bridging", whose tables pass through a folder of which nothing stays.
+fn run_bridging(case: &Case, program: &BridgingProgram, threads: NonZeroUsize) -> io::Result<Outcome> {
+    let folder = tempfile::tempdir()?;
+    let mut directory = ResultDirectory::open(folder.path(), Kind::Run, Access::default())?;
+    directory.begin(&[])?;
+    let (start, cpu_start) = (Instant::now(), cpu_time());
+    let done = complete(program, None, threads);
+    let times = [start.elapsed().as_secs_f64(), (cpu_time() - cpu_start).as_secs_f64()];
+    let done = done.as_ref().map(|(composite, results)| (program, composite, results)).map_err(Clone::clone);
+    let (summary, written) = bridging::conclude(case, &mut directory, done, times, false)?;
+    written?;
+    let history = History::of_run(folder.path(), |table| table.read()).unwrap_or_default();
+    let spec = Some(Spec::of(case, BTreeMap::new()));
+    let (replay, increments, trail, view) = (None, None, None, None);
+    Ok(Outcome { history, summary, replay, increments, trail, view, spec, prints: String::new() })
+}
+
 /// Runs a case in memory; what it would write but fields is left out.
 pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let Settings { threads, stop, records, along, views, columns, listener, fields } = settings;
@@ -184,6 +206,9 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     case.announce();
     if let Some(columns) = columns {
         columns(case.columns());
+    }
+    if let Case::Bridging(program) = case {
+        return run_bridging(case, program, threads);
     }
     let progress = Progress::to(listener, extent(case));
     let mut record = RunRecorder::in_memory(case.columns(), progress, stop, threads == NonZeroUsize::MIN);
@@ -214,5 +239,6 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
         Some(specimen) => view(&specimen, &history, &states)?,
         None => None,
     };
-    Ok(Outcome { history, summary, replay, increments, trail, view, prints: String::new() })
+    let spec = Some(Spec::of(case, BTreeMap::new()));
+    Ok(Outcome { history, summary, replay, increments, trail, view, spec, prints: String::new() })
 }

@@ -5,7 +5,7 @@
 //! function and differs in where the rows go: [`run_into`] a folder.
 //!
 //! Libraries that were not built with this program may end the process that calls them. Cases that call one run in a child,
-//! as do those of kind "bridging", which may start others: a [`Job`] into a folder of which nothing stays.
+//! as do those of kind "bridging" that start others or make beams at random: a [`Job`] into a folder of which nothing stays.
 //! [`set_program`] says which file the program is.
 
 mod apart;
@@ -21,11 +21,12 @@ pub use pullout_run::isolation::{identity, let_all_in, set_program};
 
 use pullout_case::{Case, CaseErrors, Reader};
 use pullout_report::history::History;
+use pullout_report::plots::Spec;
 use pullout_report::progress::Listener;
 use pullout_report::summary::{Status, Summary};
-use pullout_run::columns;
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::{self, Need};
+use pullout_run::{bridging, columns};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io;
@@ -96,6 +97,8 @@ pub struct Outcome {
     pub trail: Option<Arc<Trail>>,
     /// A specimen over the run, as a page of HTML: the viewer of `report.html` by itself.
     pub view: Option<String>,
+    /// What pictures of the rows need besides them; `None`: a plugin ended the child before the case was read.
+    pub spec: Option<Spec>,
     /// Text that plugins printed in a child.
     pub prints: String,
 }
@@ -167,7 +170,13 @@ impl Source {
             return Ok(Prepared { source: self, case: None });
         }
         let case = self.case()?;
-        let runs_here = !matches!(case, Case::Bridging(_));
+        let runs_here = match &case {
+            // beams at random take their time, which nothing ends here, and simulations start other processes
+            Case::Bridging(program) => {
+                program.scatter.is_none() && !matches!(program.source, bridging::LoadSource::Simulated(_))
+            }
+            Case::Path(_) | Case::Pullout(_) => true,
+        };
         Ok(Prepared { source: self, case: runs_here.then(|| Box::new(case)) })
     }
 

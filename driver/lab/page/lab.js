@@ -87,24 +87,42 @@
     return row;
   });
 
-  /** Numbers of a case of another kind, by their places in it. */
+  /** Numbers of a mix that come first: name, unit, least, greatest, factor to what the case has. */
+  const STEEL = 7850;
+  const mix = {
+    volume_fraction: ["Fibre content (steel)", "kg/m³", 5, 150, 1 / STEEL],
+    "fibre.length": ["Fibre length", "mm", 10, 80, 1],
+    "fibre.diameter": ["Fibre diameter", "mm", 0.1, 1.5, 1],
+    "fibre.tau": ["Bond stress τ", "MPa", 0.5, 15, 1],
+    "fibre.strength": ["Fibre strength", "MPa", 400, 3000, 1],
+    "fibre.inclination.f": ["Snubbing f", "", 0, 1, 1],
+    "matrix.ft": ["Tensile strength of the matrix", "MPa", 1, 8, 1],
+    "matrix.Gf": ["Fracture energy of the matrix", "N/mm", 0.02, 0.3, 1],
+  };
+
+  /** Numbers of a case of another kind, by their places in it: those of a mix first, all others folded below them. */
   const caseControls = () => {
-    const rows = [];
+    const first = {}, others = [], known = kind === "bridging" ? mix : {};
     const walk = (node, place) => {
       for (const [key, value] of Object.entries(node)) {
-        const at = [...place, key];
+        const at = [...place, key], name = at.join(".");
         if (typeof value === "number" && !Array.isArray(node)) {
-          rows.push(control(at.join("."), "", "", value, { default: value, usual: null }, (next) => { node[key] = next; changed(); }));
+          const [title, unit, low, high, factor] = known[name] ?? [name, "", null, null, 1];
+          const bounds = { default: value / factor, usual: low === null ? null : [low, high] };
+          const row = control(title, unit, name, value / factor, bounds, (next) => { node[key] = next * factor; changed(); });
+          if (name in known) first[name] = row; else others.push(row);
         } else if (value && typeof value === "object" && key !== "compare" && key !== "steps") walk(value, at);
       }
     };
     walk(given, []);
-    return rows;
+    const rows = Object.keys(known).map((name) => first[name]).filter(Boolean);
+    return rows.length === 0 ? others : [...rows, make("details", {}, make("summary", {}, "All other numbers"), ...others)];
   };
 
   const showMaterial = () => {
     const isPoint = kind === "point" || kind === "interface";
     const laws = described();
+    part("material-title").textContent = { bridging: "Mix", pullout: "Specimen" }[kind] ?? "Material";
     part("law-label").hidden = !isPoint || (isOwn() && laws.length === 0);
     part("law").replaceChildren(...laws.map(({ name }) => make("option", { value: name }, name.replaceAll("_", " "))));
     const wanted = isOwn() ? given.material?.cmname?.toLowerCase() ?? laws[0]?.name : given.material?.plugin;
@@ -116,7 +134,10 @@
     part("constants").hidden = !isPoint || law !== null;
     part("length-label").hidden = !isPoint;
     if (law?.group?.minimum && !Array.isArray(values)) values[law.group.name] ??= groupDefault(law.group);
-    const rows = !isPoint ? caseControls() : law ? parameterControls() : constantControls();
+    for (const place of document.querySelectorAll(".of-a-law")) place.hidden = !isPoint;
+    for (const place of document.querySelectorAll(".of-a-case")) place.hidden = kind === "results";
+    part("strengths").parentElement.hidden = !isPoint;
+    const rows = kind === "results" ? [] : !isPoint ? caseControls() : law ? parameterControls() : constantControls();
     part("parameters").replaceChildren(...rows);
   };
 
@@ -285,7 +306,8 @@
     part("replay").hidden = !answer.replay;
     if (refused) { part("status").textContent = "the case was refused"; return; }
     shown = { ...answer, document };
-    part("status").textContent = `${answer.status}: ${answer.increments} increments, ${answer.iterations} iterations, ${answer.milliseconds.toFixed(1)} ms (${Math.round(elapsed)} ms to the picture)`;
+    const effort = answer.increments > 0 ? `${answer.increments} increments, ${answer.iterations} iterations, ` : "";
+    part("status").textContent = `${answer.status}: ${effort}${answer.milliseconds.toFixed(1)} ms (${Math.round(elapsed)} ms to the picture)`;
     const places = part("figures");
     answer.figures.forEach((figure, k) => {
       const place = places.children[k] ?? places.appendChild(make("figure"));
@@ -294,8 +316,21 @@
       place.onpointerleave = () => place.querySelector(".cursor")?.remove();
     });
     while (places.children.length > answer.figures.length) places.lastChild.remove();
-    part("numbers").textContent = answer.findings ? Object.entries(answer.findings).filter(([, value]) => typeof value === "number").map(([key, value]) => `${key.replaceAll("_", " ")} ${tidy(value)}`).join(", ") : "";
+    part("numbers").textContent = (answer.compare ?? []).filter(({ rms }) => rms !== null).map(({ file, rms }) => `RMS difference from ${file}: ${tidy(rms)}`).join(", ");
+    if (answer.findings) showStrengths(answer.findings);
     window.dispatchEvent(new CustomEvent("shown"));
+  };
+
+  /** What a mix is worth: strengths of the notched beam, and of the crack. */
+  const showStrengths = ({ beam, scatter, sigma_peak, sigma_fibre_peak, efficiency, fibres_per_cm2 }) => {
+    const strength = (name, value, unit, index = "") => make("tr", {}, make("td", {}, name, make("sub", {}, index)), make("td", {}, tidy(Number(value.toPrecision(4)))), make("td", {}, unit));
+    const rows = beam ? [strength("f", beam.f_L, "MPa", "L"), ...beam.f_R.map((value, k) => strength("f", value, "MPa", `R${k + 1}`))] : [];
+    rows.push(strength("Greatest σ", sigma_peak, "MPa"), strength("Greatest σ of the fibres", sigma_fibre_peak, "MPa"),
+      strength("Orientation factor η", efficiency, ""), strength("Fibres per cm²", fibres_per_cm2, ""));
+    part("verdict-title").textContent = "Strengths";
+    part("conclusion").textContent = scatter ? `Class ${scatter.class ?? "none"} (fib Model Code 2010)` : "";
+    part("strengths").replaceChildren(...rows);
+    part("strengths").parentElement.hidden = false;
   };
 
   /** The values of the point of a curve that is nearest to the pointer. */
@@ -325,7 +360,7 @@
     const document = caseNow(), asked = JSON.stringify(document);
     part("conclusion").textContent = "checking …";
     const answer = await (await ask("check", { document })).json().catch(() => null);
-    if (answer === null || JSON.stringify(caseNow()) !== asked) return;
+    if (answer === null || answer.status === "superseded" || JSON.stringify(caseNow()) !== asked) return;
     if (answer.problems) {
       part("conclusion").replaceChildren(make("span", { className: "badge" }, "not checked"));
       part("findings").replaceChildren(make("li", {}, answer.problems.map((problem) => problem.words).join("\n")));
@@ -425,6 +460,11 @@
     }
   };
 
+  if (begin.has_report) {
+    part("title").textContent = given.title;
+    part("report").href = "report";
+    part("report").parentElement.hidden = false;
+  }
   adopt(given);
   if (!isOwn() || library.library) changed(); else { part("problems").hidden = false; part("problems").textContent = library.refusal ?? ""; part("status").textContent = "waiting for a library"; }
   if (isOwn()) follow();

@@ -20,6 +20,9 @@ const OWN_NAMES: [&str; 3] = ["127.0.0.1", "localhost", "[::1]"];
 /// What nothing on the page may do: load from elsewhere, run scripts of its own text.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; \
                       base-uri 'none'; form-action 'none'";
+/// What a report may do, which is one file with its scripts: nothing but show itself, as a page of nobody's.
+const POLICY_OF_A_REPORT: &str = "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline'; \
+                                  style-src 'unsafe-inline'; img-src data: blob:";
 /// What keeps it out of another page's frame.
 const UNFRAMED: &str = "; frame-ancestors 'none'";
 
@@ -45,6 +48,7 @@ pub(crate) struct Response {
     code: u16,
     kind: &'static str,
     more: String,
+    policy: &'static str,
     frames: &'static str,
     body: Vec<u8>,
 }
@@ -52,7 +56,12 @@ pub(crate) struct Response {
 impl Response {
     /// An answer with a body of a media type.
     pub fn of(kind: &'static str, body: impl Into<Vec<u8>>) -> Self {
-        Self { code: 200, kind, more: String::new(), frames: UNFRAMED, body: body.into() }
+        Self { code: 200, kind, more: String::new(), policy: POLICY, frames: UNFRAMED, body: body.into() }
+    }
+
+    /// The report of a run.
+    pub fn report(text: Vec<u8>) -> Self {
+        Self { policy: POLICY_OF_A_REPORT, ..Self::of("text/html; charset=utf-8", text) }
     }
 
     /// An answer as JSON.
@@ -91,10 +100,11 @@ impl Response {
         };
         let head = format!(
             "HTTP/1.1 {} {reason}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
-             Referrer-Policy: no-referrer\r\nContent-Security-Policy: {POLICY}{}\r\n{}Connection: close\r\n\r\n",
+             Referrer-Policy: no-referrer\r\nContent-Security-Policy: {}{}\r\n{}Connection: close\r\n\r\n",
             self.code,
             self.kind,
             self.body.len(),
+            self.policy,
             self.frames,
             self.more
         );

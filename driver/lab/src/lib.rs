@@ -5,13 +5,17 @@
 //! laws and what the command line named, nothing else. Cases are read and run by [`pullout_engine`], pictures drawn by
 //! [`pullout_report`]: the page only shows them.
 
+mod done;
 mod http;
 mod subject;
+mod watch;
 mod work;
+
+pub use watch::{Stamp, Watch};
 
 use http::{Request, Response};
 use pullout_run::{PLUGIN_STACK, signals};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::io;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::PathBuf;
@@ -20,6 +24,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 use subject::Subject;
+pub use work::Examination;
 use work::{Wanted, Work};
 
 /// Requests that are answered at the same time; more are refused.
@@ -34,8 +39,10 @@ const SCRIPT: &str = include_str!("../page/lab.js");
 /// What a lab is opened with.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// A law's name, a case, a library or a source; `None`: a law of ours.
+    /// A law's name, a case, a library, a source or the result directory of a run; `None`: a law of ours.
     pub subject: Option<String>,
+    /// The case to begin with, in place of what the subject is.
+    pub document: Option<Value>,
     /// Folders where plugins are looked for first.
     pub plugin_paths: Vec<PathBuf>,
     /// Port; 0: any that is free.
@@ -73,7 +80,10 @@ impl Lab {
     /// # Errors
     /// [`Error`].
     pub fn open(settings: &Settings) -> Result<Self, Error> {
-        let subject = Subject::of(settings.subject.as_deref(), &settings.plugin_paths)?;
+        let subject = match &settings.document {
+            Some(document) => Subject::of_document(document.clone(), &settings.plugin_paths)?,
+            None => Subject::of(settings.subject.as_deref(), &settings.plugin_paths)?,
+        };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, settings.port))
             .map_err(|error| Error::Subject(format!("--port {}: {error}", settings.port)))?;
         let port = listener.local_addr()?.port();
@@ -162,10 +172,15 @@ impl Shared {
             ("GET", "/") => Response::of("text/html; charset=utf-8", PAGE),
             ("GET", "/lab.css") => Response::of("text/css; charset=utf-8", STYLE),
             ("GET", "/lab.js") => Response::of("text/javascript; charset=utf-8", SCRIPT),
+            ("GET", "/report") => match self.subject.report() {
+                Some(text) => Response::report(text),
+                None => Response::refusal(404, "there is no report"),
+            },
             ("GET", "/start") => Response::json(&json!({
                 "document": self.subject.document,
                 "laws": self.subject.laws,
                 "library": self.subject.library(),
+                "has_report": self.subject.report().is_some(),
             })),
             ("GET", "/library") => {
                 let version = request.query.strip_prefix("after=").and_then(|version| version.parse().ok());
@@ -181,7 +196,7 @@ impl Shared {
             Ok(wanted) => wanted,
             Err(error) => return Response::refusal(400, &error.to_string()),
         };
-        let text = |written: Result<String, serde_json::Value>| match written {
+        let text = |written: Result<String, Value>| match written {
             Ok(text) => Response::of("text/plain; charset=utf-8", text),
             Err(refusal) => Response::json(&refusal),
         };

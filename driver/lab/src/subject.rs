@@ -1,21 +1,23 @@
 //! What the lab was opened with: a law, a case, a library, or sources that are built again whenever they change.
 
 use crate::Error;
+use crate::done::Done;
+use crate::watch::{Watch, with_included};
+use crate::work::CALL_TIME_LIMIT;
 use pullout_check::build;
 use pullout_check::description;
+use pullout_report::page;
 use pullout_run::input::{self, Input};
 use pullout_run::isolation;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, SystemTime};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 use umat_abi::host::{Found, library_path, names_a_file, search_paths};
 
 /// Law of a lab that is opened without one.
 const FIRST_LAW: &str = "j2_plasticity";
-/// Time between two looks at a source.
-const LOOK: Duration = Duration::from_millis(100);
 /// Longest time that a page waits for a change of a source.
 const LONGEST_WAIT: Duration = Duration::from_secs(20);
 
@@ -28,6 +30,8 @@ pub(crate) struct Subject {
     pub folder: PathBuf,
     /// Laws that are shipped, as [`description::as_json`] describes them.
     pub laws: Vec<Value>,
+    /// The run whose results are shown.
+    pub finished: Option<Arc<Done>>,
     /// The user's own library or source.
     watched: Option<Watched>,
 }
@@ -37,6 +41,8 @@ struct Watched {
     /// The file as the command line, or the case, names it.
     named: String,
     file: PathBuf,
+    /// The file and what it includes.
+    files: Mutex<Watch>,
     state: Mutex<State>,
     changed: Condvar,
 }
@@ -56,8 +62,33 @@ struct State {
 }
 
 impl Subject {
+    /// A case that stands in no file.
+    pub fn of_document(document: Value, plugin_paths: &[PathBuf]) -> Result<Self, Error> {
+        let (laws, folder) = (shipped(plugin_paths), std::path::absolute(".")?);
+        Ok(Self { document, folder, laws, finished: None, watched: None })
+    }
+
+    /// The results of a run, which nothing changes.
+    fn of_results(folder: &Path) -> Result<Self, Error> {
+        let finished = Done::read(folder).map_err(|error| {
+            Error::Subject(format!("{error}: is {} the result directory of a run with pictures?", folder.display()))
+        })?;
+        let document = json!({ "kind": "results", "title": finished.title() });
+        let folder = std::path::absolute(folder)?;
+        Ok(Self { document, folder, laws: Vec::new(), finished: Some(Arc::new(finished)), watched: None })
+    }
+
+    /// The report of the run whose results are shown.
+    pub fn report(&self) -> Option<Vec<u8>> {
+        let report = self.finished.as_ref().map(|_| self.folder.join(page::FILE))?;
+        input::read(&report, Input::Result).ok()
+    }
+
     /// Finds out what a word of the command line is.
     pub fn of(word: Option<&str>, plugin_paths: &[PathBuf]) -> Result<Self, Error> {
+        if let Some(folder) = word.map(Path::new).filter(|word| word.is_dir()) {
+            return Self::of_results(folder);
+        }
         let laws = shipped(plugin_paths);
         let here = PathBuf::from(".");
         let word = word.unwrap_or(FIRST_LAW);
@@ -72,24 +103,28 @@ impl Subject {
             let folder = std::path::absolute(here.join(input::folder_of(path)))?;
             let plugin = document["material"]["plugin"].as_str().filter(|plugin| names_a_file(plugin));
             let watched = plugin.map(|plugin| Watched::new(plugin, folder.join(plugin))).transpose()?;
-            return Ok(Self { document, folder, laws, watched });
+            return Ok(Self { document, folder, laws, finished: None, watched });
         }
         if names_a_file(word) {
             let watched = Watched::new(word, library_path(Path::new(""), word))?;
             let document =
                 json!({ "kind": "point", "material": { "props": [], "nstatv": 0 }, "mode": "3d", "steps": [] });
-            return Ok(Self { document, folder: std::path::absolute(here)?, laws, watched: Some(watched) });
+            let folder = std::path::absolute(here)?;
+            return Ok(Self { document, folder, laws, finished: None, watched: Some(watched) });
         }
         let law = laws.iter().find(|law| law["name"] == word);
         let law = law.ok_or_else(|| {
             let names: Vec<_> = laws.iter().filter_map(|law| law["name"].as_str()).collect();
-            Error::Subject(format!("{word}: neither a law ({}) nor a case, a source or a library", names.join(", ")))
+            Error::Subject(format!(
+                "{word}: neither a law ({}) nor a case, a source, a library or a result directory",
+                names.join(", ")
+            ))
         })?;
         let entry_points = law["entry_points"].as_array();
         let is_bulk = entry_points.is_some_and(|names| names.iter().any(|name| name == "umat"));
         let kind = if is_bulk { "point" } else { "interface" };
         let document = json!({ "kind": kind, "material": { "plugin": word, "props": {} }, "steps": [] });
-        Ok(Self { document, folder: std::path::absolute(here)?, laws, watched: None })
+        Self::of_document(document, plugin_paths)
     }
 
     /// Returns whether a case may name this plugin: a shipped law, or what the command line named.
@@ -126,19 +161,14 @@ impl Subject {
         self.library()
     }
 
-    /// Looks at the user's file now and then, for ever, and makes a library of it whenever it has changed.
+    /// Makes a library of the user's file whenever it, or what it includes, has changed; for ever.
     pub fn watch(&self) {
         let Some(watched) = &self.watched else { return };
-        let stamp = || watched.file.metadata().and_then(|data| Ok((data.modified()?, data.len()))).ok();
-        let mut seen: Option<(SystemTime, u64)> = stamp();
+        let mut files = watched.files.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
-            std::thread::sleep(LOOK);
-            let present = stamp();
-            // an editor may take the file away for a moment
-            if present.is_some() && present != seen {
-                seen = present;
-                watched.refresh();
-            }
+            files.wait(&|| false);
+            *files = Watch::of(with_included(&watched.file));
+            watched.refresh();
         }
     }
 }
@@ -150,7 +180,9 @@ impl Watched {
         if !file.is_file() {
             return Err(Error::Subject(format!("{named}: there is no such file")));
         }
-        let watched = Self { named: named.to_owned(), file, state: Mutex::default(), changed: Condvar::new() };
+        // what is saved while it is built is a change as well
+        let files = Mutex::new(Watch::of(with_included(&file)));
+        let watched = Self { named: named.to_owned(), file, files, state: Mutex::default(), changed: Condvar::new() };
         watched.refresh();
         Ok(watched)
     }
@@ -166,7 +198,7 @@ impl Watched {
         } else {
             Ok(self.file.clone())
         };
-        let description = built.as_ref().ok().and_then(|library| described_apart(library).ok());
+        let description = built.as_ref().ok().and_then(|library| description::of_file(library, CALL_TIME_LIMIT).ok());
         let mut state = self.lock();
         state.version += 1;
         state.remarks = remarks.into_inner();
@@ -202,11 +234,4 @@ fn shipped(plugin_paths: &[PathBuf]) -> Vec<Value> {
         );
     }
     laws
-}
-
-/// What `pullout plugin info --json` says of a library that may end the process that loads it.
-fn described_apart(library: &Path) -> std::io::Result<Value> {
-    let mut command = std::process::Command::new(isolation::program()?);
-    command.args(["plugin", "info", "--json", "--"]).arg(library).stderr(std::process::Stdio::null());
-    Ok(serde_json::from_slice(&command.output()?.stdout)?)
 }

@@ -1,19 +1,19 @@
 //! Runs of cases that the page asks for, their pictures, and verdicts on laws.
 
+use crate::done::Done;
 use crate::subject::Subject;
-use pullout_case::Case;
-use pullout_engine::{Error, Outcome, Settings, Source};
+use pullout_case::{Case, CaseProblem};
+use pullout_check::conformance::Judgement;
+use pullout_engine::{Error, Message, Outcome, Settings, Source};
 use pullout_report::history::History;
 use pullout_report::plots::figure::Drawing;
-use pullout_report::plots::{self, CaseKind, Curve, Spec, selection};
-use pullout_report::summary::Summary;
-use pullout_run::isolation;
-use serde::Deserialize;
+use pullout_report::plots::{self, Curve, Spec, selection};
+use pullout_run::isolation::{self, Child};
+use pullout_run::number;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::{Seek, Write as _};
-use std::process::{Command, Stdio};
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -22,10 +22,10 @@ use std::time::Instant;
 const MOST_KEPT: usize = 32;
 /// Rows of a run that is kept at most.
 const LONGEST_KEPT: usize = 100_000;
-/// Pages whose newest request ends their older one.
-const MOST_PAGES: usize = 16;
+/// Kinds of requests of pages of which the newest ends the older one.
+const MOST_PAGES: usize = 32;
 /// Longest time of one call of a user's library, s.
-const CALL_TIME_LIMIT: f64 = 2.0;
+pub(crate) const CALL_TIME_LIMIT: f64 = 2.0;
 /// States in which a verdict looks at a law.
 const STATES: usize = 20;
 
@@ -52,16 +52,27 @@ struct Ghost {
     document: Value,
 }
 
-/// A run that is over.
-struct Done {
-    history: History,
-    summary: Summary,
-    replay: Option<Value>,
-    prints: String,
-    subject: CaseKind,
-    units: BTreeMap<String, String>,
-    law: String,
-    milliseconds: f64,
+/// Checks of a library around the path of a case, which another process makes and tells as a [`Judgement`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Examination {
+    /// Case.
+    pub case: Source,
+    /// Library, as the case names it.
+    pub plugin: String,
+    /// States in which the law is looked at.
+    pub states: usize,
+}
+
+impl isolation::Work for Examination {
+    const NAME: &'static str = "examine";
+}
+
+/// What the process tells that examines a law.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Told {
+    Judgement(Judgement),
+    Message(Message),
 }
 
 /// Runs so far.
@@ -69,40 +80,40 @@ struct Done {
 pub(crate) struct Work {
     kept: Mutex<Vec<(String, Arc<Done>)>>,
     pages: Mutex<Vec<(String, Arc<AtomicBool>)>>,
+    /// Held by the check that goes on: of those that wait, the newest of a page is the next.
+    checking: Mutex<()>,
 }
 
 impl Work {
     /// Runs the case and draws it over its ghosts.
     pub fn run(&self, subject: &Subject, wanted: &Wanted) -> Value {
-        let stop = self.newest(&wanted.page);
+        let stop = self.newest(("run", &wanted.page));
         let done = match self.done(subject, &wanted.document, &stop) {
             Ok(done) => done,
             Err(refusal) => return refusal,
         };
+        let kind = |done: &Done| done.spec.as_ref().map(|spec| std::mem::discriminant(&spec.subject));
         let ghosts = wanted.ghosts.iter().filter_map(|ghost| {
             let earlier = self.done(subject, &ghost.document, &stop).ok()?;
-            let is_alike = std::mem::discriminant(&earlier.subject) == std::mem::discriminant(&done.subject);
-            is_alike.then(|| (ghost.name.clone(), earlier))
+            (kind(&earlier) == kind(&done)).then(|| (ghost.name.clone(), earlier))
         });
         let runs: Vec<(String, Arc<Done>)> = std::iter::once(("now".to_owned(), done.clone())).chain(ghosts).collect();
         let several = runs.len() > 1;
-        let specs: Vec<Spec> = runs
+        let specs: Vec<(&str, &History, Spec)> = runs
             .iter()
             .enumerate()
-            .map(|(k, (name, run))| Spec {
-                title: if several { name.clone() } else { String::new() },
-                law: run.law.clone(),
-                subject: run.subject.clone(),
-                units: run.units.clone(),
-                curves: if k == 0 { wanted.curves.clone() } else { Vec::new() },
-                inputs: BTreeMap::new(),
+            .filter_map(|(k, (name, run))| {
+                let own = run.spec.clone()?;
+                let title = if several { name.clone() } else { String::new() };
+                let curves = match k {
+                    0 => own.curves.into_iter().chain(wanted.curves.iter().cloned()).collect(),
+                    _ => Vec::new(),
+                };
+                Some((name.as_str(), &run.history, Spec { title, curves, ..own }))
             })
             .collect();
-        let drawn: Vec<plots::Run<'_>> = runs
-            .iter()
-            .zip(&specs)
-            .map(|((name, run), spec)| plots::Run { history: &run.history, spec, name })
-            .collect();
+        let drawn: Vec<plots::Run<'_>> =
+            specs.iter().map(|(name, history, spec)| plots::Run { history, spec, name }).collect();
         let figures: Vec<Value> = selection::figures(&drawn)
             .iter()
             .filter_map(|figure| {
@@ -116,6 +127,7 @@ impl Work {
             "message": done.summary.message,
             "warnings": done.summary.warnings,
             "findings": done.summary.bridging,
+            "compare": done.summary.compare,
             "increments": done.summary.increments,
             "iterations": done.summary.iterations,
             "replay": done.replay,
@@ -127,45 +139,53 @@ impl Work {
 
     /// The rows of a case as CSV.
     pub fn csv(&self, subject: &Subject, wanted: &Wanted) -> Result<String, Value> {
-        let done = self.done(subject, &wanted.document, &self.newest(&wanted.page))?;
+        let done = self.done(subject, &wanted.document, &self.newest(("run", &wanted.page)))?;
         let columns = done.history.columns();
-        let mut text = columns.join(",") + "\n";
+        let mut text = (columns.join(",") + "\n").into_bytes();
         for row in 0..done.history.rows() {
             let values = (0..columns.len()).filter_map(|column| done.history.column_at(column)?.get(row).copied());
             for (column, value) in values.enumerate() {
-                let _ = write!(text, "{}{value:?}", if column == 0 { "" } else { "," });
+                text.extend(Some(b',').filter(|_| column > 0));
+                number::push_exact(&mut text, value);
             }
-            text.push('\n');
+            text.push(b'\n');
         }
-        Ok(text)
+        Ok(String::from_utf8_lossy(&text).into_owned())
     }
 
     /// What `pullout plugin check` says of the law around the path of the case.
     pub fn check(&self, subject: &Subject, wanted: &Wanted) -> Value {
-        let checked = || -> std::io::Result<Value> {
-            let plugin = wanted.document["material"]["plugin"].as_str().unwrap_or_default();
-            if !subject.admits(plugin) {
-                return Ok(refusal(
-                    "material.plugin",
-                    "neither a shipped law nor the library that the lab was opened with",
-                ));
-            }
-            let mut text = tempfile::NamedTempFile::new()?;
-            text.write_all(wanted.document.to_string().as_bytes())?;
-            text.rewind()?;
-            let mut command = Command::new(isolation::program()?);
-            command.args(["plugin", "check", "--json", &format!("--states={STATES}"), "--case"]).arg(text.path());
-            command.arg("--").arg(plugin).current_dir(&subject.folder).stdin(Stdio::null());
-            let output = command.output()?;
-            Ok(serde_json::from_slice(&output.stdout)
-                .unwrap_or_else(|_| refusal("", String::from_utf8_lossy(&output.stderr).trim_end())))
+        let stop = self.newest(("check", &wanted.page));
+        let _one_at_a_time = self.checking.lock().unwrap_or_else(PoisonError::into_inner);
+        if stop.load(Ordering::Relaxed) {
+            return json!({ "status": "superseded" });
+        }
+        let case = match self.source(subject, &wanted.document) {
+            Ok(case) => case,
+            Err(refusal) => return refusal,
+        };
+        let plugin = wanted.document["material"]["plugin"].as_str().unwrap_or_default().to_owned();
+        let checked = || -> io::Result<Value> {
+            let mut child = Child::start(&Examination { case, plugin, states: STATES }, Some(&subject.folder))?;
+            let mut answer = None;
+            child.wait(&|| None, None, &mut |told| {
+                for told in told {
+                    answer = match told {
+                        Told::Judgement(judgement) => serde_json::to_value(judgement).ok(),
+                        Told::Message(Message::Refused(all)) => Some(problems(&all)),
+                        Told::Message(_) => continue,
+                    };
+                }
+            })?;
+            let printed = || Ok(refusal("", String::from_utf8_lossy(&child.printed()?).trim_end()));
+            answer.map_or_else(printed, Ok)
         };
         checked().unwrap_or_else(|error| refusal("", &error.to_string()))
     }
 
     /// The case as lines of an ABAQUS input file.
     pub fn abaqus(&self, subject: &Subject, wanted: &Wanted) -> Result<String, Value> {
-        let prepared = self.source(subject, &wanted.document)?.read().map_err(|errors| problems(&errors))?;
+        let prepared = self.source(subject, &wanted.document)?.read().map_err(|errors| problems(&errors.problems))?;
         let plugin = match prepared.case() {
             Some(Case::Path(program)) => Some(&program.plugin),
             _ => None,
@@ -185,16 +205,17 @@ impl Work {
         Ok(text)
     }
 
-    /// Ends the older request of a page; the flag of the newest.
-    fn newest(&self, page: &str) -> Arc<AtomicBool> {
+    /// Ends the older request of a page for the same; the flag of the newest.
+    fn newest(&self, (what, page): (&str, &str)) -> Arc<AtomicBool> {
+        let page = format!("{what} {page}");
         let mut pages = self.pages.lock().unwrap_or_else(PoisonError::into_inner);
         let stop = Arc::new(AtomicBool::new(false));
-        if let Some(place) = pages.iter().position(|(name, _)| name == page) {
+        if let Some(place) = pages.iter().position(|(name, _)| *name == page) {
             pages.remove(place).1.store(true, Ordering::Relaxed);
         } else if pages.len() == MOST_PAGES {
             pages.remove(0);
         }
-        pages.push((page.to_owned(), stop.clone()));
+        pages.push((page, stop.clone()));
         stop
     }
 
@@ -216,6 +237,9 @@ impl Work {
     }
 
     fn done(&self, subject: &Subject, document: &Value, stop: &Arc<AtomicBool>) -> Result<Arc<Done>, Value> {
+        if let Some(finished) = &subject.finished {
+            return Ok(finished.clone());
+        }
         let key = document.to_string();
         {
             let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
@@ -226,10 +250,11 @@ impl Work {
             }
         }
         let start = Instant::now();
-        let prepared = self.source(subject, document)?.read().map_err(|errors| problems(&errors))?;
-        let settings = Settings { stop: stop.clone(), ..Settings::default() };
+        let prepared = self.source(subject, document)?.read().map_err(|errors| problems(&errors.problems))?;
+        let threads = std::thread::available_parallelism().ok();
+        let settings = Settings { threads, stop: stop.clone(), ..Settings::default() };
         let outcome = prepared.run(settings).map_err(|error| match error {
-            Error::Case(errors) => problems(&errors),
+            Error::Case(errors) => problems(&errors.problems),
             Error::Stopped => json!({ "status": "superseded" }),
             Error::System(error) => refusal("", &error.to_string()),
         })?;
@@ -237,15 +262,8 @@ impl Work {
             return Err(json!({ "status": "superseded" }));
         }
         let milliseconds = 1e3 * start.elapsed().as_secs_f64();
-        let (law, subject, units) = match prepared.case() {
-            Some(case) => {
-                let spec = Spec::of(case, BTreeMap::new());
-                (spec.law, spec.subject, spec.units)
-            }
-            None => (law_of(document), kind_of(document), BTreeMap::new()),
-        };
-        let Outcome { history, summary, replay, prints, .. } = outcome;
-        let done = Arc::new(Done { history, summary, replay, prints, subject, units, law, milliseconds });
+        let Outcome { history, summary, replay, prints, spec, .. } = outcome;
+        let done = Arc::new(Done { history, summary, replay, prints, spec, milliseconds });
         if done.history.rows() <= LONGEST_KEPT {
             let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
             if kept.len() == MOST_KEPT {
@@ -257,30 +275,8 @@ impl Work {
     }
 }
 
-/// The law's name in a case that is read elsewhere.
-fn law_of(document: &Value) -> String {
-    let plugin = document["material"]["plugin"].as_str().unwrap_or("computed");
-    umat_abi::host::library_name(plugin.as_ref())
-}
-
-/// The kind of a case that is read elsewhere, and of a point the strains that its steps name.
-fn kind_of(document: &Value) -> CaseKind {
-    match document["kind"].as_str() {
-        Some("interface") => CaseKind::Interface,
-        Some("pullout") => CaseKind::Pullout,
-        Some("bridging") => CaseKind::Bridging,
-        _ => {
-            let names = ["e11", "e22", "e33", "g12", "g13", "g23"];
-            let steps = document["steps"].as_array().into_iter().flatten();
-            let named: Vec<&Value> = steps.map(|step| &step["target"]).collect();
-            let is_driven = |name: &str| named.iter().any(|target| target[name].is_number());
-            CaseKind::Point { controlled: (0..6).filter(|&k| is_driven(names[k])).collect() }
-        }
-    }
-}
-
-fn problems(errors: &pullout_case::CaseErrors) -> Value {
-    let all: Vec<Value> = errors.problems.iter().map(|problem| json!({ "words": problem.to_string() })).collect();
+fn problems(problems: &[CaseProblem]) -> Value {
+    let all: Vec<Value> = problems.iter().map(|problem| json!({ "words": problem.to_string() })).collect();
     json!({ "status": "refused", "problems": all })
 }
 

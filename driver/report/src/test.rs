@@ -76,6 +76,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         units: Default::default(),
         curves: vec![Curve { label: measured.label.clone(), x: "e11".into(), y: "s11".into(), points }],
         inputs: Default::default(),
+        captions: Default::default(),
     };
     let drawings = plots::draw(&mut directory, "plots", &history, &spec).unwrap();
     let mut summary = Summary {

@@ -400,6 +400,25 @@ fn number(value: f64) -> String {
     significant(value, 4)
 }
 
+/// Runs a case to its end, with the curves of fibres that were simulated for it, if it asks for them.
+///
+/// # Errors
+/// In words: numbers without sense, a signal.
+pub fn complete(
+    program: &BridgingProgram,
+    simulated: Option<(Vec<Curve>, SimulationFindings)>,
+    threads: NonZeroUsize,
+) -> Result<(Composite, Results), String> {
+    let (curves, simulations) = simulated.unzip();
+    let curves = curves.unwrap_or_default();
+    let composite = program.composite(&curves).map_err(|error| error.to_string())?;
+    let mut results = run(program, &composite, threads)?;
+    results.findings.simulations = simulations;
+    results.warnings.extend(program.assumptions(&curves).map_err(|error| error.to_string())?);
+    results.curves = curves;
+    Ok((composite, results))
+}
+
 /// Runs it by so many threads; the results have the same bits with any number.
 ///
 /// # Errors

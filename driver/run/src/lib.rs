@@ -7,6 +7,7 @@
 pub mod arguments;
 pub mod bridging;
 pub mod columns;
+pub mod date;
 pub mod deformation;
 pub mod input;
 pub mod isolation;

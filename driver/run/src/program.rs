@@ -7,7 +7,8 @@ use crate::input::folder_of;
 pub use fe_core::model::FieldValues;
 use fe_core::stepping::Recorded;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use umat_abi::host::Plugin;
@@ -104,6 +105,16 @@ pub enum Measure {
     Nominal,
 }
 
+/// Words of a picture in place of those that it has by itself.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Caption {
+    /// Above it.
+    pub title: Option<String>,
+    /// Names of its lines, by the columns that they show along y.
+    #[serde(default)]
+    pub legend: BTreeMap<String, String>,
+}
+
 /// Properties of programs of all kinds.
 #[derive(Clone, Debug, Default)]
 pub struct About {
@@ -119,6 +130,8 @@ pub struct About {
     pub every: usize,
     /// Draw plots and the report.
     pub plots: bool,
+    /// Titles and legends of pictures, by their names.
+    pub captions: BTreeMap<String, Caption>,
     /// Curves to compare with.
     pub compare: Vec<Compare>,
     /// Things the user should know although nothing is wrong.

@@ -1,15 +1,18 @@
 //! `pullout lab`.
 
-use super::{DONE, Refusal, complain, say};
+use super::{DONE, Refusal, browser, complain, new, say};
 use pullout_lab::{Error, Lab, Settings};
 use pullout_run::isolation;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+
+/// The word for a mix of fibres.
+const BRIDGING: &str = "bridging";
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Name of a law, a case, a library, or a source (Fortran, C, C++), which is built again whenever it is saved.
-    #[arg(value_name = "LAW|CASE.json|SOURCE|FILE.so")]
+    /// Name of a law, a case, a library, a source (Fortran, C, C++), which is built again whenever it is saved, "bridging" (from
+    /// fibres to σ(w) and f_R), or the result directory of a run.
+    #[arg(value_name = "LAW|CASE.json|SOURCE|FILE.so|bridging|RESULT_DIR")]
     subject: Option<String>,
     /// Port on this machine [default: a free one].
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
@@ -35,23 +38,14 @@ pub(super) fn run(arguments: Arguments) -> Result<u8, Refusal> {
         Error::Subject(message) => Refusal::input(message),
         Error::System(error) => Refusal::failed(error),
     };
-    let lab = Lab::open(&Settings { subject, plugin_paths, port }).map_err(refused)?;
+    let document = (subject.as_deref() == Some(BRIDGING)).then(new::bridging).transpose()?;
+    let lab = Lab::open(&Settings { subject, document, plugin_paths, port }).map_err(refused)?;
     say(&format!("{}\n", lab.address()));
     complain("Ctrl-C ends the lab");
     if !no_open {
-        show(&lab.address());
+        // where there is none, the address was printed
+        let _ = browser::show(lab.address());
     }
     lab.serve().map_err(refused)?;
     Ok(DONE)
-}
-
-/// Has the desktop's browser show a page; where there is none, the address was printed.
-fn show(address: &str) {
-    let program = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
-    let has_desktop =
-        cfg!(target_os = "macos") || ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some());
-    if has_desktop {
-        let quiet = Stdio::null;
-        let _ = Command::new(program).arg(address).stdin(quiet()).stdout(quiet()).stderr(quiet()).spawn();
-    }
 }

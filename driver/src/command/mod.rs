@@ -2,6 +2,7 @@
 
 mod animate;
 mod bench;
+mod browser;
 pub mod examples;
 mod fit;
 mod import;
@@ -15,13 +16,16 @@ mod props;
 mod run;
 mod study;
 mod sweep;
+mod watch;
 
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use pullout_case::{Case, CaseErrors, CaseProblem};
-use pullout_check::build;
+use pullout_check::{build, description};
 use pullout_engine::{Inspection, Job, Message, Source};
+use pullout_lab::Examination;
 use pullout_run::PLUGIN_STACK;
+use pullout_run::input::{self, Input};
 use pullout_run::isolation::prints::plain;
 use pullout_run::isolation::prints::{Prints, say};
 use pullout_run::isolation::{self, Work};
@@ -29,6 +33,7 @@ use pullout_run::signals;
 use pullout_run::sources;
 use pullout_sweep::Batch;
 use serde::de::DeserializeOwned;
+use serde_json::{Map, Value, json};
 use std::ffi::OsString;
 use std::io;
 use std::num::NonZeroUsize;
@@ -337,9 +342,13 @@ fn work(name: &str, work: &str) -> u8 {
             compile_sources(inspection.case.is_untrusted);
             Ok(run::inspect(&inspection))
         }),
-        plugin::Laws::NAME => done(work, |laws: plugin::Laws| {
+        description::Subject::NAME => done(work, |subject: description::Subject| {
             compile_sources(false);
-            laws.send()
+            subject.tell().map(|()| DONE).map_err(Refusal::failed)
+        }),
+        Examination::NAME => done(work, |asked: Examination| {
+            compile_sources(asked.case.is_untrusted);
+            plugin::examine(asked)
         }),
         plugin::Checks::NAME => done(work, |checks: plugin::Checks| {
             compile_sources(false);
@@ -361,6 +370,16 @@ fn folder_of(file: &Path, asked_for: Option<&Path>, is_alone: bool) -> PathBuf {
         Some(folder) if is_alone => folder.to_owned(),
         parent => parent.unwrap_or(Path::new("out")).join(stem),
     }
+}
+
+/// Prints a JSON file of a result directory as one line, after the input that it is of and the directory.
+fn say_json(input: (&str, &Path), folder: &Path, file: &str) -> io::Result<()> {
+    let text = input::text(&folder.join(file), Input::Result)?;
+    let results: Map<String, Value> = serde_json::from_str(&text)?;
+    let mut line = json!({ input.0: input.1, "folder": folder });
+    line.as_object_mut().into_iter().for_each(|line| line.extend(results.clone()));
+    say(&format!("{line}\n"));
+    Ok(())
 }
 
 /// Prints to standard error.

@@ -2,6 +2,7 @@
 
 use super::{DONE, Refusal, say};
 use clap::ValueEnum;
+use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -66,7 +67,8 @@ impl Kind {
 }
 
 pub(super) fn write(arguments: &NewArguments) -> Result<u8, Refusal> {
-    let Page { text, name, files } = arguments.kind.page();
+    let page = arguments.kind.page();
+    let Page { text, files, .. } = page;
     let place = |file: &str| arguments.folder.join(file);
     let in_the_way: Vec<String> = files
         .iter()
@@ -79,8 +81,7 @@ pub(super) fn write(arguments: &NewArguments) -> Result<u8, Refusal> {
     }
     for file in files {
         let path = place(file);
-        let content = text.split_once(&mark(file)).and_then(|(_, rest)| fence(rest));
-        let content = content.ok_or_else(|| Refusal::failed(format!("the page {name} has no {file}")))?;
+        let content = page.content(file)?;
         let written =
             fs::create_dir_all(path.parent().unwrap_or(Path::new(""))).and_then(|()| fs::write(&path, content));
         written.map_err(|error| Refusal::failed(format!("{}: {error}", path.display())))?;
@@ -94,6 +95,22 @@ pub(super) fn write(arguments: &NewArguments) -> Result<u8, Refusal> {
         say(&format!("\nNext:\n{lines}"));
     }
     Ok(DONE)
+}
+
+/// The case of a mix of fibres, without beams at random, which take longer than a picture may.
+pub(super) fn bridging() -> Result<Value, Refusal> {
+    let page = Kind::Beam.page();
+    let mut document: Value = serde_json::from_str(page.content("beam.json")?).map_err(Refusal::failed)?;
+    document.as_object_mut().and_then(|members| members.shift_remove("scatter"));
+    Ok(document)
+}
+
+impl Page {
+    /// The content of a file.
+    fn content(&self, file: &str) -> Result<&'static str, Refusal> {
+        let content = self.text.split_once(&mark(file)).and_then(|(_, rest)| fence(rest));
+        content.ok_or_else(|| Refusal::failed(format!("the page {} has no {file}", self.name)))
+    }
 }
 
 /// What stands before a file's content on a page.

@@ -34,7 +34,7 @@ pub(super) fn plot(arguments: &PlotArguments) -> Result<u8, Refusal> {
     let mut runs = Vec::new();
     let first = &arguments.results[0];
     let is_single = arguments.results.len() == 1;
-    let is_study = is_single && first.join("study.json").is_file();
+    let is_study = is_single && first.join(pullout_study::FILE).is_file();
     if is_study && !arguments.png && !arguments.pdf {
         let message = "`pullout study` draws the pictures of a study; --png or --pdf saves them as such files";
         return Err(Refusal::input(format!("{}: {message}", first.display())));

@@ -8,21 +8,24 @@ use clap::Subcommand;
 use pullout_case::CaseProblem;
 use pullout_check::description;
 use pullout_run::isolation::prints::Prints;
-use pullout_run::isolation::{self, End, Need, Passage, Watch, Work};
+use pullout_run::isolation::{self, Need};
 use pullout_run::sources;
-use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use umat_abi::host::{Found, LawDescription, Library, library_path, names_a_file, search_paths};
+use umat_abi::host::{Found, Library, library_path, names_a_file, search_paths};
 use umat_abi::metadata::PLUGIN_SYMBOL;
 
-pub(super) use check::Checks;
+pub(super) use check::{Checks, examine};
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
     /// List the plugins, their laws and versions, and the folders searched.
     List {
+        /// Print as JSON.
+        #[arg(long)]
+        json: bool,
         /// Search this folder for plugins first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
@@ -59,7 +62,7 @@ const TIME_LIMIT: f64 = 5.0;
 /// Does what the command line says, whose words are `line`.
 pub(super) fn act(action: &Action, line: &[OsString]) -> Result<u8, Refusal> {
     match action {
-        Action::List { plugin_paths } => Ok(list(plugin_paths)),
+        Action::List { json, plugin_paths } => Ok(list(plugin_paths, *json)),
         Action::Info { plugin, abaqus, json, plugin_paths, .. } => {
             let work = match (abaqus, json) {
                 (true, _) => abaqus_input,
@@ -117,9 +120,9 @@ fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, Refusal> {
     Found::by_name(name, &paths).map(|found| found.path).ok_or_else(|| no_plugin(not_found()))
 }
 
-fn list(plugin_paths: &[PathBuf]) -> u8 {
+fn list(plugin_paths: &[PathBuf], json: bool) -> u8 {
     let paths = search_paths(plugin_paths);
-    let mut rows = vec![["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from)];
+    let mut rows = Vec::new();
     for Found { path, .. } in Found::all(&paths) {
         let rows_or_error = match pullout_check::build::defines(&path, PLUGIN_SYMBOL) {
             Ok(true) => rows_of(&path),
@@ -136,12 +139,25 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
             Err(message) => complain(message),
         }
     }
+    if json {
+        let law = |[name, version, entry_points, library]: &[String; 4]| {
+            let entry_points: Vec<&str> = entry_points.split(' ').collect();
+            json!({ "name": name, "version": version, "entry_points": entry_points, "library": library })
+        };
+        let folder = |path: &PathBuf| json!({ "folder": path, "exists": path.is_dir() });
+        let laws: Vec<Value> = rows.iter().map(law).collect();
+        let searched: Vec<Value> = paths.iter().map(folder).collect();
+        say(&format!("{:#}\n", json!({ "laws": laws, "searched": searched })));
+        return DONE;
+    }
+    let is_empty = rows.is_empty();
+    rows.insert(0, ["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from));
     let mut text = description::table(&rows);
     text.push_str("\nSearched:\n");
     for path in &paths {
         let _ = writeln!(text, "  {}{}", path.display(), if path.is_dir() { "" } else { " (does not exist)" });
     }
-    if rows.len() == 1 {
+    if is_empty {
         let _ = writeln!(text, "No law was found; {}", pullout_case::where_to_look(&paths));
     }
     say(&text);
@@ -161,40 +177,13 @@ fn info_as_json(library: &Library) -> Result<u8, Refusal> {
 
 /// Name, version and entry points of the laws of a library, which is loaded into this process only if it may be.
 fn rows_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
-    let Some(need) = Need::of_library(library, TIME_LIMIT) else { return laws_of(library) };
-    let in_words = |error: std::io::Error| format!("{}: cannot be examined: {error}", library.display());
-    let mut passage = Passage::new(&Laws { library: library.to_owned() }).map_err(in_words)?;
-    match isolation::supervise(&mut passage, &Watch::default(), &need).map_err(in_words)? {
-        // or it has said why there are none
-        End::Done(_) => Ok(passage.heard().pop().unwrap_or_default()),
-        End::Failed(failure) => Err(failure.report.message),
-    }
-}
-
-fn laws_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
-    let _prints = Prints::discard();
-    let library = isolation::load(library).map_err(|error| error.to_string())?;
-    let row = |law: &LawDescription| [law.name.clone(), law.version.clone(), law.entry_points().join(" ")];
-    Ok(library.laws().iter().map(row).collect())
-}
-
-/// The laws of a library, as another process asks for them.
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) struct Laws {
-    #[serde(with = "isolation::path")]
-    library: PathBuf,
-}
-
-impl Work for Laws {
-    const NAME: &'static str = "laws";
-}
-
-impl Laws {
-    /// Sends them to the process that asked.
-    pub(super) fn send(&self) -> Result<u8, Refusal> {
-        isolation::send(&laws_of(&self.library).map_err(Refusal::failed)?);
-        Ok(DONE)
-    }
+    let described = description::of_file(library, TIME_LIMIT)?;
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    let row = |law: &Value| {
+        let entry_points: Vec<String> = law["entry_points"].as_array().into_iter().flatten().map(text).collect();
+        [text(&law["name"]), text(&law["version"]), entry_points.join(" ")]
+    };
+    Ok(described["laws"].as_array().into_iter().flatten().map(row).collect())
 }
 
 fn abaqus_input(library: &Library) -> Result<u8, Refusal> {

@@ -1,19 +1,23 @@
 //! `pullout run` and `pullout check`.
 
-use super::{BAD_INPUT, DONE, FAILED, Reading, Refusal, complain, isolated, study};
+use super::{BAD_INPUT, DONE, FAILED, Reading, Refusal, browser, complain, isolated, study, watch};
 use fe_core::threads::Threads;
 use pullout_case::{Case, CaseProblem};
 use pullout_engine::{Inspection, Job, Keep, Message, Options, run_into};
+use pullout_lab::Stamp;
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_report::ending::{conclude, summarise_rows};
 use pullout_report::outcome;
-use pullout_report::summary::{Status, Summary};
+use pullout_report::page;
+use pullout_report::plots::{self, Spec};
+use pullout_report::summary::{self, Status, Summary};
 use pullout_report::viewer::States;
 use pullout_run::isolation::prints::{Prints, say};
 use pullout_run::isolation::{Aftermath, Need, send, worker};
 use pullout_run::pullout::checkpoint::Checkpoints;
 use pullout_run::signals;
-use std::collections::BTreeSet;
+use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -38,6 +42,15 @@ pub(super) struct RunArguments {
     /// pullout calls the library's UEXTERNALDB with LOP = 4.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "record_increments"])]
     restart: Option<PathBuf>,
+    /// Run again whenever a case, or a source, a library or data of it is saved; Ctrl-C ends.
+    #[arg(long, conflicts_with_all = ["restart", "in_process"])]
+    watch: bool,
+    /// Show the report in the browser once there is one.
+    #[arg(long)]
+    open: bool,
+    /// Print the summary of each case as one line of JSON, with the case and its result directory, and nothing else.
+    #[arg(long, conflicts_with = "echo")]
+    json: bool,
     #[command(flatten)]
     options: Options,
 }
@@ -106,13 +119,41 @@ pub(super) fn run(arguments: &RunArguments) -> u8 {
         complain("--restart trusts the saved state, which --untrusted does not allow: run the case from its start");
         return BAD_INPUT;
     }
-    run_all(&arguments.jobs())
+    let jobs = arguments.jobs();
+    let to_open = Cell::new(arguments.open);
+    let once = || {
+        let code = run_all(&jobs, arguments.json);
+        if to_open.get() {
+            to_open.set(!open_reports(&jobs));
+        }
+        code
+    };
+    match arguments.watch {
+        true => {
+            let sources: Vec<_> = jobs.iter().map(|job| job.case.clone()).collect();
+            watch::again_and_again(&sources, &once)
+        }
+        false => once(),
+    }
+}
+
+/// Shows the reports that there are in the browser, or says where they are; whether there is any.
+fn open_reports(jobs: &[Job]) -> bool {
+    let reports = jobs.iter().map(|job| job.folder.join(page::FILE)).filter(|report| report.is_file());
+    let shown = reports.map(|report| {
+        if let Err(reason) = browser::show(&report) {
+            complain(format!("--open: no browser: {reason}; the report is {}", report.display()));
+        }
+    });
+    shown.count() > 0
 }
 
 impl RunArguments {
     /// The runs, in the order of the cases.
     fn jobs(&self) -> Vec<Job> {
-        let Self { cases, out, reading, restart, options } = self;
+        let Self { cases, out, reading, restart, options, json, watch: _, open: _ } = self;
+        // what it says is the summary
+        let options = Options { quiet: options.quiet || *json, ..options.clone() };
         let job = |file: &PathBuf| {
             let folder = super::folder_of(file, out.as_deref().or(restart.as_deref()), cases.len() == 1);
             Job { goes_on: restart.is_some(), ..Job::new(reading.source(file), folder, options.clone()) }
@@ -125,12 +166,12 @@ impl RunArguments {
 pub(super) fn carry_out(job: &Job) -> u8 {
     match &job.aftermath {
         Some(aftermath) => conclude_here(job, aftermath.clone()).unwrap_or_else(Refusal::report),
-        None => run_all(std::slice::from_ref(job)),
+        None => run_all(std::slice::from_ref(job), false),
     }
 }
 
-/// Does jobs with the same options.
-fn run_all(jobs: &[Job]) -> u8 {
+/// Does jobs with the same options; `json`: prints their summaries.
+fn run_all(jobs: &[Job], json: bool) -> u8 {
     let count = jobs.first().and_then(|job| job.options.threads).unwrap_or_else(super::processors);
     let threads = match Threads::new(count) {
         Ok(threads) => threads,
@@ -194,9 +235,26 @@ fn run_all(jobs: &[Job]) -> u8 {
                 run_into(&case, job, &mut directory, threads.clone(), &checkpoints, warnings)
             }
         };
+        let concluded = concluded.and_then(|ended| describe(&case, job, &mut directory).map(|()| ended));
         print_outcome(&case, directory.path(), job.options.quiet, concluded)
     };
-    ready.into_iter().map(run).max().unwrap_or(DONE)
+    let run_and_say = |ready: (Way, &Job, ResultDirectory)| {
+        let job = ready.1;
+        let summary = || Stamp::of(&job.folder.join(summary::FILE));
+        let before = summary();
+        let code = run(ready);
+        // one that was not begun leaves the summary of an earlier run
+        let said = (json && summary() != before)
+            .then(|| super::say_json(("case", &job.case.file), &job.folder, summary::FILE));
+        match said {
+            Some(Err(error)) => {
+                complain(error);
+                code.max(FAILED)
+            }
+            _ => code,
+        }
+    };
+    ready.into_iter().map(run_and_say).max().unwrap_or(DONE)
 }
 
 /// Returns what the results of a job are part of: a study has something to add to those of its runs.
@@ -225,9 +283,19 @@ fn conclude_here(job: &Job, aftermath: Aftermath) -> Result<u8, Refusal> {
     let case = super::read(&job.case)?;
     let concluded = ResultDirectory::join(&job.folder, kind(job)).and_then(|mut directory| {
         let summary = summarise_rows(&case, &job.folder, aftermath)?;
-        conclude(&case, &mut directory, summary, None, &States::default(), job.keep.draws(&case))
+        let ended = conclude(&case, &mut directory, summary, None, &States::default(), job.keep.draws(&case))?;
+        describe(&case, job, &mut directory)?;
+        Ok(ended)
     });
     Ok(print_outcome(&case, &job.folder, job.options.quiet, concluded))
+}
+
+/// Leaves what the process that asked for a run needs to draw it, as it draws nothing itself.
+fn describe(case: &Case, job: &Job, directory: &mut ResultDirectory) -> io::Result<()> {
+    match job.keep {
+        Keep::Passing => Spec::of(case, BTreeMap::new()).write(directory, plots::FOLDER),
+        Keep::All | Keep::Member => Ok(()),
+    }
 }
 
 /// Says what came out of a run; the result is its exit code.

@@ -38,6 +38,16 @@ pub(super) struct StudyArguments {
     /// Print only errors.
     #[arg(long)]
     quiet: bool,
+    /// Print study.json of each study as one line, with its result directory, and nothing else.
+    #[arg(long)]
+    json: bool,
+}
+
+impl StudyArguments {
+    /// Returns whether only errors are told.
+    fn is_quiet(&self) -> bool {
+        self.quiet || self.json
+    }
 }
 
 /// Runs studies, after all of them were read without an error.
@@ -191,7 +201,7 @@ fn open(study: &Study, folder: &Path, arguments: &StudyArguments) -> Result<Resu
 fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &StudyArguments) -> io::Result<u8> {
     directory.begin(&[])?;
     let folder = &directory.path().to_owned();
-    let progress = Progress::new(study, folder, arguments.quiet);
+    let progress = Progress::new(study, folder, arguments.is_quiet());
     let states = pullout_study::execute(study, &execution(folder, arguments), &|run, code, count, of| {
         if let Some(line) = progress.ended(run, code, count, of) {
             say(&line);
@@ -206,7 +216,10 @@ fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &StudyArgum
     let drawings = pullout_study::pictures::draw(&mut directory, study, &results)?;
     pullout_study::write_report(&mut directory, study, &results, &findings, &drawings.pictures)?;
     directory.finish()?;
-    if !arguments.quiet {
+    if arguments.json {
+        super::say_json(("study", &study.file), folder, pullout_study::FILE)?;
+    }
+    if !arguments.is_quiet() {
         say(&pullout_study::outcome(study, &results, &findings, folder));
     }
     drawings.warnings.iter().for_each(|warning| complain(format!("{}: warning: {warning}", study.file.display())));

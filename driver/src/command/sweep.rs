@@ -4,6 +4,7 @@ use super::{DONE, FAILED, Refusal, say};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
 use pullout_sweep::{Collection, Planning, Standing, Store, Work, Worked, slurm};
+use serde_json::json;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -36,6 +37,9 @@ pub(super) enum Action {
         /// The folder of the sweep.
         #[arg(value_name = "DIR")]
         folder: PathBuf,
+        /// Print as JSON.
+        #[arg(long)]
+        json: bool,
     },
     /// Write all rows to one table: CSV, or JSON lines or Parquet, which include the curves.
     Collect {
@@ -119,10 +123,10 @@ pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
                 let code = signals::received().map_or(errors.exit_code(), signals::Interrupt::exit_code);
                 Refusal { code, ..errors.into() }
             })?;
-            status(&store)
+            status(&store, false)
         }
         Action::Work(arguments) => work(arguments),
-        Action::Status { folder } => status(&Store::new(folder)),
+        Action::Status { folder, json } => status(&Store::new(folder), *json),
         Action::Collect { folder, out, overwrite } => collect(&Store::new(folder), out.as_deref(), *overwrite),
         Action::Submit { folder, slurm: _, array, jobs } => {
             slurm::script(&Store::new(folder), *array, *jobs).map(|script| {
@@ -170,8 +174,19 @@ fn work(arguments: &WorkerArguments) -> io::Result<u8> {
     })
 }
 
-fn status(store: &Store) -> io::Result<u8> {
-    say(&format!("{}: {}\n", store.folder().display(), Standing::of(store)?));
+fn status(store: &Store, json: bool) -> io::Result<u8> {
+    let standing = Standing::of(store)?;
+    let Standing { runs, over: endings, cpu_s, wall_s } = &standing;
+    say(&match json {
+        true => format!(
+            "{}\n",
+            json!({
+                "folder": store.folder(), "runs": runs, "finished": standing.finished(), "endings": endings,
+                "to_do": standing.left(), "cpu_s": cpu_s, "wall_s": wall_s,
+            })
+        ),
+        false => format!("{}: {standing}\n", store.folder().display()),
+    });
     Ok(DONE)
 }
 

@@ -27,7 +27,7 @@ pub use pullout_case::study::{Columns, NamedQuantity, QuantityOfFile as Quantity
 pub use read::{default_curve, read};
 pub use report::write as write_report;
 pub use results::{Results, RunResult};
-pub use table::{write_csv, write_json};
+pub use table::{FILE, write_csv, write_json};
 
 use pullout_engine::Source;
 use std::cmp::Ordering;

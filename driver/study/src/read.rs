@@ -63,6 +63,11 @@ struct Resolver<'r, 'p> {
 /// A list's entry with its place in the file.
 type Placed<'d, T> = (JsonPlace, &'d T);
 
+/// The entries of a list with their places.
+fn placed<'d, T>(list: &'d [T], place: &JsonPlace) -> Vec<Placed<'d, T>> {
+    list.iter().enumerate().map(|(k, entry)| (place.index(k), entry)).collect()
+}
+
 impl Resolver<'_, '_> {
     fn problem(&mut self, place: &JsonPlace, message: impl Into<String>) {
         self.reader.problem(place, message);
@@ -70,33 +75,24 @@ impl Resolver<'_, '_> {
 
     fn study(mut self, document: &StudyFile, isolated: &mut dyn FnMut(&Source) -> bool) -> Option<Study> {
         let root = JsonPlace::root();
-        let title = self.reader.optional(document.head.title.as_ref(), &root.key("title")).cloned();
-        let description = self.reader.optional(document.head.description.as_ref(), &root.key("description")).cloned();
-        let x = self.reader.optional(document.x.as_ref(), &root.key("x")).map(|x| Abscissa {
+        let x = document.x.as_ref().map(|x| Abscissa {
             name: x.name.clone(),
             unit: x.unit.clone().unwrap_or_default(),
             logarithmic: x.logarithmic.unwrap_or(false),
         });
-        let base = self.reader.piece(&document.base, &root.key("base")).cloned();
-        let set = self.reader.optional(document.set.as_ref(), &root.key("set")).cloned().unwrap_or_default();
-        let members_of_file = self.list(Some(&document.members), &root.key("members"));
-        let series_of_file = self.list(document.series.as_ref(), &root.key("series"));
+        let set = document.set.clone().unwrap_or_default();
+        let members_of_file = placed(&document.members, &root.key("members"));
+        let series_of_file = placed(document.series.as_deref().unwrap_or_default(), &root.key("series"));
         let members = self.members(&members_of_file, x.as_ref());
         let series = self.series(&series_of_file);
-        let work_to = self.reader.optional(document.work_to.as_ref(), &root.key("work_to")).copied();
-        if work_to == Some(0.0) {
+        if document.work_to == Some(0.0) {
             self.problem(&root.key("work_to"), "must not be 0");
         }
-        let given = self.reader.optional(document.curve.as_ref(), &root.key("curve")).cloned();
-        let overlays = self.list(document.overlays.as_ref(), &root.key("overlays"));
-        let claims = self.list(document.claims.as_ref(), &root.key("claims"));
-        let is_complete = members.len() == members_of_file.len() && !members.is_empty();
-        let base = base?;
-        let base_file = self.reader.file(&base, &root.key("base"))?;
-        if !is_complete || (series.len() != series_of_file.len() && document.series.is_some()) {
-            return None;
-        }
-        let runs = Runs { base: &base, set: &set, members: &members_of_file, series: &series_of_file };
+        let given = document.curve.clone();
+        let overlays = placed(document.overlays.as_deref().unwrap_or_default(), &root.key("overlays"));
+        let claims = placed(document.claims.as_deref().unwrap_or_default(), &root.key("claims"));
+        let base_file = self.reader.file(&document.base, &root.key("base"))?;
+        let runs = Runs { base: &document.base, set: &set, members: &members_of_file, series: &series_of_file };
         let (runs, columns) = self.runs(&runs, &members, &series, isolated);
         let curve = given
             .clone()
@@ -118,30 +114,19 @@ impl Resolver<'_, '_> {
         let unit = |column: &str| Shown::of(column, &Default::default()).unit;
         Some(Study {
             file: self.of.file.clone(),
-            title: title.unwrap_or_else(|| stem(&self.of.file)),
-            description: description.unwrap_or_default(),
+            title: document.head.title.clone().unwrap_or_else(|| stem(&self.of.file)),
+            description: document.head.description.clone().unwrap_or_default(),
             x: x.filter(|_| members.iter().all(|member| member.x.is_some())),
             units: [unit(&curve.x), unit(&curve.y)],
             members,
             series,
             runs: runs?,
             curve,
-            work_to,
+            work_to: document.work_to,
             overlays,
             claims,
             demands: self.demands,
         })
-    }
-
-    /// The entries of a list that could be read.
-    fn list<'d, T>(
-        &mut self,
-        list: Option<&'d pullout_case::Piece<Vec<pullout_case::Piece<T>>>>,
-        place: &JsonPlace,
-    ) -> Vec<Placed<'d, T>> {
-        let entries = self.reader.optional(list, place).map_or(&[][..], Vec::as_slice);
-        let placed = entries.iter().enumerate().map(|(k, entry)| (place.index(k), entry));
-        placed.filter_map(|(place, entry)| Some((place.clone(), self.reader.piece(entry, &place)?))).collect()
     }
 
     fn members(&mut self, of_file: &[Placed<'_, MemberOfFile>], x: Option<&Abscissa>) -> Vec<Member> {

@@ -7,8 +7,10 @@ use maud::{Markup, html};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page;
 use pullout_report::plots::Picture;
+use pullout_run::date;
 use pullout_run::number::{rounded, significant};
 use std::io;
+use std::time::SystemTime;
 
 /// Writes the page.
 ///
@@ -143,6 +145,6 @@ fn what_was_run(study: &Study) -> Markup {
                 }
             }
         } }
-        p { "pullout " (env!("CARGO_PKG_VERSION")) }
+        p { "pullout " (env!("CARGO_PKG_VERSION")) ", " (date::moment(SystemTime::now())) }
     }
 }

@@ -8,6 +8,9 @@ use pullout_run::number;
 use serde_json::{Value, json};
 use std::io;
 
+/// Name of the file with all results of a study, in its directory.
+pub const FILE: &str = "study.json";
+
 /// The columns of `study.csv`. Empty fields are not known.
 const COLUMNS: [&str; 18] = [
     "series",
@@ -108,5 +111,5 @@ pub fn write_json(
         "runs": study.runs.iter().zip(&results.runs).map(run).collect::<Vec<_>>(),
         "claims": findings,
     });
-    directory.write("study.json", format!("{document:#}\n")).map(|_| ())
+    directory.write(FILE, format!("{document:#}\n")).map(|_| ())
 }

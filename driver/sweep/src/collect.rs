@@ -198,15 +198,20 @@ impl Standing {
         Ok(standing)
     }
 
+    /// Runs that are over.
+    pub fn finished(&self) -> usize {
+        self.over.values().sum()
+    }
+
     /// Runs that are left.
     pub fn left(&self) -> usize {
-        self.runs - self.over.values().sum::<usize>()
+        self.runs - self.finished()
     }
 }
 
 impl fmt::Display for Standing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (over, left) = (self.over.values().sum::<usize>(), self.left());
+        let (over, left) = (self.finished(), self.left());
         write!(f, "{} runs, {over} finished", self.runs)?;
         if over == 0 {
             return write!(f, ", {left} to do");

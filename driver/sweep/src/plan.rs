@@ -123,7 +123,7 @@ fn resolve(reader: &mut Reader<'_>, of_file: &SweepFile, file: &Path, how: Plann
     let root = JsonPlace::root();
     let folder = input::folder_of(file);
     let place = root.key("base");
-    let (base, folder) = match reader.piece(&of_file.base, &place)? {
+    let (base, folder) = match &of_file.base {
         Base::Case(case) => (Value::Object(case.clone()), folder.to_owned()),
         Base::File(name) => {
             let path = reader.file(name, &place)?;
@@ -134,7 +134,7 @@ fn resolve(reader: &mut Reader<'_>, of_file: &SweepFile, file: &Path, how: Plann
             (case, input::folder_of(&path).to_owned())
         }
     };
-    let set = reader.optional(of_file.set.as_ref(), &root.key("set")).cloned().unwrap_or_default();
+    let set = of_file.set.clone().unwrap_or_default();
     let (paths, values): (Vec<String>, Vec<Value>) = set.into_iter().unzip();
     let base = overridden(reader, &base, &paths, &values, &root.key("set"))?;
     let (parameters, values) = match how.design {
@@ -181,11 +181,10 @@ fn resolve(reader: &mut Reader<'_>, of_file: &SweepFile, file: &Path, how: Plann
             return None;
         }
     }
-    let title = reader.optional(of_file.head.title.as_ref(), &root.key("title")).cloned();
     let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let sweep = Sweep {
         version: VERSION,
-        title: title.unwrap_or_else(stem),
+        title: of_file.head.title.clone().unwrap_or_else(stem),
         base,
         parameters,
         runs: Vec::new(),
@@ -254,24 +253,18 @@ fn keep(reader: &mut Reader<'_>, of_file: &SweepFile, base: &Value) -> Keep {
             ("end".to_owned(), named(NamedQuantity::End)),
         ])
     };
-    let curve = reader.optional(of_file.curve.as_ref(), &root.key("curve")).cloned();
-    let grid = reader.optional(of_file.grid.as_ref(), &root.key("grid")).cloned();
-    if grid.as_ref().is_some_and(|grid| !grid.is_sorted_by(|a, b| a < b)) {
+    if of_file.grid.as_ref().is_some_and(|grid| !grid.is_sorted_by(|a, b| a < b)) {
         reader.problem(&root.key("grid"), "must be ascending");
     }
-    let work_to = reader.optional(of_file.work_to.as_ref(), &root.key("work_to")).copied();
-    if work_to == Some(0.0) {
+    if of_file.work_to == Some(0.0) {
         reader.problem(&root.key("work_to"), "must not be 0");
     }
     Keep {
-        curve: curve.unwrap_or_else(|| default_curve(base)),
-        work_to,
-        quantities: reader
-            .optional(of_file.quantities.as_ref(), &root.key("quantities"))
-            .cloned()
-            .unwrap_or_else(usual),
-        curves: reader.optional(of_file.curves.as_ref(), &root.key("curves")).cloned().unwrap_or_default(),
-        grid,
+        curve: of_file.curve.clone().unwrap_or_else(|| default_curve(base)),
+        work_to: of_file.work_to,
+        quantities: of_file.quantities.clone().unwrap_or_else(usual),
+        curves: of_file.curves.clone().unwrap_or_default(),
+        grid: of_file.grid.clone(),
     }
 }
 
@@ -304,14 +297,11 @@ fn design(reader: &mut Reader<'_>, of_file: &SweepFile) -> Option<Design> {
         reader.problem(&root, "needs one of \"parameters\", \"points\" and \"design\"");
         return None;
     }
-    if let Some(piece) = &of_file.parameters {
-        let place = root.key("parameters");
-        let parameters = reader.piece(piece, &place)?;
-        return product(reader, parameters, &place);
+    if let Some(parameters) = &of_file.parameters {
+        return product(reader, parameters, &root.key("parameters"));
     }
-    if let Some(piece) = &of_file.points {
+    if let Some(points) = &of_file.points {
         let place = root.key("points");
-        let points = reader.piece(piece, &place)?;
         let Some(first) = points.first() else {
             reader.problem(&place, "has no runs");
             return None;
@@ -334,7 +324,7 @@ fn design(reader: &mut Reader<'_>, of_file: &SweepFile) -> Option<Design> {
         return Some((paths, Values::Rows(runs)));
     }
     let place = root.key("design");
-    let name = reader.optional(of_file.design.as_ref(), &place)?;
+    let name = of_file.design.as_ref()?;
     let path = reader.file(name, &place)?;
     table(&path).map_err(|message| reader.problem(&place, format!("{}: {message}", path.display()))).ok()
 }

@@ -43,8 +43,6 @@ pub fn measure(
     let start = Instant::now();
     let settings = Settings { stop: Arc::clone(stop), ..Settings::default() };
     let source = Source { is_untrusted, ..Source::document(sweep.document(run), &store.bundle(sweep, run)) };
-    // nobody knows the document by this name
-    let name = format!("{}: ", source.file.display());
     let outcome = source.read().map_err(pullout_engine::Error::from).and_then(|prepared| prepared.run(settings));
     let wall = start.elapsed().as_secs_f64();
     match outcome {
@@ -53,7 +51,11 @@ pub fn measure(
         Err(pullout_engine::Error::Stopped) => None,
         Err(error) => Some(Measured {
             failed_at: Some(FailedAt { kind: FailureKind::Failed, step: 0, increment: 0 }),
-            message: Some(error.to_string().replace(&name, "")),
+            message: Some(match error {
+                // nobody knows the document by the name of its file
+                pullout_engine::Error::Case(errors) => errors.lines().join("\n"),
+                error => error.to_string(),
+            }),
             times: [wall, 0.0],
             ..Measured::without_numbers(&sweep.keep)
         }),

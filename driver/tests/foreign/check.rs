@@ -40,6 +40,22 @@ fn a_sound_umat_passes() {
     }
 }
 
+/// A case whose library is not there, or is another one, is a path for the library that is named.
+#[test]
+fn a_library_is_checked_along_the_path_of_a_case_that_names_another() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "planted.f", &[]) else { return };
+    let path = library.as_str().expect("a path");
+    for (other, error, code) in [("./missing.so", 0, 0), ("linear_elastic", 8, 1)] {
+        let material = json!({ "plugin": other, "props": [30e3, 0.2, 2e5, error], "nstatv": 1 });
+        let steps = json!([{ "increments": 1, "target": { "e11": 1e-3 } }]);
+        let case = desk.case("case.json", &point(material, "3d", steps));
+        let case = case.to_str().expect("UTF-8");
+        let outcome = desk.pullout(["plugin", "check", path, "--case", case, "--states", "20"]).expect(code);
+        assert_eq!(row(&outcome, "consistent tangent").starts_with("FAIL"), error == 8, "{}", outcome.stdout);
+    }
+}
+
 /// Error number, mode, check, verdict, words.
 const PLANTED: [(u32, &str, &str, &str, &str); 20] = [
     (1, "3d", "repeated call", "FAIL", "stress"),

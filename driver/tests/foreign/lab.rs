@@ -77,6 +77,10 @@ impl Lab {
         serde_json::from_str(&self.post("/run", document)).expect("JSON")
     }
 
+    fn verdict(&self, document: &Value) -> Value {
+        serde_json::from_str(&self.post("/check", document)).expect("JSON")
+    }
+
     fn library(&self, after: u64) -> Value {
         let (code, answer) = self.request(&format!("GET /library?after={after}"), &self.cookie, "");
         assert_eq!(code, 200, "{answer}");
@@ -127,8 +131,18 @@ fn what_is_seen_is_the_run_of_the_case_that_is_kept() {
         input.contains("*USER MATERIAL, CONSTANTS=") && input.contains("190000.0") && input.contains("320.0, 0.01"),
         "{input}"
     );
-    let verdict: Value = serde_json::from_str(&lab.post("/check", &case)).expect("JSON");
+    let verdict = lab.verdict(&case);
     assert_eq!(verdict["verdict"], "pass", "{verdict}");
+    // what a case names lies in the lab's folder, for its verdict as for its run
+    desk.write("path.csv", "time,e11\n1,0.001\n2,0.004\n");
+    let mut tabulated = case.clone();
+    tabulated["steps"] = json!([{ "table": "path.csv" }]);
+    assert_eq!(lab.run(&tabulated)["status"], "done");
+    let verdict = lab.verdict(&tabulated);
+    assert_eq!(verdict["verdict"], "pass", "{verdict}");
+    tabulated["steps"] = json!([{ "table": "nowhere.csv" }]);
+    let refused = lab.verdict(&tabulated);
+    assert_eq!((&refused["status"], &refused["problems"]), (&json!("refused"), &lab.run(&tabulated)["problems"]));
     let wrong = lab
         .run(&json!({ "kind": "point", "material": { "plugin": "j2_plasticity", "props": { "Em": 1 } }, "steps": [] }));
     assert!(wrong["status"] == "refused" && wrong["problems"].as_array().is_some_and(|all| !all.is_empty()), "{wrong}");
@@ -224,8 +238,7 @@ fn a_source_that_is_saved_is_built_and_run_again() {
         [1]
     .as_f64();
     approx::assert_relative_eq!(last.expect("a number"), hardened, max_relative = 1e-6);
-    let verdict = |case: &Value| -> Value { serde_json::from_str(&lab.post("/check", case)).expect("JSON") };
-    assert_eq!(verdict(&case)["verdict"], "pass");
+    assert_eq!(lab.verdict(&case)["verdict"], "pass");
     // the tangent alone
     let spoilt = good.replace("factor = 9 * mu**2", "factor = 4 * mu**2");
     assert_ne!(spoilt, good);
@@ -233,7 +246,7 @@ fn a_source_that_is_saved_is_built_and_run_again() {
     let second = lab.library(first["version"].as_u64().expect("a number"));
     assert_ne!(second["library"], first["library"], "{second}");
     let case = tension(&second["library"], &json!(J2));
-    assert_eq!(verdict(&case)["verdict"], "fail");
+    assert_eq!(lab.verdict(&case)["verdict"], "fail");
     // what the compiler refuses leaves the last good library
     fs::write(&source, good.replace("hardening = props(4)", "hardening = = props(4)")).expect("a file");
     let third = lab.library(second["version"].as_u64().expect("a number"));
@@ -264,6 +277,11 @@ fn a_library_that_ends_its_process_or_hangs_ends_no_lab() {
         assert!(seen.to_string().contains(words), "{seen}");
         assert!(start.elapsed() < Duration::from_secs(20));
     }
+    // calls that end a process that the lab did not start itself
+    let verdict = lab.verdict(&tension(&library["library"], &json!([1.0])));
+    let law = &verdict["laws"][0];
+    assert!(verdict["verdict"] == "fail" && law["rows"].to_string().contains("SIGABRT"), "{verdict}");
+    assert!(law["replays"].as_array().is_some_and(|all| !all.is_empty()), "{verdict}");
     assert_eq!(
         lab.run(&point(
             json!({ "plugin": "linear_elastic" }),
@@ -272,5 +290,74 @@ fn a_library_that_ends_its_process_or_hangs_ends_no_lab() {
         ))["status"],
         "done"
     );
+    lab.end();
+}
+
+#[test]
+fn a_finished_run_is_shown_with_its_report() {
+    let desk = Desk::new();
+    let steps = json!([{ "increments": 4, "target": { "e11": 1e-3 } }]);
+    let run =
+        desk.run(&desk.case("case.json", &point(json!({ "plugin": "linear_elastic" }), "3d", steps)), &[], "out", 0);
+    let lab = Lab::open(&desk.path(""), &["out"]);
+    let (code, start) = lab.request("GET /start", &lab.cookie, "");
+    let start: Value = serde_json::from_str(&start).expect("JSON");
+    assert_eq!((code, &start["document"]["kind"], &start["has_report"]), (200, &json!("results"), &json!(true)));
+    let seen = lab.run(&start["document"]);
+    assert_eq!((&seen["status"], &seen["increments"]), (&json!("done"), &json!(4)));
+    let points = seen["figures"][0]["lines"][0]["points"].as_array().expect("points");
+    assert_eq!(points.last().map(|point| point[1].as_f64()), Some(Some(run.history.last("s11"))));
+    // the table as the folder has it, whole numbers without a point
+    let kept = fs::read_to_string(desk.path("out/history.csv")).expect("rows");
+    assert_eq!(lab.post("/csv", &start["document"]), kept);
+    let head = format!("GET /report HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n{}\r\n", lab.port, lab.cookie);
+    let report = lab.answer(head.as_bytes());
+    assert!(report.contains("Content-Security-Policy: sandbox") && report.contains("<h1>"), "a page of nobody's");
+    lab.end();
+}
+
+/// σ(w), and the strengths of the beam, as `pullout run` has them.
+#[test]
+fn a_mix_of_fibres_has_its_strengths() {
+    let desk = Desk::new();
+    let lab = Lab::open(&desk.path(""), &["bridging"]);
+    let start: Value = serde_json::from_str(&lab.request("GET /start", &lab.cookie, "").1).expect("JSON");
+    let document = &start["document"];
+    let seen = lab.run(document);
+    let names: Vec<&Value> =
+        seen["figures"].as_array().expect("figures").iter().map(|figure| &figure["name"]).collect();
+    assert_eq!(names[..2], [&json!("load_cmod"), &json!("sigma_w")], "{seen}");
+    desk.pullout(["run", "--quiet", desk.case("mix.json", document).to_str().expect("UTF-8")]).expect(0);
+    let summary = crate::program::json(&desk.path("out/mix/summary.json"));
+    assert_eq!(seen["findings"], summary["bridging"]);
+    let mut more = document.clone();
+    more["volume_fraction"] = json!(0.01);
+    assert!(lab.run(&more)["findings"]["beam"]["f_R"][2].as_f64() > seen["findings"]["beam"]["f_R"][2].as_f64());
+    lab.end();
+}
+
+#[test]
+fn of_checks_that_wait_only_the_newest_is_made() {
+    let desk = Desk::new();
+    let lab = Lab::open(&desk.path(""), &["j2_plasticity"]);
+    let case = |strain: f64| {
+        point(
+            json!({ "plugin": "j2_plasticity", "props": { "hardening": [[300.0, 0.0], [400.0, 0.1]] } }),
+            "3d",
+            json!([{ "increments": 20, "target": { "e11": strain } }]),
+        )
+    };
+    let strains = [0.01, 0.011, 0.012, 0.013];
+    let answers: Vec<Value> = std::thread::scope(|scope| {
+        let asked = strains.map(|strain| {
+            let (lab, case) = (&lab, case(strain));
+            let asked = scope.spawn(move || serde_json::from_str(&lab.post("/check", &case)).expect("JSON"));
+            std::thread::sleep(Duration::from_millis(30));
+            asked
+        });
+        asked.into_iter().map(|asked| asked.join().expect("an answer")).collect()
+    });
+    assert_eq!(answers[3]["verdict"], "pass", "{answers:?}");
+    assert!(answers[1]["status"] == "superseded" && answers[2]["status"] == "superseded", "{answers:?}");
     lab.end();
 }

@@ -13,6 +13,7 @@ mod finite_strain;
 mod first_errors;
 mod frame;
 mod habits;
+mod heat;
 mod held;
 mod import;
 mod kept;
@@ -25,6 +26,7 @@ mod public;
 mod umats;
 mod unflagged;
 mod utilities;
+mod watch;
 
 use end_to_end_tests::{Tool, find, workspace};
 use program::{Desk, Run};

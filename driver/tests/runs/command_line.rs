@@ -20,7 +20,7 @@ fn elastic() -> Value {
 
 #[test]
 fn bad_input_is_exit_code_2_and_nothing_is_run() {
-    const MALFORMED: [(&[&str], &str); 13] = [
+    const MALFORMED: [(&[&str], &str); 14] = [
         (&["kind=punkt"], "$.kind"),
         (&["tilte=x"], "$.tilte: unknown key; nearest valid name: 'title'"),
         (&["material.props.E=-1"], "$.material.props.E"),
@@ -33,7 +33,8 @@ fn bad_input_is_exit_code_2_and_nothing_is_run() {
         (&["mode=plane_stress", "steps.0.target.s33=0"], "fixes s33 = s13 = s23 = 0"),
         (&[r#"steps.0={"table": "nowhere.csv"}"#], "$.steps[0].table"),
         (&[r#"until={"quantity": "s12x", "greater_than": 1}"#], "$.until.quantity"),
-        (&["steps.0.increments=0", "titel=x", "material.props.nu=0.5"], "$.material.props.nu"),
+        (&["steps.0.increments=0", "titel=x", "material.colour=red"], "$.material.colour"),
+        (&["steps.0.target.s11=1", "material.props.E=-1", "material.props.nu=0.5"], "$.material.props.nu"),
     ];
     let desk = Desk::new();
     desk.case("case.json", &elastic());
@@ -603,4 +604,88 @@ fn examples_are_listed_with_what_they_show() {
     let some = desk.pullout(["examples", "AXISYMMETRIC", "fig. 6.14"]).expect(0).stdout;
     assert!(some.contains("6.14-axisymmetric.json") && some.lines().count() < 12, "{some}");
     desk.pullout(["examples", "no such word"]).expect(2);
+}
+
+#[test]
+fn summaries_are_one_line_of_json_each_and_nothing_else() {
+    let desk = Desk::new();
+    desk.case("one.json", &elastic());
+    let mut failing = elastic();
+    // the stress-free lateral strain of a state that is nowhere
+    failing["material"] = json!({ "plugin": "j2_plasticity", "props": { "hardening": [[1.0, 0.0]] } });
+    failing["steps"] = json!([{ "increments": 1, "target": { "s11": 100.0 } }]);
+    desk.case("two.json", &failing);
+    let outcome = desk.pullout(["run", "one.json", "two.json", "--json"]).expect(1);
+    let lines: Vec<Value> =
+        outcome.stdout.lines().map(|line| serde_json::from_str(line).expect("an object a line")).collect();
+    let [one, two] = &lines[..] else { panic!("{}", outcome.stdout) };
+    assert_eq!((&one["case"], &one["folder"]), (&json!("one.json"), &json!("out/one")));
+    assert_eq!((&one["status"], &two["status"]), (&json!("done"), &json!("failed")));
+    assert_eq!(one["peaks"]["s11"]["max"], json!(1.0), "E ε");
+    let kept = json(&desk.path("out/one/summary.json"));
+    for (key, value) in kept.as_object().expect("an object") {
+        assert_eq!(&one[key], value, "{key}");
+    }
+    // what is refused has none, not even that of an earlier run
+    let refused = desk.pullout(["run", "one.json", "--json", "--set", "steps.0.increments=0"]).expect(2);
+    assert_eq!(refused.stdout, "");
+}
+
+#[test]
+fn other_commands_print_json() {
+    let desk = Desk::new();
+    let list: Value = serde_json::from_str(&desk.pullout(["plugin", "list", "--json"]).expect(0).stdout).expect("JSON");
+    let law = list["laws"].as_array().expect("laws").iter().find(|law| law["name"] == "bond_slip").expect("a law");
+    assert_eq!(law["entry_points"], json!(["uinter", "fric"]));
+    assert!(law["version"].is_string() && law["library"].as_str().is_some_and(|file| Path::new(file).is_file()));
+    assert!(list["searched"][0]["folder"].is_string() && list["searched"][0]["exists"].is_boolean());
+    desk.case("base.json", &elastic());
+    let study = json!({
+        "kind": "study", "base": "base.json", "series": [{ "name": "all" }],
+        "members": [{ "label": "soft", "x": 1.0 }, { "label": "stiff", "x": 2.0, "set": { "material.props.E": 2000.0 } }],
+        "x": { "name": "E" },
+        "claims": [{ "claim": "it grows", "expect": { "trend": "increasing" } }],
+    });
+    desk.case("family.json", &study);
+    let said = desk.pullout(["study", "family.json", "--json"]).expect(0).stdout;
+    let said: Value = serde_json::from_str(&said).expect("one object");
+    assert_eq!((&said["study"], &said["folder"]), (&json!("family.json"), &json!("out/family")));
+    assert_eq!((&said["runs"][1]["peak"], said["claims"].as_array().map(Vec::len)), (&json!(2.0), Some(1)));
+    desk.case("sweep.json", &json!({ "kind": "sweep", "base": elastic(), "parameters": { "material.props.E": [1.0, 2.0] }, "quantities": { "peak": "peak" } }));
+    desk.pullout(["sweep", "plan", "sweep.json", "--out", "store"]).expect(0);
+    let status = || -> Value {
+        serde_json::from_str(&desk.pullout(["sweep", "status", "store", "--json"]).expect(0).stdout).expect("JSON")
+    };
+    assert_eq!(
+        status(),
+        json!({ "folder": "store", "runs": 2, "finished": 0, "endings": {}, "to_do": 2, "cpu_s": 0.0, "wall_s": 0.0 })
+    );
+    desk.pullout(["sweep", "work", "store", "--in-process", "--quiet"]).expect(0);
+    let done = status();
+    assert_eq!((&done["finished"], &done["to_do"], &done["endings"]), (&json!(2), &json!(0), &json!({ "done": 2 })));
+    assert!(done["wall_s"].as_f64().is_some_and(|time| time > 0.0));
+}
+
+#[test]
+fn a_report_is_opened_or_its_place_is_told() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = Desk::new();
+    desk.case("case.json", &elastic());
+    let browser = desk.write("bin/xdg-open", "#!/bin/sh\nprintf %s \"$1\" > opened\n");
+    std::fs::set_permissions(&browser, PermissionsExt::from_mode(0o755)).expect("a program");
+    let run = |display: Option<&str>| {
+        let mut run = command();
+        run.current_dir(desk.path("")).args(["run", "case.json", "--quiet", "--open"]);
+        run.env("PATH", desk.path("bin")).env_remove("WAYLAND_DISPLAY").env_remove("BROWSER").env_remove("DISPLAY");
+        display.map(|display| run.env("DISPLAY", display));
+        String::from_utf8(run.output().expect("the program starts").stderr).expect("UTF-8")
+    };
+    assert!(run(None).contains("out/case/report.html"));
+    assert!(!desk.path("opened").exists());
+    run(Some(":9"));
+    let opened = (0..500).find_map(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        std::fs::read_to_string(desk.path("opened")).ok().filter(|opened| !opened.is_empty())
+    });
+    assert_eq!(opened.as_deref(), Some("out/case/report.html"));
 }

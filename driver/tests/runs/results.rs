@@ -75,6 +75,28 @@ fn numbers_are_read_and_written_exactly() {
 }
 
 #[test]
+fn pictures_have_the_words_of_the_case_and_the_report_a_date() {
+    let desk = Desk::new();
+    let mut case = point(elastic(), json!([{ "increments": 2, "target": { "e11": 1e-3 } }]));
+    case["output"] = json!({ "plots": { "stress_strain": { "title": "A bar of rubber", "legend": { "s11": "bar" } }, "stress_strian": {} } });
+    let run = desk.run(&desk.case("case.json", &case), &[], "out", 0);
+    let picture = std::fs::read_to_string(desk.path("out/plots/stress_strain.svg")).expect("a picture");
+    assert!(picture.contains("A bar of rubber"));
+    let warnings = run.summary["warnings"].as_array().expect("a list");
+    assert!(
+        warnings
+            .iter()
+            .any(|warning| warning.as_str().is_some_and(|words| words.contains("output.plots.stress_strian")))
+    );
+    let report = std::fs::read_to_string(desk.path("out/report.html")).expect("a report");
+    let date = report.split("Date</td><td>").nth(1).and_then(|rest| rest.split('<').next()).expect("a date");
+    assert!(date.ends_with(" UTC") && date.len() == "2026-01-31 12:05 UTC".len(), "{date}");
+    let misspelt =
+        desk.pullout(["check", "case.json", "--set", "output.plots.stress_strain={\"titel\": \"x\"}"]).expect(2);
+    assert!(misspelt.stderr.contains("output.plots"), "{}", misspelt.stderr);
+}
+
+#[test]
 fn a_table_makes_one_line_per_row() {
     let desk = Desk::new();
     let values = [0.001, 0.0007000000000000001, -0.3e-3, 0.0];

@@ -1,8 +1,10 @@
 //! One element of the field: what it needs of the mesh, and its equations.
 
+use crate::assembly::solids::{PointField, ReturnedHeat};
 use crate::element::{MAX_NODES, MappedPoint};
 use crate::mesh::Mesh;
 use std::f64::consts::PI;
+use umat_abi::host::Transfer;
 
 /// An integration point.
 #[derive(Clone, Copy, Debug)]
@@ -15,11 +17,12 @@ struct FieldPoint {
     volume: f64,
 }
 
-/// Conductivity, and capacity per time.
+/// Conductivity, and per time capacity and the density by which U of UMATHT counts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Medium {
     pub(super) conductivity: f64,
     pub(super) capacity_rate: f64,
+    pub(super) density_rate: f64,
 }
 
 /// An element of the field.
@@ -52,23 +55,30 @@ impl FieldElement {
         self.points.len()
     }
 
-    /// θ at a point, of values at all nodes of the mesh.
-    pub(super) fn value(&self, point: usize, values: &[f64]) -> f64 {
-        self.nodes.iter().zip(&self.points[point].values).map(|(&node, shape)| shape * values[node]).sum()
+    /// The field at a point, of values at all nodes of the mesh at the start and at the end.
+    pub(super) fn at(&self, point: usize, values: [&[f64]; 2]) -> PointField {
+        let FieldPoint { values: shapes, gradients, .. } = &self.points[point];
+        let ends = values.map(|values| self.nodes.iter().zip(shapes).map(|(&node, shape)| shape * values[node]).sum());
+        let along = |k: usize| self.nodes.iter().zip(gradients).map(|(&node, by)| by[k] * values[1][node]).sum();
+        PointField { ends, gradient: [along(0), along(1)] }
     }
 
-    /// R and K, row by row, with θ at its nodes at the start and at the end, and RPL and DRPLDT of its points.
+    /// R and K, row by row, with θ at its nodes at the start and at the end, and what the laws at its points returned.
     pub(super) fn equations(
         &self,
         medium: Medium,
         [start, end]: [&[f64]; 2],
-        heat: &[[f64; 2]],
+        heat: &[ReturnedHeat],
     ) -> (Vec<f64>, Vec<f64>) {
         let count = self.nodes.len();
-        let Medium { conductivity, capacity_rate } = medium;
+        let Medium { conductivity, capacity_rate, density_rate } = medium;
         let (mut residual, mut matrix) = (vec![0.0; count], vec![0.0; count * count]);
-        for (point, [rpl, drpldt]) in self.points.iter().zip(heat) {
+        for (point, ReturnedHeat { source: [rpl, drpldt], transfer }) in self.points.iter().zip(heat) {
             let FieldPoint { values, gradients, volume } = point;
+            if let Some(transfer) = transfer {
+                self.add_transfer(point, transfer, [*rpl, *drpldt], density_rate, (&mut residual, &mut matrix));
+                continue;
+            }
             let (mut rate, mut gradient) = (0.0, [0.0; 2]);
             for i in 0..count {
                 rate += values[i] * (end[i] - start[i]);
@@ -87,6 +97,39 @@ impl FieldElement {
             }
         }
         (residual, matrix)
+    }
+
+    /// Adds the part of a point whose heat is that of UMATHT:
+    ///
+    /// ```text
+    /// R_i += N_i (r − ρ (U − U_n)/Δt) + ∇N_i·f
+    /// K_ij += N_i (ρ/Δt (∂U/∂θ N_j + ∂U/∂∇θ·∇N_j) − ∂r/∂θ N_j) − ∇N_i·(∂f/∂θ N_j + ∂f/∂∇θ ∇N_j)
+    /// ```
+    fn add_transfer(
+        &self,
+        point: &FieldPoint,
+        transfer: &Transfer,
+        [rpl, drpldt]: [f64; 2],
+        density_rate: f64,
+        (residual, matrix): (&mut [f64], &mut [f64]),
+    ) {
+        let count = self.nodes.len();
+        let FieldPoint { values, gradients, volume } = point;
+        let dot = |a: &[f64; 2], b: &[f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let source = rpl - density_rate * transfer.energy;
+        for i in 0..count {
+            residual[i] += volume * (values[i] * source + dot(&gradients[i], &transfer.flux));
+        }
+        for j in 0..count {
+            let energy = transfer.energy_by_temperature * values[j] + dot(&transfer.energy_by_gradient, &gradients[j]);
+            let storage = density_rate * energy - drpldt * values[j];
+            let flux: [f64; 2] = std::array::from_fn(|k| {
+                transfer.flux_by_temperature[k] * values[j] + dot(&transfer.flux_by_gradient[k], &gradients[j])
+            });
+            for i in 0..count {
+                matrix[i * count + j] += volume * (values[i] * storage - dot(&gradients[i], &flux));
+            }
+        }
     }
 
     /// ∫ (α/l + l |∇d|²)/π dV, of d at all nodes of the mesh.

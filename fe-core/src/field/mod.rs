@@ -5,9 +5,10 @@
 //! K_ij = ∫ k ∇N_i·∇N_j + (c/Δt − ∂r/∂θ) N_i N_j dV
 //! ```
 //!
-//! with RPL and DRPLDT of the laws at the last displacements for r and ∂r/∂θ, integrated at the points of the laws; the law gets
-//! Σ N_i θ_i at its point as TEMP + DTEMP. Displacements and field are found in turn. A [`Field`] predicts θ, does one Newton
-//! iteration a pass, and says when it no longer changes ([`crate::model::FieldCoupling`]):
+//! with RPL and DRPLDT of the laws, and FLUX of HETVAL, at the last displacements for r and ∂r/∂θ, integrated at the points of the
+//! laws; UMATHT gives ∫ N_i ρ (U − U_n)/Δt and ∫ ∇N_i·f in the place of c and k. The law gets Σ N_i θ_i at its point as TEMP +
+//! DTEMP. Displacements and field are found in turn. A [`Field`] predicts θ, does one Newton iteration a pass, and says when it no
+//! longer changes ([`crate::model::FieldCoupling`]):
 //!
 //! ```text
 //! θ ← θ_n + 0.9 Δt/Δt_n (θ_n − θ_{n−1}),   then in each pass   θ ← θ + 1.4 K⁻¹R,   until max |K⁻¹R| ≤ tolerance
@@ -208,10 +209,8 @@ impl Field {
     /// Gives the laws a field at the end of the increment.
     fn give(&self, end: &[f64], solids: &mut Solids) {
         for element in &self.elements {
-            let at = |values: &[f64], point: usize| element.value(point, values);
-            let temperatures =
-                (0..element.point_count()).map(|point| [at(&self.committed.given, point), at(end, point)]);
-            solids.set_temperatures(element.element, temperatures);
+            let at = |point: usize| element.at(point, [&self.committed.given, end]);
+            solids.set_field(element.element, (0..element.point_count()).map(at));
         }
     }
 
@@ -274,7 +273,13 @@ impl Field {
         context: &IncrementContext,
         solids: &Solids,
     ) -> Result<Vec<f64>, SolverError> {
-        let capacity_rate = self.definition.capacity / context.time_increment;
+        let density = self.definition.transfer.as_ref().map_or(0.0, |transfer| transfer.density);
+        let medium = element::Medium {
+            conductivity: self.definition.conductivity,
+            capacity_rate: self.definition.capacity / context.time_increment,
+            density_rate: density / context.time_increment,
+        };
+        let mut symmetry = Symmetry::Symmetric;
         let mut residual = vec![0.0; self.matrix.pattern().size()];
         for (flux, nodal) in self.definition.fluxes.iter().zip(&self.fluxes) {
             let factor = flux.drive.map_or(1.0, |drive| drives[drive]);
@@ -290,8 +295,11 @@ impl Field {
             let count = element.nodes.len();
             let at = |values: &[f64]| -> Vec<f64> { element.nodes.iter().map(|&node| values[node]).collect() };
             let (end, start) = (at(&self.next), at(&self.committed.values));
-            let medium = element::Medium { conductivity: self.definition.conductivity, capacity_rate };
-            let (forces, matrix) = element.equations(medium, [&start, &end], solids.heat(element.element));
+            let heat = solids.heat(element.element);
+            if heat.iter().any(|returned| returned.transfer.is_some()) {
+                symmetry = Symmetry::Unsymmetric;
+            }
+            let (forces, matrix) = element.equations(medium, [&start, &end], heat);
             for (i, &row) in element.nodes.iter().enumerate() {
                 let row = self.equations[row];
                 if row == NONE {
@@ -311,7 +319,7 @@ impl Field {
         if residual.is_empty() {
             return Ok(residual);
         }
-        self.solver.factorise(&self.matrix, Symmetry::Symmetric)?;
+        self.solver.factorise(&self.matrix, symmetry)?;
         if residual.iter().any(|value| *value != 0.0) {
             self.solver.solve(&self.matrix, &mut residual)?;
         }

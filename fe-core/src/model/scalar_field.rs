@@ -52,6 +52,15 @@ pub enum Coupling {
     OnePass,
 }
 
+/// UMATHT of the laws' libraries, which takes the place of conductivity and capacity where a library has it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HeatTransfer {
+    /// PROPS.
+    pub props: Vec<f64>,
+    /// ρ, by which U counts; 0: steady.
+    pub density: f64,
+}
+
 /// A field θ on all nodes of some parts: c ∂θ/∂t = k ∇²θ + r, r being RPL of the laws, which are given θ as temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScalarField {
@@ -65,6 +74,10 @@ pub struct ScalarField {
     pub capacity: f64,
     /// θ at the start.
     pub initial: f64,
+    /// Whether HETVAL of the laws' libraries adds to RPL and DRPLDT.
+    pub has_generation: bool,
+    /// UMATHT, if it is called.
+    pub transfer: Option<HeatTransfer>,
     /// Values that nodes have.
     pub fixed: Vec<FixedValue>,
     /// Fluxes into the body.
@@ -85,6 +98,8 @@ impl ScalarField {
             conductivity: 1.0,
             capacity: 0.0,
             initial: 0.0,
+            has_generation: false,
+            transfer: None,
             fixed: Vec::new(),
             fluxes: Vec::new(),
             coupling: Coupling::default(),

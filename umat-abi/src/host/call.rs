@@ -6,6 +6,7 @@ use super::library::{Library, LoadError};
 use super::manner::Detour;
 use super::memory::{NAME_LENGTH, NotFinite, Overrun, fortran_name};
 use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
+use super::thermal::{HeatGeneration, HeatTransfer};
 use crate::law::{Heat, Request, StressState};
 use crate::metadata::flags;
 use crate::umat::{UmatArguments, UmatFunction};
@@ -106,6 +107,9 @@ pub struct UmatCall {
     pub strain_33: f64,
     /// Way of calls that are not plain: through six components, or with a tangent by differences.
     pub(super) detour: Option<Box<Detour>>,
+    /// HETVAL and UMATHT, where they are called.
+    pub(super) generation: Option<Box<HeatGeneration>>,
+    pub(super) heat_transfer: Option<Box<HeatTransfer>>,
 }
 
 impl Deref for UmatCall {
@@ -181,6 +185,8 @@ impl UmatCall {
             dpred: vec![0.0],
             strain_33: 0.0,
             detour: None,
+            generation: None,
+            heat_transfer: None,
         })
     }
 
@@ -190,6 +196,11 @@ impl UmatCall {
         if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid.as_mut()) {
             solid.fence();
         }
+    }
+
+    /// CMNAME as the plugin gets it.
+    pub(super) fn cmname(&self) -> [u8; NAME_LENGTH] {
+        self.cmname
     }
 
     /// Number of stress components.

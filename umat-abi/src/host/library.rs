@@ -89,12 +89,12 @@ impl Routine {
             called("uexternaldb"),
             called("sdvini"),
             called("sigini"),
+            called("hetval"),
+            called("umatht"),
             left_out("uvarm"),
             left_out("usdfld"),
             left_out("uel"),
             left_out("uelmat"),
-            left_out("umatht"),
-            left_out("hetval"),
             left_out("uhard"),
             left_out("uhyper"),
             left_out("uhypel"),
@@ -146,7 +146,7 @@ impl Library {
     /// # Safety
     /// The library's initialisers, and later its entry points, run in this process with all that it may do: either
     /// somebody vouches for them, or the process exists for this library alone and may end with it. What it exports
-    /// as `umat_`, `uinter_`, `fric_`, `sdvini_`, `uexternaldb_` or under a symbol that is asked for has that
+    /// as `umat_`, `uinter_`, `fric_`, `sdvini_`, `uexternaldb_`, `hetval_`, `umatht_` or under a symbol that is asked for has that
     /// signature, and writes no further than its counts allow.
     pub unsafe fn open(path: &Path) -> Result<Self, LoadError> {
         let stamp = stamp(path).ok();

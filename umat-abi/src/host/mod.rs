@@ -21,6 +21,7 @@ mod probe;
 pub mod recorder;
 mod routines;
 mod split;
+mod thermal;
 mod utilities;
 mod verdict;
 
@@ -49,5 +50,6 @@ pub use prints::{flush_prints, print_by_lines, write_messages_to};
 pub use probe::{Alignment, Probed};
 pub use routines::{Clock, ExternalDatabases};
 pub use split::split;
+pub use thermal::{GRADIENTS, Transfer};
 pub use utilities::{UTILITIES, announce_job, utilities_path};
 pub use verdict::{CallFailure, judge};

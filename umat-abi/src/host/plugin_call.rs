@@ -15,7 +15,7 @@ pub(super) const PNEWDT_ON_ENTRY: f64 = 1e36;
 #[derive(Debug)]
 pub struct PluginCall<I, O> {
     /// Keeps the function's code loaded.
-    _library: Library,
+    library: Library,
     plugin: String,
     pub(super) guard: Option<Guard>,
     pub(super) stress: Guarded,
@@ -49,7 +49,7 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
         let guard = library.guard();
         let inputs = inputs([&stress, &statev, &guarded_props].map(|array| *array.count()));
         Self {
-            _library: library.clone(),
+            library: library.clone(),
             plugin: library.name_of_law(name),
             exchange: Exchange::new(inputs, guard.is_some()),
             lent_fields: guard.is_some().then(|| ["PREDEF", "DPRED"].map(|name| Guarded::new(name, 1))),
@@ -137,6 +137,11 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
 }
 
 impl<I, O> PluginCall<I, O> {
+    /// The library.
+    pub(super) fn library(&self) -> &Library {
+        &self.library
+    }
+
     /// Returns what messages call the plugin.
     pub fn plugin(&self) -> &str {
         &self.plugin

@@ -1,4 +1,5 @@
 use super::{FOLDER, linker, make, tag_is_kept};
+use crate::Build;
 use std::path::Path;
 
 #[test]
@@ -7,7 +8,8 @@ fn maturin_is_looked_for_before_anything_is_built() {
     let earlier = workspace.path().join(FOLDER);
     std::fs::create_dir_all(&earlier).expect("a folder");
     // has no module at all
-    let refused = make(workspace.path(), "dev", false, Path::new("false"), &[]).expect_err("no maturin");
+    let how = Build { profile: "dev".into(), zig: false, python: "false".into() };
+    let refused = make(workspace.path(), &how, &[]).expect_err("no maturin");
     assert!(refused.contains("pip install maturin"), "{refused}");
     assert!(earlier.is_dir());
 }

@@ -12,6 +12,7 @@ use crate::quadrature::integral;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, LN_2};
+use std::sync::LazyLock;
 
 /// η without walls, near one, near two (Dupont, Vandewalle 2005).
 const EFFICIENCIES: [f64; 3] = [0.5, 0.6, 0.84];
@@ -65,8 +66,9 @@ pub fn density(parts: [f64; 3]) -> Vec<f64> {
     };
     let mut values: Vec<f64> = (0..=SAMPLES).map(|k| at(FRAC_PI_2 * k as f64 / SAMPLES as f64)).collect();
     if parts[2] > 0.0 {
-        let corner = corner();
-        values.iter_mut().zip(corner).for_each(|(value, corner)| *value += parts[2] * corner);
+        // the same for all sections, and not made at once
+        static CORNER: LazyLock<Vec<f64>> = LazyLock::new(corner);
+        values.iter_mut().zip(CORNER.iter()).for_each(|(value, corner)| *value += parts[2] * corner);
     }
     values
 }
@@ -74,6 +76,7 @@ pub fn density(parts: [f64; 3]) -> Vec<f64> {
 /// p(θ) between two walls at right angles, the mean over both distances: |p_y| ≤ ζ_1, |p_z| ≤ ζ_2.
 fn corner() -> Vec<f64> {
     let mut values = vec![0.0; SAMPLES + 1];
+    let sines: Vec<f64> = (0..=SAMPLES).map(|k| (FRAC_PI_2 * k as f64 / SAMPLES as f64).sin()).collect();
     let panels = CORNER_PANELS as f64;
     for (i, j) in (0..CORNER_PANELS).flat_map(|i| (0..CORNER_PANELS).map(move |j| (i, j))) {
         for (u, weight_u) in crate::quadrature::rule(CORNER_LEVEL) {
@@ -83,9 +86,8 @@ fn corner() -> Vec<f64> {
                 let (near, far) = (a * a, b * b);
                 let weight = 4.0 * a * b * weight_u * weight_v / (panels * panels);
                 let allowed = solid_angle(near, far);
-                for (k, value) in values.iter_mut().enumerate() {
-                    let sine = (FRAC_PI_2 * k as f64 / SAMPLES as f64).sin();
-                    if sine > 0.0 {
+                for (value, sine) in values.iter_mut().zip(&sines) {
+                    if *sine > 0.0 {
                         let free = (far / sine).min(1.0).asin() - (near / sine).min(1.0).acos();
                         *value += weight * sine * 8.0 * free.max(0.0) / allowed;
                     }

@@ -1,6 +1,6 @@
 //! Kind "bridging".
 
-use super::{CommonCaseEntries, Material, Piece, Positive, Whole};
+use super::{CommonCaseEntries, Material, Plots, Positive, Whole};
 use pullout_bridging::{BondLaw, Debonding, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -18,37 +18,37 @@ pub struct BridgingCase {
     #[serde(flatten)]
     pub head: CommonCaseEntries,
     /// The fibre, and the source of its load.
-    pub fibre: Piece<FibreOfFile>,
+    pub fibre: FibreOfFile,
     /// V_f, at most 0.2.
-    pub volume_fraction: Piece<Positive>,
+    pub volume_fraction: Positive,
     /// The matrix.
-    pub matrix: Piece<Matrix>,
+    pub matrix: Matrix,
     /// η_E, the matrix's part in the stretch of the fibre (default E V_f/(E_m (1 − V_f)); 0: a stiff matrix).
     #[schemars(range(min = 0.0))]
     pub modular_ratio: Option<f64>,
     /// Orientation of the fibres (default random_3d).
-    pub orientation: Option<Piece<Orientation>>,
+    pub orientation: Option<Orientation>,
     /// Sides of the crack from which fibres pull out (default two).
-    pub sides: Option<Piece<Sides>>,
+    pub sides: Option<Sides>,
     /// w_a, the opening at which fibres begin to carry (default 0).
     #[schemars(range(min = 0.0))]
     pub activation: Option<f64>,
     /// Openings at which σ(w) is written. The strengths of beams do not depend on them.
-    pub openings: Option<Piece<Openings>>,
+    pub openings: Option<Openings>,
     /// A notched beam in three-point bending (`{}`: that of EN 14651; default: none).
-    pub beam: Option<Piece<NotchedBeam>>,
+    pub beam: Option<NotchedBeam>,
     /// Beams with randomly placed fibres (default: none). Needs `beam`.
-    pub scatter: Option<Piece<Scatter>>,
+    pub scatter: Option<Scatter>,
     /// Settings of the output.
-    pub output: Option<Piece<BridgingOutput>>,
+    pub output: Option<BridgingOutput>,
 }
 
 /// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BridgingOutput {
-    /// Draw plots (default true).
-    pub plots: Option<bool>,
+    /// Draw plots (default true), or draw them with these titles and legends.
+    pub plots: Option<Plots>,
 }
 
 /// Openings at which σ is evaluated.

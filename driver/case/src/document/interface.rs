@@ -1,7 +1,7 @@
 //! Kind "interface".
 
 use super::{
-    CommonCaseEntries, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Piece, Positive, StepEnd,
+    CommonCaseEntries, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Positive, StepEnd,
     TableSource,
 };
 use schemars::JsonSchema;
@@ -22,9 +22,9 @@ pub struct InterfaceCase {
     #[serde(flatten)]
     pub path: Path<InterfaceStep>,
     /// The state before the first step.
-    pub initial: Option<Piece<InterfaceInitial>>,
+    pub initial: Option<InterfaceInitial>,
     /// Plugin arguments that the path does not determine. The replay of a recorded call sets them.
-    pub arguments: Option<Piece<ContactArguments>>,
+    pub arguments: Option<ContactArguments>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
     pub course: Course,

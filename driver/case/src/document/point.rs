@@ -1,8 +1,8 @@
 //! Kind "point".
 
 use super::{
-    CommonCaseEntries, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Piece, Positive, StepEnd,
-    TableSource, UmatArguments,
+    CommonCaseEntries, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Positive, StepEnd, TableSource,
+    UmatArguments,
 };
 use pullout_run::program::{Measure, Mode};
 use schemars::JsonSchema;
@@ -24,16 +24,16 @@ pub struct PointCase {
     #[serde(flatten)]
     pub path: Path<PointStep>,
     /// Stress state: the components that exist (default "3d").
-    pub mode: Option<Piece<Mode>>,
+    pub mode: Option<Mode>,
     /// Finite strain (default false). Strains are those of U in F = R U; a step with strain or stress targets keeps R.
     /// UMAT gets DFGRD0, DFGRD1 and DROT, and STRAN and STRESS rotated by DROT.
-    pub nlgeom: Option<Piece<bool>>,
+    pub nlgeom: Option<bool>,
     /// Strain and stress measure of steps and history with nlgeom (default "logarithmic").
-    pub measure: Option<Piece<Measure>>,
+    pub measure: Option<Measure>,
     /// The state before the first step.
-    pub initial: Option<Piece<PointInitial>>,
+    pub initial: Option<PointInitial>,
     /// UMAT arguments that the path does not determine. The replay of a recorded call sets them.
-    pub arguments: Option<Piece<UmatArguments>>,
+    pub arguments: Option<UmatArguments>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
     pub course: Course,

@@ -1,7 +1,7 @@
 //! Kind "pullout".
 
 use super::{
-    CommonCaseEntries, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, StepEnd,
+    CommonCaseEntries, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Plots, Positive, StepEnd,
     Whole,
 };
 use fe_core::element::Integration;
@@ -31,42 +31,42 @@ pub struct PulloutCase {
     #[serde(flatten)]
     pub head: CommonCaseEntries,
     /// A specimen by its parameters, or a Gmsh file.
-    pub mesh: Piece<MeshSource>,
+    pub mesh: MeshSource,
     /// The parts by name: those of the specimen, or the physical surfaces of the file.
-    pub parts: Piece<BTreeMap<String, Piece<Part>>>,
+    pub parts: BTreeMap<String, Part>,
     /// One object for all contact pairs of the specimen, or a list of pairs.
-    pub contact: Option<Piece<Contact>>,
+    pub contact: Option<Contact>,
     /// Nodes that are pulled; default: those of the specimen.
-    pub grip: Option<Piece<Grip>>,
+    pub grip: Option<Grip>,
     /// One of the specimen's named support conditions, or supports by name; default: those of the specimen.
-    pub supports: Option<Piece<Supports>>,
+    pub supports: Option<Supports>,
     /// Loads by name; each is multiplied by its drive.
-    pub loads: Option<Piece<BTreeMap<String, Piece<Load>>>>,
+    pub loads: Option<BTreeMap<String, Load>>,
     /// Multi-point constraints and ties.
-    pub couplings: Option<Piece<Vec<Piece<Coupling>>>>,
+    pub couplings: Option<Vec<Coupling>>,
     /// What the history columns slip and load measure; default: the grip, and the exit and tail of the specimen.
-    pub measure: Option<Piece<Measure>>,
+    pub measure: Option<Measure>,
     /// Large displacements (default false).
-    pub nlgeom: Option<Piece<bool>>,
+    pub nlgeom: Option<bool>,
     /// A scalar at every node: a temperature, or the phase field of a law such as concrete_phase_field (default: none).
-    pub field: Option<Piece<ScalarField>>,
+    pub field: Option<ScalarField>,
     /// Release of torn concrete, for laws with damage (default: none is released).
-    pub spalling: Option<Piece<Spalling>>,
+    pub spalling: Option<Spalling>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
     pub course: Course,
     /// The state before the first step.
-    pub initial: Option<Piece<PulloutInitial>>,
+    pub initial: Option<PulloutInitial>,
     /// Loading steps, in order.
     #[schemars(length(min = 1))]
-    pub steps: Piece<Vec<Piece<PulloutStep>>>,
+    pub steps: Vec<PulloutStep>,
     /// Settings of the output.
-    pub output: Option<Piece<PulloutOutput>>,
+    pub output: Option<PulloutOutput>,
     /// Tolerances and limits.
-    pub controls: Option<Piece<PulloutControls>>,
+    pub controls: Option<PulloutControls>,
     /// Work that the solver omits where the specimen does not need it (default "all"). Results agree within the
     /// tolerance of equilibrium.
-    pub skip: Option<Piece<Skip>>,
+    pub skip: Option<Skip>,
 }
 
 /// Criterion for torn concrete. The forces of a torn element fade and its contact ends, as do those of everything that
@@ -90,27 +90,27 @@ pub struct Spalling {
 #[serde(deny_unknown_fields)]
 pub struct Part {
     /// The plugin and its parameters.
-    pub material: Piece<Material>,
+    pub material: Material,
     /// Assumption about the third direction; default: the specimen's, plane_strain for a file.
-    pub model: Option<Piece<PlaneModel>>,
+    pub model: Option<PlaneModel>,
     /// Reference thickness, mm, or the property of a round fibre's section that the thickness preserves; default: the
     /// specimen's, 1 for a file.
-    pub thickness: Option<Piece<Thickness>>,
+    pub thickness: Option<Thickness>,
     /// Integration of the elements; default: reduced for Q8, full for the others.
-    pub integration: Option<Piece<Integration>>,
+    pub integration: Option<Integration>,
     /// Large displacements of this part; default: as in the case. A part that moves little compared with its size, such
     /// as the block around a fibre, is cheaper and more robust without them.
-    pub nlgeom: Option<Piece<bool>>,
+    pub nlgeom: Option<bool>,
     /// The state before the first step.
-    pub initial: Option<Piece<PartInitial>>,
+    pub initial: Option<PartInitial>,
     /// Tensile strength of a fibre's wire, MPa, on the initial area. The run ends with a warning when the mean axial
     /// stress of a section reaches it (default: the wire does not break by stress).
-    pub strength: Option<Piece<Positive>>,
+    pub strength: Option<Positive>,
     /// Elongation at which a fibre's wire breaks, measured over 5 diameters; 0.01 is 1 %. The run then ends with a
     /// warning (default: the wire does not break by strain). Bending over the exit or in a hook does not count.
-    pub elongation: Option<Piece<Positive>>,
+    pub elongation: Option<Positive>,
     /// Average the dilatation of Q4 elements to avoid locking (default true).
-    pub average_dilatation: Option<Piece<bool>>,
+    pub average_dilatation: Option<bool>,
 }
 
 /// Initial state of a specimen.
@@ -212,8 +212,8 @@ pub struct AutomaticIncrements {
 pub struct PulloutOutput {
     /// Write every n-th increment, and the last of each step, to history.csv (default 1).
     pub every: Option<Increments>,
-    /// Draw plots (default true).
-    pub plots: Option<bool>,
+    /// Draw plots (default true), or draw them with these titles and legends.
+    pub plots: Option<Plots>,
     /// Write fields for ParaView: never (false), or at every 10th (true, the default) or every n-th increment and at
     /// the end of each step.
     pub vtu: Option<Vtu>,

@@ -1,6 +1,6 @@
 //! The study file as serde reads it and as `pullout schema` prints it.
 
-use super::{CommonEntries, Piece, Positive};
+use super::{CommonEntries, Positive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -17,27 +17,27 @@ pub struct StudyFile {
     pub head: CommonEntries,
     /// Case file that the runs vary, relative to the study file.
     #[schemars(length(min = 1))]
-    pub base: Piece<String>,
+    pub base: String,
     /// Overrides for all runs: dotted path and value, as `--set` has them.
-    pub set: Option<Piece<Map<String, Value>>>,
+    pub set: Option<Map<String, Value>>,
     /// Quantity that is varied along the list of members.
-    pub x: Option<Piece<Abscissa>>,
+    pub x: Option<Abscissa>,
     /// The runs of each series.
     #[schemars(length(min = 1))]
-    pub members: Piece<Vec<Piece<MemberOfFile>>>,
+    pub members: Vec<MemberOfFile>,
     /// Lists of runs with the same members; default: one, named "runs".
     #[schemars(length(min = 1))]
-    pub series: Option<Piece<Vec<Piece<SeriesOfFile>>>>,
+    pub series: Option<Vec<SeriesOfFile>>,
     /// History columns of the curve whose peak and work count; default: load against slip, τ against slip, σ11 against ε11.
-    pub curve: Option<Piece<Columns>>,
+    pub curve: Option<Columns>,
     /// Value of x, with its sign, up to which the work (the integral of y along the curve) is taken. Default: the end
     /// of the shortest finished run, if all curves run to one side and none turns back by more than 5 % of its reach;
     /// otherwise the whole path of each run.
-    pub work_to: Option<Piece<f64>>,
+    pub work_to: Option<f64>,
     /// More pictures of all runs, by history columns.
-    pub overlays: Option<Piece<Vec<Piece<Columns>>>>,
+    pub overlays: Option<Vec<Columns>>,
     /// Claims that are tested.
-    pub claims: Option<Piece<Vec<Piece<ClaimOfFile>>>>,
+    pub claims: Option<Vec<ClaimOfFile>>,
 }
 
 /// Quantity that is varied.

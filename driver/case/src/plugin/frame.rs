@@ -8,6 +8,7 @@ use crate::problem::{Place, Problem};
 use crate::reader::Reader;
 use crate::structure;
 use pullout_run::program::Mode;
+use serde::Deserialize;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
@@ -26,7 +27,7 @@ pub fn frame_from_json(material: &Value, mode: Mode) -> Result<Option<Arc<Frame>
             document["material"][key] = material[key].clone();
         }
     }
-    let found = structure::check("point", &mut document).problems.into_iter();
+    let found = structure::check("point", &document).into_iter();
     // the steps are not asked for
     let is_of_material =
         |problem: &Problem| problem.place.as_ref().is_some_and(|found| found.as_str().starts_with(place.as_str()));
@@ -34,7 +35,7 @@ pub fn frame_from_json(material: &Value, mode: Mode) -> Result<Option<Arc<Frame>
     if !problems.is_empty() {
         return Err(problems);
     }
-    let material: Material = serde_json::from_value(document["material"].take())
+    let material: Material = Material::deserialize(&document["material"])
         .map_err(|error| vec![Problem::new(place.clone(), error.to_string())])?;
     let mut reader = Reader::new(Path::new(""), &[], false);
     let purpose = Use {

@@ -3,8 +3,8 @@
 use super::KnownMesh;
 use super::couplings::node;
 use super::mesh::MeshAndSets;
+use crate::document::PulloutCase;
 use crate::document::pullout as document;
-use crate::document::{Piece, PulloutCase};
 use crate::problem::{Place, hint};
 use crate::reader::{Reader, UsedDefaults};
 use fe_core::mesh::specimen::PulledFibre;
@@ -32,8 +32,6 @@ pub struct Boundary {
 #[derive(Default)]
 pub struct Drives {
     drives: IndexMap<String, Drive>,
-    /// Whether supports, loads or contact that cannot be read may have others.
-    pub may_lack: bool,
 }
 
 struct Drive {
@@ -65,13 +63,10 @@ impl Drives {
         Some(index)
     }
 
-    /// Says that nothing follows the drive of this name, unless what cannot be read may do so.
+    /// Says that nothing follows the drive of this name.
     pub fn report_unknown(&self, reader: &mut Reader<'_>, name: &str, place: &Place) {
-        if !self.may_lack {
-            let message =
-                format!("no support, load or interference has the drive '{name}'{}", hint(name, self.drives.keys()));
-            reader.problem(place, message);
-        }
+        let known = hint(name, self.drives.keys());
+        reader.problem(place, format!("no support, load or interference has the drive '{name}'{known}"));
     }
 
     /// Notes that a step moves a drive.
@@ -127,20 +122,12 @@ impl Boundary {
             }
             return;
         }
-        let chosen = |piece: &Piece<document::Grip>| piece.0.as_ref().is_ok_and(|grip| grip.nodes.is_some());
-        let fibres = scene.ground.map_or(&[][..], MeshAndSets::several_fibres);
-        let fibres = if case.grip.as_ref().is_some_and(chosen) { &[][..] } else { fibres };
+        let given = case.grip.clone().unwrap_or_default();
+        let fibres = scene.ground.filter(|_| given.nodes.is_none()).map_or(&[][..], MeshAndSets::several_fibres);
         // known even where the rest is not: steps may name it
         let drives: Vec<usize> = match scene.ground.is_some_and(|ground| ground.grips_each) && !fibres.is_empty() {
             true => fibres.iter().map(|fibre| self.drives.of_fibre(fibre, &place)).collect(),
             false => vec![self.drives.followed(SLIP, &place)],
-        };
-        let given = match &case.grip {
-            None => document::Grip::default(),
-            Some(piece) => match reader.piece(piece, &place) {
-                Some(grip) => grip.clone(),
-                None => return,
-            },
         };
         let name = given.nodes.as_deref().or(default.map(|(nodes, _)| nodes));
         let direction = given.direction.and_then(|given| unit(reader, given, &place.key("direction")));
@@ -205,13 +192,9 @@ impl Boundary {
     fn add_supports(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) {
         let place = Place::root().key("supports");
         let ways = scene.ground.map_or(&[][..], |ground| &ground.supports);
-        let named = match reader.optional(case.supports.as_ref(), &place) {
+        let named = match &case.supports {
             Some(document::Supports::Given(supports)) => return self.add_given(reader, supports, scene, &place),
             Some(document::Supports::Named(name)) => Some(name),
-            None if case.supports.is_some() => {
-                self.drives.may_lack = true;
-                return;
-            }
             None => None,
         };
         let way = match named {
@@ -242,16 +225,12 @@ impl Boundary {
     fn add_given(
         &mut self,
         reader: &mut Reader<'_>,
-        supports: &BTreeMap<String, Piece<document::Support>>,
+        supports: &BTreeMap<String, document::Support>,
         scene: KnownMesh<'_>,
         place: &Place,
     ) {
-        for (name, piece) in supports {
+        for (name, support) in supports {
             let place = place.key(name);
-            let Some(support) = reader.piece(piece, &place) else {
-                self.drives.may_lack = true;
-                continue;
-            };
             if self.measured.supports.iter().any(|&support| self.supports[support].name == *name) {
                 reader.problem(&place, "this name is taken by the grip");
             }
@@ -283,14 +262,8 @@ impl Boundary {
 
     fn add_loads(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) {
         let place = Place::root().key("loads");
-        let loads = reader.optional(case.loads.as_ref(), &place);
-        self.drives.may_lack |= case.loads.is_some() && loads.is_none();
-        for (name, piece) in loads.into_iter().flatten() {
+        for (name, load) in case.loads.iter().flatten() {
             let place = place.key(name);
-            let Some(load) = reader.piece(piece, &place) else {
-                self.drives.may_lack = true;
-                continue;
-            };
             let place_of_drive = if load.drive.is_some() { place.key("drive") } else { place.clone() };
             let drive = self.drives.followed(load.drive.as_deref().unwrap_or(name), &place_of_drive);
             if load.drive.is_none() && self.measured.slip.contains(&drive) {
@@ -307,7 +280,7 @@ impl Boundary {
 
     fn measure(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) {
         let place = Place::root().key("measure");
-        let given = reader.optional(case.measure.as_ref(), &place).cloned().unwrap_or_default();
+        let given = case.measure.clone().unwrap_or_default();
         if let Some(name) = &given.slip {
             self.measured.slip = self.drives.index(name).into_iter().collect();
             if self.measured.slip.is_empty() {

@@ -48,32 +48,24 @@ pub fn resolve(
         }
         return Some(Vec::new());
     };
-    let Some(given) = reader.piece(given, &place) else {
-        drives.may_lack = true;
-        return None;
-    };
     let pairs = match given {
         document::Contact::All(pair) => {
-            let fit = fit(reader, pair, drives, &place);
+            let fit = fit(pair, drives, &place);
             all_pairs(reader, pair, fit, defaults, scene, &place)
         }
         document::Contact::Pairs(pairs) => {
             let mut resolved: Vec<Option<ContactPair>> = Vec::new();
             let mut names: Vec<&str> = Vec::new();
-            for (k, piece) in pairs.iter().enumerate() {
+            for (k, pair) in pairs.iter().enumerate() {
                 let place = place.index(k);
-                let pair = reader.piece(piece, &place);
-                let name = pair.and_then(|pair| pair.name.as_deref());
+                let name = pair.name.as_deref();
                 if let Some(name) = name.filter(|name| names.contains(name)) {
                     reader.problem(&place.key("name"), format!("the pair '{name}' is given twice"));
                 }
                 names.extend(name);
                 let own = defaults.iter().find(|default| Some(default.name.as_str()) == name);
-                drives.may_lack |= pair.is_none();
-                resolved.push(pair.and_then(|pair| {
-                    let fit = fit(reader, pair, drives, &place);
-                    one_pair(reader, pair, fit, own, k, scene, &place)
-                }));
+                let fit = fit(pair, drives, &place);
+                resolved.push(one_pair(reader, pair, fit, own, k, scene, &place));
             }
             let is_missing =
                 |default: &&ContactSurfaces| !is_on_request(default) && !names.contains(&default.name.as_str());
@@ -182,7 +174,7 @@ fn all_pairs(
             }
         };
         let (slave, master) = surfaces(reader, pair, Some(default), scene, place)?;
-        let width = width(reader, pair, Some(default), place);
+        let width = width(pair, Some(default));
         let fit = if default.role == SurfaceRole::Bonded { fit } else { Fit::default() };
         pairs.push(ContactPair { name: default.name.clone(), slave, master, width, law, fit, ..pairs[0].clone() });
     }
@@ -207,7 +199,7 @@ fn law_of_role(
         SurfaceRole::End => (&pair.end, "end", None),
     };
     let other = match (given, default.filter(|default| has_default(bonded, default))) {
-        (Some(given), _) => reader.piece(given, &place.key(key))?.clone(),
+        (Some(given), _) => given.clone(),
         // beside FRIC the tension is the host's
         (None, Some((SEPARATION_PARAMETER, _))) if matches!(bonded, ContactLaw::Fric { .. }) => {
             return Some(bonded.clone());
@@ -221,8 +213,7 @@ fn law_of_role(
         }
     };
     let mut changed = pair.clone();
-    let material = changed.law.0.as_mut().ok()?;
-    match material.props.get_or_insert_with(|| Props::Named(BTreeMap::new())) {
+    match changed.law.props.get_or_insert_with(|| Props::Named(BTreeMap::new())) {
         Props::Named(props) => props.extend(other),
         Props::List(_) => {
             let message = "the law's props are a list: give them by name, or contact pair by pair";
@@ -254,10 +245,9 @@ fn one_pair(
 ) -> Option<ContactPair> {
     let surfaces = surfaces(reader, pair, default, scene, place);
     let law = law(reader, pair, place);
-    let width = width(reader, pair, default, place);
-    let quadrature = reader.optional(pair.quadrature.as_ref(), &place.key("quadrature"));
+    let width = width(pair, default);
     let mut taken = UsedDefaults::default();
-    let quadrature = match quadrature {
+    let quadrature = match &pair.quadrature {
         None => {
             taken.note("quadrature.gauss", POINTS);
             Quadrature::Gauss { points: POINTS }
@@ -266,9 +256,6 @@ fn one_pair(
         Some(document::Quadrature::Segments(points)) => Quadrature::Segments { points: points.0 },
         Some(document::Quadrature::Nodes) => Quadrature::Nodes,
     };
-    let penalty_factor = reader.optional(pair.penalty_factor.as_ref(), &place.key("penalty_factor"));
-    let critical_slip = reader.optional(pair.critical_slip.as_ref(), &place.key("critical_slip"));
-    let release = reader.optional(pair.release.as_ref(), &place.key("release"));
     // what a soft normal law has no use for
     let mut unused = UsedDefaults::default();
     let mut of_hard = &mut taken;
@@ -279,9 +266,9 @@ fn one_pair(
             reader.problem(&place.key(key), "is for the hard normal law: leave it out with a soft one");
         }
     }
-    let penalty_factor = of_hard.real("penalty_factor", penalty_factor.copied(), PENALTY_FACTOR);
-    let enforcement = enforcement(reader, pair, place, of_hard);
-    let release = taken.or("release", release.copied(), true);
+    let penalty_factor = of_hard.real("penalty_factor", pair.penalty_factor, PENALTY_FACTOR);
+    let enforcement = enforcement(pair, of_hard);
+    let release = taken.or("release", pair.release, true);
     if pair.width.is_none() {
         match width {
             Width::Given(width) => taken.note("width", rounded(width)),
@@ -292,7 +279,7 @@ fn one_pair(
     let name = pair.name.clone().or_else(|| default.map(|default| default.name.clone()));
     let (slave, master) = surfaces?;
     Some(ContactPair {
-        critical_slip: critical_slip.map_or(0.0, |slip| slip.0),
+        critical_slip: pair.critical_slip.map_or(0.0, |slip| slip.0),
         // the parts say, once they are known
         master_bends: false,
         name: name.unwrap_or_else(|| format!("contact {}", index + 1)),
@@ -309,16 +296,14 @@ fn one_pair(
 }
 
 /// What is closed at the start, and the interference with its drive.
-fn fit(reader: &mut Reader<'_>, pair: &document::Pair, drives: &mut Drives, place: &Place) -> Fit {
-    let closes_within = match reader.optional(pair.initial_gap.as_ref(), &place.key("initial_gap")) {
+fn fit(pair: &document::Pair, drives: &mut Drives, place: &Place) -> Fit {
+    let closes_within = match &pair.initial_gap {
         None | Some(document::InitialGap::Word(document::InitialGapWord::Keep)) => 0.0,
         Some(document::InitialGap::Word(document::InitialGapWord::Close)) => f64::INFINITY,
         Some(document::InitialGap::Within(within)) => within.close.0,
     };
     let place = place.key("interference");
-    let given = reader.optional(pair.interference.as_ref(), &place);
-    drives.may_lack |= pair.interference.is_some() && given.is_none();
-    let interference = given.map(|given| Interference {
+    let interference = pair.interference.as_ref().map(|given| Interference {
         drive: drives.followed(&given.drive, &place.key("drive")),
         depth: given.depth.map(|depth| depth.0),
     });
@@ -416,26 +401,25 @@ fn chain(mesh: &Mesh, edges: &[ElementEdge]) -> Result<Vec<ElementEdge>, String>
 
 fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<ContactLaw> {
     let place_of_law = place.key("law");
-    let material = reader.piece(&pair.law, &place_of_law)?;
+    let material = &pair.law;
     let message = "contact calls the entry point uinter or fric";
     let entry = plugin::contact_entry(reader, material.entry, &place_of_law, message);
     if material.statev0.is_some() {
         reader.problem(&place_of_law.key("statev0"), "the states of contact start from 0: leave it out");
     }
     let place = place.key("normal");
-    let normal = reader.optional(pair.normal.as_ref(), &place).copied().map(normal_law);
+    let normal = pair.normal.map(normal_law);
     let beside = normal.filter(|_| entry == EntryPoint::Fric).map(|normal| (normal, place.clone()));
     let (length, initial_temperature) = (Length::Unknown, 0.0);
     let purpose = Use { level: Level::Specimen, entry, mode: None, length, initial_temperature, normal: beside };
     let law = plugin::resolve(reader, material, &place_of_law, purpose).map(PluginLaw::from);
     match (entry, normal) {
         (EntryPoint::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal }),
-        (EntryPoint::Fric, None) if pair.normal.is_none() => {
+        (EntryPoint::Fric, None) => {
             let message = "is missing: FRIC has no normal law; give {\"hard\": {}} (unilateral) or another";
             reader.problem(&place, message);
             None
         }
-        (EntryPoint::Fric, None) => None,
         (_, Some(_)) => {
             reader.problem(&place, "a UINTER plugin has the normal law: leave it out, or set law.entry to fric");
             None
@@ -453,17 +437,16 @@ fn normal_law(normal: document::Normal) -> NormalLaw {
     }
 }
 
-fn width(reader: &mut Reader<'_>, pair: &document::Pair, default: Option<&ContactSurfaces>, place: &Place) -> Width {
-    match reader.optional(pair.width.as_ref(), &place.key("width")) {
+fn width(pair: &document::Pair, default: Option<&ContactSurfaces>) -> Width {
+    match &pair.width {
         Some(document::Width::Given(width)) => Width::Given(width.0),
         Some(document::Width::Part(_)) => Width::OfPart,
         None => default.and_then(|pair| pair.width).map_or(Width::OfPart, Width::Given),
     }
 }
 
-fn enforcement(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place, taken: &mut UsedDefaults) -> Enforcement {
-    let given = reader.optional(pair.enforcement.as_ref(), &place.key("enforcement")).copied();
-    match given.unwrap_or(document::Enforcement::Uzawa(document::Uzawa::default())) {
+fn enforcement(pair: &document::Pair, taken: &mut UsedDefaults) -> Enforcement {
+    match pair.enforcement.unwrap_or(document::Enforcement::Uzawa(document::Uzawa::default())) {
         document::Enforcement::Uzawa(given) => Enforcement::Uzawa {
             tolerance: taken.real("enforcement.uzawa.tolerance", given.tolerance, UZAWA_TOLERANCE),
             max_updates: taken.or("enforcement.uzawa.max_updates", given.max_updates, UZAWA_UPDATES),

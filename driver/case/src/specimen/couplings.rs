@@ -21,12 +21,11 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>
     let own = scene.ground.into_iter().flat_map(|ground| &ground.specimen.couplings);
     let mut couplings: Vec<Coupling> =
         own.flat_map(|coupling| [0, 1].map(|component| along(coupling, component))).collect();
-    for (k, piece) in reader.optional(case.couplings.as_ref(), &root).into_iter().flatten().enumerate() {
+    for (k, coupling) in case.couplings.iter().flatten().enumerate() {
         let place = root.index(k);
-        match reader.piece(piece, &place) {
-            Some(document::Coupling::Terms(terms)) => couplings.extend(from_terms(reader, terms, scene, &place)),
-            Some(document::Coupling::Tie(tie)) => couplings.extend(from_tie(reader, tie, scene, &place)),
-            None => {}
+        match coupling {
+            document::Coupling::Terms(terms) => couplings.extend(from_terms(reader, terms, scene, &place)),
+            document::Coupling::Tie(tie) => couplings.extend(from_tie(reader, tie, scene, &place)),
         }
     }
     couplings

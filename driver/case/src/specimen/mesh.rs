@@ -5,7 +5,6 @@ use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::problem::{Place, hint, nearest};
 use crate::reader::{Reader, UsedDefaults};
-use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::specimen::{PulledFibre, Specimen, SpecimenError};
 use fe_core::mesh::{Mesh, MeshDefinition, Part, gmsh};
@@ -67,12 +66,12 @@ pub type Held = (&'static str, &'static [[f64; 2]]);
 /// Makes or reads the mesh.
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<MeshAndSets> {
     let place = Place::root().key("mesh");
-    match reader.piece(&case.mesh, &place)? {
+    match &case.mesh {
         document::MeshSource::Specimen(source) => {
             let place = place.key("specimen");
-            let specimen = reader.piece(&source.specimen, &place)?;
             let mut taken = UsedDefaults::default();
-            match generate(specimen, thickness_of_matrix(case), super::steps::greatest_slip(case), &mut taken) {
+            match generate(&source.specimen, thickness_of(case, MATRIX), super::steps::greatest_slip(case), &mut taken)
+            {
                 Ok(mut ground) => {
                     let diameter = ground.diameter();
                     let Specimen { definition, fibres, notes, .. } = &mut ground.specimen;
@@ -111,7 +110,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<MeshAndSet
             }
         }
         document::MeshSource::File(source) => {
-            let parts = file_parts(reader, case)?;
+            let parts = file_parts(reader, case);
             let place = place.key("file");
             let file = reader.file(&source.file, &place)?;
             let bytes = input::read(&file, Input::Mesh);
@@ -153,10 +152,8 @@ const LAYERS: [f64; 2] = [0.75 * PI - 4.0 / 3.0, 4.0 / 3.0 - 0.25 * PI];
 
 /// The name under which the case describes a part, and its thickness there.
 fn section_of<'n>(case: &PulloutCase, name: &'n str) -> (&'n str, Option<document::Thickness>) {
-    let Ok(parts) = &case.parts.0 else { return (name, None) };
-    let key = called(name, |name| parts.contains_key(name));
-    let part = parts.get(key).and_then(|part| part.0.as_ref().ok());
-    (key, part.and_then(|part| part.thickness.as_ref()?.0.as_ref().ok().copied()))
+    let key = called(name, |name| case.parts.contains_key(name));
+    (key, thickness_of(case, key))
 }
 
 /// Gives the elements of a round fibre the thicknesses of its layers.
@@ -224,33 +221,8 @@ pub fn checked(reader: &mut Reader<'_>, ground: &MeshAndSets) -> Option<Mesh> {
     reader.without_problem(Mesh::new(definition), &Place::root().key("mesh"))
 }
 
-/// Properties that a case gives a part besides its material.
-struct Given {
-    model: Option<PlaneModel>,
-    thickness: Option<document::Thickness>,
-    integration: Option<Integration>,
-}
-
-/// Returns what the case says of the parts, by name; `None` if it says nothing readable.
-fn given_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeMap<String, Given>> {
-    let root = Place::root().key("parts");
-    // unreadable parts are told where their laws are resolved
-    let parts = case.parts.0.as_ref().ok()?;
-    let mut given = BTreeMap::new();
-    for (name, piece) in parts {
-        let Ok(part) = &piece.0 else { continue };
-        let place = root.key(name);
-        let model = reader.optional(part.model.as_ref(), &place.key("model"));
-        let integration = reader.optional(part.integration.as_ref(), &place.key("integration"));
-        let thickness = reader.optional(part.thickness.as_ref(), &place.key("thickness")).copied();
-        let given_part = Given { model: model.copied(), thickness, integration: integration.copied() };
-        given.insert(name.clone(), given_part);
-    }
-    Some(given)
-}
-
 /// Refuses the thickness of a body of revolution.
-fn check_thickness(reader: &mut Reader<'_>, model: PlaneModel, given: &Given, place: &Place) {
+fn check_thickness(reader: &mut Reader<'_>, model: PlaneModel, given: &document::Part, place: &Place) {
     if model == PlaneModel::Axisymmetric && given.thickness.is_some() {
         reader.problem(&place.key("thickness"), "an axisymmetric part has none, it goes all around: leave it out");
     }
@@ -269,24 +241,23 @@ pub fn thickness(given: document::Thickness, diameter: Option<f64>) -> Result<f6
     })
 }
 
-/// The thickness that the case gives the part around a specimen's fibre.
-fn thickness_of_matrix(case: &PulloutCase) -> Option<document::Thickness> {
-    let part = case.parts.0.as_ref().ok()?.get(MATRIX)?.0.as_ref().ok()?;
-    part.thickness.as_ref()?.0.as_ref().ok().copied()
+/// The thickness that the case gives the part that it describes under a name.
+fn thickness_of(case: &PulloutCase, name: &str) -> Option<document::Thickness> {
+    case.parts.get(name)?.thickness
 }
 
 /// The parts of a file: plane strain of thickness 1 unless the case says otherwise.
-fn file_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Vec<Part>> {
+fn file_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Vec<Part> {
     let mut parts = Vec::new();
-    for (name, given) in given_parts(reader, case)? {
-        let place = Place::root().key("parts").key(&name);
+    for (name, given) in &case.parts {
+        let place = Place::root().key("parts").key(name);
         let thickness = given.thickness.map_or(Ok(1.0), |given| thickness(given, None));
         let thickness = reader.without_problem(thickness, &place.key("thickness")).unwrap_or(1.0);
         let model = given.model.unwrap_or(PlaneModel::PlaneStrain);
-        check_thickness(reader, model, &given, &place);
-        parts.push(Part { name, model, thickness, integration: given.integration });
+        check_thickness(reader, model, given, &place);
+        parts.push(Part { name: name.clone(), model, thickness, integration: given.integration });
     }
-    Some(parts)
+    parts
 }
 
 /// Returns what the case calls a part of a specimen: by its name, or else the cover as the matrix and fibre.NAME as all fibres.
@@ -300,14 +271,13 @@ pub fn called(part: &str, is_listed: impl Fn(&str) -> bool) -> &str {
 
 /// Changes a specimen's parts to what the case says.
 fn adapt_parts(reader: &mut Reader<'_>, case: &PulloutCase, definition: &mut MeshDefinition, diameter: Option<f64>) {
-    let Some(given) = given_parts(reader, case) else { return };
     let root = Place::root().key("parts");
+    let given = &case.parts;
     let names: Vec<String> = definition.parts.iter().map(|part| part.name.clone()).collect();
-    let listed = case.parts.0.as_ref().map(|parts| parts.keys().collect::<Vec<_>>()).unwrap_or_default();
-    let is_listed = |name: &str| listed.iter().any(|listed| *listed == name);
+    let is_listed = |name: &str| given.contains_key(name);
     let called = |part: &'_ str| called(part, is_listed).to_owned();
     let known: BTreeSet<String> = names.iter().map(|name| called(name)).chain(names.iter().cloned()).collect();
-    let unknown: Vec<&String> = listed.iter().copied().filter(|name| !known.contains(*name)).collect();
+    let unknown: Vec<&String> = given.keys().filter(|name| !known.contains(*name)).collect();
     for name in &unknown {
         reader.problem(&root.key(name), format!("the specimen has no part '{name}'{}", hint(name, &known)));
     }

@@ -3,8 +3,7 @@
 use super::KnownMesh;
 use super::mesh::called;
 use crate::document::pullout as document;
-use crate::document::{EntryPoint, Piece, Positive, PulloutCase};
-use crate::fields;
+use crate::document::{EntryPoint, PulloutCase};
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{check_count, components};
 use crate::problem::Place;
@@ -30,16 +29,16 @@ pub struct Parts {
 /// `None` if a law is missing.
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) -> Option<Parts> {
     let root = Place::root().key("parts");
-    let given = reader.piece(&case.parts, &root)?;
+    let given = &case.parts;
+    let initial_temperature = case.course.temperature.unwrap_or_default();
     let mut resolved = BTreeMap::new();
-    for (name, piece) in given {
+    for (name, part) in given {
         let place = root.key(name);
-        let Some(part) = reader.piece(piece, &place) else { continue };
         // the first of the parts that it is said of
         let is_meant = |part: &str| called(part, |name| given.contains_key(name)) == name;
         let index = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| is_meant(&part.name)));
-        let law = law(reader, part, index.zip(scene.mesh), fields::initial_temperature(&case.course), &place);
-        let average = reader.optional(part.average_dilatation.as_ref(), &place.key("average_dilatation"));
+        let law = law(reader, part, index.zip(scene.mesh), initial_temperature, &place);
+        let average = part.average_dilatation;
         if let Some((index, mesh)) = index.zip(scene.mesh) {
             let mut taken = defaults(part, index, mesh);
             let mut elements = mesh.elements().iter().filter(|element| element.part() == index);
@@ -56,8 +55,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>
             }
             reader.note_defaults(&place, &taken.0);
         }
-        let nlgeom = reader.optional(part.nlgeom.as_ref(), &place.key("nlgeom")).copied();
-        resolved.insert(name.as_str(), (law, average.copied().unwrap_or(true), nlgeom));
+        resolved.insert(name.as_str(), (law, average.unwrap_or(true), part.nlgeom));
     }
     let mut parts = Parts { laws: Vec::new(), average_dilatation: Vec::new(), nlgeom: Vec::new() };
     for part in scene.mesh?.parts() {
@@ -72,11 +70,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>
 /// The wires of fibres, with what the case says of their strength.
 pub fn wires(reader: &mut Reader<'_>, case: &PulloutCase, mesh: &Mesh, fibres: &[PulledFibre]) -> Vec<Wire> {
     let root = Place::root().key("parts");
-    let Some(given) = reader.piece(&case.parts, &root) else { return Vec::new() };
+    let given = &case.parts;
     let names: Vec<&str> =
         fibres.iter().map(|fibre| called(&mesh.parts()[fibre.part].name, |name| given.contains_key(name))).collect();
-    for (name, piece) in given {
-        let Ok(part) = &piece.0 else { continue };
+    for (name, part) in given {
         for (key, is_given) in [("strength", part.strength.is_some()), ("elongation", part.elongation.is_some())] {
             if is_given && !names.contains(&name.as_str()) {
                 reader.warn_no_effect(&root.key(name).key(key), "this part is no fibre of a specimen");
@@ -85,11 +82,8 @@ pub fn wires(reader: &mut Reader<'_>, case: &PulloutCase, mesh: &Mesh, fibres: &
     }
     let wire = |(fibre, name): (&PulledFibre, &str)| {
         let mut wire = Wire::new(mesh, fibre);
-        if let Some(Ok(part)) = given.get(name).map(|piece| &piece.0) {
-            let place = root.key(name);
-            let mut of = |piece: Option<&Piece<Positive>>, key| reader.optional(piece, &place.key(key)).map(|of| of.0);
-            wire.strength = of(part.strength.as_ref(), "strength");
-            wire.elongation = of(part.elongation.as_ref(), "elongation");
+        if let Some(part) = given.get(name) {
+            [wire.strength, wire.elongation] = [part.strength, part.elongation].map(|limit| limit.map(|limit| limit.0));
         }
         wire
     };
@@ -123,7 +117,7 @@ fn law(
     place: &Place,
 ) -> Option<PluginLaw> {
     let place_of_material = place.key("material");
-    let material = reader.piece(&part.material, &place_of_material)?;
+    let material = &part.material;
     if let Some(EntryPoint::Uinter | EntryPoint::Fric) = material.entry {
         reader.problem(
             &place_of_material.key("entry"),
@@ -139,10 +133,9 @@ fn law(
         check_count(reader, statev0, &plugin, &place_of_material.key("statev0"));
     }
     let mode = known.map_or(Mode::PlaneStrain, |(index, mesh)| self::mode(mesh.parts()[index].model));
-    let place = place.key("initial");
-    let initial = reader.optional(part.initial.as_ref(), &place);
-    let stress = initial.and_then(|initial| initial.stress.as_ref()).map(|stress| {
-        let [s11, s22, s33, s12, ..] = components(reader, Some(stress), &STRESS_NAMES, mode, &place.key("stress"));
+    let place = place.key("initial").key("stress");
+    let stress = part.initial.as_ref().and_then(|initial| initial.stress.as_ref()).map(|stress| {
+        let [s11, s22, s33, s12, ..] = components(reader, Some(stress), &STRESS_NAMES, mode, &place);
         [s11, s22, s33, s12]
     });
     plugin::report_initial_values(reader, &plugin.library, [material.statev0.is_some(), stress.is_some()]);

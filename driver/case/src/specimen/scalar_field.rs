@@ -2,11 +2,13 @@
 
 use super::KnownMesh;
 use super::boundary::Drives;
+use crate::document::PulloutCase;
 use crate::document::pullout as document;
-use crate::document::{Piece, PulloutCase};
+use crate::document::pullout::HeatRoutine;
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, PluginLaw, ScalarField};
+use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField};
+use umat_abi::host::Library;
 
 /// The field of a case, without the cracks of the laws ([`with_cracks_of`]).
 pub fn resolve(
@@ -16,10 +18,9 @@ pub fn resolve(
     drives: &mut Drives,
 ) -> Option<ScalarField> {
     let place = Place::root().key("field");
-    let given = reader.optional(case.field.as_ref(), &place)?;
-    let crack = reader
-        .optional(given.crack.as_ref(), &place.key("crack"))
-        .map(|crack| CrackSurface { fracture_energy: crack.fracture_energy.0, length: crack.length.0 });
+    let given = case.field.as_ref()?;
+    let crack =
+        given.crack.map(|crack| CrackSurface { fracture_energy: crack.fracture_energy.0, length: crack.length.0 });
     let kind = match given.kind {
         document::FieldKind::PhaseField => FieldKind::PhaseField(crack),
         document::FieldKind::Temperature => {
@@ -29,15 +30,15 @@ pub fn resolve(
             FieldKind::Temperature
         }
     };
-    let fixed = entries(reader, given.fixed.as_ref(), &place.key("fixed"));
-    let fixed = fixed.into_iter().filter_map(|(entry, place)| {
+    let fixed = given.fixed.iter().flatten().enumerate().filter_map(|(index, entry)| {
+        let place = place.key("fixed").index(index);
         let nodes = scene.node_set(reader, &entry.nodes, &place.key("nodes"));
         let drive = drive(drives, entry.drive.as_deref(), &place);
         Some(FixedValue { nodes: nodes?.to_vec(), value: entry.value, drive })
     });
     let fixed = fixed.collect();
-    let fluxes = entries(reader, given.fluxes.as_ref(), &place.key("fluxes"));
-    let fluxes = fluxes.into_iter().filter_map(|(entry, place)| {
+    let fluxes = given.fluxes.iter().flatten().enumerate().filter_map(|(index, entry)| {
+        let place = place.key("fluxes").index(index);
         let edges = scene.edge_set(reader, &entry.edges, &place.key("edges"));
         let drive = drive(drives, entry.drive.as_deref(), &place);
         Some(Flux { edges: edges?.to_vec(), flux: entry.flux, drive })
@@ -45,36 +46,96 @@ pub fn resolve(
     let fluxes = fluxes.collect();
     let mesh = scene.mesh?;
     let default = ScalarField::new(kind, mesh.parts().len());
-    let mut number = |piece: Option<&Piece<crate::document::Positive>>, name: &str, default: f64| {
-        reader.optional(piece, &place.key(name)).map_or(default, |number| number.0)
-    };
-    let conductivity = number(given.conductivity.as_ref(), "conductivity", default.conductivity);
-    let capacity = number(given.capacity.as_ref(), "capacity", default.capacity);
-    let tolerance = number(given.tolerance.as_ref(), "tolerance", default.tolerance);
+    let conductivity = given.conductivity.map_or(default.conductivity, Into::into);
+    let capacity = given.capacity.map_or(default.capacity, Into::into);
+    let tolerance = given.tolerance.map_or(default.tolerance, Into::into);
     let parts = parts(reader, given, scene, &place).unwrap_or(default.parts);
-    let coupling = match reader.optional(given.coupling.as_ref(), &place.key("coupling")) {
+    let coupling = match given.coupling {
         Some(document::FieldCoupling::OnePass) => FieldCoupling::OnePass,
         Some(document::FieldCoupling::Staggered) | None => FieldCoupling::Staggered,
     };
-    let initial = reader.optional(given.initial.as_ref(), &place.key("initial")).copied().unwrap_or(default.initial);
+    let initial = given.initial.unwrap_or(default.initial);
     if case.course.temperature.is_some() {
         reader.warn_no_effect(&Place::root().key("temperature"), "parts of the field have its values");
     }
-    Some(ScalarField { kind, parts, conductivity, capacity, initial, fixed, fluxes, coupling, tolerance })
+    let umatht = given.umatht.clone().unwrap_or_default();
+    let transfer = HeatTransfer {
+        props: umatht.props.unwrap_or_default(),
+        density: umatht.density.map_or(0.0, |density| density.0),
+    };
+    Some(ScalarField {
+        kind,
+        parts,
+        conductivity,
+        capacity,
+        initial,
+        has_generation: default.has_generation,
+        transfer: Some(transfer),
+        fixed,
+        fluxes,
+        coupling,
+        tolerance,
+    })
 }
 
-/// The entries of a list that can be read, with their places.
-fn entries<'d, T>(
-    reader: &mut Reader<'_>,
-    list: Option<&'d Piece<Vec<Piece<T>>>>,
-    place: &Place,
-) -> Vec<(&'d T, Place)> {
-    let entries = reader.optional(list, place).map(Vec::as_slice).unwrap_or_default();
-    let read = entries.iter().enumerate().filter_map(|(index, piece)| {
-        let place = place.index(index);
-        Some((reader.piece(piece, &place)?, place))
+/// Decides which routines of heat are called: those that the case names, or those that the libraries of the parts have.
+pub fn with_routines(reader: &mut Reader<'_>, case: &PulloutCase, field: &mut ScalarField, laws: &[PluginLaw]) {
+    let root = Place::root().key("field");
+    let place = root.key("routines");
+    let Some(given) = &case.field else { return };
+    let libraries = || laws.iter().zip(&field.parts).filter(|(_, has_field)| **has_field).map(|(law, _)| &law.library);
+    let in_library =
+        |library: &Library, routine: HeatRoutine| library.routines().iter().any(|one| one.symbol == symbol(routine));
+    let named: Option<Vec<HeatRoutine>> = given.routines.as_ref().map(|named| {
+        let there = named.iter().enumerate().filter(|&(index, &routine)| {
+            let is_there = libraries().any(|library| in_library(library, routine));
+            if !is_there {
+                let name = symbol(routine).to_uppercase();
+                reader.problem(&place.index(index), format!("no library of its parts has {name}"));
+            }
+            is_there
+        });
+        there.map(|(_, &routine)| routine).collect()
     });
-    read.collect()
+    let is_called = |routine: HeatRoutine| {
+        let has = libraries().any(|library| in_library(library, routine));
+        named.as_ref().map_or(has, |named| named.contains(&routine))
+    };
+    let [has_generation, has_transfer] = [HeatRoutine::Hetval, HeatRoutine::Umatht].map(is_called);
+    let has_both = |library: &&Library| {
+        [HeatRoutine::Hetval, HeatRoutine::Umatht].into_iter().all(|routine| in_library(library, routine))
+    };
+    if has_generation
+        && has_transfer
+        && let Some(library) = libraries().find(has_both)
+    {
+        let library = library.path().display();
+        let message = format!("name one: {library} has HETVAL and UMATHT, which exclude each other, as in ABAQUS");
+        reader.problem(&place, message);
+    }
+    if !has_transfer {
+        if given.umatht.is_some() {
+            reader.warn_no_effect(&root.key("umatht"), "no UMATHT is called");
+        }
+        field.transfer = None;
+    } else if libraries().all(|library| in_library(library, HeatRoutine::Umatht)) {
+        for (key, is_given) in [("conductivity", given.conductivity.is_some()), ("capacity", given.capacity.is_some())]
+        {
+            if is_given {
+                let advice = "UMATHT tells what flows and what is stored; \"umatht\" has its props and density";
+                reader.warn_no_effect(&root.key(key), advice);
+            }
+        }
+    }
+    field.has_generation = has_generation;
+}
+
+/// The plain symbol of a routine, as [`umat_abi::host::Routine`] has it.
+fn symbol(routine: HeatRoutine) -> &'static str {
+    match routine {
+        HeatRoutine::Hetval => "hetval",
+        HeatRoutine::Umatht => "umatht",
+    }
 }
 
 fn drive(drives: &mut Drives, name: Option<&str>, place: &Place) -> Option<usize> {
@@ -89,7 +150,7 @@ fn parts(
     place: &Place,
 ) -> Option<Vec<bool>> {
     let place = place.key("parts");
-    let names = reader.optional(given.parts.as_ref(), &place)?;
+    let names = given.parts.as_ref()?;
     let parts = scene.mesh?.parts();
     for (index, name) in names.iter().enumerate() {
         if !parts.iter().any(|part| part.name == *name) {

@@ -3,7 +3,7 @@
 use super::boundary::{Boundary, Drives, SLIP};
 use crate::document::pullout as document;
 use crate::document::pullout::PulloutStep as StepDocument;
-use crate::document::{Cycles, Piece, PulloutCase};
+use crate::document::{Cycles, PulloutCase};
 use crate::problem::Place;
 use crate::reader::{Reader, UsedDefaults};
 use crate::steps::{self, Counted, Found};
@@ -37,10 +37,9 @@ impl Counted for ResolvedStep {
 /// All steps, cycles expanded.
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Boundary) -> Vec<ResolvedStep> {
     let place = Place::root().key("steps");
-    let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let columns = columns::of_specimen(&boundary.measured.fibres);
     let Boundary { drives, measured, .. } = boundary;
-    let steps = steps::expand(reader, documents, &place, &mut |reader, step, place| match step {
+    let steps = steps::expand(reader, &case.steps, &place, &mut |reader, step, place| match step {
         StepDocument::Ramp(ramp) => Found::Step(Some(one_step(reader, ramp, drives, (&columns, measured), place))),
         StepDocument::Cycle(cycle) => Found::Cycle(cycle),
         StepDocument::Cycles(wrapper) => Found::Cycles(&wrapper.cycles),
@@ -51,21 +50,21 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bound
     steps
 }
 
-/// Returns how far the grip is pulled, mm, as far as steps can be read.
+/// Returns how far the grip is pulled, mm.
 pub fn greatest_slip(case: &PulloutCase) -> f64 {
-    fn of(steps: &[Piece<StepDocument>]) -> f64 {
-        let slips = steps.iter().filter_map(|step| step.0.as_ref().ok()).map(|step| match step {
+    fn of(steps: &[StepDocument]) -> f64 {
+        let slips = steps.iter().map(|step| match step {
             StepDocument::Ramp(ramp) => ramp.slip.unwrap_or(0.0),
             StepDocument::Cycle(cycle) | StepDocument::Cycles(Cycles { cycles: cycle }) => of(&cycle.steps),
         });
         slips.fold(0.0, f64::max)
     }
-    case.steps.0.as_ref().map_or(0.0, |steps| of(steps))
+    of(&case.steps)
 }
 
 /// Temperature and field variables, as far as anything says something of them.
 pub fn fields(reader: &mut Reader<'_>, case: &PulloutCase, steps: &[ResolvedStep]) -> Fields {
-    let initial = field_values::initial(reader, &case.course);
+    let initial = field_values::initial(&case.course);
     let count = initial.variables.len();
     if let Some(wrong) = steps.iter().filter_map(|step| step.predef.as_ref()).find(|end| end.len() != count) {
         let message =

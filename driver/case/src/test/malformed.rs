@@ -1,5 +1,6 @@
 use super::{Bench, interface_case, overridden, plain_library, point_case, schema_accepts};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
 /// Overrides that spoil a case, the place and a part of the message that must follow, and whether the schema alone
 /// sees it.
@@ -65,6 +66,8 @@ const POINT: &[Sample] = &[
     ),
     (&["steps.0.until={\"quantity\": \"s11\", \"above\": 1}"], "$.steps[0].until.above", "unknown key", BySchema),
     (&["until={\"greater_than\": 1}"], "$.until.quantity", "is missing", BySchema),
+    (&["arguments={\"noel\": 2147483648}"], "$.arguments.noel", "from -2147483648 to 2147483647", ByMeaning),
+    (&["arguments={\"noel\": 5.0}"], "$.arguments.noel", "without a decimal point, found 5.0", ByMeaning),
     (&["until=5"], "$.until", "expected an object, found 5", BySchema),
     (&["characteristic_length=-3"], "$.characteristic_length", "must be > 0, found -3", BySchema),
     (&["controls={\"max_cutbacks\": 100}"], "$.controls.max_cutbacks", "must be <= 60", BySchema),
@@ -420,9 +423,10 @@ fn a_plain_library_needs_nstatv_and_an_array() {
     assert!(code == 2 && text.contains("$.material.nstatv: is missing: the library describes no law"), "{text}");
 }
 
+/// First all that is wrong with the structure, then, of a document of the right structure, all that is wrong with what it means.
 #[test]
 fn all_problems_are_reported_at_once() {
-    let case = json!({
+    let mut case = json!({
         "kind": "point",
         "material": { "plugin": "linear_elastic", "props": { "E": -1, "mu": 0.2 }, "nstatv": 1, "colour": "red" },
         "mode": "plane_strain",
@@ -436,32 +440,49 @@ fn all_problems_are_reported_at_once() {
         "output": { "every": "all" },
         "unknown": 1
     });
-    let errors = Bench::new().read(&case, &["also wrong"]).expect_err("malformed");
-    let places: Vec<&str> = errors.problems.iter().filter_map(|p| p.place.as_ref()).map(|p| p.as_str()).collect();
-    for expected in [
-        "--set also wrong",
-        "$.unknown",
-        "$.material.colour",
-        "$.material.props.E",
-        "$.material.props.mu",
-        "$.material.nstatv",
-        "$.steps[0].increments",
-        "$.steps[1].target.e33",
-        "$.steps[1].target.s22",
-        "$.steps[1].target.e12",
-        "$.steps[2].steps[0].table",
-        "$.steps[2].steps[1].time",
-        "$.until.quantity",
-        "$.compare[0].scale",
-        "$.compare[0].file_x",
-        "$.output.every",
-    ] {
-        assert!(places.contains(&expected), "no problem at {expected}:\n{errors}");
-    }
-    assert_eq!(places.len(), 16, "{errors}");
-    let text = errors.to_string();
-    assert_eq!(text.lines().count(), 16);
-    assert!(text.lines().all(|line| line.contains("case.json: ")), "{text}");
+    let check = |case: &Value, expected: &[&str]| {
+        let errors = Bench::new().read(case, &["also wrong"]).expect_err("malformed");
+        let places = errors.problems.iter().filter_map(|p| p.place.as_ref()).map(|p| p.as_str());
+        assert_eq!(places.collect::<BTreeSet<_>>(), expected.iter().copied().collect(), "{errors}");
+        let text = errors.to_string();
+        assert_eq!(text.lines().count(), expected.len());
+        assert!(text.lines().all(|line| line.contains("case.json: ")), "{text}");
+    };
+    check(
+        &case,
+        &[
+            "--set also wrong",
+            "$.unknown",
+            "$.material.colour",
+            "$.steps[0].increments",
+            "$.steps[1].target.e12",
+            "$.steps[2].steps[1].time",
+            "$.compare[0].scale",
+            "$.output.every",
+        ],
+    );
+    let remove = |object: &mut Value, key: &str| object.as_object_mut().map(|members| members.remove(key));
+    remove(&mut case, "unknown");
+    remove(&mut case, "output");
+    remove(&mut case["material"], "colour");
+    remove(&mut case["compare"][0], "scale");
+    remove(&mut case["steps"][1]["target"], "e12");
+    case["steps"][0]["increments"] = json!(1);
+    case["steps"][2]["steps"][1]["time"] = json!(1);
+    check(
+        &case,
+        &[
+            "--set also wrong",
+            "$.material.props.E",
+            "$.material.props.mu",
+            "$.material.nstatv",
+            "$.steps[1].target.e33",
+            "$.steps[1].target.s22",
+            "$.steps[2].steps[0].table",
+            "$.until.quantity",
+            "$.compare[0].file_x",
+        ],
+    );
 }
 
 #[test]

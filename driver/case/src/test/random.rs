@@ -3,7 +3,7 @@
 //! The long form, with a limit on memory:
 //! `(ulimit -v 8000000; PROPTEST_CASES=1000000 cargo test -p driver --lib case::test::random)`; so for `case::test::damaged`.
 
-use super::super::structure;
+use super::super::{document, structure};
 use super::specimen::pullout_case;
 use super::{Bench, interface_case, point_case, schema_accepts};
 use end_to_end_tests::fuzz::{self, WILD_NUMBERS, WILD_WORDS};
@@ -156,10 +156,75 @@ fn mutated(mut document: Value, random: &mut Rng) -> Value {
     document
 }
 
+/// Documents of all kinds with much that they may hold.
+fn all_documents() -> Vec<Value> {
+    let columns = json!({ "x": "slip", "y": "load" });
+    let study = json!({
+        "kind": "study", "title": "a", "base": "case.json", "set": { "nlgeom": true }, "x": { "name": "E", "unit": "MPa" },
+        "members": [{ "label": "a", "x": 1, "set": { "steps.0.increments": 2 } }], "series": [{ "name": "s", "base": "b.json" }],
+        "curve": columns, "work_to": 1, "overlays": [columns],
+        "claims": [
+            { "claim": "it grows", "series": "s", "members": ["a", 1], "quantity": { "column": "load", "at": 0.5, "over": ["x"] },
+              "expect": { "trend": "increasing", "tolerance": 0.1 } },
+            { "claim": "it is near", "series": ["s"], "quantity": "peak", "expect": { "within": 0.1, "of": 1 } }
+        ]
+    });
+    let sweep = json!({
+        "kind": "sweep", "base": { "kind": "point" }, "set": { "nlgeom": true }, "parameters": { "a": [1, 2] },
+        "points": [{ "a": 1 }], "design": "table.csv", "quantities": { "q": "end", "r": { "column": "load", "at": "peak" } },
+        "curve": columns, "work_to": 1, "curves": ["load"], "grid": [1, 2]
+    });
+    let law = json!([[0.01, 3], [1, 0]]);
+    let bridging = json!({
+        "kind": "bridging",
+        "fibre": { "model": "shear_lag", "diameter": 0.55, "length": 30, "E": 200000, "law": law, "inclination": { "type": "exp", "f": 0.5 } },
+        "volume_fraction": 0.01,
+        "matrix": { "E": 30000, "ft": 3, "Gf": 0.1 },
+        "orientation": { "type": "random3d" }, "openings": { "to": 1, "points": 5, "spacing": "even" }, "beam": {}, "scatter": {},
+        "compare": [{ "file": "curve.csv", "file_x": "strain", "file_y": "stress_MPa", "x": "w", "y": "sigma" }]
+    });
+    full_documents().into_iter().chain([study, sweep, bridging]).collect()
+}
+
+/// Returns what serde says against a document.
+fn refusal_by_serde(document: &Value) -> Option<String> {
+    fn refusal<T: serde::de::DeserializeOwned>(document: &Value) -> Option<String> {
+        T::deserialize(document).err().map(|error| error.to_string())
+    }
+    match document["kind"].as_str() {
+        Some("interface") => refusal::<document::InterfaceCase>(document),
+        Some("pullout") => refusal::<document::PulloutCase>(document),
+        Some("bridging") => refusal::<document::bridging::BridgingCase>(document),
+        Some(structure::STUDY) => refusal::<document::study::StudyFile>(document),
+        Some(structure::SWEEP) => refusal::<document::sweep::SweepFile>(document),
+        _ => refusal::<document::PointCase>(document),
+    }
+}
+
+#[test]
+fn serde_reads_all_documents_whose_structure_is_right() {
+    let documents = all_documents();
+    for document in &documents {
+        assert_eq!(structure::check(document["kind"].as_str().expect("a kind"), document), [], "{document}");
+    }
+    let mut read = vec![0; documents.len()];
+    for seed in 0..12_000 {
+        let mut random = Rng::with_seed(seed);
+        let index = seed as usize % documents.len();
+        let document = mutated(documents[index].clone(), &mut random);
+        let kind = document["kind"].as_str().unwrap_or_default();
+        if structure::schema_of_kind(kind).is_some() && structure::check(kind, &document).is_empty() {
+            assert_eq!(refusal_by_serde(&document), None, "{document}");
+            read[index] += 1;
+        }
+    }
+    assert!(read.iter().all(|count| *count > 20), "{read:?}");
+}
+
 /// `schema_accepts` compares all that our own check finds with what the crate `jsonschema` finds.
 #[test]
 fn our_check_of_documents_agrees_with_jsonschema_on_ten_thousand_mutated_ones() {
-    let documents = full_documents();
+    let documents = all_documents();
     let mut refused = 0;
     for seed in 0..10_000 {
         let mut random = Rng::with_seed(seed);
@@ -197,8 +262,8 @@ fn mutated_documents_are_refused_in_plain_words_or_read() {
                 {
                     assert!(!text.contains(noise), "{document}:\n{text}");
                 }
-                let structural = structure::kind_of(&document)
-                    .map_or(true, |kind| !structure::check(kind, &mut document.clone()).problems.is_empty());
+                let structural =
+                    structure::kind_of(&document).map_or(true, |kind| !structure::check(kind, &document).is_empty());
                 assert_eq!(structural, !fits, "{document}:\n{text}");
             }
         }

@@ -912,6 +912,13 @@ const MALFORMED_FIELDS: &[Sample] = &[
     (&["field.fluxes=[{\"edges\": \"no\", \"flux\": 1}]"], "$.field.fluxes[0].edges", "no edge set 'no'", ByMeaning),
     (&["field.crack={\"G_f\": 0, \"l\": 1}"], "$.field.crack.G_f", "must be > 0", BySchema),
     (&["field.crack={\"G_f\": 1}"], "$.field.crack.l", "is missing", BySchema),
+    (&["field.routines=hetval"], "$.field.routines", "expected an array", BySchema),
+    (&["field.routines=[\"hetvl\"]"], "$.field.routines[0]", "expected \"hetval\"", BySchema),
+    (&["field.routines=[\"umatht\"]"], "$.field.routines[0]", "no library of its parts has UMATHT", ByMeaning),
+    (&["field.umatht=[1.0]"], "$.field.umatht", "expected an object", BySchema),
+    (&["field.umatht={\"prop\": [1]}"], "$.field.umatht.prop", "nearest valid name: 'props'", BySchema),
+    (&["field.umatht={\"props\": 1}"], "$.field.umatht.props", "expected an array", BySchema),
+    (&["field.umatht={\"density\": 0}"], "$.field.umatht.density", "must be > 0", BySchema),
     (&["field.crack={\"G_f\": 1, \"l\": 1}"], "$.field.crack", "a temperature has no cracks", ByMeaning),
 ];
 
@@ -1430,18 +1437,19 @@ fn of_a_specimen_that_cannot_be_read_only_the_cause_is_told() {
 
 #[test]
 fn all_problems_of_a_specimen_are_reported_at_once() {
-    let overrides = [
+    let of_structure = ["output.every=0", "colour=red"];
+    let of_meaning = [
         "grip.nodes=nowhere",
         "contact.slave=nothing",
         "parts.fibre.material.props.E=-1",
         "parts.matrix.material.plugin=bond_slip",
         "steps.0.drives={\"x\": 1}",
-        "output.every=0",
-        "colour=red",
     ];
-    let errors = Bench::new().read(&pullout_case(), &overrides).expect_err("malformed");
-    assert_eq!(errors.problems.len(), 9, "{errors}");
-    assert_eq!(errors.exit_code(), 2);
+    let both = [&of_structure[..], &of_meaning].concat();
+    for (overrides, count) in [(&of_structure[..], 2), (&both, 2), (&of_meaning, 7)] {
+        let errors = Bench::new().read(&pullout_case(), overrides).expect_err("malformed");
+        assert_eq!((errors.problems.len(), errors.exit_code()), (count, 2), "{errors}");
+    }
 }
 
 #[test]

@@ -115,7 +115,7 @@ fn each_path_of_a_case_goes_through_the_reader() {
     };
     let compare = json!([{ "file": "@", "file_x": "e11", "file_y": "s11", "x": "e11", "y": "s11" }]);
     let mesh = json!({
-        "kind": "pullout", "mesh": { "file": "@", "physical_groups": {} },
+        "kind": "pullout", "mesh": { "file": "@" },
         "parts": { "fibre": { "material": { "plugin": "linear_elastic" } } }, "steps": [{ "slip": 0.01, "increments": 1 }],
     });
     let bridging = |fibre: Value| {

@@ -49,15 +49,20 @@ fn hash(source: &PluginSource) -> String {
         let version = Command::new(compiler).arg("--version").output();
         text += &version.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
     }
-    for file in inputs(source) {
+    for file in inputs_of(source) {
         let content = input::hash(&file, Input::Source).unwrap_or_default();
         let _ = writeln!(text, "{} {content:02x?}", super::absolute(&file).display());
     }
     input::fingerprint(&text)
 }
 
+/// The files that a library of a source is made of: itself, and the user's files that it includes.
+pub fn inputs(file: &Path) -> Vec<PathBuf> {
+    PluginSource::new(file, None).map_or_else(|_| vec![file.to_owned()], |source| inputs_of(&source))
+}
+
 /// The source and the files of the user's that it includes.
-fn inputs(source: &PluginSource) -> Vec<PathBuf> {
+fn inputs_of(source: &PluginSource) -> Vec<PathBuf> {
     let mut files = vec![source.file.clone()];
     if let Language::Fortran(_) = source.language {
         files.extend(Scan::of(source).files);

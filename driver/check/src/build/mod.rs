@@ -15,7 +15,7 @@ mod symbols;
 #[cfg(test)]
 mod test;
 
-pub use kept::kept;
+pub use kept::{inputs, kept};
 pub use source::Form;
 
 use object::{Object, ObjectKind};

@@ -8,7 +8,7 @@ use std::path::Path;
 use umat_abi::host::{Routine, library_file_name, library_name};
 
 /// Routines that this program calls, by their plain names.
-const ROUTINES: [&str; 6] = ["umat", "uinter", "fric", "uexternaldb", "sdvini", "sigini"];
+const ROUTINES: [&str; 8] = ["umat", "uinter", "fric", "uexternaldb", "sdvini", "sigini", "hetval", "umatht"];
 /// Symbols that are laws.
 const LAWS: usize = 3;
 

@@ -4,7 +4,8 @@ use super::subject::{Answer, Committed, INSTANT, Setting};
 use nalgebra::Matrix3;
 use pullout_run::deformation::columns;
 use umat_abi::host::{
-    Alteration, FricAnswer, FricCall, Heat, NotFinite, Overrun, PluginCall, SurfaceFields, UinterCall, UmatCall,
+    Alteration, CallOutcome, FricAnswer, FricCall, Heat, NotFinite, Overrun, PluginCall, SurfaceFields, UinterCall,
+    UmatCall,
 };
 
 /// The answer, and whether it wrote behind an array: the answer counts all the same, the overrun has a row of its own.
@@ -56,7 +57,8 @@ fn answer<I, O>(call: &PluginCall<I, O>, [rows, columns]: [usize; 2], not_finite
 
 pub(super) fn umat(call: &mut UmatCall, from: &Committed, filling: f64, alteration: Alteration<'_>) -> Called {
     let n = call.ntens();
-    let result = call.call_altered(filling, alteration).map(|_| ());
+    let result = call.call_altered(filling, alteration);
+    let result = if result == Ok(CallOutcome::Done) { call.add_generated_heat() } else { result.map(|_| ()) };
     let [stored, plastic, creep] = call.energies;
     let answer = answer(call, [n, n], call.not_finite().or_else(|| call.moduli_not_finite()));
     let energies = [stored, plastic, creep, 0.0, 0.0];

@@ -62,6 +62,8 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: 
         return;
     }
     let are_finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+    let generates = subject.plugin.library.routines().iter().any(|routine| routine.symbol == "hetval");
+    let with = if generates { "; RPL with FLUX(1) of HETVAL, DRPLDT with its FLUX(2)" } else { "" };
     let largest_heat = answers.iter().fold(0.0_f64, |most, answer| most.max(answer.heat.rpl.abs()));
     let largest_stress = answers.iter().fold(0.0_f64, |most, answer| most.max(largest(&answer.output)));
     for (name, measure) in DERIVATIVES {
@@ -94,7 +96,8 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: 
             })
             .collect();
         let is_choice = kinds.iter().all(|kind| *kind == Kind::Zero);
-        findings.tell(subject, measure, "", (&summary(&kinds), is_choice), ledger);
+        let with = if is_of_heat { with } else { "" };
+        findings.tell(subject, measure, with, (&(summary(&kinds) + with), is_choice), ledger);
     }
 }
 

@@ -33,7 +33,7 @@ mod tangent;
 mod tolerances;
 mod virgin;
 
-pub use report::{Event, Report, Row, Verdict};
+pub use report::{Event, Judged, Judgement, Report, Row, Verdict};
 pub use subject::CheckedEntryPoint;
 
 use case_path::CasePath;

@@ -2,12 +2,13 @@
 
 use pullout_run::isolation::worker;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::borrow::Cow;
 use std::fmt;
 use std::path::PathBuf;
 
 /// Outcome of a check.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Passed.
@@ -21,6 +22,7 @@ pub enum Verdict {
     /// Not applicable: the law does not claim it.
     Skipped,
     /// Undecided: nothing that was looked at could have shown an error, or nothing was looked at.
+    #[default]
     #[serde(rename = "not tested")]
     NotTested,
 }
@@ -77,18 +79,19 @@ pub enum Event {
 }
 
 /// All rows.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Report {
     /// Rows in the order of the checks.
     pub rows: Vec<Row>,
     /// Receives each event as it occurs, since a plugin may end the process.
+    #[serde(skip)]
     pub(super) listener: Option<fn(Event)>,
 }
 
 impl Report {
     /// True unless a row failed, or the law was never seen beyond its elastic range.
     pub fn passed(&self) -> bool {
-        self.failures().next().is_none() && !self.is_vacuous()
+        self.verdict() == Verdict::Pass
     }
 
     /// Returns whether what was looked at says nothing of the law.
@@ -99,6 +102,17 @@ impl Report {
     /// The rows that failed.
     pub fn failures(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| row.verdict == Verdict::Fail)
+    }
+
+    /// Returns what all rows together say of the law.
+    pub fn verdict(&self) -> Verdict {
+        if self.failures().next().is_some() {
+            Verdict::Fail
+        } else if self.is_vacuous() {
+            Verdict::NotTested
+        } else {
+            Verdict::Pass
+        }
     }
 
     /// Returns how many checks failed and how many warn, in words, and which these are.
@@ -129,6 +143,45 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.rows.iter().try_for_each(|row| writeln!(f, "{row}"))?;
         writeln!(f, "{}", self.conclusion())
+    }
+}
+
+/// Checks of a law, and what they came to.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Judged {
+    /// Name of the law.
+    pub name: String,
+    /// File of its library.
+    pub library: String,
+    /// Verdict of the report.
+    pub verdict: Verdict,
+    /// Conclusion of the report.
+    pub conclusion: String,
+    /// Rows.
+    #[serde(flatten)]
+    pub report: Report,
+    /// Cases that repeat calls that did not come back.
+    pub replays: Vec<Value>,
+}
+
+/// Checks of the laws of a library: what `pullout plugin check --json` prints, and what a process tells another one.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Judgement {
+    /// That of a law that failed, before that of one that was not tested.
+    pub verdict: Verdict,
+    /// Laws.
+    pub laws: Vec<Judged>,
+}
+
+impl Judgement {
+    /// Concludes the checks of all laws; without a law they failed.
+    pub fn of(mut laws: Vec<Judged>) -> Self {
+        for law in &mut laws {
+            (law.verdict, law.conclusion) = (law.report.verdict(), law.report.conclusion());
+        }
+        let is_of = |verdict: &Verdict| laws.iter().any(|law| law.verdict == *verdict);
+        let first = [Verdict::Fail, Verdict::NotTested, Verdict::Pass].into_iter().find(is_of);
+        Self { verdict: first.unwrap_or(Verdict::Fail), laws }
     }
 }
 

@@ -378,7 +378,11 @@ impl<'p> Subject<'p> {
         let symbol = plugin.symbol.clone().filter(|_| has_one_kind);
         let plugin = Plugin { symbol, props: props.to_vec(), nstatv, ..plugin.clone() };
         Ok(match entry {
-            CheckedEntryPoint::Umat(state) => Call::Umat(Box::new(plugin.plain_umat(state)?)),
+            CheckedEntryPoint::Umat(state) => {
+                let mut call = plugin.plain_umat(state)?;
+                call.generate_heat();
+                Call::Umat(Box::new(call))
+            }
             CheckedEntryPoint::Uinter(directions) => Call::Uinter(Box::new(plugin.uinter(directions)?)),
             CheckedEntryPoint::Fric(directions) => Call::Fric(Box::new(plugin.fric(directions)?)),
         })

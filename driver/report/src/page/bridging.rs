@@ -95,20 +95,20 @@ fn strengths(beam: &BeamFindings, scatter: Option<&ScatterFindings>) -> Markup {
     let code = &beam.model_code_2010;
     html! {
         h2 { "The notched beam" }
-        div.scroll { table {
+        div.scroll { table.cards {
             tr {
-                th { "MPa" } th.number { "by the mean σ(w)" }
+                th { "Strength" } th.number { "by the mean σ(w)" }
                 @if scatter.is_some() {
                     th.number { "mean of beams" } th.number { "coefficient of variation" } th.number { "characteristic (5 %)" }
                 }
             }
             @for (k, name) in names.iter().enumerate() {
                 tr {
-                    td { (name) } td.number { (number(means[k])) }
+                    td { (name) " [MPa]" } td.number data-label="by the mean σ(w)" { (number(means[k])) }
                     @if let Some(spread) = spreads.get(k) {
-                        td.number { (number(spread.mean)) }
-                        td.number { (significant(100.0 * spread.cv, 3)) " %" }
-                        td.number { (number(spread.characteristic)) }
+                        td.number data-label="mean of beams" { (number(spread.mean)) }
+                        td.number data-label="coefficient of variation" { (significant(100.0 * spread.cv, 3)) " %" }
+                        td.number data-label="characteristic (5 %)" { (number(spread.characteristic)) }
                     }
                 }
             }

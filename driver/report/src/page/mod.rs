@@ -5,8 +5,10 @@ use super::plots::quantity::capital;
 use super::plots::{Drawings, Picture};
 use super::summary::{self, HistoryLine, Peak, Status, Summary};
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
+use pullout_run::date;
 use pullout_run::number::{rounded, significant};
 use std::io;
+use std::time::SystemTime;
 
 mod account;
 mod answer;
@@ -21,7 +23,7 @@ mod test;
 const STYLE: &str = include_str!("style.css");
 
 /// Name of the file in the result directory.
-const FILE: &str = "report.html";
+pub const FILE: &str = "report.html";
 
 /// Writes the page.
 pub(crate) fn write(
@@ -197,6 +199,7 @@ fn provenance(account: &Account, summary: &Summary) -> Markup {
     html! {
         h2 { "Program and files" }
         table {
+            (row("Date", html! { (date::moment(SystemTime::now())) }))
             (row("Program", html! { "pullout " (env!("CARGO_PKG_VERSION")) ", " (machine) }))
             @for plugin in &summary.plugins {
                 (row(&capital(&plugin.subject), html! { (plugin.law) " " (plugin.file.version) br;
@@ -212,14 +215,14 @@ fn provenance(account: &Account, summary: &Summary) -> Markup {
 
 fn table_of(parameters: &[Parameter]) -> Markup {
     html! {
-        div.scroll { table {
+        div.scroll { table.cards {
             tr { th { "Name" } th.number { "Value" } th { "Unit" } th { "Meaning" } }
             @for parameter in parameters {
                 tr {
                     td { code { (parameter.name) } }
-                    td.number { (parameter.value) }
-                    td { (parameter.unit) }
-                    td { (parameter.meaning) }
+                    td.number data-label="Value" { (parameter.value) }
+                    td data-label="Unit" { @if parameter.unit != "-" { (parameter.unit) } }
+                    td data-label="Meaning" { (parameter.meaning) }
                 }
             }
         } }
@@ -230,15 +233,15 @@ fn comparison(summary: &Summary) -> Markup {
     html! {
         @if !summary.compare.is_empty() {
             h2 { "Comparison" }
-            div.scroll { table {
+            div.scroll { table.cards {
                 tr { th { "File" } th { "Compared" } th.number { "RMS difference" } th.number { "Points" } th.number { "Outside" } }
                 @for entry in &summary.compare {
                     tr {
                         td { code { (entry.file) } }
-                        td { (entry.y) " at " (entry.x) }
-                        td.number { @match entry.rms { Some(rms) => (rounded(rms)), None => "nothing to compare" } }
-                        td.number { (entry.points) }
-                        td.number { (entry.outside) }
+                        td data-label="Compared" { (entry.y) " at " (entry.x) }
+                        td.number data-label="RMS difference" { @match entry.rms { Some(rms) => (rounded(rms)), None => "nothing to compare" } }
+                        td.number data-label="Points" { (entry.points) }
+                        td.number data-label="Outside" { (entry.outside) }
                     }
                 }
             } }
@@ -271,7 +274,7 @@ fn peaks(summary: &Summary) -> Markup {
     html! {
         details {
         summary { "Peaks of all columns" }
-        div.scroll { table {
+        div.scroll { table.cards {
             tr {
                 th { "Column" } th.number { "Greatest" } th.number { "step / increment" }
                 th.number { "Least" } th.number { "step / increment" }
@@ -279,10 +282,10 @@ fn peaks(summary: &Summary) -> Markup {
             @for (name, peak) in peaks.iter().filter(|(_, peak)| moves(peak)) {
                 tr {
                     td { code { (name) } }
-                    td.number { (number(peak.max)) }
-                    td.number { (line(peak.max_at)) }
-                    td.number { (number(peak.min)) }
-                    td.number { (line(peak.min_at)) }
+                    td.number data-label="Greatest" { (number(peak.max)) }
+                    td.number data-label="step / increment" { (line(peak.max_at)) }
+                    td.number data-label="Least" { (number(peak.min)) }
+                    td.number data-label="step / increment" { (line(peak.min_at)) }
                 }
             }
         } }

@@ -10,7 +10,7 @@ use super::{at, malformed};
 use figure::Figure;
 use pullout_case::Case;
 use pullout_run::input::{self, Input};
-use pullout_run::program::{Compare, Control, Kind, PointDrive, PointStep, Program};
+use pullout_run::program::{Caption, Compare, Control, Kind, PointDrive, PointStep, Program};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
@@ -53,6 +53,9 @@ pub struct Spec {
     /// What the run was given, in words: overlaid runs are named by what differs.
     #[serde(default)]
     pub inputs: BTreeMap<String, String>,
+    /// Titles and legends of pictures, by their names.
+    #[serde(default)]
+    pub captions: BTreeMap<String, Caption>,
 }
 
 /// Kind of case.
@@ -156,9 +159,10 @@ fn guarded<T>(draw: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
 /// # Errors
 /// A file that cannot be written.
 pub fn draw(directory: &mut ResultDirectory, folder: &str, history: &History, spec: &Spec) -> io::Result<Drawings> {
-    let drawings = write_all(directory, folder, &selection::figures(&[Run { history, spec, name: "" }]))?;
-    let text = serde_json::to_string(spec).map_err(io::Error::other)?;
-    directory.write(&within(folder, SPEC_FILE), text)?;
+    let figures = selection::figures(&[Run { history, spec, name: "" }]);
+    let mut drawings = write_all(directory, folder, &figures)?;
+    drawings.warnings.extend(spec.captions_of_nothing(history, &figures));
+    spec.write(directory, folder)?;
     Ok(drawings)
 }
 
@@ -192,7 +196,36 @@ impl Spec {
             }
             Case::Bridging(_) => ("computed".into(), CaseKind::Bridging, BTreeMap::new()),
         };
-        Self { title: case.about().title.to_owned(), law, subject, units, curves, inputs }
+        let captions = case.about().captions.clone();
+        Self { title: case.about().title.to_owned(), law, subject, units, curves, inputs, captions }
+    }
+
+    /// A warning of each word that no picture takes.
+    fn captions_of_nothing(&self, history: &History, figures: &[Figure]) -> Vec<String> {
+        let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
+        let of_picture = |(name, caption): (&String, &Caption)| {
+            if !names.contains(&name.as_str()) {
+                let names = names.join(", ");
+                return vec![format!("output.plots.{name}: there is no such picture of curves; there are {names}")];
+            }
+            let unknown = caption.legend.keys().filter(|column| history.column(column).is_none());
+            unknown.map(|column| format!("output.plots.{name}.legend.{column}: there is no such column")).collect()
+        };
+        self.captions.iter().flat_map(of_picture).collect()
+    }
+
+    /// Leaves it in a folder of a result directory.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, directory: &mut ResultDirectory, folder: &str) -> io::Result<()> {
+        let text = serde_json::to_string(self).map_err(io::Error::other)?;
+        directory.write(&within(folder, SPEC_FILE), text).map(|_| ())
+    }
+
+    /// Reads that of a run from its result directory.
+    pub fn of_run(folder: &Path) -> io::Result<Self> {
+        Self::read(&folder.join(FOLDER).join(SPEC_FILE))
     }
 
     /// Reads what [`draw`] left in a folder.

@@ -2,7 +2,7 @@
 
 use super::export::Export;
 use super::figure::Figure;
-use super::{Drawings, FOLDER, Picture, Run, SPEC_FILE, Spec, selection, within, write_all};
+use super::{Drawings, FOLDER, Picture, Run, Spec, selection, within, write_all};
 use crate::directory::ResultDirectory;
 use crate::history::History;
 use pullout_run::input::{self, Input};
@@ -24,7 +24,7 @@ impl DrawnRun {
     /// The directory has no history, or no pictures.
     pub fn read(folder: &Path) -> io::Result<Self> {
         let history = History::of_run(folder, |table| table.for_pictures())?;
-        let spec = Spec::read(&folder.join(FOLDER).join(SPEC_FILE))?;
+        let spec = Spec::of_run(folder)?;
         let whole = folder.canonicalize();
         let name = whole.as_deref().unwrap_or(folder).file_name().unwrap_or_default().to_string_lossy().into_owned();
         Ok(Self { history, spec, name })

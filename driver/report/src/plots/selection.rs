@@ -4,7 +4,9 @@ use super::figure::{Figure, Key, Line, Marks, PALETTE, Style};
 use super::quantity::{Quantity, capital, group_of};
 use super::{CaseKind, Curve, Run};
 use crate::{ROUNDING, extremes};
+use pullout_bridging::RESIDUAL_CMOD;
 use pullout_run::columns::Group;
+use pullout_run::number::significant;
 use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES};
 
 #[cfg(test)]
@@ -26,7 +28,47 @@ pub fn figures(runs: &[Run<'_>]) -> Vec<Figure> {
     for figure in figures.iter_mut().skip(1).filter(|figure| !figure.title.is_empty()) {
         figure.title = title(&figure.name);
     }
+    if let ([run], Some(main)) = (runs, figures.first_mut()) {
+        main.marks.extend(peak(main));
+        main.marks.extend(strengths(main));
+        for figure in &mut figures {
+            let given = run.spec.captions.get(&figure.name).and_then(|caption| caption.title.as_ref());
+            figure.title = given.unwrap_or(&figure.title).clone();
+        }
+    }
     figures
+}
+
+/// The peak of the first curve, if it falls behind it; the end of a path is none.
+fn peak(figure: &Figure) -> Option<Marks> {
+    let points = &figure.lines.first()?.points;
+    let finite = || points.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+    let reach = extremes(finite().map(|(x, _)| x.abs())).1;
+    let &(x, y) = finite().reduce(|best, point| if point.1.abs() > best.1.abs() { point } else { best })?;
+    let falls = finite().next_back().is_some_and(|(_, end)| end.abs() < FALLEN * y.abs());
+    let with_unit = |value: f64, quantity: &Quantity| {
+        let text = significant(value, 4);
+        if quantity.unit.is_empty() { text } else { format!("{text} {}", quantity.unit) }
+    };
+    let label = || format!("peak {} at {}", with_unit(y, &figure.y), with_unit(x, &figure.x));
+    let is_peak = falls && x.abs() > 0.0 && x.abs() < reach;
+    is_peak.then(|| Marks { label: label(), points: vec![(x, y)], line: Some(0) })
+}
+
+/// A curve that ends below this part of its greatest value has a peak.
+const FALLEN: f64 = 0.95;
+
+/// The loads of which the residual strengths of a notched beam are made.
+fn strengths(figure: &Figure) -> Option<Marks> {
+    let line = figure.lines.first().filter(|line| line.columns.0 == "cmod")?;
+    let at = |cmod: f64| {
+        let pair = line.points.windows(2).find(|pair| pair[1].0 >= cmod)?;
+        let [(left, low), (right, high)] = [pair[0], pair[1]];
+        let part = if right > left { (cmod - left) / (right - left) } else { 1.0 };
+        Some((cmod, low + part * (high - low)))
+    };
+    let points: Vec<(f64, f64)> = RESIDUAL_CMOD.into_iter().filter_map(at).collect();
+    (!points.is_empty()).then(|| Marks { label: "f_{R1} to f_{R4}".into(), points, line: Some(0) })
 }
 
 /// `load_local_slip` → Load against local slip.
@@ -143,7 +185,9 @@ impl Layout {
 
     /// The name of a line: what tells it from the others. `own`: that of its run, if there are several.
     fn label(&self, run: &Run<'_>, own: Option<&String>, x: &str, y: &str) -> String {
-        match (own, self.name_of_pair(run, x, y)) {
+        let given = run.spec.captions.get(&self.name).and_then(|caption| caption.legend.get(y));
+        match (own, given.cloned().or_else(|| self.name_of_pair(run, x, y))) {
+            (None, Some(_)) if given.is_some() => given.cloned().unwrap_or_default(),
             (Some(own), Some(pair)) => format!("{own}: {pair}"),
             (Some(own), None) => own.clone(),
             (None, Some(pair)) if self.curves.is_empty() => pair,

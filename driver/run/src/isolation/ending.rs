@@ -129,10 +129,15 @@ fn place(call: &CallRecord, need: &Need) -> String {
     let [step, increment] = call.arguments.place();
     let plugin = format!("plugin '{}'", call.name);
     let material_point = |[element, point]: [i32; 2]| format!(", element {element}, integration point {point}");
+    let heat = |routine: &str, [step, increment, point @ ..]: [i32; 4]| {
+        format!("{plugin}, {routine}, step {step}, increment {increment}{}", material_point(point))
+    };
     let contact_point = |node: i32| format!(", contact point {node}");
     let place = match &call.arguments {
         Arguments::InitialState(point) => return format!("{plugin}, SDVINI{}", material_point(*point)),
         Arguments::InitialStress(point) => return format!("{plugin}, SIGINI{}", material_point(*point)),
+        Arguments::HeatGeneration(place) => return heat("HETVAL", *place),
+        Arguments::HeatTransfer(place) => return heat("UMATHT", *place),
         Arguments::ExternalDatabase([lop, ..]) => {
             return format!("{plugin}, UEXTERNALDB {}, step {step}, increment {increment}", occasion(*lop));
         }

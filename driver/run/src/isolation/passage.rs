@@ -17,6 +17,9 @@ use std::sync::{Mutex, OnceLock};
 pub trait Work: Serialize {
     /// Name by which the other process knows it.
     const NAME: &'static str;
+    /// Whether the messages of a watched process are for the one that starts it. Else they go on to who started that one, if
+    /// another process did.
+    const IS_HEARD_BY_STARTER: bool = false;
 }
 
 /// A command line of this program without its name.
@@ -46,6 +49,7 @@ pub(super) struct Head {
 pub struct Passage {
     name: &'static str,
     work: String,
+    is_heard_by_starter: bool,
     file: File,
     path: PathBuf,
     /// Bytes that were read or are no messages.
@@ -65,12 +69,23 @@ impl Passage {
     pub fn new<W: Work>(work: &W) -> io::Result<Self> {
         let (file, path) = system::shared_file()?;
         let work = serde_json::to_string(work)?;
-        Ok(Self { name: W::NAME, work, file, path, read: 0, streams: Vec::new() })
+        Ok(Self {
+            name: W::NAME,
+            work,
+            is_heard_by_starter: W::IS_HEARD_BY_STARTER,
+            file,
+            path,
+            read: 0,
+            streams: Vec::new(),
+        })
     }
 
-    /// Writes the work down. The messages of a watched process go on to who started this one, if another process did.
+    /// Writes the work down.
     pub(super) fn hand_over(&mut self, recorder: Option<&Path>) -> io::Result<&Path> {
-        let to = TOLD.get().filter(|_| recorder.is_some()).map_or(&self.path, |(above, _)| above);
+        let to = TOLD
+            .get()
+            .filter(|_| recorder.is_some() && !self.is_heard_by_starter)
+            .map_or(&self.path, |(above, _)| above);
         let mut head = Head {
             name: self.name.to_owned(),
             starter: std::process::id(),

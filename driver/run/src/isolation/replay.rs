@@ -30,7 +30,7 @@ pub(crate) fn of_call(call: &CallRecord) -> Option<Value> {
         Arguments::Umat(umat) => (point(umat, call.wants_tangent), &umat.props, &umat.statev, "umat"),
         Arguments::Uinter(uinter) => (uinter_case(uinter), &uinter.props, &uinter.statev, "uinter"),
         Arguments::Fric(fric) => (fric_case(fric), &fric.props, &fric.statev, "fric"),
-        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) | Arguments::InitialStress(_) => return None,
+        _ => return None,
     };
     case["title"] = json!("");
     case["material"] = json!({

@@ -275,6 +275,9 @@ impl<'p> Runner<'p> {
         let Committed { strain, stress, statev, .. } = &committed;
         call.set_point([strain, &[0.0; 6], stress], statev, [0.0; 3]);
         let reason = plugin.probe(&mut call).map_err(|error| error.to_string())?;
+        if point.heat {
+            call.generate_heat();
+        }
         let free = call.free_strain_33(initial.fields.temperature, initial.time);
         let thickness = thickness_at(&call, committed.strain[2], strain_33, &committed.statev, free);
         let finite = point.nlgeom.then(|| Finite::new(point, plugin, &committed, thickness));
@@ -573,7 +576,9 @@ impl Point<'_> {
         call.set_point([strain, increment, stress], &self.committed.statev, self.committed.energies);
         self.statistics.plugin_calls += 1;
         let outcome = call.call(request);
-        Ok(judge(outcome, call.not_finite())?)
+        judge(outcome, call.not_finite())?;
+        let generated = call.add_generated_heat().map(|()| CallOutcome::Done);
+        Ok(judge(generated, call.heat_not_finite())?)
     }
 }
 

@@ -185,6 +185,7 @@ pub fn statistics(analysis: &Analysis<'_>) -> IndexMap<String, u64> {
         ("contact_factorisations", done.block_factorisations),
         ("solutions", done.solutions),
         ("contact_settlements", done.settlements),
+        ("field_passes", done.field_passes),
         ("far_field_expansions", done.expansions),
         ("increments_through_drag", done.dragged),
     ];

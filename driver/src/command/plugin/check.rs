@@ -3,16 +3,17 @@
 use super::super::{DONE, FAILED, Isolation, NOT_TESTED, Refusal, say};
 use super::{TIME_LIMIT, file_of, no_plugin};
 use pullout_case::Case;
-use pullout_check::conformance::{self, Event, Group, Options, Report};
+use pullout_check::conformance::{self, Event, Group, Judged, Judgement, Options, Verdict};
 use pullout_engine::Source;
+use pullout_lab::Examination;
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{self, Need, Work, worker};
 use pullout_run::program::{Kind, Mode};
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use umat_abi::host::{Library, Plugin, real_path};
+use umat_abi::host::{Found, Library, Plugin, library_path, names_a_file, real_path, search_paths};
 use umat_abi::law::StressState;
 
 mod children;
@@ -22,7 +23,7 @@ pub(in crate::command) struct CheckArguments {
     #[command(flatten)]
     of: Subject,
     /// Check along the path of this case, with its parameters, mode, times, temperatures and initial state. A library
-    /// without metadata needs it.
+    /// without metadata needs it. A FILE takes the place of the library that the case names.
     #[arg(long, value_name = "CASE.json")]
     case: Option<PathBuf>,
     /// Override an entry of the case, e.g. steps.0.increments=5 (VALUE is JSON, otherwise a string).
@@ -71,12 +72,30 @@ impl CheckArguments {
         self.overrides.iter().cloned().chain(changes.into_iter().flatten()).collect()
     }
 
-    /// The checks that are asked for.
-    fn checks(&self) -> Checks {
+    /// The checks of a library that are asked for.
+    fn checks(&self, library: &Path) -> Checks {
         let (overrides, plugin_paths) = (self.overrides(), self.of.plugin_paths.clone());
-        let case = self.case.as_ref().map(|case| Source { overrides, plugin_paths, ..Source::file(case) });
-        Checks { of: self.of.clone(), case, group: None, skip: Vec::new(), longest_path: None, seconds: None }
+        let mut case = self.case.as_ref().map(|case| Source { overrides, plugin_paths, ..Source::file(case) });
+        let given = library_path(Path::new(""), &self.of.plugin);
+        if let Some(source) =
+            case.as_mut().filter(|source| names_a_file(&self.of.plugin) && !calls(source, &[library, &given]))
+        {
+            source.overrides.push(format!("material.plugin={}", json!(real_path(library))));
+        }
+        Checks::of(self.of.clone(), case)
     }
+}
+
+/// Whether a case names one of these files, itself or by the name of a law that is found there.
+fn calls(source: &Source, files: &[&Path]) -> bool {
+    let text = source.text().unwrap_or_default();
+    let named = text["material"]["plugin"].as_str().unwrap_or_default();
+    let file = if names_a_file(named) {
+        source.file.parent().map(|folder| library_path(folder, named))
+    } else {
+        Found::by_name(named, &search_paths(&source.plugin_paths)).map(|found| found.path)
+    };
+    file.is_some_and(|file| files.iter().any(|known| real_path(&file) == real_path(known)))
 }
 
 /// Checks of a library, all or those of a group.
@@ -97,79 +116,37 @@ pub(in crate::command) struct Checks {
 
 impl Work for Checks {
     const NAME: &'static str = "checks";
+    const IS_HEARD_BY_STARTER: bool = true;
 }
 
 impl Checks {
+    /// All checks of a library.
+    fn of(of: Subject, case: Option<Source>) -> Self {
+        Self { of, case, group: None, skip: Vec::new(), longest_path: None, seconds: None }
+    }
+
     /// Makes the checks of a group for another process, which is told of each event.
     pub(in crate::command) fn carry_out(&self) -> Result<u8, Refusal> {
         with_library(self, &file_of(&self.of.plugin, &self.of.plugin_paths)?, false).map(|_| DONE)
     }
 }
 
-/// Outcome of one law's check.
-struct Judged {
-    name: String,
-    library: PathBuf,
-    report: Report,
-    /// Cases that repeat calls that did not come back.
-    replays: Vec<Value>,
+/// What a law is called above its rows.
+fn header(name: &str, library: &Path) -> String {
+    format!("{name} ({})\n", library.display())
 }
 
-impl Judged {
-    fn header(name: &str, library: &Path) -> String {
-        format!("{name} ({})\n", library.display())
+/// The exit code of a verdict.
+fn code_of(judgement: &Judgement) -> u8 {
+    match judgement.verdict {
+        Verdict::Fail => FAILED,
+        Verdict::NotTested => NOT_TESTED,
+        _ => DONE,
     }
-
-    fn code(&self) -> u8 {
-        if self.report.failures().next().is_some() {
-            FAILED
-        } else if self.report.is_vacuous() {
-            NOT_TESTED
-        } else {
-            DONE
-        }
-    }
-
-    fn verdict(code: u8) -> &'static str {
-        match code {
-            DONE => "pass",
-            NOT_TESTED => "not tested",
-            _ => "fail",
-        }
-    }
-}
-
-/// The exit code of several: a failure, before what was not tested.
-fn code_of(judged: &[Judged]) -> u8 {
-    let codes = || judged.iter().map(Judged::code);
-    codes().find(|code| *code == FAILED).or(codes().max()).unwrap_or(FAILED)
-}
-
-/// Prints everything as JSON, if that is wanted; the exit code.
-fn conclude(arguments: &CheckArguments, judged: &[Judged]) -> u8 {
-    let code = code_of(judged);
-    if arguments.json {
-        let laws: Vec<Value> = judged
-            .iter()
-            .map(|law| {
-                json!({
-                    "name": law.name,
-                    "library": law.library.display().to_string(),
-                    "verdict": Judged::verdict(law.code()),
-                    "conclusion": law.report.conclusion(),
-                    "rows": law.report.rows,
-                    "replays": law.replays,
-                })
-            })
-            .collect();
-        say(&format!("{:#}\n", json!({ "verdict": Judged::verdict(code), "laws": laws })));
-    }
-    code
 }
 
 /// Checks a library, by its law's name or by its path; the exit code.
 pub(super) fn run(arguments: &CheckArguments) -> Result<u8, Refusal> {
-    let file = file_of(&arguments.of.plugin, &arguments.of.plugin_paths)?;
     let case = arguments.case.as_deref();
     if case.is_none() && (arguments.nstatv.is_some() || !arguments.overrides.is_empty()) {
         return Err(Refusal::input("--nstatv and --set change a case: give one by --case"));
@@ -177,13 +154,33 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<u8, Refusal> {
     if let Some(value) = arguments.of.props.iter().flatten().find(|value| !value.is_finite()) {
         return Err(Refusal::input(format!("--props: {value} is no finite number")));
     }
-    let checks = arguments.checks();
-    let of_case = || checks.case.as_ref()?.need();
-    if let Some(need) = of_case().or_else(|| Need::of_library(&file, TIME_LIMIT)) {
-        return Ok(children::run(arguments, checks, &file, need));
+    let file = file_of(&arguments.of.plugin, &arguments.of.plugin_paths)?;
+    let judged = judge(arguments.checks(&file), &file, !arguments.json)?;
+    if let (Ok(judgement), true) = (&judged, arguments.json) {
+        say(&format!("{:#}\n", json!(judgement)));
     }
-    let judged = with_library(&checks, &file, !arguments.json)?;
-    Ok(conclude(arguments, &judged))
+    Ok(judged.map_or_else(|code| code, |judgement| code_of(&judgement)))
+}
+
+/// Makes checks for another process, which is told of the judgement alone.
+pub(in crate::command) fn examine(asked: Examination) -> Result<u8, Refusal> {
+    let Examination { case, plugin, states } = asked;
+    let of = Subject { plugin, props: None, mode: None, states, plugin_paths: case.plugin_paths.clone() };
+    let file = file_of(&of.plugin, &of.plugin_paths)?;
+    let judged = judge(Checks::of(of, Some(case)), &file, false)?;
+    if let Ok(judgement) = &judged {
+        isolation::send(judgement);
+    }
+    Ok(judged.map_or_else(|code| code, |judgement| code_of(&judgement)))
+}
+
+/// Makes all checks; the exit code where nothing can be judged, which was said. `is_told`: the user is told of rows as they come.
+fn judge(checks: Checks, file: &Path, is_told: bool) -> Result<Result<Judgement, u8>, Refusal> {
+    let of_case = || checks.case.as_ref()?.need();
+    if let Some(need) = of_case().or_else(|| Need::of_library(file, TIME_LIMIT)) {
+        return children::run(checks, file, need, is_told);
+    }
+    Ok(Ok(Judgement::of(with_library(&checks, file, is_told)?)))
 }
 
 /// Loads a library and checks it.
@@ -218,13 +215,14 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
         let path = plugin.library.path();
         isolation::send(&Event::Law(plugin.name.clone(), path.to_owned()));
         if is_told {
-            say(&Judged::header(&plugin.name, path));
+            say(&header(&plugin.name, path));
         }
         let report = conformance::check(&plugin, &options);
         if is_told {
             say(&format!("{}\n\n", report.conclusion()));
         }
-        judged.push(Judged { name: plugin.name.clone(), library: path.to_owned(), report, replays: Vec::new() });
+        let library = path.display().to_string();
+        judged.push(Judged { name: plugin.name.clone(), library, report, ..Judged::default() });
     }
     Ok(judged)
 }

@@ -8,7 +8,7 @@ use pullout_report::bridging::conclude;
 use pullout_report::directory::ResultDirectory;
 use pullout_report::record::cpu_time;
 use pullout_report::summary::Summary;
-use pullout_run::bridging::{BridgingProgram, LoadSource, SimulationFindings, run};
+use pullout_run::bridging::{BridgingProgram, LoadSource, SimulationFindings, complete};
 use pullout_study::Execution;
 use std::io;
 use std::num::NonZeroUsize;
@@ -24,16 +24,7 @@ pub(super) fn run_case(
 ) -> io::Result<(Summary, io::Result<()>)> {
     directory.begin(&[])?;
     let (start, cpu_start) = (Instant::now(), cpu_time());
-    let done = curves(program, job, threads).and_then(|simulated| {
-        let (curves, simulations) = simulated.unzip();
-        let composite = program.composite(curves.as_deref().unwrap_or_default()).map_err(|error| error.to_string())?;
-        let mut results = run(program, &composite, threads)?;
-        results.findings.simulations = simulations;
-        let assumptions = program.assumptions(curves.as_deref().unwrap_or_default());
-        results.warnings.extend(assumptions.map_err(|error| error.to_string())?);
-        results.curves = curves.unwrap_or_default();
-        Ok((composite, results))
-    });
+    let done = curves(program, job, threads).and_then(|simulated| complete(program, simulated, threads));
     let times = [start.elapsed().as_secs_f64(), (cpu_time() - cpu_start).as_secs_f64()];
     let done = done.as_ref().map(|(composite, results)| (program, composite, results)).map_err(Clone::clone);
     conclude(case, directory, done, times, job.keep.draws(case))

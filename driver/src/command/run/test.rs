@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 
 /// Options of `pullout run`, and each with a value: another process is told of them.
-const FORWARDED: [(&str, &str); 11] = [
+const FORWARDED: [(&str, &str); 12] = [
     ("out", "--out=elsewhere"),
     ("overrides", "--set=steps.0.increments=5"),
     ("plugin_paths", "--plugin-path=plugins"),
@@ -16,10 +16,13 @@ const FORWARDED: [(&str, &str); 11] = [
     ("threads", "--threads=2"),
     ("record_increments", "--record-increments"),
     ("quiet", "--quiet"),
+    // which is to be quiet
+    ("json", "--json"),
     ("echo", "--echo"),
 ];
-/// What is no part of a job: its case is named in it; all processes are told of the other in another way.
-const NOT_FORWARDED: [&str; 2] = ["cases", "in_process"];
+/// What is no part of a job: its case is named in it, all processes are told in another way where plugins are called, and what
+/// happens around a run is no other process's.
+const NOT_FORWARDED: [&str; 4] = ["cases", "in_process", "watch", "open"];
 
 /// The job of a command line, as another process gets it.
 fn handed_over(options: &[&str]) -> Value {

@@ -2,54 +2,93 @@
 
 use super::Solids;
 use super::block::BlockPlace;
-use umat_abi::host::same_bits;
+use crate::model::ScalarField;
+use umat_abi::host::{GRADIENTS, Transfer, same_bits};
+
+/// The field at a point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PointField {
+    /// TEMP, and TEMP + DTEMP.
+    pub(crate) ends: [f64; 2],
+    /// Its gradient at the end.
+    pub(crate) gradient: [f64; GRADIENTS],
+}
+
+/// Heat that a law returned at a point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ReturnedHeat {
+    /// RPL and DRPLDT, with FLUX of HETVAL.
+    pub(crate) source: [f64; 2],
+    /// The answer of UMATHT, if there is one, with the increment of U in the place of U.
+    pub(crate) transfer: Option<Transfer>,
+}
 
 /// Temperature of the points of a block, and heat: nothing without a field.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PointHeat {
-    /// TEMP, and TEMP + DTEMP.
-    temperatures: Vec<[f64; 2]>,
-    /// RPL and DRPLDT of the last call.
-    heat: Vec<[f64; 2]>,
+    fields: Vec<PointField>,
+    /// What the last call returned.
+    returned: Vec<ReturnedHeat>,
 }
 
 impl PointHeat {
-    /// The temperatures of a point at the start and at the end of the increment, if it has its own.
+    /// The field at a point, if it has its own.
     #[inline]
-    pub(super) fn temperature(&self, point: usize) -> Option<[f64; 2]> {
-        self.temperatures.get(point).copied()
+    pub(super) fn field(&self, point: usize) -> Option<PointField> {
+        self.fields.get(point).copied()
     }
 
-    /// Notes what the law returned, where somebody asks for it.
+    /// Notes what the law returned.
     #[inline]
-    pub(super) fn note(&mut self, point: usize, heat: impl FnOnce() -> [f64; 2]) {
-        if let Some(noted) = self.heat.get_mut(point) {
-            *noted = heat();
-        }
+    pub(super) fn note(&mut self, point: usize, returned: ReturnedHeat) {
+        self.returned[point] = returned;
     }
 }
 
 impl Solids {
-    /// Gives the points of an element temperatures at the start and at the end of the increment. The element is evaluated again if
-    /// they change.
-    pub(crate) fn set_temperatures(&mut self, element: usize, temperatures: impl Iterator<Item = [f64; 2]>) {
-        let BlockPlace { block, local } = self.places[element];
-        let block = &mut self.blocks[block];
-        let record = &mut block.records[local];
-        let count = block.body.volumes.len();
-        let own = &mut block.body.points.heat;
-        own.temperatures.resize(count, [0.0; 2]);
-        own.heat.resize(count, [0.0; 2]);
-        for (own, given) in own.temperatures[record.points.clone()].iter_mut().zip(temperatures) {
-            if !same_bits(own, &given) {
-                *own = given;
-                record.forget();
+    /// Makes HETVAL and UMATHT of the libraries follow the laws of the parts that have a field, as it says.
+    pub(super) fn call_heat_routines(&mut self, field: &ScalarField) {
+        for block in self.blocks.iter_mut().filter(|block| field.parts[block.body.index]) {
+            let points = &mut block.body.points;
+            if field.has_generation {
+                points.call.generate_heat();
+            }
+            if let Some(transfer) = &field.transfer {
+                points.transfer_heat(&transfer.props);
             }
         }
     }
 
-    /// RPL and DRPLDT of the points of an element at its last evaluation.
-    pub(crate) fn heat(&self, element: usize) -> &[[f64; 2]] {
-        &self.block(element).body.points.heat.heat[self.record(element).points.clone()]
+    /// Makes what UMATHT returned in the virgin state, without an increment, the start of the first one.
+    pub(crate) fn begin_transfer(&mut self) {
+        for block in &mut self.blocks {
+            let points = &mut block.body.points;
+            points.committed.transfer.clone_from(&points.trial.transfer);
+        }
+    }
+
+    /// Gives the points of an element the field. The element is evaluated again if it changes.
+    pub(crate) fn set_field(&mut self, element: usize, field: impl Iterator<Item = PointField>) {
+        let BlockPlace { block, local } = self.places[element];
+        let block = &mut self.blocks[block];
+        let record = &mut block.records[local];
+        let count = block.body.volumes.len();
+        let points = &mut block.body.points;
+        let reads_gradient = !points.committed.transfer.is_empty();
+        let own = &mut points.heat;
+        own.fields.resize(count, PointField::default());
+        own.returned.resize(count, ReturnedHeat::default());
+        for (own, given) in own.fields[record.points.clone()].iter_mut().zip(field) {
+            let is_same = same_bits(&own.ends, &given.ends);
+            if !is_same || (reads_gradient && !same_bits(&own.gradient, &given.gradient)) {
+                record.forget();
+            }
+            *own = given;
+        }
+    }
+
+    /// What the laws at the points of an element returned at its last evaluation.
+    pub(crate) fn heat(&self, element: usize) -> &[ReturnedHeat] {
+        &self.block(element).body.points.heat.returned[self.record(element).points.clone()]
     }
 }

@@ -45,6 +45,7 @@ mod state;
 mod summary;
 mod trust;
 
+pub(crate) use heat::{PointField, ReturnedHeat};
 pub use state::SolidsState;
 pub(crate) use summary::Branch;
 pub use summary::{Counters, GreatestInPart, PointCall, PointCounts, PointView, SolidEnergies};
@@ -115,7 +116,7 @@ impl Solids {
     pub fn new(model: &Model) -> Result<Self, ModelError> {
         let may_share_threads = may_share_threads(&model.laws);
         let Divided { blocks, places, notes } = blocks(model, may_share_threads)?;
-        Ok(Self {
+        let mut this = Self {
             relaxation_time: model.controls.relaxation_time,
             skip_unchanged: model.skipping.unchanged_elements,
             may_share_threads,
@@ -130,7 +131,9 @@ impl Solids {
             trust: model.laws.iter().map(Trust::new).collect(),
             blocks,
             places,
-        })
+        };
+        model.field.iter().for_each(|field| this.call_heat_routines(field));
+        Ok(this)
     }
 
     /// The threads that evaluate blocks. Without an effect where a law may be called by one thread only.

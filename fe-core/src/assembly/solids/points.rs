@@ -1,14 +1,16 @@
 //! The material points of one block: their states, and calls of their UMAT.
 
 use super::TangentChoice;
-use super::heat::PointHeat;
+use super::heat::{PointHeat, ReturnedHeat};
 use crate::assembly::Setback;
 use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::{ModelError, PluginLaw};
 use crate::plane::dot;
 use serde::{Deserialize, Serialize};
-use umat_abi::host::{FOLLOWS_GRADIENT, FreeStrain, TangentSource, UmatCall, judge, same_bits};
+use umat_abi::host::{
+    CallOutcome, FOLLOWS_GRADIENT, FreeStrain, NotFinite, Overrun, TangentSource, Transfer, UmatCall, judge, same_bits,
+};
 use umat_abi::law::{Request, StressState};
 
 /// The fraction of the increment to repeat with by default.
@@ -34,6 +36,8 @@ pub(super) struct States {
     pub(super) viscous: Vec<f64>,
     /// ∫σ:dε per reference volume, likewise, of a law without metadata that vouch for its energies; empty for others.
     pub(super) work: Vec<f64>,
+    /// U and FLUX of UMATHT; empty without it.
+    pub(super) transfer: Vec<[f64; 3]>,
 }
 
 impl States {
@@ -48,6 +52,7 @@ impl States {
             viscous_stress: vec![[0.0; MAX_COMPONENTS]; points],
             viscous: vec![0.0; points],
             work: if law.law.is_some() { Vec::new() } else { vec![0.0; points] },
+            transfer: Vec::new(),
         }
     }
 }
@@ -248,15 +253,13 @@ impl Points {
         let statev = self.statev(point);
         let (states, energies) = (&self.committed.statev[statev.clone()], self.committed.energies[point]);
         self.call.set_point([&strain, &increment.strain, &stress], states, energies);
-        if let Some([start, end]) = self.heat.temperature(point) {
+        if let Some(field) = self.heat.field(point) {
+            let [start, end] = field.ends;
             (self.call.temp, self.call.dtemp) = (start, end - start);
         }
         let own = if choice == TangentChoice::Consistent { request } else { Request::Stress };
         self.run(own)?;
-        self.heat.note(point, || {
-            let heat = self.call.heat();
-            [heat.rpl, heat.drpldt]
-        });
+        self.note_heat(point)?;
         self.trial.strain[point] = std::array::from_fn(|k| strain[k] + increment.strain[k]);
         if self.components.len() < MAX_COMPONENTS {
             // in plane stress through six components ε33 is the host's
@@ -444,10 +447,44 @@ impl Points {
         self.calls += 1;
         let outcome = self.call.call(request);
         let moduli = || self.call.moduli_not_finite().filter(|_| request == Request::StressAndTangent);
-        judge(outcome, self.call.not_finite().or_else(moduli)).map_err(|failure| Setback {
+        self.judged(outcome, self.call.not_finite().or_else(moduli))
+    }
+
+    fn judged(&self, outcome: Result<CallOutcome, Overrun>, not_finite: Option<NotFinite>) -> Result<(), Setback> {
+        judge(outcome, not_finite).map_err(|failure| Setback {
             reason: format!("plugin '{}': {failure}", self.call.plugin()),
             fraction: failure.fraction(USUAL_FRACTION),
         })
+    }
+
+    /// Makes UMATHT of the law's library, if it has one, follow its calls.
+    pub(super) fn transfer_heat(&mut self, props: &[f64]) {
+        if self.call.transfer_heat(props) {
+            let virgin = vec![[0.0; 3]; self.committed.stress.len()];
+            self.trial.transfer.clone_from(&virgin);
+            self.committed.transfer = virgin;
+        }
+    }
+
+    /// Notes the heat that the last call returned at a point with a field, and lets HETVAL and UMATHT follow.
+    fn note_heat(&mut self, point: usize) -> Result<(), Setback> {
+        let Some(field) = self.heat.field(point) else { return Ok(()) };
+        let generated = self.call.add_generated_heat().map(|()| CallOutcome::Done);
+        self.judged(generated, self.call.heat_not_finite())?;
+        let mut transfer = None;
+        if let Some(&[energy, x, y]) = self.committed.transfer.get(point) {
+            let answer = self.call.transfer(field.gradient, (energy, [x, y]));
+            let found = answer.ok().flatten().map(|(answer, _)| answer);
+            let outcome = answer.map(|answer| answer.map_or(CallOutcome::Done, |(_, outcome)| outcome));
+            self.judged(outcome, found.as_ref().and_then(Transfer::not_finite))?;
+            transfer = found.map(|answer| {
+                self.trial.transfer[point] = [answer.energy, answer.flux[0], answer.flux[1]];
+                Transfer { energy: answer.energy - energy, ..answer }
+            });
+        }
+        let heat = self.call.heat();
+        self.heat.note(point, ReturnedHeat { source: [heat.rpl, heat.drpldt], transfer });
+        Ok(())
     }
 
     /// DDSDDE over all four components.
@@ -470,6 +507,9 @@ impl Points {
         if self.viscosity > 0.0 {
             committed.viscous_stress[points.clone()].copy_from_slice(&trial.viscous_stress[points.clone()]);
             committed.viscous[points.clone()].copy_from_slice(&trial.viscous[points.clone()]);
+        }
+        if !committed.transfer.is_empty() {
+            committed.transfer[points.clone()].copy_from_slice(&trial.transfer[points.clone()]);
         }
         let statev = points.start * self.nstatv..points.end * self.nstatv;
         committed.statev[statev.clone()].copy_from_slice(&trial.statev[statev]);

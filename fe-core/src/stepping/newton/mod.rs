@@ -236,6 +236,7 @@ impl<'m> Equilibrium<'m> {
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
         let evaluated = solids.evaluate(&virgin, &context, Request::StressAndTangent, &mut vec![0.0; freedoms]);
         evaluated.map_err(|trouble| ModelError(format!("before the first increment: {trouble}")))?;
+        solids.begin_transfer();
         let system = zone.system(model, equations, &coupled, &solids).map_err(|error| ModelError(error.to_string()))?;
         solids.set_active(&zone.active);
         Ok(Self {

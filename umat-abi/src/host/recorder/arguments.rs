@@ -148,6 +148,10 @@ pub enum Arguments {
     InitialState([i32; 2]),
     /// SIGINI: NOEL and NPT.
     InitialStress([i32; 2]),
+    /// HETVAL: KSTEP, KINC, NOEL and NPT.
+    HeatGeneration([i32; 4]),
+    /// UMATHT: the same.
+    HeatTransfer([i32; 4]),
 }
 
 impl Arguments {
@@ -158,6 +162,8 @@ impl Arguments {
     pub(in crate::host) const EXTERNAL_DATABASE: i32 = 4;
     pub(in crate::host) const INITIAL_STATE: i32 = 5;
     pub(in crate::host) const INITIAL_STRESS: i32 = 6;
+    pub(in crate::host) const HEAT_GENERATION: i32 = 7;
+    pub(in crate::host) const HEAT_TRANSFER: i32 = 8;
 
     /// Reads the arguments behind an entry point's number.
     pub(super) fn read(entry: f64, reader: &mut Reader<'_>) -> Option<Self> {
@@ -168,13 +174,15 @@ impl Arguments {
             Self::EXTERNAL_DATABASE => reader.integers().map(Self::ExternalDatabase),
             Self::INITIAL_STATE => reader.integers().map(Self::InitialState),
             Self::INITIAL_STRESS => reader.integers().map(Self::InitialStress),
+            Self::HEAT_GENERATION => reader.integers().map(Self::HeatGeneration),
+            Self::HEAT_TRANSFER => reader.integers().map(Self::HeatTransfer),
             _ => None,
         }
     }
 
     /// Returns whether this is a routine beside the entry points, which a replay of one call does not have.
     pub fn is_routine(&self) -> bool {
-        matches!(self, Self::ExternalDatabase(_) | Self::InitialState(_) | Self::InitialStress(_))
+        !matches!(self, Self::Umat(_) | Self::Uinter(_) | Self::Fric(_))
     }
 
     /// Step and increment, from 1; SDVINI and SIGINI are called before the first.
@@ -184,6 +192,9 @@ impl Arguments {
             Self::Uinter(uinter) => [uinter.counters[0], uinter.counters[1]],
             Self::Fric(fric) => fric.counters,
             &Self::ExternalDatabase([_, step, increment]) => [step, increment],
+            &(Self::HeatGeneration([step, increment, ..]) | Self::HeatTransfer([step, increment, ..])) => {
+                [step, increment]
+            }
             Self::InitialState(_) | Self::InitialStress(_) => [0; 2],
         };
         [step, increment].map(|number| u32::try_from(number).unwrap_or_default())

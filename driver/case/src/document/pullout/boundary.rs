@@ -1,6 +1,5 @@
 //! Grip, supports, loads, couplings.
 
-use super::super::Piece;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -54,7 +53,7 @@ pub enum Supports {
     /// Name of one of the specimen's support conditions.
     Named(String),
     /// Supports by name.
-    Given(BTreeMap<String, Piece<Support>>),
+    Given(BTreeMap<String, Support>),
 }
 
 /// Nodes held, or moved by a drive.

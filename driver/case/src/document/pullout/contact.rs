@@ -1,6 +1,6 @@
 //! Contact pairs.
 
-use super::super::{Material, Piece, Positive, PropValue, Whole};
+use super::super::{Material, Positive, PropValue, Whole};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ pub enum Contact {
     /// One contact for all pairs of the specimen.
     All(Box<Pair>),
     /// Pair by pair.
-    Pairs(Vec<Piece<Pair>>),
+    Pairs(Vec<Pair>),
 }
 
 /// Two surfaces that touch. If both follow the same curve, gaps due to their straight edges are ignored. All other gaps
@@ -27,41 +27,41 @@ pub struct Pair {
     /// Edge set that the contact points slide on: the fibre.
     pub master: Option<String>,
     /// The plugin of the contact law; its entry is uinter (default) or fric.
-    pub law: Piece<Material>,
+    pub law: Material,
     /// Parameters that replace those of the law at the rounded edges of the exit, which may come to touch the fibre
     /// (default: no bond, "law": "none" of bond_slip).
-    pub exit: Option<Piece<OtherProps>>,
+    pub exit: Option<OtherProps>,
     /// Parameters that replace those of the law between the end of a fibre and the end of its hole, for fibres that are
     /// pushed in (default: no contact there). With bond_slip, {"law": "none", "p_0": 0} carries only pressure.
-    pub end: Option<Piece<OtherProps>>,
+    pub end: Option<OtherProps>,
     /// Parameters that replace those of the law along the separation length (default: tensile capacity "p_0": 2 of
     /// bond_slip).
-    pub separation: Option<Piece<OtherProps>>,
+    pub separation: Option<OtherProps>,
     /// Normal law that pullout uses with a FRIC plugin, even if the law has parameters for one (normal_law and p_0 of
     /// bond_slip).
-    pub normal: Option<Piece<Normal>>,
+    pub normal: Option<Normal>,
     /// Position of the contact points (default 2 Gauss points on each slave edge).
-    pub quadrature: Option<Piece<Quadrature>>,
+    pub quadrature: Option<Quadrature>,
     /// Contact area per length of the slave edge: mm, or "part" for the thickness of the slave's part; default: the
     /// specimen's, else "part".
-    pub width: Option<Piece<Width>>,
+    pub width: Option<Width>,
     /// Factor on min(E t/h of either body)/width of the hard normal law's penalty (default 100). From 1e5 on the rounding
     /// of positions can show in the pressure.
-    pub penalty_factor: Option<Piece<Positive>>,
+    pub penalty_factor: Option<Positive>,
     /// Enforcement of the hard normal law (default uzawa).
-    pub enforcement: Option<Piece<Enforcement>>,
+    pub enforcement: Option<Enforcement>,
     /// Slip, mm, up to which the bond is elastic. It limits increments until the load has peaked (default: from the
     /// law).
-    pub critical_slip: Option<Piece<Positive>>,
+    pub critical_slip: Option<Positive>,
     /// Treatment of initial gaps and overlaps of the mesh. "keep" (default) keeps gaps and refuses overlaps; "close"
     /// counts both as 0; { "close": mm } counts those up to this size as 0.
-    pub initial_gap: Option<Piece<InitialGap>>,
+    pub initial_gap: Option<InitialGap>,
     /// Interference fit, ramped by a drive, such as a shaft shrunk into a sleeve.
-    pub interference: Option<Piece<Interference>>,
+    pub interference: Option<Interference>,
     /// Whether contact ends at the ends of the master (default true). It fades as a point passes an end. If the point
     /// comes back, friction and pressure return, but not the bond. A point may start beyond an end. With false, the
     /// master continues for ever along its end tangent, and points beyond the end still press and slide.
-    pub release: Option<Piece<bool>>,
+    pub release: Option<bool>,
 }
 
 /// Treatment of the gaps and overlaps of the mesh.

@@ -1,6 +1,6 @@
 //! A scalar per node.
 
-use super::super::{Piece, Positive};
+use super::super::Positive;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -11,25 +11,30 @@ pub struct ScalarField {
     /// Meaning of the scalar.
     pub kind: FieldKind,
     /// Names of the parts that have it (default: all).
-    pub parts: Option<Piece<Vec<String>>>,
+    pub parts: Option<Vec<String>>,
     /// Conductivity k (default 1).
-    pub conductivity: Option<Piece<Positive>>,
+    pub conductivity: Option<Positive>,
     /// Capacity c per volume; without one the field is steady.
-    pub capacity: Option<Piece<Positive>>,
+    pub capacity: Option<Positive>,
     /// Value at the start (default 0).
-    pub initial: Option<Piece<f64>>,
+    pub initial: Option<f64>,
+    /// Routines beside UMAT that are called: HETVAL adds FLUX(1) to RPL and FLUX(2) to DRPLDT, UMATHT takes the place of conductivity
+    /// and capacity (default: those that the libraries of its parts have).
+    pub routines: Option<Vec<HeatRoutine>>,
+    /// What UMATHT is given besides, the same for all parts.
+    pub umatht: Option<Umatht>,
     /// Values that node sets are kept at from the first increment on.
-    pub fixed: Option<Piece<Vec<Piece<FixedValue>>>>,
+    pub fixed: Option<Vec<FixedValue>>,
     /// Fluxes into the body through edge sets.
-    pub fluxes: Option<Piece<Vec<Piece<Flux>>>>,
+    pub fluxes: Option<Vec<Flux>>,
     /// How an increment is solved (default "staggered").
-    pub coupling: Option<Piece<FieldCoupling>>,
+    pub coupling: Option<FieldCoupling>,
     /// Largest change of θ in the last pass of an increment: 3e-4 by default for a phase field; of a temperature, as a part of its
     /// largest magnitude, 1e-9.
-    pub tolerance: Option<Piece<Positive>>,
+    pub tolerance: Option<Positive>,
     /// Fracture energy and length of the cracks of a phase field, for the column field_energy; default: the parameters G_f and l of the
     /// law, if it has them.
-    pub crack: Option<Piece<CrackSurface>>,
+    pub crack: Option<CrackSurface>,
 }
 
 /// Meaning of a scalar.
@@ -50,6 +55,26 @@ pub enum FieldCoupling {
     Staggered,
     /// Once each: displacements with the extrapolated field, then the field. Faster; take increments half as large.
     OnePass,
+}
+
+/// A routine of heat in the library of a UMAT.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum HeatRoutine {
+    /// Heat that is generated.
+    Hetval,
+    /// Heat that is stored and conducted.
+    Umatht,
+}
+
+/// What UMATHT is given.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Umatht {
+    /// Its PROPS (default: none).
+    pub props: Option<Vec<f64>>,
+    /// Density, by which U counts; without one the field is steady.
+    pub density: Option<Positive>,
 }
 
 /// A value that nodes are kept at.

@@ -1,6 +1,6 @@
 //! Meshes: specimens by their parameters, or a file.
 
-use super::super::{Piece, Positive, Whole};
+use super::super::{Positive, Whole};
 use crate::validation::NAME_PATTERN;
 use fe_core::element::ElementKind;
 use schemars::JsonSchema;
@@ -21,7 +21,7 @@ pub enum MeshSource {
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSource {
     /// Type and parameters; lengths in mm.
-    pub specimen: Piece<Specimen>,
+    pub specimen: Specimen,
 }
 
 /// A Gmsh file.

@@ -1,6 +1,8 @@
 use super::super::Spec;
 use super::*;
 use crate::history::History;
+use pullout_run::program::Caption;
+use std::collections::BTreeMap;
 
 fn history(columns: &[(&str, &[f64])]) -> History {
     History::from_columns(columns.iter().map(|(name, values)| (name.to_string(), values.to_vec())).collect())
@@ -14,6 +16,7 @@ fn spec(subject: CaseKind) -> Spec {
         units: Default::default(),
         curves: vec![],
         inputs: Default::default(),
+        captions: Default::default(),
     }
 }
 
@@ -178,4 +181,48 @@ fn a_history_without_the_columns_gives_no_picture() {
     let spec = spec(CaseKind::Point { controlled: vec![] });
     assert!(figures(&[Run { history: &History::default(), spec: &spec, name: "" }]).is_empty());
     assert!(figures(&[]).is_empty());
+}
+
+#[test]
+fn the_peak_of_the_first_curve_is_marked_where_it_falls_behind_it() {
+    let peak = |slip: &[f64], load: &[f64]| {
+        let history = history(&[("slip", slip), ("load", load)]);
+        let spec = spec(CaseKind::Pullout);
+        let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
+        figures[0].marks.iter().map(|marks| (marks.label.clone(), marks.points.clone(), marks.line)).collect::<Vec<_>>()
+    };
+    let marked = peak(&[0.0, 0.1, 0.2, 0.3], &[0.0, 31.25, 20.0, 10.0]);
+    assert_eq!(marked, [("peak 31.25 N at 0.1 mm".into(), vec![(0.1, 31.25)], Some(0))]);
+    // compression; the end of the path, and one from which it turned back; a plateau
+    let pressed = peak(&[0.0, -0.1, -0.2], &[0.0, -3.0, -1.0]);
+    assert_eq!(pressed, [("peak −3 N at −0.1 mm".into(), vec![(-0.1, -3.0)], Some(0))]);
+    assert!(peak(&[0.0, 0.1, 0.2], &[0.0, 1.0, 2.0]).is_empty());
+    assert!(peak(&[0.0, 0.2, 0.0], &[0.0, 2.0, 0.0]).is_empty());
+    assert!(peak(&[0.0, 0.1, 0.2], &[0.0, 2.0, 1.95]).is_empty());
+}
+
+/// The load at the CMODs of EN 14651, between the rows.
+#[test]
+fn the_strengths_of_a_beam_are_marked() {
+    let history = history(&[("cmod", &[0.0, 1.0, 2.0, 3.0, 4.0]), ("load", &[0.0, 10.0, 9.0, 8.0, 7.0])]);
+    let spec = spec(CaseKind::Bridging);
+    let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
+    let marks = figures[0].marks.iter().find(|marks| marks.points.len() == 4).expect("four loads");
+    assert_eq!(marks.points, [(0.5, 5.0), (1.5, 9.5), (2.5, 8.5), (3.5, 7.5)]);
+}
+
+#[test]
+fn pictures_have_the_titles_and_legends_of_the_case() {
+    let history = biaxial();
+    let legend = BTreeMap::from([("D_t".to_owned(), "in tension".to_owned())]);
+    let captions = BTreeMap::from([
+        ("stress_strain".to_owned(), Caption { title: Some("Test 3".into()), legend: BTreeMap::default() }),
+        ("damage_strain".to_owned(), Caption { title: None, legend }),
+    ]);
+    let spec = Spec { captions, ..spec(CaseKind::Point { controlled: vec![0] }) };
+    let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
+    let titles: Vec<&str> = figures.iter().map(|figure| figure.title.as_str()).collect();
+    assert_eq!(titles[..2], ["Test 3", "Damage against strain"]);
+    let labels: Vec<&str> = figures[1].lines.iter().map(|line| line.label.as_str()).collect();
+    assert_eq!(labels, ["in tension", "D_{c}"]);
 }

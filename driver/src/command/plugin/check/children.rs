@@ -1,11 +1,12 @@
 //! Each group of checks in a process of its own: what ends one does not end the others.
 
-use super::{CheckArguments, Checks, Judged, TIME_LIMIT, conclude};
-use crate::command::{BAD_INPUT, DONE, NO_PLUGIN, complain, isolated, say};
+use super::{Checks, TIME_LIMIT, header, no_plugin};
+use crate::command::{DONE, Refusal, complain, isolated, say};
 use clap::ValueEnum;
-use pullout_check::conformance::{Event, Group, Report, Row, Verdict};
-use pullout_engine::Source;
+use pullout_check::conformance::{Event, Group, Judged, Judgement, Row, Verdict};
+use pullout_engine::{Message, Source};
 use pullout_run::isolation::{self, End, Failure, Need, Passage, Watch};
+use serde::Deserialize;
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -29,9 +30,18 @@ struct GroupOutput {
     drawn: Option<(usize, bool)>,
 }
 
+/// Message of a group.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Heard {
+    Event(Event),
+    Message(Message),
+}
+
 /// Findings of all groups.
-struct Tally<'a> {
-    arguments: &'a CheckArguments,
+struct Tally {
+    /// Whether the user is told of rows as they come.
+    is_told: bool,
     /// The case, if there is one.
     case: Source,
     judged: Vec<Judged>,
@@ -40,13 +50,18 @@ struct Tally<'a> {
 }
 
 /// Makes all groups.
-pub(super) fn run(arguments: &CheckArguments, mut checks: Checks, library: &Path, mut need: Need) -> u8 {
-    isolated::warn_about_in_process(arguments.case.as_deref().unwrap_or(library), &need, false);
+pub(super) fn run(
+    mut checks: Checks,
+    library: &Path,
+    mut need: Need,
+    is_told: bool,
+) -> Result<Result<Judgement, u8>, Refusal> {
+    isolated::warn_about_in_process(checks.case.as_ref().map_or(library, |case| &case.file), &need, false);
     for limit in need.libraries.values_mut().filter(|limit| **limit == isolation::CALL_TIME_LIMIT) {
         *limit = TIME_LIMIT;
     }
     let case = checks.case.clone().unwrap_or_else(|| Source::file(Path::new("")));
-    let mut tally = Tally { arguments, case, judged: Vec::new(), bounds: Vec::new() };
+    let mut tally = Tally { is_told, case, judged: Vec::new(), bounds: Vec::new() };
     let mut spent = Duration::ZERO;
     let groups = Group::value_variants();
     for (index, group) in groups.iter().enumerate() {
@@ -65,18 +80,15 @@ pub(super) fn run(arguments: &CheckArguments, mut checks: Checks, library: &Path
             let (end, events) = match ended {
                 Ok(ended) => ended,
                 Err(error) => {
-                    complain(format!("{}: no process can be started for it: {error}", library.display()));
-                    return BAD_INPUT;
+                    let message = format!("{}: no process can be started for it: {error}", library.display());
+                    return Err(Refusal::input(message));
                 }
             };
             let told = tally.read(events);
             let failure = match end {
                 End::Done(DONE) => break,
-                End::Done(code) => return code,
-                End::Failed(failure) if failure.report.at_loading => {
-                    complain(failure.report.message);
-                    return NO_PLUGIN;
-                }
+                End::Done(code) => return Ok(Err(code)),
+                End::Failed(failure) if failure.report.at_loading => return Err(no_plugin(failure.report.message)),
                 End::Failed(failure) => failure,
             };
             if failure.is_out_of_time {
@@ -85,7 +97,7 @@ pub(super) fn run(arguments: &CheckArguments, mut checks: Checks, library: &Path
             }
             // what the plugin does not survive at all is told once
             if checks.longest_path == Some(0) && told.begun.as_ref().is_some_and(|(check, _)| check == "virgin state") {
-                return tally.conclude();
+                return Ok(Ok(tally.conclude(&checks.of.plugin)));
             }
             tally.end(library, *group, &told, &failure);
             let is_first = *group == Group::States;
@@ -96,7 +108,7 @@ pub(super) fn run(arguments: &CheckArguments, mut checks: Checks, library: &Path
                 }
                 (_, Some(_)) | (Some(_), _) if is_first && told.is_in_the_sample() => {
                     complain(format!("{}: no sample can be drawn: nothing else is checked", library.display()));
-                    return tally.conclude();
+                    return Ok(Ok(tally.conclude(&checks.of.plugin)));
                 }
                 _ => break,
             }
@@ -104,7 +116,7 @@ pub(super) fn run(arguments: &CheckArguments, mut checks: Checks, library: &Path
             tally.forget_passes();
         }
     }
-    tally.conclude()
+    Ok(Ok(tally.conclude(&checks.of.plugin)))
 }
 
 impl GroupOutput {
@@ -114,12 +126,20 @@ impl GroupOutput {
     }
 }
 
-impl Tally<'_> {
+impl Tally {
     /// Takes what a group has told.
-    fn read(&mut self, events: Vec<Event>) -> GroupOutput {
+    fn read(&mut self, heard: Vec<Heard>) -> GroupOutput {
         let mut told = GroupOutput::default();
         let mut law = 0;
-        for event in events {
+        for heard in heard {
+            let event = match heard {
+                Heard::Event(event) => event,
+                // what the group has said is told to who started this process as well
+                Heard::Message(message) => {
+                    isolation::send(&message);
+                    continue;
+                }
+            };
             match event {
                 Event::Law(name, library) => law = self.law(&name, &library),
                 Event::Begins(check, entry) => told = GroupOutput { begun: Some((check, entry)), drawn: None },
@@ -134,15 +154,11 @@ impl Tally<'_> {
         if let Some(law) = self.judged.iter().position(|law| law.name == name) {
             return law;
         }
-        if !self.arguments.json {
-            say(&Judged::header(name, library));
+        if self.is_told {
+            say(&header(name, library));
         }
-        self.judged.push(Judged {
-            name: name.to_owned(),
-            library: library.to_owned(),
-            report: Report::default(),
-            replays: Vec::new(),
-        });
+        let library = library.display().to_string();
+        self.judged.push(Judged { name: name.to_owned(), library, ..Judged::default() });
         self.judged.len() - 1
     }
 
@@ -172,7 +188,7 @@ impl Tally<'_> {
         if is_known {
             return;
         }
-        if !self.arguments.json {
+        if self.is_told {
             say(&format!("{row}\n"));
         }
         rows.push(row);
@@ -223,23 +239,22 @@ impl Tally<'_> {
         self.add(law, Row { check, stress_state, verdict, figure: "ended".into(), detail });
     }
 
-    /// Tells the rows that concern all groups, and the conclusion; the exit code.
-    fn conclude(mut self) -> u8 {
+    /// Tells the rows that concern all groups, and the conclusion.
+    fn conclude(mut self, plugin: &str) -> Judgement {
         if self.judged.is_empty() {
-            complain(format!("{}: no check reported a result", self.arguments.of.plugin));
+            complain(format!("{plugin}: no check reported a result"));
         }
         for (law, row) in std::mem::take(&mut self.bounds) {
-            if !self.arguments.json {
+            if self.is_told {
                 say(&format!("{row}\n"));
             }
             self.judged[law].report.rows.push(row);
         }
-        if !self.arguments.json {
-            for law in &self.judged {
-                say(&format!("{}\n\n", law.report.conclusion()));
-            }
+        let judgement = Judgement::of(self.judged);
+        if self.is_told {
+            judgement.laws.iter().for_each(|law| say(&format!("{}\n\n", law.conclusion)));
         }
-        conclude(self.arguments, &self.judged)
+        judgement
     }
 }
 

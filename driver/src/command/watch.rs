@@ -1,0 +1,27 @@
+//! `pullout run --watch`: cases that are run again whenever a file changes that they depend on.
+
+use super::{DONE, complain};
+use pullout_engine::Source;
+use pullout_lab::Watch;
+use pullout_run::signals;
+
+/// Does something, and does it again whenever a file of the cases has changed, until a signal comes: the exit code is that of what
+/// a signal ended, else that of success.
+pub(super) fn again_and_again(cases: &[Source], act: &dyn Fn() -> u8) -> u8 {
+    loop {
+        // what is saved while they run is a change as well
+        let files = cases.iter().map(Watch::of_case).reduce(Watch::and);
+        let Some(mut files) = files else { return DONE };
+        let code = act();
+        if signals::received().is_some() {
+            return code;
+        }
+        complain(format!("watching {} files; Ctrl-C ends", files.files().count()));
+        let changed = files.wait(&|| signals::received().is_some());
+        if changed.is_empty() {
+            return DONE;
+        }
+        let names: Vec<String> = changed.iter().map(|file| file.display().to_string()).collect();
+        complain(format!("changed: {}", names.join(", ")));
+    }
+}
