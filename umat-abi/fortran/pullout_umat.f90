@@ -27,29 +27,29 @@ module pullout_umat
          integer(c_int32_t), intent(in) :: nprops  ! number of parameters.
          real(c_double), intent(inout) :: stress(ntens)  ! in: stress at the start, rotated by the host; out: at the end.
          real(c_double), intent(inout) :: statev(nstatv)  ! state variables, all 0 in the virgin state.
-         real(c_double), intent(inout) :: ddsdde(ntens, ntens)  ! out: consistent tangent, engineering shear; NULL: not wanted.
+         real(c_double), intent(inout) :: ddsdde(ntens, ntens)  ! out: consistent tangent, engineering shear; NULL: not requested.
          real(c_double), intent(inout) :: sse  ! out: stored energy per volume.
          real(c_double), intent(inout) :: spd  ! out: dissipated energy per volume.
-         real(c_double), intent(inout) :: scd  ! out: 0.
-         real(c_double), intent(inout) :: rpl  ! out: heat generation per volume and time; 0 at the start, touched by coupled laws alone.
-         real(c_double), intent(inout) :: ddsddt(ntens)  ! out: d stress / d temperature; as RPL.
-         real(c_double), intent(inout) :: drplde(ntens)  ! out: d RPL / d strain, engineering shear; as RPL.
-         real(c_double), intent(inout) :: drpldt  ! out: d RPL / d temperature; as RPL.
+         real(c_double), intent(inout) :: scd  ! out: energy dissipated by creep per volume; our laws return 0.
+         real(c_double), intent(inout) :: rpl  ! out: heat generation per volume and time; 0 on entry, written by coupled laws only.
+         real(c_double), intent(inout) :: ddsddt(ntens)  ! out: d stress / d temperature; 0 on entry, written by coupled laws only.
+         real(c_double), intent(inout) :: drplde(ntens)  ! out: d RPL / d strain, engineering shear; 0 on entry, written by coupled laws only.
+         real(c_double), intent(inout) :: drpldt  ! out: d RPL / d temperature; 0 on entry, written by coupled laws only.
          real(c_double), intent(in) :: stran(ntens)  ! total strain at the start, engineering shear.
          real(c_double), intent(in) :: dstran(ntens)  ! strain increment.
          real(c_double), intent(in) :: time(2)  ! step time and total time at the start.
          real(c_double), intent(in) :: dtime  ! time increment.
          real(c_double), intent(in) :: temp  ! temperature at the start.
-         real(c_double), intent(in) :: dtemp  ! its increment.
+         real(c_double), intent(in) :: dtemp  ! temperature increment.
          real(c_double), intent(in) :: predef(*)  ! field variables at the start.
-         real(c_double), intent(in) :: dpred(*)  ! their increments.
+         real(c_double), intent(in) :: dpred(*)  ! increments of the field variables.
          character(len=80), intent(in) :: cmname  ! material name, blank-padded.
          integer(c_int32_t), intent(in) :: ndi  ! number of direct components.
          integer(c_int32_t), intent(in) :: nshr  ! number of shear components.
          real(c_double), intent(in) :: props(nprops)  ! parameters.
-         real(c_double), intent(in) :: coords(3)  ! the point.
+         real(c_double), intent(in) :: coords(3)  ! coordinates of the point.
          real(c_double), intent(in) :: drot(3, 3)  ! incremental rotation.
-         real(c_double), intent(inout) :: pnewdt  ! out on failure: wanted fraction of the increment, in (0,1).
+         real(c_double), intent(inout) :: pnewdt  ! out on failure: requested fraction of the increment, in (0,1).
          real(c_double), intent(in) :: celent  ! characteristic element length.
          real(c_double), intent(in) :: dfgrd0(3, 3)  ! deformation gradient at the start.
          real(c_double), intent(in) :: dfgrd1(3, 3)  ! deformation gradient at the end.
@@ -80,13 +80,13 @@ module pullout_umat
          real(c_double), intent(inout) :: dslip(nfdir)  ! out: inelastic slip increment.
          real(c_double), intent(inout) :: sed  ! out: stored energy per area.
          real(c_double), intent(inout) :: sfd  ! out: dissipated energy per area.
-         real(c_double), intent(inout) :: ddtddt(nfdir, 2)  ! d tau / d temperature of the two surfaces; not touched.
-         real(c_double), intent(inout) :: pnewdt  ! out on failure: wanted fraction of the increment, in (0,1).
+         real(c_double), intent(inout) :: ddtddt(nfdir, 2)  ! d tau / d temperature of the two surfaces; our laws do not write it.
+         real(c_double), intent(inout) :: pnewdt  ! out on failure: requested fraction of the increment, in (0,1).
          real(c_double), intent(inout) :: statev(nstatv)  ! state variables, all 0 in the virgin state.
          real(c_double), intent(in) :: dgam(nfdir)  ! slip increment.
          real(c_double), intent(in) :: taulm(nfdir)  ! constraint traction of the sticking point.
          real(c_double), intent(in) :: press  ! pressure at the end, positive in compression.
-         real(c_double), intent(in) :: dpress  ! its increment.
+         real(c_double), intent(in) :: dpress  ! pressure increment.
          real(c_double), intent(in) :: ddpddh  ! d pressure / d overclosure.
          real(c_double), intent(in) :: slip(nfdir)  ! inelastic slip at the start.
          integer(c_int32_t), intent(in) :: kstep  ! step number.
@@ -100,8 +100,8 @@ module pullout_umat
          integer(c_int32_t), intent(in) :: npt  ! contact point.
          integer(c_int32_t), intent(in) :: node  ! slave node.
          integer(c_int32_t), intent(in) :: npatch  ! master patch.
-         real(c_double), intent(in) :: coords(mcrd)  ! the point.
-         real(c_double), intent(in) :: rcoord(mcrd)  ! its projection on the master surface.
+         real(c_double), intent(in) :: coords(mcrd)  ! coordinates of the point.
+         real(c_double), intent(in) :: rcoord(mcrd)  ! projection of the point on the master surface.
          real(c_double), intent(in) :: drot(2, 2)  ! incremental rotation of the tangential directions.
          real(c_double), intent(in) :: temp(2)  ! temperatures of the two surfaces.
          real(c_double), intent(in) :: predef(2, *)  ! field variables of the two surfaces.
@@ -125,25 +125,25 @@ module pullout_umat
          integer(c_int32_t), intent(in) :: mcrd  ! number of coordinates.
          real(c_double), intent(inout) :: stress(ndir)  ! traction; (1) is normal, positive in compression.
          real(c_double), intent(inout) :: ddsddr(ndir, ndir)  ! out: d traction / d relative displacement.
-         real(c_double), intent(inout) :: dviscous(ndir, ndir)  ! viscous damping; not touched.
-         real(c_double), intent(inout) :: dstructural(ndir, ndir)  ! structural damping; not touched.
-         real(c_double), intent(inout) :: flux(2)  ! heat fluxes; not touched.
-         real(c_double), intent(inout) :: ddfddt(2, 2)  ! not touched.
-         real(c_double), intent(inout) :: ddsddt(ndir, 2)  ! not touched.
-         real(c_double), intent(inout) :: ddfddr(2, ndir)  ! not touched.
+         real(c_double), intent(inout) :: dviscous(ndir, ndir)  ! viscous damping; our laws do not write it.
+         real(c_double), intent(inout) :: dstructural(ndir, ndir)  ! structural damping; our laws do not write it.
+         real(c_double), intent(inout) :: flux(2)  ! heat fluxes; our laws do not write them.
+         real(c_double), intent(inout) :: ddfddt(2, 2)  ! d flux / d temperature; our laws do not write it.
+         real(c_double), intent(inout) :: ddsddt(ndir, 2)  ! d traction / d temperature; our laws do not write it.
+         real(c_double), intent(inout) :: ddfddr(2, ndir)  ! d flux / d relative displacement; our laws do not write it.
          real(c_double), intent(inout) :: statev(nstatv)  ! state variables, all 0 in the virgin state.
          real(c_double), intent(inout) :: sed  ! out: stored energy per area.
          real(c_double), intent(inout) :: sfd  ! out: dissipated energy per area.
-         real(c_double), intent(inout) :: spd  ! out: 0.
-         real(c_double), intent(inout) :: svd  ! out: 0.
-         real(c_double), intent(inout) :: scd  ! out: 0.
-         real(c_double), intent(inout) :: pnewdt  ! out on failure: wanted fraction of the increment, in (0,1).
+         real(c_double), intent(inout) :: spd  ! out: energy dissipated by plasticity per area; our laws return 0.
+         real(c_double), intent(inout) :: svd  ! out: energy dissipated by viscosity per area; our laws return 0.
+         real(c_double), intent(inout) :: scd  ! out: energy dissipated by creep per area; our laws return 0.
+         real(c_double), intent(inout) :: pnewdt  ! out on failure: requested fraction of the increment, in (0,1).
          real(c_double), intent(in) :: rdisp(ndir)  ! relative displacement at the end; (1) positive is penetration.
-         real(c_double), intent(in) :: drdisp(ndir)  ! its increment.
+         real(c_double), intent(in) :: drdisp(ndir)  ! increment of the relative displacement.
          real(c_double), intent(in) :: temp(2)  ! temperatures of the two surfaces at the end.
-         real(c_double), intent(in) :: dtemp(2)  ! their increments.
+         real(c_double), intent(in) :: dtemp(2)  ! temperature increments of the two surfaces.
          real(c_double), intent(in) :: predef(2, npred)  ! field variables at the end.
-         real(c_double), intent(in) :: dpred(2, npred)  ! their increments.
+         real(c_double), intent(in) :: dpred(2, npred)  ! increments of the field variables.
          real(c_double), intent(in) :: time(2)  ! step time and total time at the end.
          real(c_double), intent(in) :: dtime  ! time increment.
          real(c_double), intent(in) :: freqr  ! frequency.
@@ -151,7 +151,7 @@ module pullout_umat
          character(len=80), intent(in) :: slname  ! slave surface.
          character(len=80), intent(in) :: msname  ! master surface.
          real(c_double), intent(in) :: props(nprops)  ! parameters.
-         real(c_double), intent(in) :: coords(mcrd)  ! the point.
+         real(c_double), intent(in) :: coords(mcrd)  ! coordinates of the point.
          real(c_double), intent(in) :: alocaldir(mcrd, mcrd)  ! local directions; the first is the normal.
          real(c_double), intent(in) :: drot(2, 2)  ! incremental rotation of the tangential directions.
          real(c_double), intent(in) :: area  ! area of the point.
@@ -164,7 +164,7 @@ module pullout_umat
          integer(c_int32_t), intent(inout) :: lopenclose  ! contact state of the point; -1 at the start.
          integer(c_int32_t), intent(inout) :: lstate  ! the law's own flag; -1 at the start.
          integer(c_int32_t), intent(inout) :: lsdi  ! set to 1 to ask for a severe discontinuity iteration.
-         integer(c_int32_t), intent(in) :: lprint  ! 1: messages are wanted.
+         integer(c_int32_t), intent(in) :: lprint  ! 1: messages are requested.
       end subroutine uinter_interface
 
       ! `<law>_umat_batch_v1`: UMAT for n points with the same parameters, to the same bits as n calls.

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Declare what bears a law's name, for programs that link several laws: PULLOUT_DECLARE_UMAT(linear_elastic); gives
+/* Declare the symbols of a law, for programs that link several laws: PULLOUT_DECLARE_UMAT(linear_elastic); gives
  * linear_elastic_umat_. The library of a law and libpullout_laws have them. Kratos: shears 12, 23, 13. */
 #ifdef __cplusplus
 #define PULLOUT_DECLARE extern "C"
@@ -485,22 +485,22 @@ void pullout_umat_batch_v1(size_t n,
 
  - stress(ntens): in: stress at the start, rotated by the host; out: at the end.
  - statev(nstatv): state variables, all 0 in the virgin state.
- - ddsdde(ntens,ntens): out: consistent tangent, engineering shear; NULL: not wanted.
+ - ddsdde(ntens,ntens): out: consistent tangent, engineering shear; NULL: not requested.
  - sse: out: stored energy per volume.
  - spd: out: dissipated energy per volume.
- - scd: out: 0.
- - rpl: out: heat generation per volume and time; 0 at the start, touched by coupled laws alone.
- - ddsddt(ntens): out: d stress / d temperature; as RPL.
- - drplde(ntens): out: d RPL / d strain, engineering shear; as RPL.
- - drpldt: out: d RPL / d temperature; as RPL.
+ - scd: out: energy dissipated by creep per volume; our laws return 0.
+ - rpl: out: heat generation per volume and time; 0 on entry, written by coupled laws only.
+ - ddsddt(ntens): out: d stress / d temperature; 0 on entry, written by coupled laws only.
+ - drplde(ntens): out: d RPL / d strain, engineering shear; 0 on entry, written by coupled laws only.
+ - drpldt: out: d RPL / d temperature; 0 on entry, written by coupled laws only.
  - stran(ntens): total strain at the start, engineering shear.
  - dstran(ntens): strain increment.
  - time(2): step time and total time at the start.
  - dtime: time increment.
  - temp: temperature at the start.
- - dtemp: its increment.
+ - dtemp: temperature increment.
  - predef(*): field variables at the start.
- - dpred(*): their increments.
+ - dpred(*): increments of the field variables.
  - cmname(80): material name, blank-padded.
  - ndi: number of direct components.
  - nshr: number of shear components.
@@ -508,9 +508,9 @@ void pullout_umat_batch_v1(size_t n,
  - nstatv: number of state variables.
  - props(nprops): parameters.
  - nprops: number of parameters.
- - coords(3): the point.
+ - coords(3): coordinates of the point.
  - drot(3,3): incremental rotation.
- - pnewdt: out on failure: wanted fraction of the increment, in (0,1).
+ - pnewdt: out on failure: requested fraction of the increment, in (0,1).
  - celent: characteristic element length.
  - dfgrd0(3,3): deformation gradient at the start.
  - dfgrd1(3,3): deformation gradient at the end.
@@ -572,13 +572,13 @@ void umat_(double *stress,
  - dslip(nfdir): out: inelastic slip increment.
  - sed: out: stored energy per area.
  - sfd: out: dissipated energy per area.
- - ddtddt(nfdir,2): d tau / d temperature of the two surfaces; not touched.
- - pnewdt: out on failure: wanted fraction of the increment, in (0,1).
+ - ddtddt(nfdir,2): d tau / d temperature of the two surfaces; our laws do not write it.
+ - pnewdt: out on failure: requested fraction of the increment, in (0,1).
  - statev(nstatv): state variables, all 0 in the virgin state.
  - dgam(nfdir): slip increment.
  - taulm(nfdir): constraint traction of the sticking point.
  - press: pressure at the end, positive in compression.
- - dpress: its increment.
+ - dpress: pressure increment.
  - ddpddh: d pressure / d overclosure.
  - slip(nfdir): inelastic slip at the start.
  - kstep: step number.
@@ -592,8 +592,8 @@ void umat_(double *stress,
  - npt: contact point.
  - node: slave node.
  - npatch: master patch.
- - coords(mcrd): the point.
- - rcoord(mcrd): its projection on the master surface.
+ - coords(mcrd): coordinates of the point.
+ - rcoord(mcrd): projection of the point on the master surface.
  - drot(2,2): incremental rotation of the tangential directions.
  - temp(2): temperatures of the two surfaces.
  - predef(2,*): field variables of the two surfaces.
@@ -657,25 +657,25 @@ void fric_(int32_t *lm,
 
  - stress(ndir): traction; (1) is normal, positive in compression.
  - ddsddr(ndir,ndir): out: d traction / d relative displacement.
- - dviscous(ndir,ndir): viscous damping; not touched.
- - dstructural(ndir,ndir): structural damping; not touched.
- - flux(2): heat fluxes; not touched.
- - ddfddt(2,2): not touched.
- - ddsddt(ndir,2): not touched.
- - ddfddr(2,ndir): not touched.
+ - dviscous(ndir,ndir): viscous damping; our laws do not write it.
+ - dstructural(ndir,ndir): structural damping; our laws do not write it.
+ - flux(2): heat fluxes; our laws do not write them.
+ - ddfddt(2,2): d flux / d temperature; our laws do not write it.
+ - ddsddt(ndir,2): d traction / d temperature; our laws do not write it.
+ - ddfddr(2,ndir): d flux / d relative displacement; our laws do not write it.
  - statev(nstatv): state variables, all 0 in the virgin state.
  - sed: out: stored energy per area.
  - sfd: out: dissipated energy per area.
- - spd: out: 0.
- - svd: out: 0.
- - scd: out: 0.
- - pnewdt: out on failure: wanted fraction of the increment, in (0,1).
+ - spd: out: energy dissipated by plasticity per area; our laws return 0.
+ - svd: out: energy dissipated by viscosity per area; our laws return 0.
+ - scd: out: energy dissipated by creep per area; our laws return 0.
+ - pnewdt: out on failure: requested fraction of the increment, in (0,1).
  - rdisp(ndir): relative displacement at the end; (1) positive is penetration.
- - drdisp(ndir): its increment.
+ - drdisp(ndir): increment of the relative displacement.
  - temp(2): temperatures of the two surfaces at the end.
- - dtemp(2): their increments.
+ - dtemp(2): temperature increments of the two surfaces.
  - predef(2,npred): field variables at the end.
- - dpred(2,npred): their increments.
+ - dpred(2,npred): increments of the field variables.
  - time(2): step time and total time at the end.
  - dtime: time increment.
  - freqr: frequency.
@@ -683,7 +683,7 @@ void fric_(int32_t *lm,
  - slname(80): slave surface.
  - msname(80): master surface.
  - props(nprops): parameters.
- - coords(mcrd): the point.
+ - coords(mcrd): coordinates of the point.
  - alocaldir(mcrd,mcrd): local directions; the first is the normal.
  - drot(2,2): incremental rotation of the tangential directions.
  - area: area of the point.
@@ -701,7 +701,7 @@ void fric_(int32_t *lm,
  - lopenclose: contact state of the point; -1 at the start.
  - lstate: the law's own flag; -1 at the start.
  - lsdi: set to 1 to ask for a severe discontinuity iteration.
- - lprint: 1: messages are wanted.
+ - lprint: 1: messages are requested.
  - ciname_length: hidden CHARACTER length.
  - slname_length: hidden CHARACTER length.
  - msname_length: hidden CHARACTER length.
