@@ -1,7 +1,6 @@
 //! What the lab was opened with: a law, a case, a library, or sources that are built again whenever they change.
 
 use crate::Error;
-use crate::work::CALL_TIME_LIMIT;
 use pullout_check::build;
 use pullout_check::description;
 use pullout_run::input::{self, Input};
@@ -15,6 +14,8 @@ use umat_abi::host::{Found, library_path, names_a_file, search_paths};
 
 /// Law of a lab that is opened without one.
 const FIRST_LAW: &str = "j2_plasticity";
+/// Longest time of loading a user's library, and of one call of it, s.
+pub(crate) const CALL_TIME_LIMIT: f64 = 2.0;
 /// Time between two looks at a source.
 const LOOK: Duration = Duration::from_millis(100);
 /// Longest time that a page waits for a change of a source.

@@ -1,6 +1,6 @@
 //! Runs of cases that the page asks for, their pictures, and verdicts on laws.
 
-use crate::subject::Subject;
+use crate::subject::{CALL_TIME_LIMIT, Subject};
 use pullout_case::{Case, CaseProblem};
 use pullout_check::conformance::Judgement;
 use pullout_engine::{Error, Message, Outcome, Settings, Source};
@@ -23,8 +23,6 @@ const MOST_KEPT: usize = 32;
 const LONGEST_KEPT: usize = 100_000;
 /// Pages whose newest request ends their older one.
 const MOST_PAGES: usize = 16;
-/// Longest time of one call of a user's library, s.
-pub(crate) const CALL_TIME_LIMIT: f64 = 2.0;
 /// States in which a verdict looks at a law.
 const STATES: usize = 20;
 
