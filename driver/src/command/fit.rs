@@ -35,8 +35,9 @@ enum FitTarget {
     /// σ(w) from the test of a notched beam, and the bond from σ(w).
     ///
     /// A rigid hinge gives a first σ(w); the hinge model with E, f_t and σ at openings is then moved until its curve is the
-    /// measured one (Levenberg and Marquardt, smoothed by the corner of the L-curve). With fibre and dosage of the case
-    /// friction and snubbing follow, where its model is "closed". Written to the result directory: sigma.csv, curve.csv,
+    /// measured one (Levenberg and Marquardt, smoothed by the corner of the L-curve). Of strengths the smoothest σ(w) is
+    /// found, how smooth by cross-validation. With fibre and dosage of the case friction and snubbing follow where its model
+    /// is "closed", and the factor on the loads where it is "table". Written to the result directory: sigma.csv, curve.csv,
     /// fit.json (all numbers with their standard errors), bond-case.json (the case with the bond), plots/, report.html.
     Beam(Box<beam::Beam>),
 }

@@ -1,7 +1,9 @@
 //! Kind "bridging".
 
 use super::{CaseHead, Material, Piece, Positive, Whole};
-use pullout_bridging::{BondLaw, Debonding, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding};
+use pullout_bridging::{
+    BondLaw, Debonding, Hook, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding,
+};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -152,6 +154,8 @@ fibre_of_file! {
         debonding: Option<Debonding>,
         /// Sliding of the fibre as a whole (default shortening).
         sliding: Option<Sliding>,
+        /// Hooks at both ends (default none).
+        hook: Option<Hook>,
         /// Effect of the inclination angle (default exp with f = 0.35).
         inclination: Option<Inclination>,
     }
@@ -174,9 +178,13 @@ fibre_of_file! {
         /// embedded length a curve by rising slip; the load is that along the crack's normal.
         #[schemars(length(min = 1))]
         file: String,
-        /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle of the curves); from the
-        /// largest angle of the curves to this one the load is that at the largest angle.
+        /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle of the curves; with inclination
+        /// 90); from the largest angle of the curves to this one the load is that at the largest angle.
         cut_deg: Option<f64>,
+        /// Effect of the inclination angle, of curves at 0° alone (default: the load is the same at all angles).
+        inclination: Option<Inclination>,
+        /// Factor on all loads, which `fit beam` seeks (default 1).
+        scale: Option<Positive>,
     }
 }
 
@@ -192,9 +200,11 @@ fibre_of_file! {
         angles_deg: Option<Vec<f64>>,
         /// Embedded lengths over half the fibre's length, the last 1 (default 0.125, 0.25, 0.5, 0.75, 1).
         lengths: Option<Vec<f64>>,
-        /// The entry of the base that is the angle (default mesh.specimen.angle_deg; a specimen without one is at 0).
+        /// The entry of the base that is the angle (default mesh.specimen.angle_deg, of a fibre with a path
+        /// mesh.specimen.fibres.0.rotate_deg; a specimen without one is at 0).
         angle_key: Option<String>,
-        /// The entry of the base that is the embedded length (default mesh.specimen.embedded_length).
+        /// The entry of the base that is the embedded length (default mesh.specimen.embedded_length, of a fibre with a path
+        /// mesh.specimen.fibres.0.embedded).
         length_key: Option<String>,
         /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle); from the largest angle of
         /// the runs to this one the load is that at the largest angle.
