@@ -82,17 +82,20 @@ pub struct BeamFit {
     pub bond: Result<FittedBond, String>,
 }
 
+/// Names of quantities with their units.
+pub type Names = &'static [(&'static str, &'static str)];
+
 /// What a test tells of the bond.
 #[derive(Clone, Debug)]
 pub struct FittedBond {
     /// Names and units of what was sought: τ and, where the test tells it, f; or the factor on a table's loads.
-    pub names: &'static [(&'static str, &'static str)],
+    pub names: Names,
     /// Their values.
     pub fitted: Fitted,
 }
 
 /// What is sought of a case's fibres: names and units, and where the search begins.
-fn sought(program: &BridgingProgram) -> Result<(&'static [(&'static str, &'static str)], Vec<f64>), String> {
+fn sought(program: &BridgingProgram) -> Result<(Names, Vec<f64>), String> {
     match &program.source {
         Source::Bond(Bond::Closed(closed), Inclination::Exp { f }) if *f > 0.0 => {
             Ok((&[("tau", "MPa"), ("f", "")], vec![closed.tau, *f]))

@@ -93,7 +93,12 @@ const MALFORMED: &[Sample] = &[
     (&[RUNS, "fibre.diameter=0.5"], "$.fibre.base", "has a fibre of 0.406 mm, this one is 0.5 mm thick", ByMeaning),
     (&[RUNS, "fibre.set={\"steps.0.slip\": \"far\"}"], "$.fibre.set[\"steps.0.slip\"]", "$.steps[0].slip", ByMeaning),
     (&[RUNS, "fibre.length_key=mesh.specimen.lenght"], "$.fibre.length_key", "unknown key", ByMeaning),
-    (&[RUNS, "fibre.length_key=mesh.specimen.depth"], "$.fibre.length_key", "is not the embedded length", ByMeaning),
+    (
+        &[RUNS, "fibre.length_key=mesh.specimen.free_length"],
+        "$.fibre.length_key",
+        "is not the embedded length",
+        ByMeaning,
+    ),
     (&[RUNS, "fibre.angle_key=mesh.specimen.angle"], "$.fibre.angle_key", "unknown key", ByMeaning),
     (
         &[RUNS, "fibre.angle_key=steps.0.slip", "fibre.angles_deg=[1, 30]"],
