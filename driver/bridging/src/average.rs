@@ -142,10 +142,10 @@ impl<'c> Integral<'c> {
         let inner = composite.fibre.lengths().iter().copied().filter(|&length| length < half * (1.0 - 1e-9));
         // first the kinks that all angles have in common, then those where a front enters or leaves the angles
         let nodes: Vec<f64> = [0.0].into_iter().chain(inner).chain([half]).collect();
-        let common = if composite.fibre.lengths().is_empty() {
-            refined(&nodes, resolution, |length| integral.prepare(length).stage())
-        } else {
+        let common = if composite.fibre.has_all_lengths() {
             nodes
+        } else {
+            refined(&nodes, resolution, |length| integral.prepare(length).stage())
         };
         integral.lengths = if kinks || directions.is_single() {
             refined(&common, resolution, |length| integral.fronts(length))

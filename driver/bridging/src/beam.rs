@@ -206,6 +206,14 @@ pub struct Residual {
     pub residual: [f64; 4],
 }
 
+impl Residual {
+    /// The means of several beams.
+    pub fn mean(beams: &[Self]) -> Self {
+        let mean = |of: &dyn Fn(&Self) -> f64| beams.iter().map(of).sum::<f64>() / beams.len() as f64;
+        Self { limit: mean(&|beam| beam.limit), residual: [0, 1, 2, 3].map(|k| mean(&|beam| beam.residual[k])) }
+    }
+}
+
 /// A beam of strips of equal height, from the top, each with its law.
 #[derive(Clone, Debug)]
 pub struct Beam<'l> {

@@ -98,6 +98,7 @@ impl BridgingFibre {
         let source = match bond {
             Bond::Closed(closed) => {
                 closed.check()?;
+                closed.hook.as_ref().map_or(Ok(()), |hook| hook.check(&fibre))?;
                 LoadModel::Closed(closed.side(&fibre, modulus))
             }
             Bond::ShearLag(law) => {
@@ -111,18 +112,27 @@ impl BridgingFibre {
         Ok(bridging)
     }
 
-    /// Makes a bridging fibre of curves at angles; what angles do is in them.
+    /// Makes a bridging fibre of curves at angles; what angles do is in them, or, of curves at 0° alone, the inclination.
     ///
     /// # Errors
     /// Numbers without sense.
-    pub fn of_table(fibre: Fibre, table: Table, sides: Sides) -> Result<Self, Invalid> {
+    pub fn of_table(
+        fibre: Fibre,
+        table: Table,
+        inclination: Option<Inclination>,
+        sides: Sides,
+    ) -> Result<Self, Invalid> {
         fibre.check()?;
+        let inclination = inclination.unwrap_or(Inclination::Exp { f: 0.0 });
+        inclination.check()?;
         let table = match sides {
             Sides::One => table,
             Sides::Two => table.of_two_sides(),
         };
-        let inclination = Inclination::Exp { f: 0.0 };
-        Ok(Self { fibre, source: LoadModel::Table(table), inclination, spalls: None, sides })
+        let mut bridging = Self { fibre, source: LoadModel::Table(table), inclination, spalls: None, sides };
+        bridging.spalls =
+            inclination.spalls(&fibre, |opening, embedded, spalled| bridging.perpendicular(opening, embedded, spalled));
+        Ok(bridging)
     }
 
     /// Returns the response at an opening w, of the shorter embedded side L_e, at θ (radians).
@@ -174,7 +184,10 @@ impl BridgingFibre {
         match &prepared.base {
             Base::Row(row) => {
                 let (load, greatest) = row.at(angle);
-                Inclined { load, greatest, ..Inclined::default() }
+                let bridged = Bridged { slip: prepared.opening, load, greatest, stage: 0 };
+                self.inclined(prepared, angle, &bridged, |spalled| {
+                    self.perpendicular(prepared.opening, prepared.embedded, spalled)
+                })
             }
             Base::Perpendicular(bridged) => self.inclined(prepared, angle, bridged, |spalled| {
                 self.perpendicular(prepared.opening, prepared.embedded, spalled)
@@ -231,7 +244,13 @@ impl BridgingFibre {
     pub(crate) fn lengths(&self) -> &[f64] {
         match &self.source {
             LoadModel::Table(table) => &table.lengths,
-            _ => &[],
+            LoadModel::Closed(side) => side.bends(),
+            LoadModel::ShearLag(_) => &[],
         }
+    }
+
+    /// Returns whether the kinks over the length are those of [`Self::lengths`] alone.
+    pub(crate) fn has_all_lengths(&self) -> bool {
+        matches!(self.source, LoadModel::Table(_))
     }
 }

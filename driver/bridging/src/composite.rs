@@ -96,9 +96,19 @@ impl Matrix {
 
     /// The sum of this part of σ_m and a law whose first opening is 0.
     pub(crate) fn added_to(&self, law: &Polyline, part: f64) -> Polyline {
+        self.together_with(law, |fibres, matrix| fibres + part * matrix)
+    }
+
+    /// The law that takes over as the matrix softens: σ_m + (1 − σ_m/f_t) σ. A crack begins with f_t.
+    pub(crate) fn relieved_by(&self, law: &Polyline) -> Polyline {
+        self.together_with(law, |fibres, matrix| matrix + (1.0 - matrix / self.ft) * fibres)
+    }
+
+    /// What a law, whose first opening is 0, and σ_m give together.
+    fn together_with(&self, law: &Polyline, sum: impl Fn(f64, f64) -> f64) -> Polyline {
         let mut openings: Vec<f64> = law.points().map(|point| point.0).chain(self.openings()).collect();
         openings.sort_by(f64::total_cmp);
-        Polyline::new(openings.into_iter().map(|w| (w, law.at(w) + part * self.stress(w))))
+        Polyline::new(openings.into_iter().map(|w| (w, sum(law.at(w), self.stress(w)))))
     }
 }
 

@@ -1,5 +1,8 @@
 //! Curves through points: straight lines, and monotone cubics.
 
+/// Straight lines for the cubic between two points.
+const LINES: usize = 6;
+
 /// Straight lines through (x, y), x increasing; constant beyond both ends.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polyline {
@@ -20,6 +23,16 @@ impl Polyline {
             line.y.push(y);
         }
         line
+    }
+
+    /// The monotone cubic through (x, y), x increasing, by straight lines.
+    pub(crate) fn smooth(x: &[f64], y: &[f64]) -> Self {
+        let slopes = monotone_slopes(x, y);
+        let between = x.windows(2).flat_map(|ends| {
+            (0..LINES).map(|k| ends[0] + (ends[1] - ends[0]) * k as f64 / LINES as f64).collect::<Vec<_>>()
+        });
+        let all = between.chain(x.last().copied());
+        Self::new(all.map(|x_k| (x_k, monotone(x_k, x, y, &slopes))))
     }
 
     /// The points.

@@ -18,14 +18,14 @@ mod test;
 
 pub use average::{Average, averages, averages_with_shares};
 pub use beam::{Beam, Load, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
-pub use bond::{BondLaw, Closed, Debonding, ShearLag, Sides, Sliding};
+pub use bond::{BondLaw, Closed, Debonding, Hook, ShearLag, Sides, Sliding};
 pub use bridging::{Bond, BridgingFibre, Response};
 pub use composite::{Composite, Matrix, Softening};
 pub use inclination::Inclination;
 pub use interpolation::Polyline;
 pub use inverse::{
-    BridgingFit, Estimate, Fitted, IDENTIFIABLE, Measured, OPENINGS, bond_from_bridging, differences, estimates,
-    fast_inverse, full_inverse,
+    BridgingFit, Estimate, Fitted, IDENTIFIABLE, Measured, OPENINGS, Shape, SoughtBond, bond_from_bridging,
+    bond_from_strengths, differences, estimates, fast_inverse, full_inverse,
 };
 pub use model_code::{ModelCode2010, StrengthClass};
 pub use orientation::{Directions, Faces, Orientation, wall_zones};
@@ -60,7 +60,7 @@ impl Invalid {
     }
 }
 
-/// A straight round fibre.
+/// A round fibre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fibre {

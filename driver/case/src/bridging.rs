@@ -5,17 +5,19 @@ use crate::document::Positive;
 use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, ShearLagFibre, Spacing, TableFibre};
 use crate::history;
 use crate::problem::{Place, Problem};
+use crate::read::document;
 use crate::reader::Reader;
 use crate::table::CsvFile;
 use pullout_bridging::{
     Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, NotchedBeam, Orientation, Scatter, ShearLag, Softening,
 };
-use pullout_run::bridging::{BridgingProgram, LoadSource, OPENINGS, Simulation, Simulations};
+use pullout_run::bridging::{BridgingProgram, Curves, LoadSource, OPENINGS, Simulation, Simulations};
 use pullout_run::columns::{self, LEADING};
 use pullout_run::input::is_stream;
+use pullout_run::number::significant;
 use pullout_run::path::{self, Observer, Row, Statistics, Stop};
 use pullout_run::program::{self, About};
-use pullout_run::pullout;
+use pullout_run::pullout::{self, FibreAxis};
 use serde_json::{Value, json};
 use std::array::from_fn;
 use std::io;
@@ -43,8 +45,14 @@ const LENGTHS: [f64; 5] = [0.125, 0.25, 0.5, 0.75, 1.0];
 const LEAST_DEPTH: f64 = 2.0;
 /// A load below minus this part of the greatest is no scatter about 0: the signs are wrong.
 const LARGEST_COMPRESSION: f64 = 0.2;
-/// Diameters that differ by this part are the same.
+/// Diameters that differ by this part are the same,
 const SAME_DIAMETER: f64 = 1e-6;
+/// and lengths, the chords of bends being shorter than their arcs, and angles, degrees.
+const SAME_LENGTH: f64 = 0.02;
+const SAME_ANGLE: f64 = 0.01;
+/// Keys of a specimen that are angle and embedded length, and those where a fibre has a path.
+const KEYS: [&str; 2] = ["mesh.specimen.angle_deg", "mesh.specimen.embedded_length"];
+const KEYS_OF_PATH: [&str; 2] = ["mesh.specimen.fibres.0.rotate_deg", "mesh.specimen.fibres.0.embedded"];
 
 /// Ranges that are usual of several numbers; what lies beyond is hardly meant.
 const USUAL_SNUBBING: [f64; 2] = [0.0, 2.0];
@@ -59,7 +67,15 @@ pub struct ReferencedCases {
 }
 
 /// A specimen, or what is wrong.
-pub type ReadSpecimen = Result<Option<Box<pullout::PulloutProgram>>, String>;
+pub type ReadSpecimen = Result<Option<Box<pullout::PulloutProgram>>, WrongSpecimen>;
+
+/// Reason why a specimen gives no curve, and the place in its case.
+pub struct WrongSpecimen {
+    /// Where, if it is one place.
+    pub place: Option<Place>,
+    /// What.
+    pub message: String,
+}
 /// A law of contact, or what is wrong with it, at its place in the case of bridging.
 pub type ReadLaw = Result<Box<program::Program>, Problem>;
 
@@ -269,6 +285,7 @@ fn fibre(reader: &mut Reader<'_>, others: &ReferencedCases, given: &FibreOfFile)
                 debonding_energy: closed.debonding_energy.unwrap_or_default(),
                 debonding: closed.debonding.unwrap_or_default(),
                 sliding: closed.sliding.unwrap_or_default(),
+                hook: closed.hook.clone(),
             };
             let inclination = closed.inclination.unwrap_or_default();
             [bond.check(), inclination.check()].into_iter().for_each(|checked| report_invalid(reader, checked));
@@ -398,6 +415,7 @@ fn stand_in() -> LoadSource {
         debonding_energy: 0.0,
         debonding: Default::default(),
         sliding: Default::default(),
+        hook: None,
     };
     LoadSource::Bond(Bond::Closed(closed), Default::default())
 }
@@ -426,10 +444,10 @@ fn simulations(reader: &mut Reader<'_>, others: &ReferencedCases, fe: &FeFibre) 
         return None;
     }
     let lengths: Vec<f64> = parts.iter().map(|part| 0.5 * part * fe.length).collect();
-    let [angle_key, length_key] = [
-        fe.angle_key.as_deref().unwrap_or("mesh.specimen.angle_deg"),
-        fe.length_key.as_deref().unwrap_or("mesh.specimen.embedded_length"),
-    ];
+    let of_several = document(&base, &[]).is_some_and(|base| base["mesh"]["specimen"]["type"] == "fibres");
+    let [usual_angle, usual_length] = if of_several { KEYS_OF_PATH } else { KEYS };
+    let keys = [fe.angle_key.as_deref().unwrap_or(usual_angle), fe.length_key.as_deref().unwrap_or(usual_length)];
+    let [angle_key, length_key] = keys;
     let always = fe.set.iter().flatten().map(|(path, value)| format!("{path}={value}")).collect::<Vec<_>>();
     let mut runs = Vec::new();
     for &angle_deg in &angles {
@@ -448,9 +466,22 @@ fn simulations(reader: &mut Reader<'_>, others: &ReferencedCases, fe: &FeFibre) 
             return None;
         }
     }
+    let mut axes = Vec::new();
     for run in [&runs[0], &runs[runs.len() - 1]] {
-        check_simulation(reader, others, &base, run, fe.diameter);
-        if reader.problems.len() > before {
+        match check_simulation(others, reader, &base, run, fe, keys) {
+            Ok(axis) => axes.extend(axis.map(|axis| (run.angle_deg, axis))),
+            Err(problem) => {
+                reader.push(problem);
+                return None;
+            }
+        }
+    }
+    if let [(first, a), (last, b)] = axes[..] {
+        let cosine = a.direction[0] * b.direction[0] + a.direction[1] * b.direction[1];
+        let turned = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+        if (turned - (last - first)).abs() > SAME_ANGLE {
+            let message = format!("{angle_key} from {first} to {last} turns the fibre by {}°", significant(turned, 3));
+            reader.problem(&place.key("angle_key"), message);
             return None;
         }
     }
@@ -464,21 +495,51 @@ fn simulations(reader: &mut Reader<'_>, others: &ReferencedCases, fe: &FeFibre) 
     }))
 }
 
-/// A run's case is one of a specimen with one fibre, and that this one.
-fn check_simulation(reader: &mut Reader<'_>, others: &ReferencedCases, base: &Path, run: &Simulation, diameter: f64) {
-    let problem = match (others.specimen)(reader, base, &run.overrides) {
-        Ok(None) => return,
-        Ok(Some(program)) => match program.fibre_diameter {
-            Some(_) if !program.model.measured.fibres.is_empty() => "has several fibres: give a case with one".into(),
-            Some(own) if (own - diameter).abs() > SAME_DIAMETER * diameter => {
-                format!("has a fibre of {own} mm, this one is {diameter} mm thick")
-            }
-            Some(_) => return,
-            None => "has no fibre".into(),
-        },
-        Err(message) => format!("at {}°, {} mm: {message}", run.angle_deg, run.embedded),
+/// A run's case is one of a specimen with one fibre, that this one, and embedded as deep as its key says: its axis, if it
+/// is known here.
+fn check_simulation(
+    others: &ReferencedCases,
+    reader: &Reader<'_>,
+    base: &Path,
+    run: &Simulation,
+    fe: &FeFibre,
+    [angle_key, length_key]: [&str; 2],
+) -> Result<Option<FibreAxis>, Problem> {
+    let place = Place::root().key("fibre");
+    let (diameter, embedded) = (fe.diameter, run.embedded);
+    let program =
+        (others.specimen)(reader, base, &run.overrides).map_err(|WrongSpecimen { place: wrong, message }| {
+            let of = |key: &str| Place::of_setting(key);
+            let named = match wrong {
+                Some(wrong) if wrong == of(length_key) => place.key("length_key"),
+                Some(wrong) if wrong == of(angle_key) => place.key("angle_key"),
+                Some(wrong) => match fe.set.iter().flatten().find(|(path, _)| wrong == of(path)) {
+                    Some((path, _)) => place.key("set").key(path),
+                    None => place.key("base"),
+                },
+                None => place.key("base"),
+            };
+            Problem::new(named, format!("at {}°, {embedded} mm: {message}", run.angle_deg))
+        })?;
+    let Some(program) = program else { return Ok(None) };
+    let (problem, key) = match (program.fibre_diameter, program.fibre_axis) {
+        (Some(_), _) if !program.model.measured.fibres.is_empty() => {
+            ("has several fibres: give a case with one".to_owned(), "base")
+        }
+        (Some(own), _) if (own - diameter).abs() > SAME_DIAMETER * diameter => {
+            (format!("has a fibre of {own} mm, this one is {diameter} mm thick"), "base")
+        }
+        (Some(_), Some(axis)) if (axis.embedded - embedded).abs() > SAME_LENGTH * embedded => {
+            let own = significant(axis.embedded, 4);
+            (
+                format!("{length_key} {embedded} embeds the fibre by {own} mm: it is not the embedded length"),
+                "length_key",
+            )
+        }
+        (Some(_), axis) => return Ok(axis),
+        (None, _) => ("has no fibre".to_owned(), "base"),
     };
-    reader.problem(&Place::root().key("fibre").key("base"), problem);
+    Err(Problem::new(place.key(key), problem))
 }
 
 /// Measured curves.
@@ -520,7 +581,17 @@ fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<LoadSource> {
         }
     }
     let widest = curves.iter().map(|curve| curve.angle_deg).fold(0.0, f64::max);
-    Some(LoadSource::Curves(curves, table.cut_deg.unwrap_or(USUAL_CUT.max(widest))))
+    if let (Some(inclination), true) = (&table.inclination, widest > 0.0) {
+        report_invalid(reader, inclination.check());
+        let message = format!("goes with curves at 0° alone: {} has one at {widest}°", path.display());
+        reader.problem(&Place::root().key("fibre").key("inclination"), message);
+        return None;
+    }
+    report_invalid(reader, table.inclination.map_or(Ok(()), |inclination| inclination.check()));
+    let usual_cut = if table.inclination.is_some() { 90.0 } else { USUAL_CUT.max(widest) };
+    let cut_deg = table.cut_deg.unwrap_or(usual_cut);
+    let scale = table.scale.as_ref().map_or(1.0, |scale| scale.0);
+    Some(LoadSource::Curves(Curves { curves, cut_deg, inclination: table.inclination, scale }))
 }
 
 /// The rows of a table with these columns.

@@ -19,6 +19,14 @@ impl Place {
         Self(format!("$.{path}"))
     }
 
+    /// The place of a path with points, such as `steps.0.slip`.
+    pub(crate) fn of_setting(path: &str) -> Self {
+        path.split('.').fold(Self::root(), |place, key| match key.parse() {
+            Ok(index) => place.index(index),
+            Err(_) => place.key(key),
+        })
+    }
+
     /// A command-line override rather than a place in the document.
     pub fn option(text: &str) -> Self {
         Self(format!("--set {text}"))

@@ -308,23 +308,29 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
     }
 }
 
-/// A specimen that another case takes curves of; `None`: its plugins must not be loaded here, its own run checks it.
+/// A specimen that another case takes curves of; `None`: its plugins must not be loaded here, its own run checks them.
 fn specimen(reader: &Reader<'_>, file: &Path, overrides: &[String]) -> bridging::ReadSpecimen {
-    if need(file, overrides, reader.plugin_paths).is_some() {
-        return Ok(None);
-    }
-    let no_specimen = || "is no case of kind \"pullout\"".to_owned();
+    let told = |problems: Vec<Problem>| {
+        let first = problems.into_iter().next().unwrap_or_else(|| Problem::unreadable("it is wrong".to_owned()));
+        let message = format!("{}: {first}", file.display());
+        bridging::WrongSpecimen { place: first.place, message }
+    };
+    let no_specimen = || bridging::WrongSpecimen { place: None, message: "is no case of kind \"pullout\"".to_owned() };
+    let mut problems = Vec::new();
+    let document = text_with(file, overrides, &mut problems);
     // a case that is its own base would be read without end
-    if document(file, overrides).is_some_and(|document| document["kind"] != "pullout") {
+    let Some(document) = document.filter(|_| problems.is_empty()) else { return Err(told(problems)) };
+    if document["kind"] != "pullout" {
         return Err(no_specimen());
+    }
+    if need(file, overrides, reader.plugin_paths).is_some() {
+        let problems = structure::check("pullout", &document);
+        return if problems.is_empty() { Ok(None) } else { Err(told(problems)) };
     }
     match read_by(Reader::new(folder_of(file), reader.plugin_paths, reader.is_untrusted), file, None, overrides) {
         Ok(Case::Pullout(program)) => Ok(Some(program)),
         Ok(_) => Err(no_specimen()),
-        Err(errors) => {
-            let first = errors.problems.first().map(ToString::to_string).unwrap_or_default();
-            Err(format!("{}: {first}", file.display()))
-        }
+        Err(errors) => Err(told(errors.problems)),
     }
 }
 

@@ -194,6 +194,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         },
         rupture_strain: output.rupture_strain.map_or(RUPTURE_STRAIN, |strain| strain.0),
         fibre_diameter: ground.diameter(),
+        fibre_axis: ground.axis(),
         mesh: ground.words,
         model,
         step_untils: steps.into_iter().map(|step| step.until).collect(),

@@ -60,7 +60,15 @@ impl Bench {
         for (name, text) in files {
             std::fs::write(folder.path().join(name), text).expect("a file in the temporary folder");
         }
-        let fibre = json!({
+        std::fs::write(folder.path().join("two.msh"), specimen::two_bodies()).expect("a mesh");
+        let bench = Self(folder);
+        std::fs::write(bench.0.path().join("fibre.json"), Self::base().to_string()).expect("a case of a specimen");
+        bench
+    }
+
+    /// A case of a specimen with one fibre, which others take curves of.
+    fn base() -> Value {
+        json!({
             "kind": "pullout", "mesh": { "specimen": { "type": "inclined_fibre" } },
             "parts": {
                 "fibre": { "material": { "plugin": "linear_elastic" } },
@@ -68,10 +76,7 @@ impl Bench {
             },
             "contact": { "law": { "plugin": "bond_slip", "props": { "law": "A", "p_0": 3, "delta_N": 0.004, "k_e": 400, "tau_res": 0, "k_u": 0 } } },
             "steps": [ { "slip": 0.1 } ]
-        });
-        std::fs::write(folder.path().join("fibre.json"), fibre.to_string()).expect("a case of a specimen");
-        std::fs::write(folder.path().join("two.msh"), specimen::two_bodies()).expect("a mesh");
-        Self(folder)
+        })
     }
 
     fn path(&self) -> PathBuf {

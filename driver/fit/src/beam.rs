@@ -6,11 +6,12 @@
 
 use crate::doubt::doubts;
 use pullout_bridging::{
-    Beam, Bond, BridgingFit, Estimate, Fitted, Inclination, Invalid, Measured, NotchedBeam, Polyline, RESIDUAL_CMOD,
-    Residual, SectionLaw, bond_from_bridging, fast_inverse, full_inverse,
+    Beam, Bond, BridgingFit, Closed, Estimate, Fitted, Inclination, Invalid, Measured, NotchedBeam, Polyline,
+    RESIDUAL_CMOD, Residual, SectionLaw, Shape, SoughtBond, bond_from_bridging, bond_from_strengths, fast_inverse,
+    full_inverse,
 };
 use pullout_case::CsvFile;
-use pullout_run::bridging::{BridgingProgram, LoadSource};
+use pullout_run::bridging::{BridgingProgram, Curves, LoadSource};
 use std::path::Path;
 
 mod output;
@@ -35,7 +36,7 @@ pub struct BeamColumns {
 }
 
 /// Reads the test of a beam: the columns `cmod` and `load` (or those that are named), or strengths `f_L`, `f_R1` …
-/// `f_R4`, of several beams their means.
+/// `f_R4`, a row for each beam.
 ///
 /// # Errors
 /// One sentence for each thing that is wrong.
@@ -47,11 +48,23 @@ pub fn read_beam_test(path: &Path, columns: &BeamColumns) -> Result<Measured, Ve
     };
     if columns.cmod.is_none() && columns.load.is_none() && csv.column(STRENGTHS[1]).is_ok() {
         let rows = rows(&STRENGTHS)?;
-        let mean = |k: usize| rows.iter().map(|row| row[k]).sum::<f64>() / rows.len() as f64;
-        return Ok(Measured::Strengths(Residual { limit: mean(0), residual: [1, 2, 3, 4].map(mean) }));
+        let wrong =
+            rows.iter().enumerate().find_map(|(row, values)| Some((row, values.iter().position(|f| *f <= 0.0)?)));
+        if let Some((row, k)) = wrong {
+            let message = format!("{} is {}: strengths are above 0", STRENGTHS[k], rows[row][k]);
+            return Err(csv.fault(csv.line(row), message));
+        }
+        let beam = |row: &Vec<f64>| Residual { limit: row[0], residual: [1, 2, 3, 4].map(|k| row[k]) };
+        return Ok(Measured::Strengths(rows.iter().map(beam).collect()));
     }
     let names = [columns.cmod.as_deref().unwrap_or("cmod"), columns.load.as_deref().unwrap_or("load")];
-    Ok(Measured::Curve(rows(&names)?.iter().map(|row| [row[0], columns.load_factor * row[1]]).collect()))
+    let rows = rows(&names)?;
+    if let Some(row) = (1..rows.len()).find(|&row| rows[row][0] <= rows[row - 1][0]) {
+        let [before, after] = [rows[row - 1][0], rows[row][0]];
+        let message = format!("the CMOD {after} mm comes behind {before} mm: a test must have CMODs that rise");
+        return Err(csv.fault(csv.line(row), message));
+    }
+    Ok(Measured::Curve(rows.iter().map(|row| [row[0], columns.load_factor * row[1]]).collect()))
 }
 
 /// Result of the fit.
@@ -65,19 +78,56 @@ pub struct BeamFit {
     pub full: BridgingFit,
     /// σ(w) as the case has it.
     pub predicted: Polyline,
-    /// τ, and f where the test tells it; or why they were not sought.
-    pub bond: Result<Fitted, String>,
+    /// The bond; or why it was not sought.
+    pub bond: Result<FittedBond, String>,
+}
+
+/// Names of quantities with their units.
+pub type Names = &'static [(&'static str, &'static str)];
+
+/// What a test tells of the bond.
+#[derive(Clone, Debug)]
+pub struct FittedBond {
+    /// Names and units of what was sought: τ and, where the test tells it, f; or the factor on a table's loads.
+    pub names: Names,
+    /// Their values.
+    pub fitted: Fitted,
+}
+
+/// What is sought of a case's fibres: names and units, and where the search begins.
+fn sought(program: &BridgingProgram) -> Result<(Names, Vec<f64>), String> {
+    match &program.source {
+        LoadSource::Bond(Bond::Closed(closed), Inclination::Exp { f }) if *f > 0.0 => {
+            Ok((&[("tau", "MPa"), ("f", "")], vec![closed.tau, *f]))
+        }
+        LoadSource::Bond(Bond::Closed(closed), _) => Ok((&[("tau", "MPa")], vec![closed.tau])),
+        LoadSource::Curves(curves) => Ok((&[("scale", "")], vec![curves.scale])),
+        _ => Err("sought for the models \"closed\" and \"table\" alone".into()),
+    }
+}
+
+/// A case with values of what is sought.
+fn with_bond(program: &BridgingProgram, values: &[f64]) -> BridgingProgram {
+    let source = match (&program.source, values) {
+        (LoadSource::Bond(Bond::Closed(closed), inclination), [tau, others @ ..]) => {
+            let inclination = others.first().map_or(*inclination, |f| Inclination::Exp { f: *f });
+            LoadSource::Bond(Bond::Closed(Closed { tau: *tau, ..closed.clone() }), inclination)
+        }
+        (LoadSource::Curves(curves), [scale, ..]) => LoadSource::Curves(Curves { scale: *scale, ..curves.clone() }),
+        (source, _) => source.clone(),
+    };
+    BridgingProgram { source, ..program.clone() }
 }
 
 impl BeamFit {
-    /// Finds it. Geometry, fibre and dosage are those of the case.
+    /// Finds it. Geometry, fibre and dosage are those of the case; the shape is that of σ(w) from strengths.
     ///
     /// # Errors
     /// Data that are not those of a test, or a case without sense.
-    pub fn new(program: &BridgingProgram, test: &Measured) -> Result<Self, Invalid> {
+    pub fn new(program: &BridgingProgram, test: &Measured, shape: Shape) -> Result<Self, Invalid> {
         let geometry = program.beam.unwrap_or_default();
         let fast = fast_inverse(&geometry, test)?;
-        let full = full_inverse(&geometry, &program.matrix, test)?;
+        let full = full_inverse(&geometry, &program.matrix, test, shape)?;
         let end = program.openings.last().copied().unwrap_or_default();
         let rule = "a fit does not run \"fe\": use the fibres.csv of its run with model \"table\"";
         let composite = match &program.source {
@@ -85,23 +135,20 @@ impl BeamFit {
             _ => program.composite(&[])?,
         };
         let predicted = composite.law_to(end, POINTS);
-        let target: Vec<[f64; 2]> = BOND_OPENINGS
-            .iter()
-            .map(|&opening| [opening, full.law.at(opening) - composite.matrix_stress(opening)])
-            .filter(|row| row[1] > 0.0)
-            .collect();
-        let bond = match &program.source {
-            LoadSource::Bond(Bond::Closed(closed), Inclination::Exp { f }) => bond_from_bridging(
-                &program.fibre,
-                program.volume_fraction,
-                &program.orientation,
-                program.sides,
-                (closed, f.max(f64::MIN_POSITIVE)),
-                &target,
-            )
-            .map_err(|error| error.to_string()),
-            _ => Err("fitted only for model \"closed\" with inclination \"exp\"".into()),
-        };
+        let bond = sought(program).and_then(|(names, start)| {
+            let with = |values: &[f64]| with_bond(program, values).composite(&[]);
+            let sought = SoughtBond { composite: &with, start: &start };
+            let found = match test {
+                Measured::Strengths(beams) => bond_from_strengths(&sought, &geometry, beams),
+                Measured::Curve(_) => {
+                    let left = |opening: f64| full.law.at(opening) - composite.matrix_stress(opening);
+                    let target = BOND_OPENINGS.map(|opening| [opening, left(opening)]);
+                    let target: Vec<[f64; 2]> = target.into_iter().filter(|row| row[1] > 0.0).collect();
+                    bond_from_bridging(&sought, &target)
+                }
+            };
+            found.map(|fitted| FittedBond { names, fitted }).map_err(|error| error.to_string())
+        });
         Ok(Self { geometry, fast, full, predicted, bond })
     }
 
@@ -113,7 +160,14 @@ impl BeamFit {
             let last = rows.iter().map(|row| row[0]).fold(0.0, f64::max);
             data.push(("greatest CMOD", last, "mm", [0.1, 50.0]));
         }
-        doubts(&data, [("", self.full.fitted.rms)])
+        let mut doubts = doubts(&data, [("", self.full.fitted.rms)]);
+        let searches =
+            [("σ(w)", Some(&self.full.fitted)), ("the bond", self.bond.as_ref().ok().map(|bond| &bond.fitted))];
+        let unfinished = searches.into_iter().filter(|(_, fitted)| fitted.is_some_and(|fitted| !fitted.reached));
+        doubts.extend(
+            unfinished.map(|(what, _)| format!("the search for {what} did not come to its end: take it as a start")),
+        );
+        doubts
     }
 
     /// The computed test at CMODs.
@@ -123,16 +177,16 @@ impl BeamFit {
         cmods.map(|cmod| (cmod, beam.at(cmod).force)).collect()
     }
 
-    /// Name, unit and estimate of each number: E, f_t, σ at openings, τ, f.
+    /// Name, unit and estimate of each number: E, f_t, σ at openings, those of the bond.
     fn numbers(&self) -> Vec<(String, &'static str, Estimate)> {
         let stresses = self.full.openings.iter().map(|opening| (format!("sigma({opening})"), "MPa"));
         let names = [("E".to_owned(), "MPa"), ("f_t".to_owned(), "MPa")].into_iter().chain(stresses);
         let told = names.zip(&self.full.fitted.estimates);
-        let bond = self.bond.iter().flat_map(|bond| {
-            let names = [("tau".to_owned(), "MPa"), ("f".to_owned(), "")];
-            names.into_iter().zip(&bond.estimates)
-        });
-        told.chain(bond).map(|((name, unit), estimate)| (name, unit, *estimate)).collect()
+        let of_bond =
+            |bond: &FittedBond| bond.names.iter().copied().zip(bond.fitted.estimates.clone()).collect::<Vec<_>>();
+        let bond = self.bond.iter().flat_map(of_bond).map(|((name, unit), estimate)| (name.to_owned(), unit, estimate));
+        let told = told.map(|((name, unit), estimate)| (name, unit, *estimate));
+        told.chain(bond).collect()
     }
 }
 
@@ -140,9 +194,9 @@ impl BeamFit {
 fn measured_points(geometry: &NotchedBeam, test: &Measured) -> Vec<(f64, f64)> {
     match test {
         Measured::Curve(rows) => rows.iter().map(|row| (row[0], row[1])).collect(),
-        Measured::Strengths(strengths) => {
+        Measured::Strengths(beams) => {
             let force = |strength: f64| strength / geometry.flexural_strength(1.0);
-            RESIDUAL_CMOD.into_iter().zip(strengths.residual.map(force)).collect()
+            RESIDUAL_CMOD.into_iter().zip(Residual::mean(beams).residual.map(force)).collect()
         }
     }
 }

@@ -71,10 +71,23 @@ pub struct BridgingProgram {
 pub enum LoadSource {
     /// A bond law, and the effect of the inclination angle on it.
     Bond(Bond, Inclination),
-    /// Curves of tests, and the angle beyond which fibres carry nothing, degrees.
-    Curves(Vec<Curve>, f64),
+    /// Curves of tests.
+    Curves(Curves),
     /// Curves of runs of a specimen.
     Simulated(Simulations),
+}
+
+/// Curves of tests of one fibre.
+#[derive(Clone, Debug)]
+pub struct Curves {
+    /// The curves.
+    pub curves: Vec<Curve>,
+    /// Degrees beyond which fibres carry nothing.
+    pub cut_deg: f64,
+    /// Effect of the angle where all curves are at 0°.
+    pub inclination: Option<Inclination>,
+    /// Factor on all loads.
+    pub scale: f64,
 }
 
 /// Runs of a specimen with one fibre.
@@ -162,13 +175,14 @@ impl BridgingProgram {
     pub fn assumptions(&self, simulated: &[Curve]) -> Result<Vec<String>, Invalid> {
         let (curves, cut_deg, name) = match &self.source {
             LoadSource::Bond(..) => return Ok(Vec::new()),
-            LoadSource::Curves(curves, cut_deg) => (curves.as_slice(), *cut_deg, "curve"),
+            LoadSource::Curves(of) => (of.curves.as_slice(), of.cut_deg, "curve"),
             LoadSource::Simulated(simulations) => (simulated, simulations.cut_deg, "run"),
         };
         let last = self.last_opening();
         let mut warnings = Vec::from_iter(cut_short(curves, name, last));
         let widest = curves.iter().map(|curve| curve.angle_deg).fold(0.0, f64::max);
-        if widest < cut_deg {
+        let is_told = matches!(&self.source, LoadSource::Curves(Curves { inclination: Some(_), .. }));
+        if widest < cut_deg && !is_told {
             let share = self.share_beyond(widest, simulated)?;
             if share > NOTICED_SHARE {
                 warnings.push(format!(
@@ -185,7 +199,7 @@ impl BridgingProgram {
     /// The greatest part of σ_f that fibres at more than an angle carry, at any of a few openings.
     fn share_beyond(&self, angle_deg: f64, simulated: &[Curve]) -> Result<f64, Invalid> {
         let source = match &self.source {
-            LoadSource::Curves(curves, _) => LoadSource::Curves(curves.clone(), angle_deg),
+            LoadSource::Curves(curves) => LoadSource::Curves(Curves { cut_deg: angle_deg, ..curves.clone() }),
             LoadSource::Simulated(simulations) => {
                 LoadSource::Simulated(Simulations { cut_deg: angle_deg, ..simulations.clone() })
             }
@@ -206,15 +220,22 @@ impl BridgingProgram {
     /// # Errors
     /// Numbers without sense.
     pub fn composite(&self, simulated: &[Curve]) -> Result<Composite, Invalid> {
-        let table = |curves: &[Curve], cut_deg: f64| {
-            BridgingFibre::of_table(self.fibre, Table::new(curves, cut_deg, self.fibre.length)?, self.sides)
+        let table = |curves: &[Curve], cut_deg: f64, inclination: Option<Inclination>| {
+            let table = Table::new(curves, cut_deg, self.fibre.length)?;
+            BridgingFibre::of_table(self.fibre, table, inclination, self.sides)
         };
         let fibre = match &self.source {
             LoadSource::Bond(bond, inclination) => {
                 BridgingFibre::new(self.fibre, bond, *inclination, self.sides, self.modular_ratio)?
             }
-            LoadSource::Curves(curves, cut_deg) => table(curves, *cut_deg)?,
-            LoadSource::Simulated(simulations) => table(&simulations.complete(simulated), simulations.cut_deg)?,
+            LoadSource::Curves(Curves { curves, cut_deg, inclination, scale }) => {
+                let scaled = |curve: &Curve| {
+                    let load = curve.load.iter().map(|load| scale * load).collect();
+                    Curve { load, ..curve.clone() }
+                };
+                table(&curves.iter().map(scaled).collect::<Vec<_>>(), *cut_deg, *inclination)?
+            }
+            LoadSource::Simulated(simulations) => table(&simulations.complete(simulated), simulations.cut_deg, None)?,
         };
         Composite::new(fibre, self.volume_fraction, &self.orientation, self.matrix, self.activation)
     }

@@ -37,10 +37,11 @@ enum FitTarget {
     /// Fit σ(w) to the test of a notched beam, and the bond to σ(w).
     ///
     /// A rigid hinge gives a first σ(w). Then E, f_t and σ at a set of openings are adjusted until the hinge model
-    /// matches the measured curve (Levenberg–Marquardt, smoothed at the corner of the L-curve). If the fibre model of
-    /// the case is "closed", friction and snubbing are fitted as well. Results in the result directory: sigma.csv,
-    /// curve.csv, fit.json (all parameters with standard errors), bond-case.json (the case with the fitted bond),
-    /// plots/ and report.html.
+    /// matches the measured curve (Levenberg–Marquardt, smoothed at the corner of the L-curve). From strengths, the
+    /// smoothest σ(w) is found; cross-validation chooses how smooth. If the fibre model of the case is "closed", friction
+    /// and snubbing are fitted as well; if it is "table", the factor on the loads. Results in the result directory:
+    /// sigma.csv, curve.csv, fit.json (all parameters with standard errors), bond-case.json (the case with the fitted
+    /// bond), plots/ and report.html.
     Beam(Box<beam::Beam>),
 }
 

@@ -1,6 +1,7 @@
 //! Constant friction with elastic or no debonding, and slip hardening, in closed form.
 
 use super::Side;
+use crate::quadrature::root;
 use crate::{Fibre, Invalid};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -30,8 +31,61 @@ pub enum Sliding {
     Held,
 }
 
-/// Friction along a straight fibre.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// A hooked end: a plastic hinge over friction at each bend (Alwan, Naaman, Guerrero 1999). It knows no concrete: its
+/// channel is rigid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hook {
+    /// Lengths of the pieces from the fibre's end on, mm, each up to a bend: two of a hook with two bends.
+    pub lengths: Vec<f64>,
+    /// Angle of each bend, degrees.
+    pub angle_deg: f64,
+    /// Radius of the bends, mm: over its arc a hinge comes and goes.
+    pub radius: f64,
+    /// Friction coefficient μ in the bends.
+    pub friction: f64,
+    /// Yield stress of the wire, MPa (default the fibre's strength).
+    #[serde(default)]
+    pub yield_stress: Option<f64>,
+}
+
+/// More bends than this has no fibre.
+const MOST_BENDS: usize = 8;
+/// A curvature below this part of the load is rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl Hook {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A number without sense.
+    pub fn check(&self, fibre: &Fibre) -> Result<(), Invalid> {
+        let place = |name| format!("fibre.hook.{name}");
+        let some = (1..=MOST_BENDS).contains(&self.lengths.len());
+        Invalid::unless(some, place("lengths"), "must be 1 to 8: one for each bend")?;
+        for (k, &length) in self.lengths.iter().enumerate() {
+            Invalid::unless_positive(length, format!("fibre.hook.lengths[{k}]"))?;
+        }
+        let within = self.lengths.iter().sum::<f64>() < 0.5 * fibre.length;
+        Invalid::unless(within, place("lengths"), "must be shorter than half the fibre together")?;
+        let bent = self.angle_deg > 0.0 && self.angle_deg < 90.0;
+        Invalid::unless(bent, place("angle_deg"), "must lie between 0 and 90 degrees")?;
+        Invalid::unless_positive(self.radius, place("radius"))?;
+        let slides = self.friction >= 0.0 && self.pulley() < 1.0;
+        Invalid::unless(slides, place("friction"), "must not be below 0, nor so high that the bends lock")?;
+        let known = self.yield_stress.or(fibre.strength).is_some();
+        Invalid::unless(known, place("yield_stress"), "is needed where the fibre has no strength")?;
+        Invalid::unless_positive(self.yield_stress.or(fibre.strength).unwrap_or(0.0), place("yield_stress"))
+    }
+
+    /// μ cos β with β = (π − θ)/2, the angle between wire and reaction in a bend.
+    fn pulley(&self) -> f64 {
+        self.friction * (0.5 * (PI - self.angle_deg.to_radians())).cos()
+    }
+}
+
+/// Friction along a straight fibre, and a hook.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Closed {
     /// Friction τ, MPa.
@@ -48,6 +102,9 @@ pub struct Closed {
     /// Branch after debonding: sliding.
     #[serde(default)]
     pub sliding: Sliding,
+    /// Hooks at both ends of the fibre.
+    #[serde(default)]
+    pub hook: Option<Hook>,
 }
 
 impl Closed {
@@ -70,7 +127,8 @@ impl Closed {
 
     pub(crate) fn side(&self, fibre: &Fibre, modulus: f64) -> ClosedSide {
         ClosedSide {
-            law: *self,
+            law: self.clone(),
+            bends: self.hook.as_ref().map(|hook| Bends::new(hook, fibre)),
             diameter: fibre.diameter,
             modulus,
             omega: (4.0 * self.beta * self.tau / modulus).sqrt(),
@@ -78,10 +136,67 @@ impl Closed {
     }
 }
 
+/// The bends of a hook.
+#[derive(Clone, Debug)]
+struct Bends {
+    /// Distances of the bends from the fibre's end.
+    places: Vec<f64>,
+    /// Arc of a bend: the slip over which its hinge comes and goes.
+    arc: f64,
+    /// σ_y π r²/(6 cos θ).
+    hinge: f64,
+    /// μ cos β.
+    pulley: f64,
+}
+
+impl Bends {
+    fn new(hook: &Hook, fibre: &Fibre) -> Self {
+        let yield_stress = hook.yield_stress.or(fibre.strength).unwrap_or(0.0);
+        let angle = hook.angle_deg.to_radians();
+        let place = |place: &mut f64, length: &f64| {
+            *place += length;
+            Some(*place)
+        };
+        Self {
+            places: hook.lengths.iter().scan(0.0, place).collect(),
+            arc: hook.radius * angle,
+            hinge: yield_stress * fibre.area() / (6.0 * angle.cos()),
+            pulley: hook.pulley(),
+        }
+    }
+
+    /// The load of the hook after sliding by u: from the end on, each bend that is embedded and that wire still passes
+    /// adds its hinge, and friction in proportion to the load before and behind it.
+    fn load(&self, u: f64, embedded: f64) -> f64 {
+        let passed = self.places.iter().filter(|place| **place < embedded && **place > u);
+        passed.fold(0.0, |load, place| {
+            let part = (u / self.arc).min((place - u) / self.arc).clamp(0.0, 1.0);
+            (load * (1.0 + self.pulley) + part * self.hinge) / (1.0 - self.pulley)
+        })
+    }
+
+    /// Slips by which the load has kinks, in order.
+    fn kinks(&self, embedded: f64) -> Vec<f64> {
+        let embedded = self.places.iter().filter(|place| **place < embedded);
+        let of = |place: &f64| {
+            if *place > 2.0 * self.arc {
+                [self.arc, place - self.arc, *place]
+            } else {
+                [0.5 * place, 0.5 * place, *place]
+            }
+        };
+        let mut kinks: Vec<f64> = embedded.flat_map(of).collect();
+        kinks.sort_by(f64::total_cmp);
+        kinks.dedup();
+        kinks
+    }
+}
+
 /// The law with the fibre it acts on.
 #[derive(Clone, Debug)]
 pub(crate) struct ClosedSide {
     law: Closed,
+    bends: Option<Bends>,
     diameter: f64,
     /// (1 + η_E) E.
     modulus: f64,
@@ -138,7 +253,53 @@ impl ClosedSide {
         }
     }
 
-    /// The load after sliding by u.
+    /// Distances of the bends from the fibre's end.
+    pub fn bends(&self) -> &[f64] {
+        self.bends.as_ref().map_or(&[], |bends| bends.places.as_slice())
+    }
+
+    /// The load after sliding by u, of the straight fibre and the hook.
+    fn load_after(&self, u: f64, embedded: f64) -> f64 {
+        let hook = self.bends.as_ref().map_or(0.0, |bends| bends.load(u, embedded));
+        self.sliding_load(u, embedded) + hook
+    }
+
+    /// Slips by which the load after sliding has kinks or is greatest between them, in order; `first`: up to the first
+    /// maximum alone.
+    fn turns(&self, bends: &Bends, embedded: f64, first: bool) -> Vec<f64> {
+        let mut kinks = bends.kinks(embedded);
+        let end = bends.places.iter().copied().fold(embedded, f64::max);
+        kinks.push(end);
+        let mut from = 0.0;
+        let mut turns = Vec::new();
+        for to in kinks {
+            // of a parabola through three of its points
+            let [a, b, c] = [from, 0.5 * (from + to), to].map(|u| self.load_after(u, embedded));
+            let (bend, slope) = (2.0 * (a - 2.0 * b + c), 4.0 * b - 3.0 * a - c);
+            let top = -slope / (2.0 * bend);
+            if bend < -ROUNDING * a.max(c) && top > 0.0 && top < 1.0 {
+                turns.push(from + top * (to - from));
+                if first {
+                    return turns;
+                }
+            }
+            if first && c <= a {
+                return turns;
+            }
+            turns.push(to);
+            from = to;
+        }
+        turns
+    }
+
+    /// The load after sliding by u, and the greatest so far.
+    fn hooked_loads(&self, bends: &Bends, u: f64, embedded: f64) -> (f64, f64) {
+        let load = self.load_after(u, embedded);
+        let turns = self.turns(bends, embedded, false).into_iter().take_while(|turn| *turn < u);
+        (load, turns.map(|turn| self.load_after(turn, embedded)).fold(load, f64::max))
+    }
+
+    /// The load after sliding by u, of the straight fibre.
     fn sliding_load(&self, u: f64, embedded: f64) -> f64 {
         let start = self.sliding_start(embedded);
         match self.law.sliding {
@@ -167,6 +328,10 @@ impl Side for ClosedSide {
             return (load, load);
         }
         let (u, peak) = (slip - debonded, self.sliding_peak(embedded));
+        if let Some(bends) = &self.bends {
+            let (load, sliding) = self.hooked_loads(bends, u, embedded);
+            return (load, self.debonding_load(debonded, embedded).max(sliding));
+        }
         let load = self.sliding_load(u, embedded);
         let sliding = if u <= peak { load } else { self.sliding_load(peak, embedded) };
         (load, self.debonding_load(debonded, embedded).max(sliding))
@@ -176,6 +341,10 @@ impl Side for ClosedSide {
         let u = slip - self.debonded_slip(embedded);
         if u <= 0.0 {
             0
+        } else if let Some(bends) = &self.bends {
+            let passed = self.turns(bends, embedded, false).into_iter().filter(|turn| *turn < u).count();
+            // neighbouring stages differ, and there are eight
+            if self.load_after(u, embedded) == 0.0 { 7 } else { 1 + (passed % 6) as u8 }
         } else if self.sliding_load(u, embedded) == 0.0 {
             3
         } else {
@@ -184,7 +353,8 @@ impl Side for ClosedSide {
     }
 
     fn turning_slip(&self, embedded: f64) -> f64 {
-        self.debonded_slip(embedded)
+        let rises = |bends: &Bends| self.turns(bends, embedded, true).last().copied().unwrap_or(0.0);
+        self.debonded_slip(embedded) + self.bends.as_ref().map_or(0.0, rises)
     }
 
     fn loading_slip(&self, load: f64, embedded: f64) -> f64 {
@@ -198,6 +368,12 @@ impl Side for ClosedSide {
                     self.diameter / self.law.beta * x / (1.0 + (1.0 + x).sqrt())
                 }
             };
+        }
+        if self.bends.is_some() {
+            let rise = self.turning_slip(embedded) - debonded;
+            let excess = |u: f64| self.load_after(u, embedded) - load;
+            let u = if excess(rise) <= 0.0 { rise } else { root(excess, 0.0, rise) };
+            return debonded + u;
         }
         // load = start (1 − u/L)(1 + βu/d), the smaller u
         let (a, b) = (self.law.beta / (self.diameter * embedded), self.law.beta / self.diameter - 1.0 / embedded);

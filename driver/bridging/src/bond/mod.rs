@@ -3,7 +3,7 @@
 mod closed;
 mod shear_lag;
 
-pub use closed::{Closed, Debonding, Sliding};
+pub use closed::{Closed, Debonding, Hook, Sliding};
 pub use shear_lag::{BondLaw, ShearLag};
 
 pub(crate) use closed::ClosedSide;

@@ -1,18 +1,15 @@
 //! σ(w) from F–CMOD.
 
+use super::strengths::{Shape, inverse_of_strengths};
 use super::{Fitted, LeastSquares, least_squares};
 use crate::Invalid;
 use crate::beam::{Beam, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
 use crate::composite::Matrix;
-use crate::interpolation::{Polyline, monotone, monotone_slopes};
+use crate::interpolation::{Polyline, monotone_slopes};
 use nalgebra::{Matrix3, Vector3};
 
-/// Openings of the law that is sought, mm; what the matrix carries beside its strength begins at 0.
+/// Openings of the law that is sought of a curve, mm; what the matrix carries beside its strength begins at 0.
 pub const OPENINGS: [f64; 11] = [0.0, 0.01, 0.03, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0];
-/// Openings of the law if only strengths are known: those that the CMODs of f_R1–4 belong to.
-const FEW_OPENINGS: [f64; 5] = [0.0, 0.4, 1.25, 2.1, 2.9];
-/// Straight lines for the cubic between two openings.
-const LINES: usize = 6;
 /// Below this CMOD the notch's own elastic opening, which the model leaves out, counts, mm.
 const LEAST_CMOD: f64 = 0.01;
 /// Fewer points than this have their derivative from the monotone cubic through them.
@@ -23,8 +20,8 @@ const WIDER: f64 = 1.4;
 const FEWEST_IN_WINDOW: usize = 7;
 /// Penalties on second differences from which the L-curve's corner is taken.
 const PENALTIES: [f64; 9] = [1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0];
-/// The one where there are strengths only.
-const STRENGTHS_PENALTY: f64 = 1e-2;
+/// Evaluations per parameter.
+const PATIENCE: usize = 60;
 /// E and f_t are known beforehand: a factor e counts as much as a difference by this part of the greatest force.
 const PRIOR: f64 = 0.1;
 /// Least stress that a search begins with, as a part of the greatest.
@@ -35,16 +32,18 @@ const LEAST_STRESS: f64 = 0.02;
 pub enum Measured {
     /// CMOD, mm, rising, and F, N.
     Curve(Vec<[f64; 2]>),
-    /// Strengths, MPa.
-    Strengths(Residual),
+    /// Strengths of one beam or more, MPa.
+    Strengths(Vec<Residual>),
 }
 
 impl Measured {
     fn check(&self) -> Result<(), Invalid> {
         let rows = match self {
             Self::Curve(rows) => rows,
-            Self::Strengths(strengths) => {
-                let sound = strengths.limit > 0.0 && strengths.residual.iter().all(|value| *value > 0.0);
+            Self::Strengths(beams) => {
+                let is_sound = |value: f64| value > 0.0 && value.is_finite();
+                let sound = |beam: &Residual| is_sound(beam.limit) && beam.residual.into_iter().all(is_sound);
+                let sound = !beams.is_empty() && beams.iter().all(sound);
                 return Invalid::unless(sound, "test".into(), "must have strengths above 0");
             }
         };
@@ -60,7 +59,10 @@ impl Measured {
     pub fn greatest_strength(&self, geometry: &NotchedBeam) -> f64 {
         match self {
             Self::Curve(rows) => geometry.flexural_strength(rows.iter().map(|row| row[1]).fold(0.0, f64::max)),
-            Self::Strengths(strengths) => strengths.residual.iter().copied().fold(strengths.limit, f64::max),
+            Self::Strengths(beams) => {
+                let Residual { limit, residual } = Residual::mean(beams);
+                residual.into_iter().fold(limit, f64::max)
+            }
         }
     }
 }
@@ -85,7 +87,7 @@ pub fn fast_inverse(geometry: &NotchedBeam, test: &Measured) -> Result<Polyline,
     test.check()?;
     let (cmods, strengths): (Vec<f64>, Vec<f64>) = match test {
         Measured::Curve(rows) => compared(rows).map(|row| (row[0], geometry.flexural_strength(row[1]))).unzip(),
-        Measured::Strengths(strengths) => (RESIDUAL_CMOD.to_vec(), strengths.residual.to_vec()),
+        Measured::Strengths(beams) => (RESIDUAL_CMOD.to_vec(), Residual::mean(beams).residual.to_vec()),
     };
     let part = geometry.ligament() / geometry.height;
     let slopes = monotone_slopes(&cmods, &strengths);
@@ -133,44 +135,59 @@ pub struct BridgingFit {
     pub law: Polyline,
     /// The matrix with E and f_t.
     pub matrix: Matrix,
-    /// Weight of the penalty.
+    /// Weight of the penalty; 0: the law has no more numbers than the test tells.
     pub weight: f64,
+    /// 5 and 95 % quantiles of σ at `openings` over the beams, if there are several.
+    pub band: Option<Vec<[f64; 2]>>,
 }
 
-/// σ(w), E and f_t whose beam is nearest to the test, and smooth: Levenberg and Marquardt's method with a penalty on
-/// second differences of σ, its weight from the corner of the L-curve. Strengths alone do not tell how the matrix
-/// softens: σ is then sought beside the softening that is given.
+/// σ(w), E and f_t whose beam is nearest to the test, and smooth. Of a curve by Levenberg and Marquardt's method with a
+/// penalty on second differences of σ, its weight from the corner of the L-curve. Of strengths in the shape that is
+/// given: they do not tell how the matrix softens, and σ is sought beside the softening that is given.
 ///
 /// # Errors
 /// Data that are not those of a test.
-pub fn full_inverse(geometry: &NotchedBeam, matrix: &Matrix, test: &Measured) -> Result<BridgingFit, Invalid> {
+pub fn full_inverse(
+    geometry: &NotchedBeam,
+    matrix: &Matrix,
+    test: &Measured,
+    shape: Shape,
+) -> Result<BridgingFit, Invalid> {
     matrix.check()?;
     let start = fast_inverse(geometry, test)?;
-    let form = Form { geometry: *geometry, matrix: *matrix, test, scale: test.greatest_strength(geometry) };
+    let rows = match test {
+        Measured::Strengths(beams) => return Ok(inverse_of_strengths(geometry, matrix, beams, shape)),
+        Measured::Curve(rows) => rows,
+    };
+    let form = Form { geometry: *geometry, matrix: *matrix, rows, scale: test.greatest_strength(geometry) };
     let start = form.start(&start);
     let fit = |weight: f64, start: &[f64]| {
         let problem = LeastSquares {
             residuals: &|parameters| form.residuals(parameters, weight),
             quantities: &|parameters| form.quantities(parameters),
-            data: form.rows(),
+            data: compared(rows).count(),
+            patience: PATIENCE,
         };
         least_squares(&problem, start)
     };
-    let (weight, fitted) = match test {
-        Measured::Strengths(_) => (STRENGTHS_PENALTY, fit(STRENGTHS_PENALTY, &start)),
-        Measured::Curve(_) => {
-            let mut fits: Vec<(f64, Fitted)> = Vec::new();
-            // from the smoothest on, each from the one before
-            for &weight in PENALTIES.iter().rev() {
-                let from = fits.last().map_or(start.clone(), |(_, fitted)| fitted.parameters.clone());
-                fits.push((weight, fit(weight, &from)));
-            }
-            let corner = corner(&fits);
-            fits.swap_remove(corner)
-        }
-    };
+    let mut fits: Vec<(f64, Fitted)> = Vec::new();
+    // from the smoothest on, each from the one before
+    for &weight in PENALTIES.iter().rev() {
+        let from = fits.last().map_or(start.clone(), |(_, fitted)| fitted.parameters.clone());
+        fits.push((weight, fit(weight, &from)));
+    }
+    let corner = corner(&fits);
+    let (weight, fitted) = fits.swap_remove(corner);
     let (matrix, law) = form.law(&fitted.parameters);
-    Ok(BridgingFit { fitted, openings: form.openings().to_vec(), law, matrix, weight })
+    Ok(BridgingFit { fitted, openings: OPENINGS.to_vec(), law, matrix, weight, band: None })
+}
+
+/// The monotone cubic through stresses at openings, straight on to half as far again: the end of the test.
+pub(super) fn smooth_through(nodes: &[f64], stresses: &[f64]) -> Polyline {
+    let last = nodes.len() - 1;
+    let slope = monotone_slopes(nodes, stresses)[last];
+    let beyond = (1.5 * nodes[last], (stresses[last] + 0.5 * nodes[last] * slope).max(0.0));
+    Polyline::new(Polyline::smooth(nodes, stresses).points().chain([beyond]))
 }
 
 /// The index of the fit where the curve of ln(penalty/weight) over ln(RMS) turns most (Hansen 1992), by the circle
@@ -193,28 +210,14 @@ fn corner(fits: &[(f64, Fitted)]) -> usize {
 struct Form<'t> {
     geometry: NotchedBeam,
     matrix: Matrix,
-    test: &'t Measured,
+    rows: &'t [[f64; 2]],
     /// Greatest flexural strength.
     scale: f64,
 }
 
 impl Form<'_> {
-    fn openings(&self) -> &'static [f64] {
-        match self.test {
-            Measured::Curve(_) => &OPENINGS,
-            Measured::Strengths(_) => &FEW_OPENINGS,
-        }
-    }
-
-    fn rows(&self) -> usize {
-        match self.test {
-            Measured::Curve(rows) => compared(rows).count(),
-            Measured::Strengths(_) => 1 + RESIDUAL_CMOD.len(),
-        }
-    }
-
     fn start(&self, fast: &Polyline) -> Vec<f64> {
-        let stresses = self.openings().iter().map(|&opening| fast.at(opening).max(LEAST_STRESS * self.scale).sqrt());
+        let stresses = OPENINGS.iter().map(|&opening| fast.at(opening).max(LEAST_STRESS * self.scale).sqrt());
         let head = [self.matrix.modulus.ln(), self.matrix.ft.ln()];
         head.into_iter().chain(stresses).collect()
     }
@@ -227,24 +230,7 @@ impl Form<'_> {
     fn law(&self, parameters: &[f64]) -> (Matrix, Polyline) {
         let quantities = self.quantities(parameters);
         let matrix = Matrix { modulus: quantities[0], ft: quantities[1], ..self.matrix };
-        let (nodes, stresses) = (self.openings(), &quantities[2..]);
-        let slopes = monotone_slopes(nodes, stresses);
-        let mut points = Vec::new();
-        for pair in nodes.windows(2) {
-            points.extend((0..LINES).map(|k| {
-                let opening = pair[0] + (pair[1] - pair[0]) * k as f64 / LINES as f64;
-                (opening, monotone(opening, nodes, stresses, &slopes))
-            }));
-        }
-        let last = nodes.len() - 1;
-        points.push((nodes[last], stresses[last]));
-        // straight on to the end of the test
-        points.push((1.5 * nodes[last], (stresses[last] + 0.5 * nodes[last] * slopes[last]).max(0.0)));
-        let law = Polyline::new(points);
-        match self.test {
-            Measured::Curve(_) => (matrix, law),
-            Measured::Strengths(_) => (matrix, matrix.added_to(&law, 1.0)),
-        }
+        (matrix, smooth_through(&OPENINGS, &quantities[2..]))
     }
 
     /// Differences of strengths as parts of the greatest; then the penalties.
@@ -253,16 +239,8 @@ impl Form<'_> {
         let section = [SectionLaw::new(&matrix, &law, self.geometry.hinge())];
         let beam = Beam::new(self.geometry, &section, &matrix);
         let strength = |force: f64| self.geometry.flexural_strength(force);
-        let mut residuals: Vec<f64> = match self.test {
-            Measured::Curve(rows) => {
-                compared(rows).map(|&[cmod, force]| strength(beam.at(cmod).force - force)).collect()
-            }
-            Measured::Strengths(test) => {
-                let computed = beam.residual();
-                let pairs = computed.residual.iter().zip(&test.residual);
-                std::iter::once(computed.limit - test.limit).chain(pairs.map(|(a, b)| a - b)).collect()
-            }
-        };
+        let compared = compared(self.rows);
+        let mut residuals: Vec<f64> = compared.map(|&[cmod, force]| strength(beam.at(cmod).force - force)).collect();
         let stresses = &self.quantities(parameters)[2..];
         residuals.extend(stresses[1..].windows(3).map(|s| weight * (s[0] - 2.0 * s[1] + s[2])));
         residuals.iter_mut().for_each(|row| *row /= self.scale);

@@ -1,52 +1,93 @@
-//! The bond from σ_f(w).
+//! The bond from σ_f(w), or from strengths.
 
 use super::{Estimate, Fitted, LeastSquares, assess, least_squares};
-use crate::composite::Matrix;
-use crate::{Bond, BridgingFibre, Closed, Composite, Fibre, Inclination, Invalid, Orientation, Sides};
+use crate::average::averages;
+use crate::beam::{Beam, NotchedBeam, Residual, SectionLaw};
+use crate::interpolation::Polyline;
+use crate::{Composite, Invalid};
 
 /// Largest correlation of τ and f with which both are reported. Beyond it only g(f) τ is; a search in an undetermined
 /// direction takes a minute.
 const LARGEST_CORRELATION: f64 = 0.9999;
+/// Evaluations per parameter.
+const PATIENCE: usize = 12;
+/// A quantity is sought up to this factor from its start: beyond it nothing is a fibre's.
+const LARGEST_FACTOR: f64 = 20.0;
+/// Differences where nothing is a fibre's: so large that the search turns back.
+const NO_FIBRE: f64 = 10.0;
+/// Openings from which the strengths of a beam are computed, to the last, mm, closer at the beginning.
+const OPENINGS: (f64, usize) = (3.5, 14);
 
-/// Finds the friction τ and, as far as the data determine it, the snubbing f whose σ_f(w) is nearest to the given one,
-/// (w, σ_f) by rising w: their logarithms are sought, from `start`. Without rupture σ_f depends on g(f) τ alone: where
-/// f is not determined it keeps its value, and τ alone is sought.
+/// Fibres with a bond that is sought.
+pub struct SoughtBond<'c> {
+    /// The composite with one quantity, or two: the friction, and the snubbing f, say.
+    pub composite: &'c dyn Fn(&[f64]) -> Result<Composite, Invalid>,
+    /// The quantities from which the search begins; the second is sought if the data determine it.
+    pub start: &'c [f64],
+}
+
+impl SoughtBond<'_> {
+    /// The quantities whose differences, of so many rows as parts of the greatest value, are least.
+    fn find(&self, rows: usize, differences: &dyn Fn(&Composite) -> Vec<f64>) -> Result<Fitted, Invalid> {
+        (self.composite)(self.start)?;
+        let begin: Vec<f64> = self.start.iter().map(|start| start.ln()).collect();
+        let residuals = |parameters: &[f64]| -> Vec<f64> {
+            let is_near = |(parameter, start): (&f64, &f64)| (parameter - start).abs() <= LARGEST_FACTOR.ln();
+            let composite = parameters.iter().zip(&begin).all(is_near).then(|| {
+                let sought = parameters.iter().map(|parameter| parameter.exp());
+                let quantities: Vec<f64> = sought.chain(self.start.iter().skip(parameters.len()).copied()).collect();
+                (self.composite)(&quantities).ok()
+            });
+            composite.flatten().map_or_else(|| vec![NO_FIBRE; rows], |composite| differences(&composite))
+        };
+        let quantities = |parameters: &[f64]| parameters.iter().map(|x| x.exp()).collect();
+        let problem = LeastSquares { residuals: &residuals, quantities: &quantities, data: rows, patience: PATIENCE };
+        let alone = least_squares(&problem, &begin[..1]);
+        let Some(second) = begin.get(1) else { return Ok(alone) };
+        let begin = vec![alone.parameters[0], *second];
+        if !alone.reached || assess(&problem, begin.clone()).correlation[(0, 1)].abs() > LARGEST_CORRELATION {
+            return Ok(alone);
+        }
+        let both = least_squares(&problem, &begin);
+        Ok(if both.reached && both.estimates.iter().all(Estimate::is_identifiable) { both } else { alone })
+    }
+}
+
+/// Finds the quantities whose σ_f(w) is nearest to the given one, (w, σ_f) by rising w: their logarithms are sought. Of
+/// friction and snubbing f, without rupture σ_f depends on g(f) τ alone: where the second is not determined it keeps its
+/// value.
 ///
 /// # Errors
 /// Numbers without sense.
-pub fn bond_from_bridging(
-    fibre: &Fibre,
-    volume_fraction: f64,
-    orientation: &Orientation,
-    sides: Sides,
-    start: (&Closed, f64),
-    target: &[[f64; 2]],
-) -> Result<Fitted, Invalid> {
-    let matrix = Matrix { modulus: 3e4, ft: 1.0, softening: Default::default(), fracture_energy: 0.0, fc: None };
-    let composite = |tau: f64, f: f64| {
-        let bond = Bond::Closed(Closed { tau, ..*start.0 });
-        let fibre = BridgingFibre::new(*fibre, &bond, Inclination::Exp { f }, sides, 0.0)?;
-        Composite::new(fibre, volume_fraction, orientation, matrix, 0.0)
-    };
-    Invalid::unless(start.1 > 0.0, "fibre.inclination.f".into(), "must be above 0 to be sought")?;
+pub fn bond_from_bridging(sought: &SoughtBond<'_>, target: &[[f64; 2]]) -> Result<Fitted, Invalid> {
     Invalid::unless(target.len() >= 2, "bridging".into(), "must have two points or more")?;
-    composite(start.0.tau, start.1)?;
     let greatest = target.iter().map(|row| row[1]).fold(0.0, f64::max);
     Invalid::unless(greatest > 0.0, "bridging".into(), "must have a stress above 0")?;
-    let residuals = |parameters: &[f64]| -> Vec<f64> {
-        let f = parameters.get(1).map_or(start.1, |logarithm| logarithm.exp());
-        let Ok(composite) = composite(parameters[0].exp(), f) else {
-            return vec![f64::NAN; target.len()];
-        };
+    sought.find(target.len(), &|composite| {
         target.iter().map(|&[opening, stress]| (composite.average(opening).stress - stress) / greatest).collect()
-    };
-    let quantities = |parameters: &[f64]| parameters.iter().map(|x| x.exp()).collect();
-    let problem = LeastSquares { residuals: &residuals, quantities: &quantities, data: target.len() };
-    let alone = least_squares(&problem, &[start.0.tau.ln()]);
-    let begin = [alone.parameters[0], start.1.ln()];
-    if assess(&problem, begin.to_vec()).correlation[(0, 1)].abs() > LARGEST_CORRELATION {
-        return Ok(alone);
-    }
-    let both = least_squares(&problem, &begin);
-    Ok(if both.estimates.iter().all(Estimate::is_identifiable) { both } else { alone })
+    })
+}
+
+/// Finds them from the mean of the strengths f_R1–4 of beams, by the beam's own: no σ(w) stands between.
+///
+/// # Errors
+/// Numbers without sense.
+pub fn bond_from_strengths(
+    sought: &SoughtBond<'_>,
+    geometry: &NotchedBeam,
+    beams: &[Residual],
+) -> Result<Fitted, Invalid> {
+    geometry.check()?;
+    let mean = Residual::mean(beams).residual;
+    let greatest = mean.into_iter().fold(0.0, f64::max);
+    Invalid::unless(greatest > 0.0, "test".into(), "must have strengths above 0")?;
+    let (end, count) = OPENINGS;
+    let openings: Vec<f64> = (0..count).map(|k| end * (k as f64 / (count - 1) as f64).powi(2)).collect();
+    sought.find(mean.len(), &|composite| {
+        let stresses: Vec<f64> = averages(composite, &openings).iter().map(|average| average.stress).collect();
+        let bridging = Polyline::smooth(&openings, &stresses);
+        let section = [SectionLaw::new(&composite.matrix, &composite.with_matrix(&bridging), geometry.hinge())];
+        let computed = Beam::new(*geometry, &section, &composite.matrix).residual().residual;
+        computed.into_iter().zip(mean).map(|(computed, tested)| (computed - tested) / greatest).collect()
+    })
 }

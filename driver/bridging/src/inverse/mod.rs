@@ -2,11 +2,14 @@
 
 mod beam;
 mod bond;
+mod constrained;
+mod strengths;
 
 pub use beam::{BridgingFit, Measured, OPENINGS, fast_inverse, full_inverse};
-pub use bond::bond_from_bridging;
+pub use bond::{SoughtBond, bond_from_bridging, bond_from_strengths};
+pub use strengths::Shape;
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 
@@ -14,8 +17,8 @@ use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 const STEP: f64 = 1e-5;
 /// The search ends when the sum of squares, or the parameters, would change by less than this part.
 const SMALLEST_GAIN: f64 = 1e-10;
-/// Evaluations per parameter.
-const PATIENCE: usize = 60;
+/// Length of the first step, as a part of the parameters: far off a model may be slow, and tell nothing.
+const FIRST_STEP: f64 = 1.0;
 /// Directions whose information is below this part of the greatest cannot be determined.
 const LEAST_INFORMATION: f64 = 1e-10;
 /// A standard error above this part of the value: the data do not tell the number.
@@ -29,6 +32,8 @@ struct LeastSquares<'f> {
     quantities: &'f dyn Fn(&[f64]) -> Vec<f64>,
     /// Rows that are data, the first ones.
     data: usize,
+    /// Evaluations per parameter.
+    patience: usize,
 }
 
 /// A quantity with its uncertainty.
@@ -70,14 +75,19 @@ pub struct Fitted {
     pub rms: f64,
     /// √(Σr²/m) of the penalties.
     pub penalty: f64,
+    /// Whether the search came to its end.
+    pub reached: bool,
 }
 
 /// Levenberg and Marquardt's method (the crate `levenberg-marquardt`, after MINPACK) from `start`.
 fn least_squares(problem: &LeastSquares<'_>, start: &[f64]) -> Fitted {
     let search = Search { problem, parameters: DVector::from_column_slice(start) };
-    let method = LevenbergMarquardt::new().with_ftol(SMALLEST_GAIN).with_xtol(SMALLEST_GAIN).with_patience(PATIENCE);
-    let (search, _) = method.minimize(search);
-    assess(problem, search.parameters.as_slice().to_vec())
+    let method = LevenbergMarquardt::new().with_ftol(SMALLEST_GAIN).with_xtol(SMALLEST_GAIN);
+    let method = method.with_stepbound(FIRST_STEP).with_patience(problem.patience);
+    let (search, report) = method.minimize(search);
+    let ended = report.termination;
+    let reached = ended.was_successful() || matches!(ended, TerminationReason::NoImprovementPossible(_));
+    Fitted { reached, ..assess(problem, search.parameters.as_slice().to_vec()) }
 }
 
 /// Returns what is known at parameters.
@@ -89,7 +99,7 @@ fn assess(problem: &LeastSquares<'_>, parameters: Vec<f64>) -> Fitted {
     let values = (problem.quantities)(&parameters);
     let derivatives = differences(&parameters, problem.quantities);
     let (estimates, correlation) = estimates(&values, data, &jacobian, &[], &derivatives);
-    Fitted { estimates, correlation, rms: rms(data), penalty: rms(penalties), parameters }
+    Fitted { estimates, correlation, rms: rms(data), penalty: rms(penalties), parameters, reached: true }
 }
 
 /// Returns numbers q with their standard errors, and their correlations, from the weighted least-squares estimate θ with

@@ -161,6 +161,7 @@ fn m45(sides: Sides) -> (f64, f64) {
         debonding_energy: 1.08e-3,
         debonding: Debonding::Elastic,
         sliding: Sliding::Shortening,
+        hook: None,
     };
     let ratio = 22_000.0 * 0.02 / (20_000.0 * 0.98);
     let fibre = BridgingFibre::new(fibre, &Bond::Closed(bond), Inclination::Exp { f: 0.2 }, sides, ratio);

@@ -21,9 +21,9 @@ fn numbers_without_sense_are_refused_with_their_place() {
     assert_eq!(of(fibre(), &rigid, Inclination::Spalling { k: 0.1, k_sp: 0.0, ft: 3.0 }), "fibre.inclination.k_sp");
     let closed = |closed: Closed| of(fibre(), &Bond::Closed(closed), snubbing);
     let plain = friction(Debonding::Rigid, Sliding::Shortening);
-    assert_eq!(closed(Closed { tau: 0.0, ..plain }), "fibre.tau");
-    assert_eq!(closed(Closed { debonding_energy: 0.1, ..plain }), "fibre.debonding_energy");
-    assert_eq!(closed(Closed { debonding: Debonding::Hardening, ..plain }), "fibre.beta");
+    assert_eq!(closed(Closed { tau: 0.0, ..plain.clone() }), "fibre.tau");
+    assert_eq!(closed(Closed { debonding_energy: 0.1, ..plain.clone() }), "fibre.debonding_energy");
+    assert_eq!(closed(Closed { debonding: Debonding::Hardening, ..plain.clone() }), "fibre.beta");
     let law = |points: &[[f64; 2]]| {
         of(fibre(), &Bond::ShearLag(ShearLag { law: BondLaw { points: points.into() } }), snubbing)
     };

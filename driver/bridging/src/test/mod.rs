@@ -1,6 +1,7 @@
 mod beam;
 mod closed_forms;
 mod composite;
+mod hook;
 mod invalid;
 mod inverse;
 mod orientation;
@@ -24,7 +25,7 @@ fn matrix() -> Matrix {
 
 /// τ 3.
 fn friction(debonding: Debonding, sliding: Sliding) -> Closed {
-    Closed { tau: 3.0, beta: 0.0, debonding_energy: 0.0, debonding, sliding }
+    Closed { tau: 3.0, beta: 0.0, debonding_energy: 0.0, debonding, sliding, hook: None }
 }
 
 /// V_f 1 %, snubbing f 0.5.

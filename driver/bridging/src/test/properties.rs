@@ -18,7 +18,7 @@ prop_compose! {
         }
         let debonding = [Debonding::Rigid, Debonding::Elastic, Debonding::Elastic][usize::from(kind)];
         let debonding_energy = if kind == 2 { energy } else { 0.0 };
-        Bond::Closed(Closed { tau, beta, debonding_energy, debonding, sliding: Sliding::Shortening })
+        Bond::Closed(Closed { tau, beta, debonding_energy, debonding, sliding: Sliding::Shortening, hook: None })
     }
 }
 

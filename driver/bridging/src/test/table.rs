@@ -15,7 +15,7 @@ fn friction_table(angles: &[f64], lengths: &[f64]) -> Table {
 }
 
 fn averaged(table: Table, sides: Sides, orientation: &Orientation) -> Composite {
-    let fibre = BridgingFibre::of_table(fibre(), table, sides).expect("a fibre");
+    let fibre = BridgingFibre::of_table(fibre(), table, None, sides).expect("a fibre");
     Composite::new(fibre, 0.01, orientation, matrix(), 0.0).expect("a composite")
 }
 
@@ -98,7 +98,7 @@ fn two_sides_of_a_table_are_those_of_the_law_it_was_made_of() {
     // soft enough for the long side to count
     let soft = Fibre { modulus: 5000.0, ..fibre() };
     let bond = friction(Debonding::Elastic, Sliding::Shortening);
-    let single = |sides| BridgingFibre::new(soft, &Bond::Closed(bond), Inclination::Exp { f: 0.4 }, sides, 0.0);
+    let single = |sides| BridgingFibre::new(soft, &Bond::Closed(bond.clone()), Inclination::Exp { f: 0.4 }, sides, 0.0);
     let one = single(Sides::One).expect("a fibre");
     let curve = |angle_deg: f64, embedded: f64| {
         let end = embedded + 2.0 * 3.0 * embedded * embedded / (5000.0 * 0.5);
@@ -115,7 +115,7 @@ fn two_sides_of_a_table_are_those_of_the_law_it_was_made_of() {
         let law = single(sides).expect("a fibre");
         let law = Composite::new(law, 0.01, &Orientation::Random3d, matrix(), 0.0).expect("a composite");
         let table = Table::new(&curves, 90.0, 30.0).expect("a table");
-        let table = BridgingFibre::of_table(soft, table, sides).expect("a fibre");
+        let table = BridgingFibre::of_table(soft, table, None, sides).expect("a fibre");
         let table = Composite::new(table, 0.01, &Orientation::Random3d, matrix(), 0.0).expect("a composite");
         let peak = law.average(0.3).stress;
         for opening in [0.02, 0.1, 0.3, 0.6, 1.0, 3.0, 8.0] {

@@ -1,7 +1,9 @@
 //! Kind "bridging".
 
 use super::{CommonCaseEntries, Material, Plots, Positive, Whole};
-use pullout_bridging::{BondLaw, Debonding, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding};
+use pullout_bridging::{
+    BondLaw, Debonding, Hook, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding,
+};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -152,6 +154,8 @@ fibre_of_file! {
         debonding: Option<Debonding>,
         /// Sliding of the fibre as a whole (default shortening).
         sliding: Option<Sliding>,
+        /// Hooks at both ends (default none).
+        hook: Option<Hook>,
         /// Effect of the inclination angle (default exp with f = 0.35).
         inclination: Option<Inclination>,
     }
@@ -176,8 +180,13 @@ fibre_of_file! {
         #[schemars(length(min = 1))]
         file: String,
         /// Angle, degrees, above which fibres carry nothing (default 80, or the largest angle of the curves if that is
-        /// more). Between the largest angle of the curves and this one, the load is that at the largest angle.
+        /// more; with inclination 90). Between the largest angle of the curves and this one, the load is that at the
+        /// largest angle.
         cut_deg: Option<f64>,
+        /// Effect of the inclination angle, of curves at 0° alone (default: the load is the same at all angles).
+        inclination: Option<Inclination>,
+        /// Factor on all loads, which `fit beam` seeks (default 1).
+        scale: Option<Positive>,
     }
 }
 
@@ -193,9 +202,11 @@ fibre_of_file! {
         angles_deg: Option<Vec<f64>>,
         /// Embedded lengths as fractions of half the fibre's length; the last is 1 (default 0.125, 0.25, 0.5, 0.75, 1).
         lengths: Option<Vec<f64>>,
-        /// Entry of the base that sets the angle (default mesh.specimen.angle_deg; a specimen without it is at 0°).
+        /// Entry of the base that sets the angle (default mesh.specimen.angle_deg, of a fibre with a path
+        /// mesh.specimen.fibres.0.rotate_deg; a specimen without one is at 0°).
         angle_key: Option<String>,
-        /// Entry of the base that sets the embedded length (default mesh.specimen.embedded_length).
+        /// Entry of the base that sets the embedded length (default mesh.specimen.embedded_length, of a fibre with a path
+        /// mesh.specimen.fibres.0.embedded).
         length_key: Option<String>,
         /// Angle, degrees, above which fibres carry nothing (default 80, or the largest angle of the runs if that is
         /// more). Between the largest angle of the runs and this one, the load is that at the largest angle.

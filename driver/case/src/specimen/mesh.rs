@@ -9,6 +9,7 @@ use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::specimen::{PulledFibre, Specimen, SpecimenError};
 use fe_core::mesh::{Mesh, MeshDefinition, Part, gmsh};
 use pullout_run::input::{self, Input};
+use pullout_run::pullout::FibreAxis;
 use pullout_run::pullout::section::{EQUAL_AREA, EQUAL_INERTIA};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
@@ -43,6 +44,16 @@ impl MeshAndSets {
     /// The fibres, if there are several.
     pub fn several_fibres(&self) -> &[PulledFibre] {
         if self.lone_fibre().is_none() { &self.specimen.fibres } else { &[] }
+    }
+
+    /// How deep the fibre that is alone lies in the block, along its axis, and where it points.
+    pub fn axis(&self) -> Option<FibreAxis> {
+        let fibre = self.lone_fibre()?;
+        let at = |station: &[usize; 3]| self.specimen.definition.nodes[station[1]];
+        let within = fibre.stations.iter().take_while(|station| station[1] != fibre.exit_node).count();
+        let stations: Vec<[f64; 2]> = fibre.stations.get(..=within)?.iter().map(at).collect();
+        let step = |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+        Some(FibreAxis { embedded: stations.windows(2).map(step).sum(), direction: fibre.direction })
     }
 
     /// The diameter of all fibres, mm, if it is one.

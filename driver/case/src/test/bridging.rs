@@ -22,6 +22,9 @@ const LAW: &str =
 const COUNTED: &str = r#"orientation={"type": "histogram", "file": "path.csv"}"#;
 const RUNS: &str = r#"fibre={"diameter": 0.406, "length": 24.4, "E": 210000, "model": "fe", "base": "fibre.json"}"#;
 
+const HOOK: &str =
+    r#"fibre.hook={"lengths": [2, 2.5], "angle_deg": 45, "radius": 1, "friction": 0.2, "yield_stress": 1000}"#;
+
 const MALFORMED: &[Sample] = &[
     (
         &[TABLE, "fibre.file=falling.csv"],
@@ -88,7 +91,33 @@ const MALFORMED: &[Sample] = &[
     (&[RUNS, "fibre.base=case.json"], "$.fibre.base", "is no case of kind \"pullout\"", ByMeaning),
     (&[RUNS, "fibre.base=nowhere.json"], "$.fibre.base", "cannot be read", ByMeaning),
     (&[RUNS, "fibre.diameter=0.5"], "$.fibre.base", "has a fibre of 0.406 mm, this one is 0.5 mm thick", ByMeaning),
-    (&[RUNS, "fibre.set={\"steps.0.slip\": \"far\"}"], "$.fibre.base", "$.steps[0].slip", ByMeaning),
+    (&[RUNS, "fibre.set={\"steps.0.slip\": \"far\"}"], "$.fibre.set[\"steps.0.slip\"]", "$.steps[0].slip", ByMeaning),
+    (&[RUNS, "fibre.length_key=mesh.specimen.lenght"], "$.fibre.length_key", "unknown key", ByMeaning),
+    (
+        &[RUNS, "fibre.length_key=mesh.specimen.free_length"],
+        "$.fibre.length_key",
+        "is not the embedded length",
+        ByMeaning,
+    ),
+    (&[RUNS, "fibre.angle_key=mesh.specimen.angle"], "$.fibre.angle_key", "unknown key", ByMeaning),
+    (
+        &[RUNS, "fibre.angle_key=steps.0.slip", "fibre.angles_deg=[1, 30]"],
+        "$.fibre.angle_key",
+        "from 1 to 30 turns the fibre by 0°",
+        ByMeaning,
+    ),
+    (
+        &[TABLE, "fibre.file=to-60.csv", r#"fibre.inclination={"type": "exp", "f": 0.3}"#],
+        "$.fibre.inclination",
+        "goes with curves at 0° alone",
+        ByMeaning,
+    ),
+    (&[TABLE, "fibre.scale=0"], "$.fibre.scale", "must be > 0", BySchema),
+    (&[HOOK, "fibre.hook.radius=0"], "$.fibre.hook.radius", "must be above 0", ByMeaning),
+    (&[HOOK, "fibre.hook.friction=-1"], "$.fibre.hook.friction", "must not be below 0", ByMeaning),
+    (&[HOOK, "fibre.hook.lengths=[]"], "$.fibre.hook.lengths", "one for each bend", ByMeaning),
+    (&[HOOK, "fibre.hook.yield_stress=null"], "$.fibre.hook.yield_stress", "no strength", ByMeaning),
+    (&[HOOK, "fibre.hook.mu=1"], "$.fibre.hook.mu", "unknown key", BySchema),
     (&[RUNS, "fibre.angles_deg=[0, 45, 30]"], "$.fibre.angles_deg", "must rise", ByMeaning),
     (&[RUNS, "fibre.angles_deg=[0, 89]"], "$.fibre.angles_deg", "no length reaches 2 diameters deep", ByMeaning),
     (&[RUNS, "fibre.lengths=[0.5]"], "$.fibre.lengths", "from above 0 to 1", ByMeaning),
@@ -132,6 +161,46 @@ fn what_a_case_leaves_out_is_random_and_two_sided() {
     assert!((program.modular_ratio - 210e3 * 0.01 / (30e3 * 0.99)).abs() < 1e-12);
     assert!(program.columns().iter().any(|column| column == "cmod"));
     assert!(!program.columns().iter().any(|column| column == "load_05"), "nothing was drawn at random");
+}
+
+/// A fibre with a path has its angle and its length under other keys than a straight one.
+#[test]
+fn runs_of_a_hooked_fibre_turn_its_path() {
+    let bench = Bench::new();
+    let mut base = Bench::base();
+    base["mesh"]["specimen"] = json!({
+        "type": "fibres", "width": 40, "depth": 50, "matrix_thickness": 10, "mesh_size": 2,
+        "fibres": [{ "name": "hook", "diameter": 0.9, "exit": 0, "embedded": 30,
+                     "path": { "type": "hooked", "hook": [2.1, 2.95], "radius": 2 } }]
+    });
+    std::fs::write(bench.0.path().join("fibre.json"), base.to_string()).expect("a case");
+    let fibre = r#"fibre={"diameter": 0.9, "length": 60, "E": 2e5, "model": "fe", "base": "fibre.json", "angles_deg": [0, 20],
+        "lengths": [0.5, 1]}"#;
+    let Ok(Case::Bridging(program)) = bench.read(&case(), &[fibre]) else { panic!("a case") };
+    let LoadSource::Simulated(simulations) = &program.source else { panic!("runs") };
+    let last = &simulations.runs[simulations.runs.len() - 1].overrides;
+    assert_eq!(last[..], ["mesh.specimen.fibres.0.rotate_deg=20", "mesh.specimen.fibres.0.embedded=30"]);
+}
+
+/// Tests at 0° with an angle's effect beside them, and a factor: twice the loads are twice the stress.
+#[test]
+fn curves_at_right_angles_take_an_inclination() {
+    let bench = Bench::new();
+    let zero = "theta_deg,embedded,slip,load\n0,15,0.1,10\n0,15,5,5\n";
+    std::fs::write(bench.0.path().join("zero.csv"), zero).expect("a table");
+    let stress = |more: &[&str]| {
+        let all = [&[TABLE, "fibre.file=zero.csv"], more].concat();
+        let Ok(Case::Bridging(program)) = bench.read(&case(), &all) else { panic!("a case") };
+        let told = program.assumptions(&[]).expect("curves");
+        assert_eq!(told.iter().any(|told| told.contains("largest angle")), more[0].contains("cut_deg"), "{told:?}");
+        program.composite(&[]).expect("a composite").average(1.0).stress
+    };
+    let plain = stress(&["fibre.cut_deg=90"]);
+    let snubbed = stress(&[r#"fibre.inclination={"type": "exp", "f": 0.5}"#]);
+    // g of f = 0.5 over that of 0, the closed form of random fibres
+    assert!((snubbed / plain / 1.502720023876713 - 1.0).abs() < 1e-3, "{snubbed} {plain}");
+    let twice = stress(&[r#"fibre.inclination={"type": "exp", "f": 0.5}"#, "fibre.scale=2"]);
+    assert!((twice / snubbed - 2.0).abs() < 1e-9, "{twice}");
 }
 
 #[test]

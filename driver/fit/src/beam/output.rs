@@ -1,10 +1,10 @@
 //! Files that the fit of a beam writes.
 
-use super::{BeamFit, POINTS, measured_points};
+use super::{BeamFit, FittedBond, POINTS, measured_points};
 use crate::output::{MOST_MARKS, rows_of, standard_error, table};
 use crate::regression::thinned;
 use maud::html;
-use pullout_bridging::{IDENTIFIABLE, Measured, Polyline};
+use pullout_bridging::{Estimate, IDENTIFIABLE, Measured, Polyline};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page;
 use pullout_report::plots;
@@ -33,8 +33,19 @@ pub fn write(
     let curve = measured.iter().zip(&computed).map(|(&(cmod, load), &(_, computed))| [cmod, load, computed]);
     directory.write("curve.csv", table("cmod,load,computed", curve))?;
     let stresses = fit.full.openings.iter().zip(&fit.full.fitted.estimates[2..]);
-    let sigma = stresses.map(|(&w, estimate)| [w, estimate.value, estimate.standard_error, fit.fast.at(w)]);
-    directory.write("sigma.csv", table("w,sigma,standard_error,sigma_fast", sigma))?;
+    let told = |(&w, estimate): (&f64, &Estimate)| {
+        [w, estimate.value, estimate.standard_error, fit.fast.at(w), fit.full.law.at(w)]
+    };
+    let sigma: Vec<[f64; 5]> = stresses.map(told).collect();
+    let header = "w,sigma,standard_error,sigma_fast,sigma_total";
+    let sigma = match &fit.full.band {
+        None => table(header, sigma),
+        Some(band) => {
+            let rows = sigma.into_iter().zip(band).map(|([a, b, c, d, e], [low, high])| [a, b, c, d, e, *low, *high]);
+            table(&format!("{header},sigma_05,sigma_95"), rows)
+        }
+    };
+    directory.write("sigma.csv", sigma)?;
     directory.write("fit.json", format!("{:#}\n", summary(source, fit, &warnings)))?;
     if let Some(case) = with_bond(case, fit) {
         directory.write("bond-case.json", format!("{case:#}\n"))?;
@@ -111,7 +122,9 @@ fn summary(source: &str, fit: &BeamFit, warnings: &[String]) -> Value {
         "numbers": numbers,
         "correlation": rows_of(&fit.full.fitted.correlation),
         "bond": match &fit.bond {
-            Ok(bond) => json!({ "rms_of_greatest": bond.rms, "correlation": bond.correlation.get((0, 1)) }),
+            Ok(FittedBond { fitted, .. }) => {
+                json!({ "rms_of_greatest": fitted.rms, "correlation": fitted.correlation.get((0, 1)) })
+            }
             Err(message) => json!({ "message": message }),
         },
     })
@@ -121,9 +134,11 @@ fn summary(source: &str, fit: &BeamFit, warnings: &[String]) -> Value {
 fn with_bond(case: &Value, fit: &BeamFit) -> Option<Value> {
     let bond = fit.bond.as_ref().ok()?;
     let mut case = case.clone();
-    case["fibre"]["tau"] = json!(bond.estimates[0].value);
-    if let Some(f) = bond.estimates.get(1) {
-        case["fibre"]["inclination"] = json!({ "type": "exp", "f": f.value });
+    for ((name, _), estimate) in bond.names.iter().zip(&bond.fitted.estimates) {
+        match *name {
+            "f" => case["fibre"]["inclination"] = json!({ "type": "exp", "f": estimate.value }),
+            name => case["fibre"][name] = json!(estimate.value),
+        }
     }
     Some(case)
 }

@@ -99,8 +99,11 @@ impl Account {
                 settings.push(("Bond".into(), entries(bond)));
                 settings.push(("Angle".into(), entries(inclination)));
             }
-            bridging::LoadSource::Curves(curves, cut) => {
-                settings.push(("Curves".into(), format!("{}, none beyond {}°", curves.len(), rounded(*cut))));
+            bridging::LoadSource::Curves(of) => {
+                let cut = rounded(of.cut_deg);
+                settings.push(("Curves".into(), format!("{}, none beyond {cut}°", of.curves.len())));
+                settings.push(("Factor on the loads".into(), exact(of.scale)));
+                settings.extend(of.inclination.map(|inclination| ("Angle".to_owned(), entries(&inclination))));
             }
             bridging::LoadSource::Simulated(simulations) => {
                 let (runs, cut) = (simulations.runs.len(), rounded(simulations.cut_deg));

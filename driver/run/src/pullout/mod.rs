@@ -17,5 +17,5 @@ pub mod section;
 pub use findings::{Failure, Findings, Rupture};
 pub use overlap::Overlap;
 pub use peak::PeakLoad;
-pub use program::{PictureAt, PulloutProgram, Settings};
+pub use program::{FibreAxis, PictureAt, PulloutProgram, Settings};
 pub use recorder::{Outcome, SavedState, run};

@@ -18,6 +18,15 @@ pub enum PictureAt {
     Increment(u64),
 }
 
+/// The axis of a fibre in its block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FibreAxis {
+    /// Its length in the block, mm.
+    pub embedded: f64,
+    /// Its direction where it leaves the block, unit length.
+    pub direction: [f64; 2],
+}
+
 /// A run of a specimen.
 #[derive(Clone, Debug)]
 pub struct PulloutProgram {
@@ -27,6 +36,8 @@ pub struct PulloutProgram {
     pub mesh: String,
     /// Diameter of the round fibre of a specimen that has one, mm.
     pub fibre_diameter: Option<f64>,
+    /// Axis of the only fibre.
+    pub fibre_axis: Option<FibreAxis>,
     /// The model.
     pub model: Model,
     /// Bounds that end each step of the model early.

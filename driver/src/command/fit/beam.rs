@@ -1,6 +1,7 @@
 //! `pullout fit beam`.
 
 use super::super::{DONE, Reading, Refusal, complain, folder_of, read, say};
+use pullout_bridging::{Measured, Shape};
 use pullout_case::Case;
 use pullout_fit::{BeamColumns, BeamFit, describe_beam, read_beam_test, write_beam};
 use std::path::PathBuf;
@@ -8,7 +9,7 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 pub(in super::super) struct Beam {
     /// The test: CSV with a header line. Columns are CMOD in mm and load in N, or the strengths f_L, f_R1 … f_R4 in
-    /// MPa; several beams are averaged.
+    /// MPa; several beams are averaged and give a band of σ(w).
     #[arg(value_name = "BEAM.csv")]
     test: PathBuf,
     /// Case of kind "bridging" with beam, matrix, fibre and dosage.
@@ -23,6 +24,9 @@ pub(in super::super) struct Beam {
     /// Factor on the load: 1000 if the load is in kN.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = super::positive, allow_negative_numbers = true)]
     load_factor: f64,
+    /// Shape of the σ(w) that is sought of strengths.
+    #[arg(long, value_enum, default_value_t = Shapes::Smooth)]
+    shape: Shapes,
     /// Result directory [default: out/<test file stem>/].
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -36,10 +40,27 @@ pub(in super::super) struct Beam {
     quiet: bool,
 }
 
+/// Shapes of a σ(w) that is sought of strengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Shapes {
+    /// As smooth as the strengths allow, never negative; it falls beyond its greatest value.
+    Smooth,
+    /// Two straight lines that fall.
+    Bilinear,
+}
+
 impl Beam {
     pub(super) fn act(&self) -> Result<u8, Refusal> {
         let columns = BeamColumns { cmod: self.cmod.clone(), load: self.load.clone(), load_factor: self.load_factor };
         let test = read_beam_test(&self.test, &columns).map_err(|problems| Refusal::input(problems.join("\n")))?;
+        let shape = match self.shape {
+            Shapes::Smooth => Shape::Smooth,
+            Shapes::Bilinear => Shape::Bilinear,
+        };
+        if shape != Shape::Smooth && matches!(test, Measured::Curve(_)) {
+            let message = "--shape: a curve tells σ at its openings; give it with strengths f_L, f_R1 … f_R4";
+            return Err(Refusal::input(format!("{}: {message}", self.test.display())));
+        }
         let source = self.reading.source(&self.case);
         let Case::Bridging(program) = read(&source)? else {
             let message = "$.kind: a beam is fitted with a case of kind \"bridging\"";
@@ -50,7 +71,7 @@ impl Beam {
         inputs.push(self.test.clone());
         let mut directory = super::open(&folder, &inputs, self.overwrite)?;
         let refused = |error| Refusal::input(format!("{}: {error}", self.test.display()));
-        let fit = BeamFit::new(&program, &test).map_err(refused)?;
+        let fit = BeamFit::new(&program, &test, shape).map_err(refused)?;
         let document = source.text().unwrap_or_default();
         directory.begin(&[])?;
         let warnings = write_beam(&mut directory, &self.test.display().to_string(), &document, &test, &fit)?;

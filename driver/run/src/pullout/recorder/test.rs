@@ -24,6 +24,7 @@ fn program(every: usize) -> PulloutProgram {
         rupture_strain: 0.03,
         mesh: String::new(),
         fibre_diameter: None,
+        fibre_axis: None,
         model: Model {
             fields: fe_core::model::Fields::default(),
             mesh: mesh.expect("a mesh"),
