@@ -14,9 +14,16 @@ impl Contact {
     /// it need not. Opens at most a tenth, and at least one, of the points whose tension is over the cap of the host's
     /// hard law; if there are none, updates the multipliers of pairs with a held point whose gap is over the tolerance.
     pub fn settle(&mut self) -> bool {
-        if open_worst(&mut self.pairs) > 0 {
-            return true;
-        }
+        open_worst(&mut self.pairs) > 0 || self.update_multipliers()
+    }
+
+    /// Returns whether there are multipliers to update: those of pairs with a held point whose gap is over the tolerance.
+    pub(crate) fn wants_multipliers(&self) -> bool {
+        self.pairs.iter().any(|pair| wants_update(pair, self.updates))
+    }
+
+    /// Updates these multipliers by the pressures of the last evaluation, and returns whether any has changed.
+    pub(crate) fn update_multipliers(&mut self) -> bool {
         let updates = self.updates;
         let wanting: Vec<&mut Pair> = self.pairs.iter_mut().filter(|pair| wants_update(pair, updates)).collect();
         self.updates += usize::from(!wanting.is_empty());

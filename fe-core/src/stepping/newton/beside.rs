@@ -1,6 +1,6 @@
 //! An attempt beside one of another run ([`crate::stepping::Trail`]).
 
-use super::{Attempt, Equilibrium, Leader, Target, largest, unsolvable};
+use super::{Attempt, Equilibrium, Leader, RoundEnd, Target, largest, unsolvable};
 use crate::assembly::Trouble;
 use crate::model::Model;
 use crate::stepping::zone::Zone;
@@ -25,6 +25,7 @@ pub(in crate::stepping) struct Round {
     residual: Vec<f64>,
     /// Growth of the leading quantity in the increment so far; 0 where the drives lead.
     growth: f64,
+    end: RoundEnd,
 }
 
 /// Rounds of an increment that stands, and the elements that iterated at its start.
@@ -50,6 +51,8 @@ pub(super) struct Beside {
     residual: Vec<f64>,
     /// Goal of the leading quantity.
     pub(super) growth: f64,
+    /// How the round ended there.
+    pub(super) end: RoundEnd,
     /// Largest residual, N, and growth that are to be corrected at the start of the round. Known after the first evaluation.
     first: Option<[f64; 2]>,
 }
@@ -81,7 +84,7 @@ impl Beside {
 
 impl Equilibrium<'_> {
     /// Takes the end of a round down, if they are kept.
-    pub(super) fn keep_round(&self, attempt: &mut Attempt<'_>) {
+    pub(super) fn keep_round(&self, attempt: &mut Attempt<'_>, end: RoundEnd) {
         if self.keeps_rounds {
             let growth = self.growth(attempt);
             attempt.kept.rounds.push(Round {
@@ -89,6 +92,7 @@ impl Equilibrium<'_> {
                 drives: attempt.trial.drives.clone(),
                 residual: self.memory.residual.clone(),
                 growth,
+                end,
             });
         }
     }
@@ -132,7 +136,7 @@ impl Equilibrium<'_> {
             let largest_drive = largest(&attempt.trial.drives).max(largest(&end.drives));
             attempt.is_off = largest(&attempt.lacking()) > ROUNDING * largest_drive;
         }
-        self.beside = Some(Beside { residual: end.residual.clone(), growth: end.growth, first: None });
+        self.beside = Some(Beside { residual: end.residual.clone(), growth: end.growth, end: end.end, first: None });
         // the factor is of another state: with it corrections are many, and leave more than rounding
         self.memory.last_reduction = 1.0;
         self.take_turn([lead.at[0], lead.at[1], round as u32]);

@@ -1,6 +1,6 @@
 //! The iterations of a round, and when they end.
 
-use super::{Attempt, CUT, Equilibrium, Iteration, largest, largest_difference, trouble};
+use super::{Attempt, CUT, Equilibrium, Iteration, RoundEnd, largest, largest_difference, trouble};
 use crate::assembly::solids::TangentChoice;
 use crate::assembly::{Location, Trouble};
 
@@ -11,6 +11,10 @@ const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
 const LEAST_RELATIVE_MOVE: f64 = 1e-2;
 /// An iteration has diverged when its residual has grown this often in a row, after as many iterations.
 const DIVERGENCE: usize = 4;
+/// Multipliers are updated before the next iteration once the residual is below this part of the force scale. Further off, pressures are not
+/// yet those of the increment: with 1 a fibre at 45° with a cover takes 16 % more iterations. With 0 (after convergence alone) a hook takes
+/// twice as many.
+const NEAR: f64 = 1e-2;
 
 /// Returns how many iterations the round that took most of them has: how hard an increment was. The rounds in which contact settles say
 /// nothing of its size, which would shrink without end where each increment needs some of them.
@@ -19,10 +23,12 @@ pub(in crate::stepping) fn hardest_round(iterations: &[Iteration]) -> usize {
 }
 
 impl Equilibrium<'_> {
-    /// Iterates by Newton's method from the present evaluation until the residual is small.
-    pub(super) fn newton(&mut self, attempt: &mut Attempt<'_>) -> Result<(), Trouble> {
-        attempt.before = attempt.iterations.len();
-        self.choose_tangents(TangentChoice::Consistent);
+    /// Iterates by Newton's method from the present evaluation until the residual is small, or multipliers are to be updated.
+    pub(super) fn newton(&mut self, attempt: &mut Attempt<'_>) -> Result<RoundEnd, Trouble> {
+        if attempt.updated.is_none_or(|updated| updated < attempt.iterations.len()) {
+            attempt.before = attempt.iterations.len();
+            self.choose_tangents(TangentChoice::Consistent);
+        }
         let mut growing = 0;
         loop {
             if self.is_stopped() {
@@ -34,12 +40,16 @@ impl Equilibrium<'_> {
             // After a settlement the drives are where they should be, and the increment may be in equilibrium already.
             if !predicts && self.is_converged(attempt, residual, scale) {
                 if !self.contact.is_elsewhere() {
-                    return Ok(());
+                    return Ok(self.beside.as_ref().map_or(RoundEnd::Balanced, |beside| beside.end));
                 }
                 // equilibrium with what the laws say elsewhere is none
                 self.contact.foretell_nothing();
                 self.evaluate(attempt)?;
                 continue;
+            }
+            if self.may_update(attempt, residual, scale) {
+                attempt.updated = Some(attempt.iterations.len());
+                return Ok(RoundEnd::Near);
             }
             if attempt.round().len() >= self.model.controls.max_iterations || growing >= DIVERGENCE {
                 return Err(self.not_converged(attempt, residual, scale));
@@ -66,6 +76,16 @@ impl Equilibrium<'_> {
     /// Returns the greatest residual of an equilibrium, N.
     pub(super) fn tolerance(&self, scale: f64) -> f64 {
         (self.model.controls.force_tolerance * scale).max(self.memory.rounding)
+    }
+
+    /// Returns whether multipliers are updated before the next iteration: once after each one that is no predictor. Next to another run they are updated
+    /// where they were there.
+    fn may_update(&self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {
+        attempt.iterations.len() > attempt.updated.unwrap_or(1)
+            && residual <= NEAR * scale
+            && self.beside.is_none()
+            && !self.contact.is_elsewhere()
+            && self.contact.wants_multipliers()
     }
 
     fn is_converged(&mut self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {

@@ -100,6 +100,16 @@ pub struct Iteration {
     pub flips: Flips,
 }
 
+/// How a round of iterations ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum RoundEnd {
+    /// In balance.
+    #[default]
+    Balanced,
+    /// Near balance: the next iteration corrects for new multipliers as well.
+    Near,
+}
+
 /// Attempt at an increment: trial state, goal and iterations so far.
 pub(super) struct Attempt<'a> {
     start: &'a Committed,
@@ -109,6 +119,8 @@ pub(super) struct Attempt<'a> {
     iterations: Vec<Iteration>,
     /// Iterations before this round: between rounds contact settles and the far field shrinks.
     before: usize,
+    /// Iterations before multipliers were last updated near balance.
+    updated: Option<usize>,
     /// The increment of another run that it is led along.
     lead: Option<Lead<'a>>,
     /// Whether the drives of that increment are not where the target has them.
@@ -125,7 +137,7 @@ impl<'a> Attempt<'a> {
         lead: Option<Lead<'a>>,
     ) -> Self {
         let (trial, iterations, kept) = (start.clone(), Vec::new(), Guide::default());
-        Self { start, target, context, trial, iterations, before: 0, lead, is_off: false, kept }
+        Self { start, target, context, trial, iterations, before: 0, updated: None, lead, is_off: false, kept }
     }
 
     /// Returns the iterations of this round.
@@ -274,8 +286,8 @@ impl<'m> Equilibrium<'m> {
         self.threads = threads;
     }
 
-    /// Finds equilibrium for a target from the committed state: rounds of iterations until contact has settled and the far
-    /// field is elastic.
+    /// Finds equilibrium for a target from the committed state: rounds of iterations, between which multipliers are updated, until contact has
+    /// settled and the far field is elastic.
     pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, Trouble> {
         self.contact.foretell_nothing();
         attempt.kept.zone = self.keeps_rounds.then(|| self.zone.clone());
@@ -289,16 +301,20 @@ impl<'m> Equilibrium<'m> {
         let mut settlements = 0;
         for round in 1.. {
             self.factorise_for_all();
-            self.newton(&mut attempt)?;
+            let end = self.newton(&mut attempt)?;
             self.hand_on();
-            self.keep_round(&mut attempt);
-            if self.contact.settle() {
+            self.keep_round(&mut attempt, end);
+            let settles = match end {
+                RoundEnd::Balanced => self.contact.settle(),
+                RoundEnd::Near => self.contact.update_multipliers(),
+            };
+            if settles {
                 settlements += 1;
                 if settlements > MAX_SETTLEMENTS {
                     return Err(trouble(Location::System, "contact multipliers do not settle".into(), CUT));
                 }
                 self.memory.statistics.settlements += 1;
-            } else if self.field_settles(&attempt)? {
+            } else if end == RoundEnd::Balanced && self.field_settles(&attempt)? {
                 self.memory.last_iterations = hardest_round(&attempt.iterations);
                 self.prepare_next(&attempt)?;
                 if self.far_field_holds(&mut attempt)? {
