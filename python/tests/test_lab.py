@@ -118,6 +118,11 @@ def test_a_mix_of_fibres(tmp_path: Path) -> None:
         assert more["fR3"] > first["fR3"] and browser.evaluate("document.querySelector('#figures svg').outerHTML") != before
         browser.evaluate(DRAG % ("Fibre length, mm", 200))
         assert strengths(browser)["fR3"] < more["fR3"], "short fibres pull out early"
+        # walls lay fibres along the beam
+        free = strengths(browser)["Orientation factor η"]
+        assert free == 0.5
+        browser.evaluate("(() => { const s = document.querySelector('select[aria-label=Orientation]'); s.selectedIndex = 2; s.dispatchEvent(new Event('change')); })()")
+        browser.wait("[...document.querySelectorAll('#strengths td')].some((cell) => Number(cell.textContent) > 0.55 && Number(cell.textContent) < 0.6)")
         # the case has the content as a part of the volume
         case = json.loads(browser.evaluate("document.getElementById('case').value"))
         shown = float(browser.evaluate("document.querySelector('input[type=number][aria-label^=\"Fibre content\"]').value"))

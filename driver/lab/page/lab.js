@@ -100,6 +100,22 @@
     "matrix.Gf": ["Fracture energy of the matrix", "N/mm", 0.02, 0.3, 1],
   };
 
+  const orientations = {
+    "random in space": { type: "random3d" },
+    "random in a plane": { type: "planar" },
+    "between walls (slower)": { type: "section", size: [150, 125], faces: { width: 2, height: 1 } },
+  };
+  /** The orientation of the fibres of a mix. */
+  const orientationControl = () => {
+    const present = given.orientation ?? orientations["random in space"];
+    const known = Object.keys(orientations).find((name) => orientations[name].type === present.type);
+    const names = known ? Object.keys(orientations) : ["as given", ...Object.keys(orientations)];
+    const select = make("select", { ariaLabel: "Orientation" }, ...names.map((name) => make("option", { value: name }, name)));
+    select.value = known ?? "as given";
+    select.onchange = () => { given.orientation = select.value === known ? present : copy(orientations[select.value] ?? present); showMaterial(); changed(); };
+    return make("div", { className: "parameter" }, make("span", { className: "name" }, "Orientation"), select);
+  };
+
   /** Numbers of a case of another kind, by their places in it: those of a mix first, all others folded below them. */
   const caseControls = () => {
     const first = {}, others = [], known = kind === "bridging" ? mix : {};
@@ -116,7 +132,7 @@
     };
     walk(given, []);
     const rows = Object.keys(known).map((name) => first[name]).filter(Boolean);
-    return rows.length === 0 ? others : [...rows, make("details", {}, make("summary", {}, "All other numbers"), ...others)];
+    return kind !== "bridging" ? others : [...rows, orientationControl(), make("details", {}, make("summary", {}, "All other numbers"), ...others)];
   };
 
   const showMaterial = () => {

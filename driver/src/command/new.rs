@@ -100,11 +100,13 @@ pub(super) fn write(arguments: &NewArguments) -> Result<u8, Refusal> {
     Ok(DONE)
 }
 
-/// The case of a mix of fibres, without beams at random, which take longer than a picture may.
+/// The case of a mix of fibres, without beams at random and walls, which take longer than a picture may.
 pub(super) fn bridging() -> Result<Value, Refusal> {
     let page = Kind::Beam.page();
     let mut document: Value = serde_json::from_str(page.content("beam.json")?).map_err(Refusal::failed)?;
-    document.as_object_mut().and_then(|members| members.shift_remove("scatter"));
+    if let Some(members) = document.as_object_mut() {
+        members.retain(|name, _| !["scatter", "orientation"].contains(&name.as_str()));
+    }
     Ok(document)
 }
 
