@@ -8,6 +8,7 @@ use crate::document::pullout::HeatRoutine;
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField};
+use std::f64::consts::PI;
 use umat_abi::host::Library;
 
 /// The field of a case, without the cracks of the laws ([`with_cracks_of`]).
@@ -76,6 +77,31 @@ pub fn resolve(
         coupling,
         tolerance,
     })
+}
+
+/// Change of the stress at the onset of cracks that the default tolerance leaves, at most.
+const ONSET_CHANGE: f64 = 0.05;
+
+/// Lessens the tolerance of a phase field, where the case gives none, for laws that lose more than [`ONSET_CHANGE`] of their stress
+/// with it at the onset of cracks: they lose a₁ δd, a₁ = 4 E G_f/(π l f_t²).
+pub fn with_tolerance_of(case: &PulloutCase, field: &mut ScalarField, laws: &[PluginLaw]) {
+    let is_given = matches!(&case.field, Some(Piece(Ok(given))) if given.tolerance.is_some());
+    if is_given || !field.is_phase_field() {
+        return;
+    }
+    let loss = |law: &PluginLaw| {
+        let [modulus, energy, length, strength] = ["E", "G_f", "l", "f_t"].map(|name| parameter(law, name));
+        Some(4.0 * modulus? * energy? / (PI * length? * strength?.powi(2)))
+    };
+    let with_field = laws.iter().zip(&field.parts).filter(|(_, has_field)| **has_field);
+    field.tolerance =
+        with_field.filter_map(|(law, _)| loss(law)).fold(field.tolerance, |least, loss| least.min(ONSET_CHANGE / loss));
+}
+
+/// Returns a parameter of a law that its library names.
+fn parameter(law: &PluginLaw, name: &str) -> Option<f64> {
+    let place = law.law.as_ref()?.parameters.iter().position(|parameter| parameter.name == name)?;
+    law.props.get(place).copied()
 }
 
 /// Decides which routines of heat are called: those that the case names, or those that the libraries of the parts have.
@@ -173,13 +199,8 @@ pub fn with_cracks_of(
     lengths: impl Fn(usize) -> f64,
 ) {
     let FieldKind::PhaseField(crack) = &mut field.kind else { return };
-    let surface = |law: &PluginLaw| {
-        let parameter = |name: &str| {
-            let place = law.law.as_ref()?.parameters.iter().position(|parameter| parameter.name == name)?;
-            law.props.get(place).copied()
-        };
-        Some(CrackSurface { fracture_energy: parameter("G_f")?, length: parameter("l")? })
-    };
+    let surface =
+        |law: &PluginLaw| Some(CrackSurface { fracture_energy: parameter(law, "G_f")?, length: parameter(law, "l")? });
     let with_field = laws.iter().enumerate().filter(|(part, _)| field.parts[*part]);
     for (part, law) in with_field {
         let Some(of_law) = surface(law) else { continue };
