@@ -16,6 +16,7 @@ use pullout_run::pullout::{PictureAt, PulloutProgram};
 use std::path::Path;
 use umat_abi::host::ExternalDatabases;
 
+mod bearing;
 mod boundary;
 mod contact;
 mod couplings;
@@ -68,6 +69,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let skipping = skipping(reader, case);
     let Boundary { drives, supports, loads, mut measured } = boundary;
     let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
+    let scene = KnownMesh { ground: ground.as_ref(), mesh: Some(&mesh), loose: &[] };
+    bearing::fill(reader, case, &mut contacts, scene, &parts.laws);
     let ground = ground?;
     let lines = contact::interface_lines(&contacts, &ground.specimen.contact_pairs);
     let part_at =

@@ -3,7 +3,6 @@
 use crate::Error;
 use crate::done::Done;
 use crate::watch::{Watch, with_included};
-use crate::work::CALL_TIME_LIMIT;
 use pullout_check::build;
 use pullout_check::description;
 use pullout_report::page;
@@ -18,6 +17,8 @@ use umat_abi::host::{Found, library_path, names_a_file, search_paths};
 
 /// Law of a lab that is opened without one.
 const FIRST_LAW: &str = "j2_plasticity";
+/// Longest time of loading a user's library, and of one call of it, s.
+pub(crate) const CALL_TIME_LIMIT: f64 = 2.0;
 /// Longest time that a page waits for a change of a source.
 const LONGEST_WAIT: Duration = Duration::from_secs(20);
 

@@ -1,7 +1,7 @@
 //! Runs of cases that the page asks for, their pictures, and verdicts on laws.
 
 use crate::done::Done;
-use crate::subject::Subject;
+use crate::subject::{CALL_TIME_LIMIT, Subject};
 use pullout_case::{Case, CaseProblem};
 use pullout_check::conformance::Judgement;
 use pullout_engine::{Error, Message, Outcome, Settings, Source};
@@ -24,8 +24,6 @@ const MOST_KEPT: usize = 32;
 const LONGEST_KEPT: usize = 100_000;
 /// Kinds of requests of pages of which the newest ends the older one.
 const MOST_PAGES: usize = 32;
-/// Longest time of one call of a user's library, s.
-pub(crate) const CALL_TIME_LIMIT: f64 = 2.0;
 /// States in which a verdict looks at a law.
 const STATES: usize = 20;
 

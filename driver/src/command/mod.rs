@@ -53,7 +53,7 @@ const NOT_TESTED: u8 = 4;
 /// What the program says when it is given nothing to do.
 const FIRST_STEPS: &str = "\
 pullout lab [my_umat.f]     change a law's parameters in the browser and see its curves
-pullout new umat my_umat    files to begin with; also: point, law, bond, fibre, beam, study, sweep
+pullout new umat my_umat    files to begin with; also: point, law, bond, fibre, hooked-fibre, beam, study, sweep
 pullout examples            the cases that came with pullout; pullout run CASE.json runs one
 pullout help                all commands
 ";

@@ -30,6 +30,8 @@ enum Kind {
     Bond,
     /// A fibre pulled out of its block.
     Fibre,
+    /// A hooked fibre by its data sheet.
+    HookedFibre,
     /// Fibres across a crack: σ(w), the notched beam and f_R.
     Beam,
     /// A family of runs, with claims.
@@ -59,6 +61,7 @@ impl Kind {
             Self::Law => page!("law", "Cargo.toml", "src/lib.rs"),
             Self::Bond => page!("bond-law", "bond.json", "measured.csv"),
             Self::Fibre => page!("fibre", "fibre.json"),
+            Self::HookedFibre => page!("hooked-fibre", "hooked.json"),
             Self::Beam => page!("bridging", "beam.json"),
             Self::Study => page!("study", "fibre.json", "friction.json"),
             Self::Sweep => page!("sweeps", "bond.json", "bonds.json"),

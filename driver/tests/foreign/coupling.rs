@@ -146,7 +146,8 @@ fn local_axes_turn_the_derivatives_back() {
     }
 }
 
-fn checked(desk: &Desk, case: &Value, code: i32) -> Outcome {
+/// `plugin check` with a case.
+pub(super) fn checked(desk: &Desk, case: &Value, code: i32) -> Outcome {
     let library = case["material"]["plugin"].as_str().expect("a path").to_owned();
     let case = desk.case("case.json", case);
     let arguments = ["plugin", "check", &library, "--states", "40", "--case"];

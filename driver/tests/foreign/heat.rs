@@ -2,8 +2,9 @@
 //! closed forms, and errors that are planted.
 
 use super::check::row;
+use super::coupling::checked;
 use super::{built, built_of, close, point, run};
-use crate::program::{Desk, Outcome, Run};
+use crate::program::{Desk, Run};
 use serde_json::{Value, json};
 
 const YOUNG: f64 = 30e3;
@@ -112,15 +113,6 @@ fn a_point_shows_what_hetval_generates() {
         close(history.last(name), end);
     }
     close(history.last("sdv2"), 1.5 * (middle + end));
-}
-
-fn checked(desk: &Desk, case: &Value, code: i32) -> Outcome {
-    let library = case["material"]["plugin"].as_str().expect("a path").to_owned();
-    let case = desk.case("case.json", case);
-    let arguments = ["plugin", "check", &library, "--states", "40", "--case"];
-    let outcome = desk.pullout(arguments.iter().map(AsRef::as_ref).chain([case.as_os_str()])).expect(code);
-    println!("{}", outcome.stdout);
-    outcome
 }
 
 #[test]

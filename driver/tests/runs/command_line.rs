@@ -576,7 +576,7 @@ fn nothing_to_do_names_what_to_type_and_a_lone_file_its_command() {
 #[test]
 fn new_files_are_those_of_the_book_and_never_replace_others() {
     let desk = Desk::new();
-    let kinds = ["point", "umat", "umat-c", "law", "bond", "fibre", "beam", "study", "sweep"];
+    let kinds = ["point", "umat", "umat-c", "law", "bond", "fibre", "hooked-fibre", "beam", "study", "sweep"];
     for kind in kinds {
         let outcome = desk.pullout(["new", kind, kind]).expect(0);
         let files: Vec<&str> = outcome.stdout.lines().take_while(|line| !line.is_empty()).collect();

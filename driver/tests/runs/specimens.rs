@@ -139,6 +139,24 @@ fn a_wire_breaks_at_its_strength_and_bending_is_no_rupture() {
     }
 }
 
+/// The wire presses the concrete with no more than k f_c on its diameter, however the edges of its bends turn, and what it crushes is
+/// neither lost work nor an overlap of bodies.
+#[test]
+fn a_hooked_fibre_crushes_the_concrete_under_it() {
+    let desk = Desk::new();
+    desk.pullout(["new", "hooked-fibre"]).expect(0);
+    let settings = ["steps.0.slip=0.25", "contact.bearing=2", "mesh.specimen.mesh_size=3", "output.plots=false"];
+    let run = desk.run(&desk.path("hooked.json"), &settings, "out", 0);
+    let pressure = run.history.column("bearing_pressure_max");
+    let borne = 2.0 * 33.01;
+    assert!(pressure.iter().all(|pressure| *pressure < 1.001 * borne), "{pressure:?}");
+    assert!(pressure.last().is_some_and(|pressure| *pressure > 0.999 * borne), "{pressure:?}");
+    let error = run.summary["energy_error_max"].as_f64().expect("a number");
+    assert!(error < 1e-3, "{error:e}");
+    assert_eq!(run.summary["warnings"], json!([]));
+    assert!(run.summary["notes"].to_string().contains("k = 2 times f_c"), "{}", run.summary["notes"]);
+}
+
 #[test]
 fn a_pull_out_leaves_fields_pictures_summary_and_report() {
     let desk = Desk::new();

@@ -54,6 +54,13 @@ pub(super) struct PointState {
     /// Accumulated DSLIP of FRIC, mm, and its LM of the next call.
     pub inelastic_slip: f64,
     pub stick: i32,
+    /// Depth to which its surface was crushed up to the start of the increment, from which gaps are measured, and depth by which it is
+    /// crushed in the increment, mm.
+    pub crushed: f64,
+    pub crushing: f64,
+    /// Depth beyond that to which its own pressure has crushed the surface, and crushes it in the increment, mm.
+    pub turned: f64,
+    pub turning: f64,
     /// LOPENCLOSE and LSTATE of UINTER.
     pub flags: [i32; 2],
     /// SED, SFD, SPD, SVD, SCD as the plugin left them, N/mm.
@@ -80,6 +87,16 @@ impl PointState {
         self.weight == 0.0 && !self.apart && !self.gone
     }
 
+    /// The state that the next increment starts from: what was crushed is gone, and gaps are measured from what is left.
+    pub fn crushed_for_good(self) -> Self {
+        let Self { gap, own_gap, crushed, crushing, turned, turning, .. } = self;
+        if crushing == 0.0 && turning == 0.0 {
+            return self;
+        }
+        let (crushed, turned) = (crushed + crushing, turned + turning);
+        Self { gap: gap + crushing, own_gap: own_gap + crushing, crushed, crushing: 0.0, turned, turning: 0.0, ..self }
+    }
+
     /// Returns whether it has come over an end of the master, with less than half of its area so far: its gap need not be closed further
     /// than the penalty does, since the less of its area is over the master, the greater the pressure that this would take.
     pub fn comes_in(&self) -> bool {
@@ -98,7 +115,10 @@ impl PointState {
         self.leaning += area * leaning;
         self.work += area * (mean(pressing[0], pressing[1]) * (start.own_gap - self.own_gap) + sliding);
         let spent = |state: &Self| state.plugin_energies[1..].iter().sum::<f64>();
+        let alone = mean(start.weight * start.own_pressure, self.weight * self.own_pressure);
+        let crushing = mean(pressing[0], pressing[1]) * self.crushing + alone * self.turning;
         self.dissipated += area * weight * (spent(self) - spent(start));
+        self.dissipated += area * crushing;
         // tractions of a point under a force grow with 1/w, and ψ with 1/w²: the arithmetic mean would release more than there is
         let [before, after] = [start.stored(), self.stored()];
         // what comes over an end brings what it stores with it

@@ -1,5 +1,6 @@
 #![doc = include_str!("doc.md")]
 
+mod bearing;
 mod chain;
 mod exposed;
 mod facets;
@@ -204,7 +205,7 @@ impl Contact {
     pub fn commit(&mut self) {
         for pair in &mut self.pairs {
             for index in 0..pair.points.len() {
-                pair.state.trial.points[index] = pair.booked(index);
+                pair.state.trial.points[index] = pair.booked(index).crushed_for_good();
             }
             pair.state.committed.copy_from(&pair.state.trial);
             pair.state.fitted[0] = pair.state.fitted[1];
@@ -284,6 +285,12 @@ impl Contact {
                 statev: &trial.statev[index * count..(index + 1) * count],
             })
         })
+    }
+
+    /// Returns the greatest depth to which a surface has been crushed, mm.
+    pub fn crushed(&self) -> f64 {
+        let points = self.pairs.iter().flat_map(|pair| &pair.state.committed.points);
+        points.map(|state| state.crushed + state.turned).fold(0.0, f64::max)
     }
 
     /// The area-weighted mean of the slips, mm, each pair's taken in the direction in which it slid so far: the two

@@ -1,5 +1,6 @@
 //! One contact pair: its points from displacements to forces.
 
+use super::bearing;
 use super::chain::{Chain, Foot};
 use super::exposed::Torn;
 use super::foretold::Foretold;
@@ -11,7 +12,7 @@ use super::projection::Projection;
 use super::quadrature::ContactPoint;
 use crate::assembly::{Location, Setback, Trouble};
 use crate::mesh::ElementEdge;
-use crate::model::{Enforcement, Fit, IncrementContext};
+use crate::model::{Bearing, Enforcement, Fit, IncrementContext};
 use crate::solver::Blocks;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -59,6 +60,7 @@ pub(super) struct Pair {
     pub scratch: Scratch,
     pub release: bool,
     pub fit: Fit,
+    pub bearing: Option<Bearing>,
     /// Whether feet are looked for from the last ones.
     pub walks: bool,
     /// NSTATV.
@@ -98,7 +100,7 @@ impl Pair {
     /// Returns the gap of the surfaces at which a point measures 0, mm.
     pub fn datum(&self, index: usize) -> f64 {
         let ContactPoint { start_gap, overlap, .. } = self.points[index];
-        start_gap + self.state.fitted[1] * overlap
+        start_gap + self.state.fitted[1] * overlap - self.state.committed.points[index].crushed
     }
 
     /// w and dw/ds at an arc length.
@@ -154,6 +156,7 @@ impl Pair {
                 let was_open = is_open(self.state.trial.points[index].status);
                 self.advance(index, &kinematics, [gap, asked_at], context)
                     .map_err(|failure| failure.at(self.place(index, kinematics.position)))?;
+                self.crush_alone(index);
                 evaluation.changes += usize::from(was_open != is_open(self.state.trial.points[index].status));
             }
             self.add(patch, gap, output);
@@ -258,7 +261,7 @@ impl Pair {
         if self.state.committed.points[index].is_beyond() {
             self.enter(index, kinematics)?;
         }
-        let Self { points, law, state, state_count, .. } = self;
+        let Self { points, law, bearing, state, state_count, .. } = self;
         let PairState { committed, trial, tangents, .. } = state;
         let (start, end) = (&committed.points[index], &mut trial.points[index]);
         end.gap = gap;
@@ -282,7 +285,7 @@ impl Pair {
         }
         let (point, slip) = (&points[index], end.slip);
         let situation = Situation { gap: asked_at, slip, point, index, kinematics, start, start_statev, context };
-        tangents[index] = law.advance(&situation, end, statev)?;
+        tangents[index] = bearing::advance(law, bearing.as_ref(), &situation, end, statev)?;
         let [[by_gap, _], [shear_by_gap, _]] = tangents[index];
         end.pressure += by_gap * (asked_at - gap);
         end.shear += shear_by_gap * (asked_at - gap);

@@ -89,10 +89,23 @@ impl Pair {
     pub(super) fn press_alone(&mut self, index: usize, shared: f64) {
         let point = &self.points[index];
         let own = self.state.kinematics[index].as_ref().map_or(shared, |kinematics| kinematics.gap - self.datum(index));
-        let excess = (shared.min(0.0) - own - DEEPER * point.edge_length).max(0.0);
+        let turned = self.state.committed.points[index].turned;
+        let excess = (shared.min(0.0) - own - DEEPER * point.edge_length - turned).max(0.0);
         let state = &mut self.state.trial.points[index];
         let pressure = SOFTER * self.penalty * excess;
         (state.own_pressure, state.own_energy) = (pressure, 0.5 * pressure * excess);
+    }
+
+    /// Crushes the surface under a point whose own pressure makes the whole of it more than the surface bears; its law has been asked.
+    pub(super) fn crush_alone(&mut self, index: usize) {
+        let Some(bearing) = &self.bearing else { return };
+        let state = &mut self.state.trial.points[index];
+        let borne = (bearing.strength - state.pressure).max(0.0);
+        let stiffness = SOFTER * self.penalty;
+        state.turning = ((state.own_pressure - borne) / stiffness).max(0.0);
+        if state.turning > 0.0 {
+            (state.own_pressure, state.own_energy) = (borne, 0.5 * borne * borne / stiffness);
+        }
     }
 
     /// The points of a patch that transmit, or may.
@@ -175,11 +188,20 @@ impl Pair {
             let (point, state) = (&self.points[index], &self.state.trial.points[index]);
             let slope = point.area * self.state.weight_slopes[index];
             let area = point.area * state.weight;
-            let [_, [c_sp, c_ss]] = self.state.tangents[index];
+            let [[c_pp, c_ps], [c_sp, c_ss]] = self.state.tangents[index];
             let own = &places[start..start + kinematics.freedom_count()];
             let sliding = &kinematics.slip_gradient;
             let pressure = shared.pressure + state.own_pressure;
-            if state.own_pressure > 0.0 {
+            if state.turning > 0.0 {
+                // p + q stays what the surface bears
+                for (i, &row) in own.iter().enumerate() {
+                    let force = area * kinematics.pull[i];
+                    (0..count).for_each(|column| block[row * count + column] += force * c_pp * pressing[column]);
+                    for (j, &column) in own.iter().enumerate() {
+                        block[row * count + column] += force * c_ps * sliding[j];
+                    }
+                }
+            } else if state.own_pressure > 0.0 {
                 let stiffness = area * SOFTER * self.penalty;
                 for (i, &row) in own.iter().enumerate() {
                     let force = stiffness * kinematics.pull[i];

@@ -27,7 +27,7 @@ impl Contact {
 /// Returns whether a pair has a held point whose gap is over the tolerance of Uzawa's rule, after so many updates.
 fn wants_update(pair: &Pair, updates: usize) -> bool {
     let Enforcement::Uzawa { tolerance, max_updates } = pair.enforcement else { return false };
-    let over = |state: &PointState| state.held && !state.comes_in() && state.gap.abs() > tolerance;
+    let over = |state: &PointState| state.held && !state.comes_in() && (state.gap + state.crushing).abs() > tolerance;
     updates < max_updates && pair.state.trial.points.iter().any(over)
 }
 

@@ -12,7 +12,8 @@ use super::quadrature::{ContactPoint, contact_points, patches};
 use crate::assembly::{Location, Setback};
 use crate::mesh::Mesh;
 use crate::model::{
-    ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, Interference, ModelError, NormalLaw, Width,
+    Bearing, ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, Interference, ModelError, NormalLaw,
+    Width,
 };
 use crate::plane::{distance, dot};
 
@@ -69,6 +70,7 @@ impl Pair {
             scratch: Scratch::default(),
             release: pair.release,
             fit: pair.fit,
+            bearing: pair.bearing,
             walks,
             state_count,
             foretold: Foretold::default(),
@@ -227,6 +229,10 @@ fn check_numbers(pair: &ContactPair) -> Result<(), ModelError> {
     check("the gap that is closed", closes, closes >= 0.0, "0 or positive")?;
     if let Some(Interference { depth: Some(depth), .. }) = pair.fit.interference {
         check("the interference", depth, depth.is_finite(), "finite")?;
+    }
+    if let Some(Bearing { strength, depth }) = pair.bearing {
+        check("the bearing strength", strength, positive(strength), "positive")?;
+        check("the depth of crushing", depth, not_negative(depth), "0 or positive")?;
     }
     if let Width::Given(width) = pair.width {
         check("the contact width", width, positive(width), "positive")?;

@@ -15,7 +15,8 @@
 //! ```
 //!
 //! Prediction and over-relaxation are for phase fields: they save two of three passes where cracks grow steadily. Where a pass
-//! changes more than the one before, the rest of the increment does without.
+//! changes more than the one before, the rest of the increment does without. Slow passes whose corrections form a geometric series
+//! are summed up at once.
 
 mod element;
 
@@ -37,6 +38,10 @@ const PREDICTION: f64 = 0.9;
 const OVER_RELAXATION: f64 = 1.4;
 /// Passes of an increment with them; a slow one is better off without.
 const FAST_PASSES: usize = 25;
+/// Difference of a correction from a multiple of the one before, relative to itself, up to which those that follow go on like this.
+const GEOMETRIC: f64 = 0.1;
+/// Sum of them that is applied at once, at most, in corrections.
+const LONGEST_SUM: f64 = 100.0;
 /// Corrections of the field at the same displacements, in one pass.
 const FIELD_CORRECTIONS: usize = 12;
 /// Passes of an increment, after which it is given up.
@@ -94,6 +99,8 @@ pub(crate) struct Field {
     passes: usize,
     last_change: f64,
     is_fast: bool,
+    /// The correction of the pass before, of slow ones; empty: none.
+    last_correction: Vec<f64>,
 }
 
 impl std::fmt::Debug for Field {
@@ -143,6 +150,7 @@ impl Field {
             passes: 0,
             last_change: f64::INFINITY,
             is_fast: true,
+            last_correction: Vec::new(),
             has_field,
             equations,
             time: 0.0,
@@ -197,6 +205,7 @@ impl Field {
         }
         self.time = context.time_increment;
         (self.passes, self.last_change, self.is_fast) = (0, f64::INFINITY, self.definition.is_phase_field());
+        self.last_correction.clear();
         self.next.clone_from(&self.trial);
         self.give(&self.trial, solids);
     }
@@ -251,10 +260,32 @@ impl Field {
         }
         self.is_fast &= self.passes <= 2 || (change <= self.last_change && self.passes <= FAST_PASSES);
         self.last_change = change;
-        self.apply(&correction, if self.is_fast { OVER_RELAXATION } else { 1.0 });
+        let part = if self.is_fast {
+            OVER_RELAXATION
+        } else if self.passes > FAST_PASSES {
+            self.sum_of_slow(&correction)
+        } else {
+            1.0
+        };
+        self.apply(&correction, part);
         self.trial.clone_from(&self.next);
         self.give(&self.trial, solids);
         Ok(Pass::Changed)
+    }
+
+    /// Returns how many corrections like this one all that would follow add up to, 1/(1 − q), if it is q times the one before; 1 if
+    /// not. Near the onset of a crack in a uniform field q is close to 1.
+    fn sum_of_slow(&mut self, correction: &[f64]) -> f64 {
+        let before = std::mem::take(&mut self.last_correction);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let factor = dot(correction, &before) / dot(&before, &before);
+        let rest: f64 = correction.iter().zip(&before).map(|(now, before)| (now - factor * before).powi(2)).sum();
+        // not so where there is none before
+        if factor > 0.0 && factor < 1.0 && rest <= GEOMETRIC * GEOMETRIC * dot(correction, correction) {
+            return (1.0 / (1.0 - factor)).min(LONGEST_SUM);
+        }
+        self.last_correction.extend_from_slice(correction);
+        1.0
     }
 
     /// Adds a part of a correction to what follows.

@@ -31,6 +31,17 @@ pub struct ContactPair {
     pub critical_slip: f64,
     /// How the surfaces fit at the start, and are made to.
     pub fit: Fit,
+    /// What the slave's surface bears before it is crushed; `None`: any pressure.
+    pub bearing: Option<Bearing>,
+}
+
+/// What a surface bears that a wire is pressed into: it is crushed where the contact pressure is more, and stays so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bearing {
+    /// The greatest pressure, p_b, MPa.
+    pub strength: f64,
+    /// Crushed depth at which it is reached, δ_b, mm; 0: at once.
+    pub depth: f64,
 }
 
 /// Gaps and overlaps of the mesh that are measured as 0, and an overlap that a drive brings about.

@@ -16,7 +16,7 @@ mod law;
 mod scalar_field;
 
 pub use contact::{
-    ContactLaw, ContactPair, Enforcement, Fit, HardLaw, Interference, NormalLaw, Quadrature, SoftLaw, Width,
+    Bearing, ContactLaw, ContactPair, Enforcement, Fit, HardLaw, Interference, NormalLaw, Quadrature, SoftLaw, Width,
 };
 pub use controls::{Controls, IncrementContext, Skipping, Spalling, Step, StepControl};
 pub use fields::{FieldValues, Fields};

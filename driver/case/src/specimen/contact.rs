@@ -292,6 +292,8 @@ fn one_pair(
         enforcement,
         release,
         fit,
+        // the law of the matrix says, once it is known
+        bearing: None,
     })
 }
 

@@ -1346,6 +1346,61 @@ fn a_hooked_path_is_that_of_its_pieces_and_may_be_inclined_by_one_key() {
     same(inclined, nodes(pieces([by(45.0), by(-45.0)], out), 30.0));
 }
 
+/// Uniaxial compression of Drucker–Prager's outer cone is that of Mohr and Coulomb: 2 c cos φ/(1 − sin φ) = 4 c for sin φ = 3/5.
+#[test]
+fn what_concrete_bears_under_a_wire_follows_from_its_own_strength() {
+    let mut case = two_fibres();
+    let angle = 0.6_f64.asin().to_degrees();
+    case["parts"]["matrix"]["material"] = json!({ "plugin": "drucker_prager", "props": {
+        "E": 30000, "nu": 0.2, "cohesion": 10, "friction_angle_deg": angle, "dilation_angle_deg": 10, "cone": "outer" } });
+    let bearing = |case: &Value, overrides: &[&str]| -> Vec<Option<[f64; 2]>> {
+        let contacts = accepted(case, overrides).model.contacts;
+        contacts.iter().map(|pair| pair.bearing.map(|bearing| [bearing.strength, bearing.depth])).collect()
+    };
+    for values in bearing(&case, &["contact.bearing=crushing"]) {
+        // on each line of πφ/2
+        let [strength, depth] = values.expect("it is crushed");
+        assert_close(strength, 5.07 * 40.0 / (0.5 * std::f64::consts::PI), 1e-6);
+        assert_close(depth, 5.07 * 5.07 * 40.0 / 30000.0 * 0.406, 1e-6);
+    }
+    let half = bearing(&case, &["contact.bearing=2.535"])[0].expect("it is crushed");
+    assert_close(half[0], 2.535 * 80.0 / std::f64::consts::PI, 1e-6);
+    let is_rigid = |case: &Value, overrides: &[&str]| bearing(case, overrides).iter().all(Option::is_none);
+    assert!(is_rigid(&case, &[]) && is_rigid(&case, &["contact.bearing=rigid"]), "straight fibres");
+    // of several fibres the hooked ones
+    let mut hooked = case.clone();
+    hooked["mesh"]["specimen"]["fibres"][0]["path"] = json!({ "type": "hooked", "hook": [1.5, 1.5], "radius": 0.6 });
+    let program = accepted(&hooked, &[]);
+    for pair in &program.model.contacts {
+        let is_hooked = pair.name.starts_with("a.");
+        assert_eq!(pair.bearing.is_some(), is_hooked, "{}", pair.name);
+        assert_eq!((pair.penalty_factor == 1.0, pair.enforcement == Enforcement::Penalty), (is_hooked, is_hooked));
+    }
+    let notes = program.about.notes.join("\n");
+    assert!(
+        notes.contains("f_c = 40.00 MPa") && notes.contains("k = 5.07") && notes.contains("p_b = 129.1 MPa"),
+        "{notes}"
+    );
+    assert!(is_rigid(&hooked, &["contact.bearing=rigid"]));
+    assert_eq!(accepted(&hooked, &["contact.penalty_factor=7"]).model.contacts[0].penalty_factor, 7.0);
+    // elastic concrete has no strength
+    let elastic = r#"parts.matrix.material={"plugin": "linear_elastic", "props": {"E": 30000, "nu": 0.2}}"#;
+    assert!(is_rigid(&hooked, &[elastic]));
+    for (overrides, words) in [
+        (&[elastic, "contact.bearing=crushing"][..], "no strength"),
+        (&["contact.bearing=-1"], "-1"),
+        (&["contact.bearing=soft"], "soft"),
+    ] {
+        let text = problems_of(&case, overrides);
+        assert!(text.contains("$.contact.bearing") && text.contains(words), "{text}");
+    }
+    let specimen = json!({ "type": "perpendicular_fibre", "axisymmetric": true, "embedded_elements": 10 });
+    let mut perpendicular = specimen_case(specimen, &["fibre", "matrix"]);
+    perpendicular["contact"] = case["contact"].clone();
+    let text = problems_of(&perpendicular, &["contact.bearing=crushing"]);
+    assert!(text.contains("$.contact.bearing") && text.contains("plane specimens"), "{text}");
+}
+
 #[test]
 fn a_layered_fibre_has_the_area_and_the_plastic_moment_of_the_round_one() {
     let mut case = two_fibres();

@@ -179,9 +179,10 @@ fn fingerprint(program: &PulloutProgram) -> io::Result<String> {
             master_bends,
             critical_slip,
             fit,
+            bearing,
         } = pair;
         hash.update(format!("{:?}", (name, slave, master, quadrature, width)));
-        hash.update(format!("{:?}", (penalty_factor, enforcement, release, master_bends, critical_slip, fit)));
+        hash.update(format!("{:?}", (penalty_factor, enforcement, release, master_bends, critical_slip, fit, bearing)));
         match law {
             ContactLaw::Uinter(law) => add_law(&mut hash, law)?,
             ContactLaw::Fric { law, normal } => {

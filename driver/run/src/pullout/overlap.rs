@@ -38,11 +38,12 @@ impl Overlap {
 }
 
 /// Measures overlaps at the peak, if there was one, and at the end, by displacements and the elements that had been released.
-/// Returns a warning of a large one.
+/// Returns a warning of a large one: what contact has crushed, up to this depth, is there in the mesh alone.
 pub fn measure(
     program: &PulloutProgram,
     peak: Option<(&[f64], &[usize])>,
     end: (&[f64], &[usize]),
+    crushed: f64,
     findings: &mut Findings,
 ) -> Option<String> {
     let states = [("peak", peak), ("end", Some(end))];
@@ -55,7 +56,7 @@ pub fn measure(
     let (length, whose) = reference(program)?;
     findings.overlap_max = deepest.depth;
     findings.overlap_relative = deepest.depth / length;
-    if findings.overlap_relative <= LARGE_OVERLAP {
+    if deepest.depth - crushed <= LARGE_OVERLAP * length {
         return None;
     }
     let Overlap { depth, position: [x, y], part, inside } = deepest;

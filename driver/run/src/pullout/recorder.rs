@@ -139,7 +139,7 @@ pub fn run(program: &PulloutProgram, settings: &Settings<'_>, observer: &mut dyn
     warnings.extend(imbalance(model, recorder.state.energy_error));
     warnings.extend(stabilisation_warning(findings.stabilisation_share, relaxes));
     warnings.extend(recorder.state.moments.as_ref().and_then(|moments| moments.missed(&program.pictures_at)));
-    warnings.extend(overlap::measure(program, at_peak, at_end, &mut findings));
+    warnings.extend(overlap::measure(program, at_peak, at_end, snapshot.contact().crushed(), &mut findings));
     let work = recorder.state.energies.external_work;
     warnings.extend(crack_band::warnings(model, snapshot.solids(), work));
     warnings.extend(section::warning(program, snapshot.solids(), work));

@@ -1,5 +1,6 @@
 //! Scenes of two blocks, one on the other, that the tests share.
 
+mod bearing;
 mod enforcement;
 mod kinematics;
 mod quadrature;
@@ -76,6 +77,7 @@ impl Scene {
             release: false,
             critical_slip: 0.0,
             fit: Fit::default(),
+            bearing: None,
             master_bends: false,
         }
     }

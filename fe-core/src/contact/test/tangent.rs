@@ -6,7 +6,7 @@ use crate::model::Interference;
 use crate::model::Quadrature::{Gauss, Nodes, Segments};
 
 /// Central differences of the forces against the blocks, relative to the largest entry; with that entry.
-fn tangent_error(contact: &mut Contact, displacements: &[f64]) -> (f64, f64) {
+pub(super) fn tangent_error(contact: &mut Contact, displacements: &[f64]) -> (f64, f64) {
     const STEP: f64 = 1e-6;
     let stiffness = stiffness(contact, displacements);
     let scale = stiffness.iter().map(|row| largest(row)).fold(0.0, f64::max);
@@ -28,7 +28,7 @@ fn tangent_error(contact: &mut Contact, displacements: &[f64]) -> (f64, f64) {
 }
 
 /// Goes through `path` of the slave (each point committed), and checks the tangent at its end. The last status counts.
-fn check(scene: &Scene, pair: ContactPair, path: &[[f64; 2]]) -> Contact {
+pub(super) fn check(scene: &Scene, pair: ContactPair, path: &[[f64; 2]]) -> Contact {
     let mut contact = scene.contact(pair);
     let (last, before) = path.split_last().unwrap();
     for &movement in before {
@@ -202,7 +202,7 @@ fn augmented_and_condensed_multipliers() {
 }
 
 /// A slave edge of 1 mm over a master, turned about its middle: the gap that its points share stays what it was.
-fn turned(angle: f64, lift: f64) -> (Scene, Vec<f64>) {
+pub(super) fn turned(angle: f64, lift: f64) -> (Scene, Vec<f64>) {
     let row = |from, to, count| Row { kind: Q8, from, to, count };
     let scene = Scene::new(row(1.0, 5.0, 4), row(2.1, 3.1, 1), |_| 0.0, PlaneModel::PlaneStrain);
     let (sine, cosine) = angle.sin_cos();

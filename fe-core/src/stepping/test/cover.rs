@@ -58,6 +58,7 @@ fn pulled(specimen: Specimen, tension: f64, slip: f64) -> Vec<Record> {
         release: true,
         critical_slip: 0.0,
         fit: Fit::default(),
+        bearing: None,
         master_bends: true,
     });
     model.contacts = pairs.collect();

@@ -116,6 +116,7 @@ pub(super) fn fibre(
             release: true,
             critical_slip: 0.0,
             fit: Fit::default(),
+            bearing: None,
             master_bends: false,
         })
         .collect();

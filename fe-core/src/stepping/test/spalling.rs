@@ -174,6 +174,7 @@ fn bonded_bar() -> Model {
         release: false,
         critical_slip: 0.0,
         fit: Fit::default(),
+        bearing: None,
         master_bends: false,
     });
     model

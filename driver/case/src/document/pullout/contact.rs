@@ -45,9 +45,15 @@ pub struct Pair {
     /// Contact area per length of the slave edge: mm, or "part" for the thickness of the slave's part; default: the
     /// specimen's, else "part".
     pub width: Option<Width>,
-    /// Factor on min(E t/h of either body)/width of the hard normal law's penalty (default 100). From 1e5 on the rounding
-    /// of positions can show in the pressure.
+    /// Factor on min(E t/h of either body)/width of the hard normal law's penalty (default 100; 1, with the enforcement
+    /// "penalty", where `bearing` crushes the concrete and the case gives neither). From 1e5 on the rounding of positions
+    /// can show in the pressure.
     pub penalty_factor: Option<Positive>,
+    /// Sideways pressure that the concrete under a round fibre bears, in plane specimens: "crushing", at most 5.07 f_c on the
+    /// diameter (the dowel formula of Model Code 1990), a number in place of 5.07, or "rigid": any pressure. f_c is the
+    /// uniaxial compressive strength of the matrix's law (default "crushing" for fibres with a hooked path, where that
+    /// law has a strength, else "rigid").
+    pub bearing: Option<Bearing>,
     /// Enforcement of the hard normal law (default uzawa).
     pub enforcement: Option<Enforcement>,
     /// Slip, mm, up to which the bond is elastic. It limits increments until the load has peaked (default: from the
@@ -162,6 +168,26 @@ pub enum Width {
     Given(Positive),
     /// "part".
     Part(PartWord),
+}
+
+/// What the concrete under a wire bears.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Bearing {
+    /// The greatest pressure on the diameter over f_c.
+    Factor(Positive),
+    /// "crushing" or "rigid".
+    Word(BearingWord),
+}
+
+/// Whether the concrete under a wire is crushed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum BearingWord {
+    /// It is.
+    Crushing,
+    /// It bears any pressure.
+    Rigid,
 }
 
 /// The word "part".
