@@ -85,7 +85,7 @@ const ONSET_CHANGE: f64 = 0.05;
 /// Lessens the tolerance of a phase field, where the case gives none, for laws that lose more than [`ONSET_CHANGE`] of their stress
 /// with it at the onset of cracks: they lose a₁ δd, a₁ = 4 E G_f/(π l f_t²).
 pub fn with_tolerance_of(case: &PulloutCase, field: &mut ScalarField, laws: &[PluginLaw]) {
-    let is_given = matches!(&case.field, Some(Piece(Ok(given))) if given.tolerance.is_some());
+    let is_given = matches!(&case.field, Some(given) if given.tolerance.is_some());
     if is_given || !field.is_phase_field() {
         return;
     }
