@@ -300,8 +300,13 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
             specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
         }),
         "bridging" => typed(reader, readable).and_then(|case: BridgingCase| {
-            bridging::resolve(reader, path, &case, &bridging::Others { specimen, law })
-                .map(|program| Case::Bridging(Box::new(program)))
+            bridging::resolve(
+                reader,
+                path,
+                &case,
+                &bridging::Others { specimen, document: |file| document(file, &[]), law },
+            )
+            .map(|program| Case::Bridging(Box::new(program)))
         }),
         _ => typed(reader, readable).and_then(|case: PointCase| {
             let resolved = point::resolve(reader, &case);
