@@ -304,7 +304,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
                 reader,
                 path,
                 &case,
-                &bridging::Others { specimen, document: |file| document(file, &[]), law },
+                &bridging::Others { specimen, document: |file| self::document(file, &[]), law },
             )
             .map(|program| Case::Bridging(Box::new(program)))
         }),
