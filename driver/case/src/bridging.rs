@@ -5,7 +5,6 @@ use crate::document::Positive;
 use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, ShearLagFibre, Spacing, TableFibre};
 use crate::history;
 use crate::problem::{Place, Problem};
-use crate::read::document;
 use crate::reader::Reader;
 use crate::table::CsvFile;
 use pullout_bridging::{
@@ -62,6 +61,8 @@ const USUAL_TENSILE_STRENGTH: [f64; 2] = [0.1, 30.0];
 pub struct ReferencedCases {
     /// Reads a specimen with overrides: `None` if that is not to be done here.
     pub specimen: fn(&Reader<'_>, &Path, &[String]) -> ReadSpecimen,
+    /// A case's document as it stands, if it is one.
+    pub document: fn(&Path) -> Option<Value>,
     /// Reads a law of contact and the steps along which it is called.
     pub law: fn(&Reader<'_>, &Value, &[Value]) -> ReadLaw,
 }
@@ -444,7 +445,7 @@ fn simulations(reader: &mut Reader<'_>, others: &ReferencedCases, fe: &FeFibre) 
         return None;
     }
     let lengths: Vec<f64> = parts.iter().map(|part| 0.5 * part * fe.length).collect();
-    let of_several = document(&base, &[]).is_some_and(|base| base["mesh"]["specimen"]["type"] == "fibres");
+    let of_several = (others.document)(&base).is_some_and(|base| base["mesh"]["specimen"]["type"] == "fibres");
     let [usual_angle, usual_length] = if of_several { KEYS_OF_PATH } else { KEYS };
     let keys = [fe.angle_key.as_deref().unwrap_or(usual_angle), fe.length_key.as_deref().unwrap_or(usual_length)];
     let [angle_key, length_key] = keys;

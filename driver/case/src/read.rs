@@ -297,8 +297,8 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
         }
         "bridging" => {
             let case: BridgingCase = typed(reader, kind, &document)?;
-            bridging::resolve(reader, path, &case, &bridging::ReferencedCases { specimen, law })
-                .map(|program| Case::Bridging(Box::new(program)))
+            let others = bridging::ReferencedCases { specimen, document: |file| self::document(file, &[]), law };
+            bridging::resolve(reader, path, &case, &others).map(|program| Case::Bridging(Box::new(program)))
         }
         _ => {
             let case: PointCase = typed(reader, kind, &document)?;

@@ -206,6 +206,55 @@ fn strengths_lead_back_to_the_bond() {
     }
 }
 
+/// A case's own strengths give its σ(w) and its friction; of three beams they give a band. What is no strength is named
+/// by its line.
+#[test]
+fn strengths_of_a_case_give_its_law_and_its_friction() {
+    let desk = Desk::new();
+    let run = Results::of(&desk, "beam.json", &[], "out");
+    let case = cases().join("bridging/beam.json");
+    let case = case.to_str().expect("UTF-8");
+    let strengths = [0, 1, 2, 3].map(|k| run.number(&format!("/beam/f_R/{k}")));
+    let row = |part: f64| {
+        let all = [run.number("/beam/f_L")].into_iter().chain(strengths).map(|strength| (part * strength).to_string());
+        all.collect::<Vec<_>>().join(",") + "\n"
+    };
+    let write = |name: &str, rows: &[String]| {
+        let text = format!("f_L,f_R1,f_R2,f_R3,f_R4\n{}", rows.concat());
+        std::fs::write(desk.path(name), text).expect("a file");
+    };
+    write("own.csv", &[row(1.0)]);
+    write("three.csv", &[row(0.9), row(1.0), row(1.1)]);
+    write("none.csv", &[row(1.0), "5,4,0,4,4\n".into()]);
+    std::fs::write(desk.path("curve.csv"), "cmod,load\n0.1,1\n0.2,2\n0.15,3\n").expect("a file");
+    let fit = |more: &[&str], code: i32| desk.pullout([&["fit", "beam", "--case", case], more].concat()).expect(code);
+    fit(&["own.csv", "--out", "own"], 0);
+    let found = json(&desk.path("own/fit.json"));
+    let tau = found["numbers"]["tau"]["value"].as_f64().expect("a friction");
+    assert!((tau / 4.0 - 1.0).abs() < 5e-3, "{tau}");
+    let sigma = Table::read(&desk.path("own/sigma.csv"));
+    for (w, total) in sigma.column("w").iter().zip(sigma.column("sigma_total")) {
+        if *w >= 0.4 {
+            let at = run.bridging.column("w").iter().position(|other| other >= w).expect("an opening");
+            let right = run.bridging.column("sigma")[at];
+            assert!((total / right - 1.0).abs() < 0.03, "{w}: {total} for {right}");
+        }
+    }
+    fit(&["three.csv", "--out", "three", "--shape", "bilinear"], 0);
+    let sigma = Table::read(&desk.path("three/sigma.csv"));
+    let columns = ["sigma_05", "sigma", "sigma_95"].map(|name| sigma.column(name));
+    assert_eq!(columns[0].len(), 3, "where it begins, turns and ends");
+    assert!((0..3).all(|k| columns[0][k] < columns[1][k] && columns[1][k] < columns[2][k]), "{columns:?}");
+    for (more, message) in [
+        (&["none.csv"][..], "none.csv, line 3: f_R2 is 0: strengths are above 0"),
+        (&["curve.csv"], "curve.csv, line 4: the CMOD 0.15 mm comes behind 0.2 mm"),
+        (&["out/beam.csv", "--shape", "bilinear"], "--shape: a curve tells"),
+    ] {
+        let outcome = fit(more, 2);
+        assert!(outcome.stderr.contains(message), "{more:?}: {}", outcome.stderr);
+    }
+}
+
 /// Friction that is the same at all angles gives C2 without snubbing. The runs are kept for any later request,
 /// and one that fails is named.
 #[test]
