@@ -49,7 +49,11 @@ impl Composite {
 
     /// Fibres at one angle need no integral over it: rounding is cheap.
     fn resolution(&self, directions: &Directions) -> Resolution {
-        if directions.is_single() { Resolution::EXACT } else { self.fibre.resolution() }
+        match (directions.is_single(), self.rough) {
+            (true, _) => Resolution::EXACT,
+            (false, true) => Resolution::TABLE,
+            (false, false) => self.fibre.resolution(),
+        }
     }
 
     /// Bridging at an opening.

@@ -127,6 +127,8 @@ pub struct Composite {
     pub matrix: Matrix,
     /// w_a, mm: the opening at which fibres begin to carry.
     pub activation: f64,
+    /// Whether averages are as close as those of tables: 3e-4.
+    pub(crate) rough: bool,
 }
 
 impl Composite {
@@ -149,7 +151,7 @@ impl Composite {
         let directions = orientation.directions(fibre.fibre.length, &breaks)?;
         breaks.extend(Self::bin_edges());
         let binned = orientation.directions(fibre.fibre.length, &breaks)?;
-        Ok(Self { fibre, volume_fraction, directions, binned, matrix, activation })
+        Ok(Self { fibre, volume_fraction, directions, binned, matrix, activation, rough: false })
     }
 
     /// Fibres through a unit of area, 1/mm²: η V_f/A_f.
