@@ -118,12 +118,18 @@ fn a_document_names_files_relative_to_its_folder() {
 
 #[test]
 fn what_is_wrong_has_its_place() {
-    let mut source = Source::document(bond(), Path::new(""));
-    source.overrides = vec!["steps.0.increments=-1".into(), "material.props.k=3".into()];
-    let errors = source.read().expect_err("two errors");
-    let places: Vec<&str> =
-        errors.problems.iter().map(|problem| problem.place.as_ref().expect("a place").as_str()).collect();
-    assert_eq!(places, ["$.steps[0].increments", "$.material.props.k"]);
+    // structure first, then meaning
+    for (overrides, expected) in [
+        (["steps.0.increments=-1", "material.props.k=3"], vec!["$.steps[0].increments"]),
+        (["steps.0.increments=2", "material.props.k=3"], vec!["$.material.props.k"]),
+    ] {
+        let mut source = Source::document(bond(), Path::new(""));
+        source.overrides = overrides.map(String::from).to_vec();
+        let errors = source.read().expect_err("errors");
+        let places: Vec<&str> =
+            errors.problems.iter().map(|problem| problem.place.as_ref().expect("a place").as_str()).collect();
+        assert_eq!(places, expected);
+    }
     let desk = Desk::new();
     desk.case("case.json", &bond());
     desk.case("study.json", &json!({ "kind": "study", "base": "case.json", "members": [{ "label": "a" }] }));

@@ -61,7 +61,7 @@ pub fn read_beam_test(path: &Path, columns: &BeamColumns) -> Result<Measured, Ve
     let rows = rows(&names)?;
     if let Some(row) = (1..rows.len()).find(|&row| rows[row][0] <= rows[row - 1][0]) {
         let [before, after] = [rows[row - 1][0], rows[row][0]];
-        let message = format!("the CMOD {after} mm comes behind {before} mm: a test must have CMODs that rise");
+        let message = format!("the CMOD {after} mm follows {before} mm: the CMODs of a test must rise");
         return Err(csv.fault(csv.line(row), message));
     }
     Ok(Measured::Curve(rows.iter().map(|row| [row[0], columns.load_factor * row[1]]).collect()))

@@ -281,7 +281,7 @@ fn a_missing_umat_is_explained() {
 fn wrong_sources_are_bad_input() {
     let desk = Desk::new();
     desk.write("mine.py", "");
-    assert!(refused(&desk, &["mine.py"], 2).contains("mine.py: its suffix tells no language"));
+    assert!(refused(&desk, &["mine.py"], 2).contains("mine.py: its suffix is that of no language"));
     assert!(refused(&desk, &["mine.f"], 2).contains("mine.f: "));
     desk.pullout(["plugin", "build"]).expect(2);
     desk.pullout(["plugin", "build", "--free", "--fixed", "mine.f"]).expect(2);

@@ -120,7 +120,7 @@ fn a_write_beside_an_input_names_both() {
         ("coords, 0", "writes DTEMP (or COORDS in front of its beginning, where DTEMP lies), which"),
         (
             "celent, 1",
-            "writes CELENT (or DROT behind its end, or DFGRD0 in front of its beginning, where CELENT lies), which",
+            "writes CELENT (or DROT past its end, or DFGRD0 in front of its beginning, where CELENT lies), which",
         ),
     ] {
         let Some(case) = spoilt(&desk, element) else { return };

@@ -128,7 +128,7 @@ fn planted_errors_of_hetval_have_their_verdicts() {
         };
         for (error, verdict, words) in [
             (0, "pass", "FLUX(1) of HETVAL"),
-            (1, "FAIL", "right but for its sign"),
+            (1, "FAIL", "right except for its sign"),
             (2, "FAIL", "0.500 of what it should be"),
             (3, "warn", "left at 0"),
         ] {

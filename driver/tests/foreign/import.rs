@@ -251,7 +251,7 @@ fn what_is_no_material_point_is_refused_with_its_line() {
     let (case, left_out) = imported(&desk, &job.replace(end, &format!("*ORIENTATION, NAME=O\n1., 0., 0.\n{end}")));
     assert!(left_out.contains("*ORIENTATION") && left_out.contains("automatic increments"), "{left_out}");
     let description = case["description"].as_str().expect("a text");
-    assert!(description.starts_with("Imported from job.inp. Not taken over: job.inp:"), "{description}");
+    assert!(description.starts_with("Imported from job.inp. Not imported: job.inp:"), "{description}");
 }
 
 /// A cube of rubber that is pulled to one and a half times its length between frictionless rollers, or with free faces.

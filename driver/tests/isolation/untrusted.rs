@@ -37,7 +37,7 @@ fn with_curve(curve: &str) -> Value {
 fn with_mesh(file: &str) -> Value {
     json!({
         "kind": "pullout",
-        "mesh": { "file": file, "physical_groups": {} },
+        "mesh": { "file": file },
         "parts": { "fibre": { "material": { "plugin": "linear_elastic" } } },
         "steps": [{ "slip": 0.01, "increments": 1 }],
     })

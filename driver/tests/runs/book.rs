@@ -332,6 +332,16 @@ fn the_fibre_of_the_tutorial_is_pulled_out() {
     columns_are_listed(&run.history, "Specimens");
 }
 
+/// The hooked fibre of the tutorial has the load that its page prints: the increments of other machines may move it a little.
+#[test]
+fn the_hooked_fibre_of_the_tutorial_crushes_the_concrete() {
+    let desk = follow("docs/using/hooked-fibre.md");
+    let run = Run::read(&desk.path("out/hooked"), desk.pullout(["check", "hooked.json"]).expect(0));
+    let peak = run.history.column("load").iter().fold(0.0_f64, |peak, load| peak.max(*load));
+    assert!((peak / 380.4 - 1.0).abs() < 0.01, "{peak}");
+    assert!(run.history.column("energy_error").iter().all(|error| error.abs() < 1e-3));
+}
+
 /// The study of the tutorial: friction adds to the peak, and twice the length is twice the peak.
 #[test]
 fn the_study_of_the_tutorial_finds_its_claims() {

@@ -247,7 +247,7 @@ fn strengths_of_a_case_give_its_law_and_its_friction() {
     assert!((0..3).all(|k| columns[0][k] < columns[1][k] && columns[1][k] < columns[2][k]), "{columns:?}");
     for (more, message) in [
         (&["none.csv"][..], "none.csv, line 3: f_R2 is 0: strengths are above 0"),
-        (&["curve.csv"], "curve.csv, line 4: the CMOD 0.15 mm comes behind 0.2 mm"),
+        (&["curve.csv"], "curve.csv, line 4: the CMOD 0.15 mm follows 0.2 mm"),
         (&["out/beam.csv", "--shape", "bilinear"], "--shape: a curve tells"),
     ] {
         let outcome = fit(more, 2);

@@ -282,7 +282,7 @@ fn what_is_wrong_is_one_message_with_its_place() {
         (&[k_e, "--data=numbers.csv"], "numbers.csv, line 1: these are numbers"),
         (&[k_e, "--data=one.csv"], "one.csv, line 1: one column"),
         (&[k_e, "--data=cell.csv"], "cell.csv, line 3, column 'tau': 'x' is not a finite number"),
-        (&[k_e, "--data=short.csv"], "short.csv: 1 points do not tell 1 numbers"),
+        (&[k_e, "--data=short.csv"], "short.csv: 1 points cannot determine 1 parameters"),
     ];
     let more: [(&[&str], &str); 8] = [
         (&[k_e, "--data=back.csv"], "the data reverse at slip 0.003 (point 2), the run does not"),

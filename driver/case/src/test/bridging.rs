@@ -26,12 +26,7 @@ const HOOK: &str =
     r#"fibre.hook={"lengths": [2, 2.5], "angle_deg": 45, "radius": 1, "friction": 0.2, "yield_stress": 1000}"#;
 
 const MALFORMED: &[Sample] = &[
-    (
-        &[TABLE, "fibre.file=falling.csv"],
-        "$.fibre.file",
-        "at 30°, 15 mm the slip 0.1 mm comes behind 0.2 mm",
-        ByMeaning,
-    ),
+    (&[TABLE, "fibre.file=falling.csv"], "$.fibre.file", "at 30°, 15 mm the slip 0.1 mm follows 0.2 mm", ByMeaning),
     (&["fibre.model=close"], "$.fibre.model", "nearest valid name: 'closed'", BySchema),
     (&["fibre.tua=3"], "$.fibre.tua", "unknown key", BySchema),
     (&[r#"fibre={"diameter": 0.5, "length": 30, "E": 2e5, "model": "closed"}"#], "$.fibre.tau", "is missing", BySchema),

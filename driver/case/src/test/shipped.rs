@@ -45,7 +45,7 @@ fn a_normal_penalty_of_zero_is_filled_and_said() {
     let program = accepted(&bond(json!({ "law": "B", "normal_law": "hard" })));
     assert_eq!((value(&program, "law"), value(&program, "normal_law")), (1.0, 0.0));
     assert_eq!((value(&program, "normal_stiffness"), value(&program, "k_f")), (NORMAL_PENALTY, 0.0));
-    assert!(program.about.warnings.iter().any(|w| w.contains("normal_stiffness is 0")), "{:?}", program.about.warnings);
+    assert!(program.about.warnings.iter().any(|w| w.contains("normal_stiffness = 0")), "{:?}", program.about.warnings);
     let program = accepted(&bond(json!({ "normal_law": "hard", "normal_stiffness": 4e4 })));
     assert_eq!(value(&program, "normal_stiffness"), 4e4);
     assert!(program.about.warnings.is_empty(), "{:?}", program.about.warnings);
@@ -55,7 +55,7 @@ fn a_normal_penalty_of_zero_is_filled_and_said() {
 fn a_tangential_penalty_is_filled_only_where_the_law_refuses_its_zero() {
     let program = accepted(&bond(json!({ "law": "none", "k_e": 0, "normal_stiffness": 1 })));
     assert!(value(&program, "k_f") > 0.0);
-    assert!(program.about.warnings.iter().any(|w| w.contains("k_f is 0")), "{:?}", program.about.warnings);
+    assert!(program.about.warnings.iter().any(|w| w.contains("k_f = 0")), "{:?}", program.about.warnings);
 }
 
 #[test]

@@ -833,7 +833,12 @@ const MALFORMED: &[Sample] = &[
         "name the set as \"edges\"",
         ByMeaning,
     ),
-    (&["couplings=[{\"tie\": \"side\", \"to\": \"hole\"}]"], "$.couplings[0]", "beside the edges of 'hole'", ByMeaning),
+    (
+        &["couplings=[{\"tie\": \"side\", \"to\": \"hole\"}]"],
+        "$.couplings[0]",
+        "away from the edges of 'hole'",
+        ByMeaning,
+    ),
     (
         &["couplings=[{\"dependent\": {\"node\": \"exit\", \"component\": \"x\"}, \
            \"terms\": [{\"node\": \"exit\", \"component\": \"x\"}]}]"],

@@ -93,7 +93,7 @@ fn points_behind_a_turn_that_the_run_does_not_take_are_left_out_with_a_warning()
     assert_eq!((comparison.rms, comparison.points, comparison.outside), (Some(0.0), 2, 2));
     let warning = comparison.warning.unwrap();
     assert!(
-        warning.contains("strain turns back at 2 (point 2)") && warning.contains("from 3 on are left out"),
+        warning.contains("strain reverses at 2 (point 2)") && warning.contains("from 3 on are left out"),
         "{warning}"
     );
 }
