@@ -199,7 +199,7 @@ fn strengths_lead_back_to_the_bond() {
     for (more, message) in [
         (&["out/bridging.csv"][..], "no column is called 'cmod'"),
         (&["out/scatter.csv", "--load", "f_L"], "no column is called 'cmod'"),
-        (&["out/beam.csv", "--cmod", "load"], "must have CMODs that rise"),
+        (&["out/beam.csv", "--cmod", "load"], "the CMODs of a test must rise"),
     ] {
         let outcome = fit(more, 2);
         assert!(outcome.stderr.contains(message), "{more:?}: {}", outcome.stderr);
