@@ -14,7 +14,13 @@ impl Contact {
     /// it need not. Opens at most a tenth, and at least one, of the points whose tension is over the cap of the host's
     /// hard law; if there are none, updates the multipliers of pairs with a held point whose gap is over the tolerance.
     pub fn settle(&mut self) -> bool {
-        open_worst(&mut self.pairs) > 0 || self.update_multipliers()
+        if open_worst(&mut self.pairs) > 0 {
+            return true;
+        }
+        let has_updated = self.update_multipliers();
+        // those between iterations do not count: they are followed by an iteration that there would be anyway
+        self.updates += usize::from(has_updated);
+        has_updated
     }
 
     /// Returns whether there are multipliers to update: those of pairs with a held point whose gap is over the tolerance.
@@ -26,12 +32,11 @@ impl Contact {
     pub(crate) fn update_multipliers(&mut self) -> bool {
         let updates = self.updates;
         let wanting: Vec<&mut Pair> = self.pairs.iter_mut().filter(|pair| wants_update(pair, updates)).collect();
-        self.updates += usize::from(!wanting.is_empty());
         wanting.into_iter().map(update_multipliers).sum::<usize>() > 0
     }
 }
 
-/// Returns whether a pair has a held point whose gap is over the tolerance of Uzawa's rule, after so many updates.
+/// Returns whether a pair has a held point whose gap is over the tolerance of Uzawa's rule, after so many updates at balance.
 fn wants_update(pair: &Pair, updates: usize) -> bool {
     let Enforcement::Uzawa { tolerance, max_updates } = pair.enforcement else { return false };
     let over = |state: &PointState| state.held && !state.comes_in() && (state.gap + state.crushing).abs() > tolerance;
