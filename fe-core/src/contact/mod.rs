@@ -41,8 +41,8 @@ pub struct Contact {
     reference: Vec<[f64; 2]>,
     pairs: Vec<Pair>,
     freedoms: Vec<usize>,
-    /// Multiplier updates of the increment so far.
-    updates: usize,
+    /// Multiplier updates of the increment so far: at balance, between iterations.
+    updates: [usize; 2],
     /// Calls of the plugins before the state that was taken over.
     earlier_calls: u64,
 }
@@ -133,7 +133,7 @@ impl Contact {
             reference: mesh.nodes().to_vec(),
             pairs: pairs.collect::<Result<_, _>>()?,
             freedoms,
-            updates: 0,
+            updates: [0; 2],
             earlier_calls: 0,
         })
     }
@@ -210,7 +210,7 @@ impl Contact {
             pair.state.committed.copy_from(&pair.state.trial);
             pair.state.fitted[0] = pair.state.fitted[1];
         }
-        self.updates = 0;
+        self.updates = [0; 2];
         self.foretell_nothing();
     }
 
@@ -220,7 +220,7 @@ impl Contact {
             pair.state.trial.copy_from(&pair.state.committed);
             pair.state.fitted[1] = pair.state.fitted[0];
         }
-        self.updates = 0;
+        self.updates = [0; 2];
         self.foretell_nothing();
     }
 

@@ -8,6 +8,9 @@ use crate::model::Enforcement;
 
 /// The part of the points over the tension cap that open at a time.
 const OPENING_SHARE: f64 = 0.1;
+/// Kinds of updates of multipliers.
+const AT_BALANCE: usize = 0;
+const BETWEEN: usize = 1;
 
 impl Contact {
     /// Settles a converged increment, and returns whether it must be iterated again at the same load; to be called until
@@ -17,26 +20,29 @@ impl Contact {
         if open_worst(&mut self.pairs) > 0 {
             return true;
         }
-        let has_updated = self.update_multipliers();
-        // those between iterations do not count: they are followed by an iteration that there would be anyway
-        self.updates += usize::from(has_updated);
-        has_updated
+        self.update(AT_BALANCE)
     }
 
-    /// Returns whether there are multipliers to update: those of pairs with a held point whose gap is over the tolerance.
+    /// Returns whether there are multipliers to update between iterations: those of pairs with a held point whose gap is over the tolerance.
     pub(crate) fn wants_multipliers(&self) -> bool {
-        self.pairs.iter().any(|pair| wants_update(pair, self.updates))
+        self.pairs.iter().any(|pair| wants_update(pair, self.updates[BETWEEN]))
     }
 
     /// Updates these multipliers by the pressures of the last evaluation, and returns whether any has changed.
     pub(crate) fn update_multipliers(&mut self) -> bool {
-        let updates = self.updates;
+        self.update(BETWEEN)
+    }
+
+    /// Each kind of updates has its own count: those between iterations must not use up those at balance, after which a gap is accepted.
+    fn update(&mut self, kind: usize) -> bool {
+        let updates = self.updates[kind];
         let wanting: Vec<&mut Pair> = self.pairs.iter_mut().filter(|pair| wants_update(pair, updates)).collect();
+        self.updates[kind] += usize::from(!wanting.is_empty());
         wanting.into_iter().map(update_multipliers).sum::<usize>() > 0
     }
 }
 
-/// Returns whether a pair has a held point whose gap is over the tolerance of Uzawa's rule, after so many updates at balance.
+/// Returns whether a pair has a held point whose gap is over the tolerance of Uzawa's rule, after so many updates.
 fn wants_update(pair: &Pair, updates: usize) -> bool {
     let Enforcement::Uzawa { tolerance, max_updates } = pair.enforcement else { return false };
     let over = |state: &PointState| state.held && !state.comes_in() && (state.gap + state.crushing).abs() > tolerance;
