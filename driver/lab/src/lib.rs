@@ -11,7 +11,7 @@ mod subject;
 mod watch;
 mod work;
 
-pub use watch::{Stamp, Watch};
+pub use watch::{FileWatch, Stamp};
 
 use http::{Request, Response};
 use pullout_run::{PLUGIN_STACK, signals};

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::done::Done;
-use crate::watch::{Watch, with_included};
+use crate::watch::{FileWatch, with_included};
 use pullout_check::build;
 use pullout_check::description;
 use pullout_report::page;
@@ -43,7 +43,7 @@ struct Watched {
     named: String,
     file: PathBuf,
     /// The file and what it includes.
-    files: Mutex<Watch>,
+    files: Mutex<FileWatch>,
     state: Mutex<State>,
     changed: Condvar,
 }
@@ -168,7 +168,7 @@ impl Subject {
         let mut files = watched.files.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
             files.wait(&|| false);
-            *files = Watch::of(with_included(&watched.file));
+            *files = FileWatch::of(with_included(&watched.file));
             watched.refresh();
         }
     }
@@ -182,7 +182,7 @@ impl Watched {
             return Err(Error::Subject(format!("{named}: there is no such file")));
         }
         // what is saved while it is built is a change as well
-        let files = Mutex::new(Watch::of(with_included(&file)));
+        let files = Mutex::new(FileWatch::of(with_included(&file)));
         let watched = Self { named: named.to_owned(), file, files, state: Mutex::default(), changed: Condvar::new() };
         watched.refresh();
         Ok(watched)

@@ -3,13 +3,13 @@
 use pullout_check::build;
 use pullout_engine::Source;
 use pullout_run::input::folder_of;
-use pullout_run::isolation::materials;
+use pullout_run::isolation::{materials, named_file};
 use std::collections::BTreeMap;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, SystemTime};
-use umat_abi::host::{Found, is_source, library_path, names_a_file, real_path, search_paths};
+use umat_abi::host::{is_source, real_path};
 
 /// Time between two looks at the files.
 const LOOK: Duration = Duration::from_millis(50);
@@ -32,9 +32,9 @@ impl Stamp {
 
 /// Files whose changes are waited for.
 #[derive(Clone, Debug)]
-pub struct Watch(BTreeMap<PathBuf, Option<Stamp>>);
+pub struct FileWatch(BTreeMap<PathBuf, Option<Stamp>>);
 
-impl Watch {
+impl FileWatch {
     /// Watches files from their present state on.
     pub fn of(files: impl IntoIterator<Item = PathBuf>) -> Self {
         Self(files.into_iter().map(|file| (file.clone(), Stamp::of(&file))).collect())
@@ -43,10 +43,7 @@ impl Watch {
     /// Watches everything that a run of a case depends on.
     pub fn of_case(source: &Source) -> Self {
         let document = source.text().unwrap_or_default();
-        let of_plugin = |plugin: &str| match names_a_file(plugin) {
-            true => Some(library_path(folder_of(&source.file), plugin)),
-            false => Found::by_name(plugin, &search_paths(&source.plugin_paths)).map(|found| found.path),
-        };
+        let of_plugin = |plugin: &str| named_file(plugin, folder_of(&source.file), &source.plugin_paths);
         let plugins = materials(&document).into_iter().filter_map(|material| of_plugin(material["plugin"].as_str()?));
         // a file that is named in several ways is one
         let mut files: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();

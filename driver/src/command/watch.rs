@@ -2,7 +2,7 @@
 
 use super::{DONE, complain};
 use pullout_engine::Source;
-use pullout_lab::Watch;
+use pullout_lab::FileWatch;
 use pullout_run::signals;
 
 /// Does something, and does it again whenever a file of the cases has changed, until a signal comes: the exit code is that of what
@@ -10,7 +10,7 @@ use pullout_run::signals;
 pub(super) fn again_and_again(cases: &[Source], act: &dyn Fn() -> u8) -> u8 {
     loop {
         // what is saved while they run is a change as well
-        let files = cases.iter().map(Watch::of_case).reduce(Watch::and);
+        let files = cases.iter().map(FileWatch::of_case).reduce(FileWatch::and);
         let Some(mut files) = files else { return DONE };
         let code = act();
         if signals::received().is_some() {

@@ -84,7 +84,7 @@ pub mod worker;
 pub use child::Child;
 pub use ending::Aftermath;
 pub use last_words::ForwardedLines;
-pub use need::{CALL_TIME_LIMIT, Need, locate, materials, need};
+pub use need::{CALL_TIME_LIMIT, Need, locate, materials, named_file, need};
 pub use passage::{Passage, Work, path, paths, send};
 pub use supervisor::{End, Failure, Watch, supervise};
 pub use system::{die_with, identity, is_out_of_descriptors, out_of_reach, program, set_program, this_is_the_program};

@@ -86,14 +86,17 @@ pub fn materials(case: &Value) -> Vec<&Value> {
         .collect()
 }
 
+/// Returns the file that a case in a folder names: a library or a source, which may not be there, or the library of a law that is found.
+pub fn named_file(plugin: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBuf> {
+    if host::names_a_file(plugin) {
+        return Some(host::library_path(folder, plugin));
+    }
+    Found::by_name(plugin, &host::search_paths(plugin_paths)).map(|found| found.path)
+}
+
 /// Returns the absolute path of a library that a case in a folder names, if it is there.
 pub fn locate(plugin: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBuf> {
-    let found = if host::names_a_file(plugin) {
-        // what cannot be built is told where the case is read
-        let file = Some(host::library_path(folder, plugin)).filter(|path| path.is_file());
-        file.and_then(|file| sources::library_of(file).ok())
-    } else {
-        Found::by_name(plugin, &host::search_paths(plugin_paths)).map(|found| found.path)
-    };
-    found.map(|path| absolute(&path))
+    let file = named_file(plugin, folder, plugin_paths).filter(|path| path.is_file())?;
+    // what cannot be built is told where the case is read
+    sources::library_of(file).ok().map(|path| absolute(&path))
 }

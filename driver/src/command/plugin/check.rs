@@ -6,6 +6,7 @@ use pullout_case::Case;
 use pullout_check::conformance::{self, Event, Group, Judged, Judgement, Options, Verdict};
 use pullout_engine::Source;
 use pullout_lab::Examination;
+use pullout_run::input::folder_of;
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{self, Need, Work, worker};
 use pullout_run::program::{Kind, Mode};
@@ -13,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use umat_abi::host::{Found, Library, Plugin, library_path, names_a_file, real_path, search_paths};
+use umat_abi::host::{Library, Plugin, library_path, names_a_file, real_path};
 use umat_abi::law::StressState;
 
 mod children;
@@ -90,11 +91,7 @@ impl CheckArguments {
 fn calls(source: &Source, files: &[&Path]) -> bool {
     let text = source.text().unwrap_or_default();
     let named = text["material"]["plugin"].as_str().unwrap_or_default();
-    let file = if names_a_file(named) {
-        source.file.parent().map(|folder| library_path(folder, named))
-    } else {
-        Found::by_name(named, &search_paths(&source.plugin_paths)).map(|found| found.path)
-    };
+    let file = isolation::named_file(named, folder_of(&source.file), &source.plugin_paths);
     file.is_some_and(|file| files.iter().any(|known| real_path(&file) == real_path(known)))
 }
 
