@@ -135,7 +135,7 @@ pub struct BridgingFit {
     pub law: Polyline,
     /// The matrix with E and f_t.
     pub matrix: Matrix,
-    /// Weight of the penalty; 0: the law has no more numbers than the test tells.
+    /// Weight of the penalty; 0: the test has as many numbers as the law.
     pub weight: f64,
     /// 5 and 95 % quantiles of σ at `openings` over the beams, if there are several.
     pub band: Option<Vec<[f64; 2]>>,

@@ -34,7 +34,7 @@ const BAND: [f64; 2] = [0.05, 0.95];
 /// The shape of a law of which strengths alone are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shape {
-    /// Smooth; it falls beyond its greatest value. How smooth, cross-validation tells.
+    /// Smooth; it falls beyond its greatest value. Cross-validation chooses how smooth.
     #[default]
     Smooth,
     /// Two straight lines that fall.
@@ -72,8 +72,8 @@ struct Found {
     reached: bool,
 }
 
-/// σ(w) whose beam has the strengths f_R1–4, of several beams the means of theirs. E and f_t are the matrix's: f_L is one
-/// of the matrix and of fibres that have hardly begun to carry, and tells nothing of the law behind it.
+/// σ(w) whose beam has the strengths f_R1–4, of several beams the means of theirs. E and f_t are the matrix's: f_L belongs
+/// to the matrix and to fibres that have hardly begun to carry, and does not determine the law.
 pub(super) fn inverse_of_strengths(
     geometry: &NotchedBeam,
     matrix: &Matrix,
@@ -102,7 +102,7 @@ pub(super) fn inverse_of_strengths(
         [_] => search.without_each(&found, &mean),
         _ => beams.iter().map(|beam| search.beside(&found, beam)).collect(),
     };
-    search.told(&found, &mean, beams, &others)
+    search.fit(&found, &mean, beams, &others)
 }
 
 impl Search {
@@ -276,7 +276,7 @@ impl Search {
 
     /// The law with what is known of it. Errors are those of the mean of several beams, or of the jackknife over the
     /// strengths of one.
-    fn told(&self, found: &Found, mean: &Residual, beams: &[Residual], others: &[DVector<f64>]) -> BridgingFit {
+    fn fit(&self, found: &Found, mean: &Residual, beams: &[Residual], others: &[DVector<f64>]) -> BridgingFit {
         let Found { stresses, choice, reached, .. } = found;
         let count = others.len().max(1) as f64;
         let middle = others.iter().fold(DVector::zeros(stresses.len()), |sum: DVector<f64>, one| sum + one) / count;

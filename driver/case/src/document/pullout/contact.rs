@@ -170,7 +170,7 @@ pub enum Width {
     Part(PartWord),
 }
 
-/// What the concrete under a wire bears.
+/// Sideways strength of the concrete under a wire.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Bearing {
@@ -186,7 +186,7 @@ pub enum Bearing {
 pub enum BearingWord {
     /// It is.
     Crushing,
-    /// It bears any pressure.
+    /// Any pressure.
     Rigid,
 }
 

@@ -21,7 +21,7 @@ pub struct ScalarField {
     /// Routines beside UMAT that are called: HETVAL adds FLUX(1) to RPL and FLUX(2) to DRPLDT, UMATHT takes the place of conductivity
     /// and capacity (default: those that the libraries of its parts have).
     pub routines: Option<Vec<HeatRoutine>>,
-    /// What UMATHT is given besides, the same for all parts.
+    /// Parameters and density that UMATHT gets, the same for all parts.
     pub umatht: Option<Umatht>,
     /// Values that node sets are kept at from the first increment on.
     pub fixed: Option<Vec<FixedValue>>,
