@@ -171,6 +171,8 @@ fn watch(
 ) -> io::Result<Watched> {
     let mut heartbeat = Heartbeat::default();
     let (mut clock, mut last) = (Clock::default(), Instant::now());
+    // Ctrl-Z before the worker is known is kept until it is: it would stop this process alone
+    let _keeper = Companion::new(Pid::from_child(child));
     let mut companion = None;
     let mut passed_on = None;
     loop {
