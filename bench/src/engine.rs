@@ -3,7 +3,7 @@
 use super::page::Page;
 use super::table::{Cell, Table};
 use super::{BenchError, Settings};
-use pullout_engine::{Error, Settings as Wishes, Source};
+use pullout_engine::{CaseSource, Error, Settings as Wishes};
 use pullout_run::number::significant;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -38,7 +38,8 @@ pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
     let mut data = Table::new(["law", "read_ms", "run_ms", "both_ms"]);
     let mut notes = Vec::new();
     for (law, case) in cases() {
-        let source = Source { plugin_paths: settings.plugin_paths.clone(), ..Source::document(case, Path::new("")) };
+        let source =
+            CaseSource { plugin_paths: settings.plugin_paths.clone(), ..CaseSource::document(case, Path::new("")) };
         let prepared = source.clone().read()?;
         let outcome = prepared.run(Wishes::default()).map_err(failed)?;
         if !outcome.is_done() || outcome.history.rows() != INCREMENTS + 1 {

@@ -6,7 +6,7 @@ mod program;
 use end_to_end_tests::{Tool, find, run as compile, workspace};
 use program::{Desk, cases};
 use pullout_case::{JsonPlace, ProblemKind};
-use pullout_engine::{Error, Job, Message, Options, Outcome, Settings, Source, set_program};
+use pullout_engine::{CaseSource, Error, Job, Message, Options, Outcome, Settings, set_program};
 use pullout_report::history::History;
 use pullout_report::summary::Status;
 use pullout_run::isolation::Child;
@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// A case that is not stopped.
-fn run(source: Source) -> Outcome {
+fn run(source: CaseSource) -> Outcome {
     let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
     set_program(program, program);
     let prepared = source.read().unwrap_or_else(|errors| panic!("{errors}"));
@@ -42,7 +42,7 @@ fn assert_same(history: &History, file: &Path) {
 /// A case file gives in memory what `pullout run` writes.
 fn same_as_the_command(case: &Path, overrides: &[&str]) -> Outcome {
     let desk = Desk::new();
-    let mut source = Source::file(case);
+    let mut source = CaseSource::file(case);
     source.overrides = overrides.iter().map(|&text| text.to_owned()).collect();
     let outcome = run(source);
     let written = desk.run(case, overrides, "out", 0);
@@ -88,7 +88,7 @@ fn a_specimen() {
 
 #[test]
 fn bridging_runs_in_a_child() {
-    let outcome = run(Source::file(
+    let outcome = run(CaseSource::file(
         &fs::read_dir(cases().join("bridging"))
             .expect("a folder")
             .flatten()
@@ -111,7 +111,7 @@ fn a_document_names_files_relative_to_its_folder() {
     desk.write("measured.csv", "slip,tau\n0.0,0.0\n0.25,5.0\n0.5,6.0\n");
     let mut case = bond();
     case["compare"] = json!([{ "file": "measured.csv", "x": "slip", "y": "tau", "file_x": "slip", "file_y": "tau" }]);
-    let outcome = run(Source::document(case, &desk.path("")));
+    let outcome = run(CaseSource::document(case, &desk.path("")));
     assert_eq!(outcome.summary.compare[0].points, 3);
     assert_eq!(outcome.summary.title, "case");
 }
@@ -123,7 +123,7 @@ fn what_is_wrong_has_its_place() {
         (["steps.0.increments=-1", "material.props.k=3"], vec!["$.steps[0].increments"]),
         (["steps.0.increments=2", "material.props.k=3"], vec!["$.material.props.k"]),
     ] {
-        let mut source = Source::document(bond(), Path::new(""));
+        let mut source = CaseSource::document(bond(), Path::new(""));
         source.overrides = overrides.map(String::from).to_vec();
         let errors = source.read().expect_err("errors");
         let places: Vec<&str> =
@@ -135,7 +135,7 @@ fn what_is_wrong_has_its_place() {
     desk.case("study.json", &json!({ "kind": "study", "base": "case.json", "members": [{ "label": "a" }] }));
     desk.write("commented.json", "{\n  // of steel\n}");
     let found = |file: &str| {
-        let problems = Source::file(&desk.path(file)).read().expect_err("an error").problems;
+        let problems = CaseSource::file(&desk.path(file)).read().expect_err("an error").problems;
         let [problem] = &problems[..] else { panic!("{problems:?}") };
         (problem.kind, problem.place.as_ref().map(|place| place.as_str().to_owned()))
     };
@@ -151,17 +151,17 @@ fn a_run_that_fails_keeps_its_rows_and_can_be_repeated() {
         // beyond yield no equilibrium
         "steps": [{ "increments": 10, "target": { "s11": 500.0 } }],
     });
-    let outcome = run(Source::document(case, Path::new("")));
+    let outcome = run(CaseSource::document(case, Path::new("")));
     assert_eq!(outcome.summary.status, Status::Failed);
     let failed_at = outcome.summary.failed_at.expect("a place");
     assert_eq!((failed_at.kind, failed_at.step, failed_at.increment), (FailureKind::Failed, 1, 6));
     assert_eq!(outcome.history.rows(), 6);
-    let again = run(Source::document(outcome.replay.expect("a replay"), Path::new("")));
+    let again = run(CaseSource::document(outcome.replay.expect("a replay"), Path::new("")));
     assert_eq!(again.summary.status, Status::Failed);
 }
 
 /// Runs a case, and sets its flag from another thread after a while.
-fn stopped(source: Source, after: Duration) -> (Outcome, Duration) {
+fn stopped(source: CaseSource, after: Duration) -> (Outcome, Duration) {
     let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
     set_program(program, program);
     let prepared = source.read().unwrap_or_else(|errors| panic!("{errors}"));
@@ -182,11 +182,11 @@ fn another_thread_ends_a_run() {
     let mut point = bond();
     point["steps"][0]["increments"] = json!(20_000_000);
     point["output"] = json!({ "every": 1_000_000 });
-    let (outcome, waited) = stopped(Source::document(point, Path::new("")), Duration::from_millis(300));
+    let (outcome, waited) = stopped(CaseSource::document(point, Path::new("")), Duration::from_millis(300));
     assert_eq!(outcome.summary.status, Status::Interrupted);
     assert!(waited < Duration::from_millis(500), "{waited:?}");
 
-    let mut specimen = Source::file(&cases().join("chapter-7/inclined-fibre.json"));
+    let mut specimen = CaseSource::file(&cases().join("chapter-7/inclined-fibre.json"));
     specimen.overrides = vec!["output.plots=false".into()];
     let (outcome, waited) = stopped(specimen, Duration::from_secs(3));
     assert_eq!(outcome.summary.status, Status::Interrupted);
@@ -207,7 +207,7 @@ fn a_listener_hears_how_far_it_is() {
         })),
         ..Settings::default()
     };
-    let prepared = Source::document(point, Path::new("")).read().expect("a case");
+    let prepared = CaseSource::document(point, Path::new("")).read().expect("a case");
     assert!(prepared.run(settings).expect("a run").is_done());
     assert!(heard.load(Ordering::Relaxed) > 2);
 }
@@ -234,7 +234,7 @@ fn libraries_of_others_run_in_a_child() {
         [(0, None), (1, Some(FailureKind::Crashed)), (4, Some(FailureKind::Crashed)), (5, Some(FailureKind::Timeout))]
     {
         let Some(case) = misbehaving(&desk, fault) else { return };
-        let source = Source::document(case, &desk.path(""));
+        let source = CaseSource::document(case, &desk.path(""));
         assert!(source.need().is_some());
         let outcome = run(source);
         assert_eq!(outcome.summary.failed_at.map(|at| (at.kind, at.step, at.increment)), kind.map(|kind| (kind, 1, 3)));
@@ -251,7 +251,7 @@ fn what_a_child_refuses_is_wrong_with_the_case() {
     let desk = Desk::new();
     let Some(mut case) = misbehaving(&desk, 0) else { return };
     case["steps"][0]["increments"] = json!(-1);
-    let source = Source::document(case, &desk.path(""));
+    let source = CaseSource::document(case, &desk.path(""));
     let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
     set_program(program, program);
     let refused = source.columns().expect_err("wrong");
@@ -271,7 +271,7 @@ fn a_hanging_child_is_ended() {
     let desk = Desk::new();
     let Some(mut case) = misbehaving(&desk, 5) else { return };
     case["material"]["call_time_limit_s"] = json!(60.0);
-    let source = Source::document(case, &desk.path(""));
+    let source = CaseSource::document(case, &desk.path(""));
     let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
     set_program(program, program);
     let prepared = source.read().expect("a case");
@@ -296,7 +296,7 @@ fn a_child_outlives_the_thread_that_asked_for_it() {
     let case = desk.case("case.json", &case);
     let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
     set_program(program, program);
-    let job = Job::new(Source::file(&case), desk.path("out"), Options { quiet: true, ..Options::default() });
+    let job = Job::new(CaseSource::file(&case), desk.path("out"), Options { quiet: true, ..Options::default() });
     let asked = std::thread::spawn(move || Child::start(&job, None).expect("a child"));
     let mut child = asked.join().expect("no panic");
     let status = child.wait(&|| None, None, &mut |_: Vec<Message>| {}).expect("a status");

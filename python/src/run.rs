@@ -4,7 +4,7 @@ use crate::errors::{Exception, case_error, of_panic, without_panic};
 use driver::command::examples::{Example, find as find_examples};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pullout_case::CaseErrors;
-use pullout_engine::{Along, Error, Outcome, Settings, Source};
+use pullout_engine::{Along, CaseSource, Error, Outcome, Settings};
 use pullout_report::compare::OnGrid;
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
@@ -80,14 +80,14 @@ impl Stop {
 /// Progress of a run: the part that is done, and the present row.
 type State = Option<(f64, Vec<f64>)>;
 
-fn source((file, document, folder, overrides, plugin_paths): Parts) -> PyResult<Source> {
+fn source((file, document, folder, overrides, plugin_paths): Parts) -> PyResult<CaseSource> {
     let mut source = match (file, document) {
-        (Some(file), None) => Source::file(&file),
+        (Some(file), None) => CaseSource::file(&file),
         (file, document) => {
             let text = document.unwrap_or_default();
             let document: Value = serde_json::from_str(&text).map_err(|e| Exception::Case.with(e.to_string()))?;
-            let source = Source::document(document, &folder);
-            Source { file: file.unwrap_or_else(|| source.file.clone()), ..source }
+            let source = CaseSource::document(document, &folder);
+            CaseSource { file: file.unwrap_or_else(|| source.file.clone()), ..source }
         }
     };
     (source.overrides, source.plugin_paths) = (overrides, plugin_paths);

@@ -3,7 +3,7 @@
 use crate::document::RunIncrements;
 use crate::problem::Place;
 use crate::reader::Reader;
-use fe_core::stepping::{Recorded, Way};
+use fe_core::stepping::{LeadingQuantity, Recorded};
 use pullout_run::input::{self, Input};
 use serde_json::Value;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ fn mistake(recorded: &Recorded, steps: &[Option<u64>], may_end_early: bool) -> O
                 index + 1
             ));
         }
-        let is_whole = |tried: &fe_core::stepping::Tried| tried.to == Way::Drives(1.0);
+        let is_whole = |tried: &fe_core::stepping::Tried| tried.to == LeadingQuantity::Drives(1.0);
         if let Some(k) = increments.iter().position(|attempts| !attempts.last().is_some_and(is_whole)) {
             return Some(format!("steps[{index}][{k}] does not end with the increment: it is of a specimen"));
         }

@@ -1,6 +1,6 @@
 //! Runs in a child: a [`Job`] into a folder of which nothing stays.
 
-use super::{Error, Inspection, Job, Keep, Message, Options, Outcome, Settings, Source};
+use super::{CaseSource, Error, Inspection, Job, Keep, Message, Options, Outcome, Settings};
 use pullout_case::{CaseErrors, CaseProblem};
 use pullout_report::history::History;
 use pullout_report::plots::Spec;
@@ -17,7 +17,7 @@ use std::time::Duration;
 /// A child that was told to end has so long to finish its increment and its results, then again to end at once.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-pub(super) fn run(source: &Source, settings: Settings) -> Result<Outcome, Error> {
+pub(super) fn run(source: &CaseSource, settings: Settings) -> Result<Outcome, Error> {
     let passing = tempfile::tempdir().map_err(unwritable)?;
     let Settings { threads, stop, records, mut columns, mut listener, fields, .. } = settings;
     let folder = absolute(fields.unwrap_or_else(|| passing.path().join("out")))?;
@@ -49,7 +49,7 @@ pub(super) fn run(source: &Source, settings: Settings) -> Result<Outcome, Error>
 }
 
 /// Checks a case in a child; the columns of its rows, unless a plugin ended the process.
-pub(super) fn columns(source: &Source) -> Result<Option<Vec<String>>, CaseErrors> {
+pub(super) fn columns(source: &CaseSource) -> Result<Option<Vec<String>>, CaseErrors> {
     let wrong = |problems| CaseErrors { file: source.file.clone(), problems };
     let ask = || -> io::Result<Vec<Message>> {
         let inspection = Inspection { case: placed(source)?, quiet: true, before_run: true };
@@ -66,13 +66,13 @@ pub(super) fn columns(source: &Source) -> Result<Option<Vec<String>>, CaseErrors
 }
 
 /// Starts a child; that of a document works in the folder in which the document would stand.
-fn start(work: &impl Work, source: &Source) -> io::Result<Child> {
+fn start(work: &impl Work, source: &CaseSource) -> io::Result<Child> {
     let folder = Some(input::folder_of(&source.file)).filter(|folder| !folder.as_os_str().is_empty());
     Child::start(work, folder.filter(|_| source.document.is_some()))
 }
 
 /// Returns a case as it is named from another folder.
-fn placed(source: &Source) -> io::Result<Source> {
+fn placed(source: &CaseSource) -> io::Result<CaseSource> {
     let mut source = source.clone();
     if source.document.is_some() {
         source.file = absolute(&source.file)?;

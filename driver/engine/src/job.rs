@@ -1,6 +1,6 @@
 //! Runs and checks as one process asks another for them, and what it hears.
 
-use super::Source;
+use super::CaseSource;
 use pullout_case::CaseProblem;
 use pullout_run::isolation::{self, Aftermath, Work};
 use serde::{Deserialize, Serialize};
@@ -53,7 +53,7 @@ pub enum Keep {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Job {
     /// The case.
-    pub case: Source,
+    pub case: CaseSource,
     /// The result directory.
     #[serde(with = "isolation::path")]
     pub folder: PathBuf,
@@ -71,7 +71,7 @@ pub struct Job {
 
 impl Job {
     /// A run with all results.
-    pub fn new(case: Source, folder: PathBuf, options: Options) -> Self {
+    pub fn new(case: CaseSource, folder: PathBuf, options: Options) -> Self {
         Self { case, folder, keep: Keep::All, options, goes_on: false, tells_rows: false, aftermath: None }
     }
 }
@@ -84,7 +84,7 @@ impl Work for Job {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Inspection {
     /// The case.
-    pub case: Source,
+    pub case: CaseSource,
     /// Whether nothing is said but errors.
     pub quiet: bool,
     /// Whether the case is to be run: what belongs to the run is left to it, and the columns are told ([`Message`]).

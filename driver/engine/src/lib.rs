@@ -1,6 +1,6 @@
 //! Runs cases for other programs: what comes out stays in memory, nothing is written or printed.
 //!
-//! A case is read ([`Source::read`]) and run ([`Prepared::run`]); rows, summary, and the kind and place of a failure
+//! A case is read ([`CaseSource::read`]) and run ([`Prepared::run`]); rows, summary, and the kind and place of a failure
 //! make an [`Outcome`]. Another thread ends a run by a flag. The command `pullout run` follows a case by the same
 //! function and differs in where the rows go: [`run_into`] a folder.
 //!
@@ -37,7 +37,7 @@ use std::sync::atomic::AtomicBool;
 
 /// A case before it is read.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Source {
+pub struct CaseSource {
     /// The case file; of a document the file in which it would stand, by whose folder names in it are resolved.
     #[serde(with = "isolation::path")]
     pub file: PathBuf,
@@ -55,7 +55,7 @@ pub struct Source {
 /// A case that was read.
 #[derive(Debug)]
 pub struct Prepared {
-    source: Source,
+    source: CaseSource,
     /// The case, if it runs in this process; else it runs in a child.
     case: Option<Box<Case>>,
 }
@@ -129,7 +129,7 @@ pub enum Error {
     Stopped,
 }
 
-impl Source {
+impl CaseSource {
     /// A case file.
     pub fn file(file: &Path) -> Self {
         Self { file: file.into(), ..Self::default() }

@@ -12,7 +12,7 @@ use levenberg_marquardt::LevenbergMarquardt;
 use nalgebra::{DMatrix, DVector};
 use pullout_bridging::{Estimate, estimates};
 use pullout_case::CsvFile;
-use pullout_engine::{Outcome, Source};
+use pullout_engine::{CaseSource, Outcome};
 use pullout_report::compare::{Off, OnGrid};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::plots;
@@ -54,7 +54,7 @@ pub struct Free {
 #[derive(Clone, Debug)]
 pub struct Test {
     /// The case with its values to start from.
-    pub source: Source,
+    pub source: CaseSource,
     /// The measured curve.
     pub data: PathBuf,
     /// Columns of the history that it is compared with.
@@ -264,8 +264,8 @@ fn greatest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |greatest, value| greatest.max(value.abs()))
 }
 
-fn document(source: &Source) -> Result<Value, Vec<String>> {
-    let Source { file, overrides, plugin_paths, .. } = source;
+fn document(source: &CaseSource) -> Result<Value, Vec<String>> {
+    let CaseSource { file, overrides, plugin_paths, .. } = source;
     let name = file.display();
     if source.need().is_none() {
         pullout_case::read(file, overrides, plugin_paths)
@@ -355,7 +355,7 @@ struct Computed {
 /// A test with its points.
 struct Measured {
     /// Its case, read once, with its overrides: what is written into the file from now on changes nothing.
-    source: Source,
+    source: CaseSource,
     curve: [String; 2],
     data: Vec<[f64; 2]>,
     /// Numbers that the case has.
@@ -431,7 +431,7 @@ impl Fitted {
             let data = read_data(test)?;
             let has = |k: &usize| pullout_case::value_at(document, &request.free[*k].path).is_some();
             Ok(Measured {
-                source: Source { document: Some(document.clone()), overrides: Vec::new(), ..test.source.clone() },
+                source: CaseSource { document: Some(document.clone()), overrides: Vec::new(), ..test.source.clone() },
                 curve: test.curve.clone(),
                 has: (0..request.free.len()).filter(has).collect(),
                 scale: greatest(data.iter().map(|row| row[1])),

@@ -6,7 +6,7 @@
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
-use pullout_engine::{Along, Outcome, Settings, Source};
+use pullout_engine::{Along, CaseSource, Outcome, Settings};
 use pullout_run::PLUGIN_STACK;
 use serde_json::{Value, json};
 use std::cell::Cell;
@@ -30,7 +30,7 @@ pub enum Increments {
 ///
 /// # Errors
 /// The case is wrong, or cannot be run.
-pub fn outcome(mut source: Source, on: Option<&Increments>) -> Result<(Outcome, Option<Increments>), String> {
+pub fn outcome(mut source: CaseSource, on: Option<&Increments>) -> Result<(Outcome, Option<Increments>), String> {
     let along = match on {
         Some(Increments::Recorded(recorded)) => {
             source.overrides.push(format!("increments={}", json!({ "recorded": recorded })));

@@ -6,7 +6,7 @@ use super::law::BondLaw;
 use super::search::{self, Increments, STEP, Simulation, root_mean_square};
 use super::specimen::Specimen;
 use nalgebra::{DMatrix, DVector};
-use pullout_engine::{Outcome, Source};
+use pullout_engine::{CaseSource, Outcome};
 use std::path::PathBuf;
 
 /// The step of differences of runs that are not led by another, most of whose coordinates are logarithms: their curves are smooth to
@@ -106,10 +106,10 @@ pub struct Simulator<'c> {
 impl Simulator<'_> {
     fn tried(&self, coordinates: &[f64], on: Option<&Increments>) -> Result<Tried, String> {
         let law = self.form.at(coordinates);
-        let source = Source {
+        let source = CaseSource {
             document: Some(self.specimen.computed(&law)),
             plugin_paths: self.plugin_paths.to_vec(),
-            ..Source::file(&self.specimen.file)
+            ..CaseSource::file(&self.specimen.file)
         };
         let (outcome, increments) = search::outcome(source, on)?;
         Ok(Tried { law, curve: SimulatedCurve::of(&outcome, self.slip_at), increments })

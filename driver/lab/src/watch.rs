@@ -1,7 +1,7 @@
 //! Changes of files: of a case and all that it names, of a source and all that it includes.
 
 use pullout_check::build;
-use pullout_engine::Source;
+use pullout_engine::CaseSource;
 use pullout_run::input::folder_of;
 use pullout_run::isolation::{materials, named_file};
 use std::collections::BTreeMap;
@@ -41,7 +41,7 @@ impl FileWatch {
     }
 
     /// Watches everything that a run of a case depends on.
-    pub fn of_case(source: &Source) -> Self {
+    pub fn of_case(source: &CaseSource) -> Self {
         let document = source.text().unwrap_or_default();
         let of_plugin = |plugin: &str| named_file(plugin, folder_of(&source.file), &source.plugin_paths);
         let plugins = materials(&document).into_iter().filter_map(|material| of_plugin(material["plugin"].as_str()?));

@@ -4,7 +4,7 @@ use crate::done::Done;
 use crate::subject::{CALL_TIME_LIMIT, Subject};
 use pullout_case::{Case, CaseProblem};
 use pullout_check::conformance::Judgement;
-use pullout_engine::{Error, Message, Outcome, Settings, Source};
+use pullout_engine::{CaseSource, Error, Message, Outcome, Settings};
 use pullout_report::history::History;
 use pullout_report::plots::figure::Drawing;
 use pullout_report::plots::{self, Curve, Spec, selection};
@@ -54,7 +54,7 @@ struct Ghost {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Examination {
     /// Case.
-    pub case: Source,
+    pub case: CaseSource,
     /// Library, as the case names it.
     pub plugin: String,
     /// States in which the law is looked at.
@@ -110,8 +110,8 @@ impl Work {
                 Some((name.as_str(), &run.history, Spec { title, curves, ..own }))
             })
             .collect();
-        let drawn: Vec<plots::Run<'_>> =
-            specs.iter().map(|(name, history, spec)| plots::Run { history, spec, name }).collect();
+        let drawn: Vec<plots::PlottedRun<'_>> =
+            specs.iter().map(|(name, history, spec)| plots::PlottedRun { history, spec, name }).collect();
         let figures: Vec<Value> = selection::figures(&drawn)
             .iter()
             .filter_map(|figure| {
@@ -218,7 +218,7 @@ impl Work {
     }
 
     /// Reading a case: of the lab's folder, and no file outside of it.
-    fn source(&self, subject: &Subject, document: &Value) -> Result<Source, Value> {
+    fn source(&self, subject: &Subject, document: &Value) -> Result<CaseSource, Value> {
         let mut document = document.clone();
         let plugin = document["material"]["plugin"].as_str().unwrap_or_default().to_owned();
         if document["material"].is_object() && !subject.admits(&plugin) {
@@ -231,7 +231,7 @@ impl Work {
         if is_own && document["material"]["call_time_limit_s"].is_null() {
             document["material"]["call_time_limit_s"] = json!(CALL_TIME_LIMIT);
         }
-        Ok(Source { is_untrusted: !is_own, ..Source::document(document, &subject.folder) })
+        Ok(CaseSource { is_untrusted: !is_own, ..CaseSource::document(document, &subject.folder) })
     }
 
     fn done(&self, subject: &Subject, document: &Value, stop: &Arc<AtomicBool>) -> Result<Arc<Done>, Value> {

@@ -2,7 +2,7 @@
 
 use super::{DONE, FAILED, NO_PLUGIN, Refusal, complain};
 use pullout_case::CaseProblem;
-use pullout_engine::{Inspection, Job, Message, Options, Source, interrupted};
+use pullout_engine::{CaseSource, Inspection, Job, Message, Options, interrupted};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::summary::{self, PluginFile, Summary};
 use pullout_run::isolation::{self, Aftermath, End, Failure, ForwardedLines, Need, Passage, Watch, Work, prints};
@@ -20,7 +20,11 @@ pub(super) fn check(inspection: &Inspection, need: &Need) -> u8 {
 
 /// Validates a case that is to be run: what ends the process now will end the run, and be reported then. The second result is
 /// the columns of the rows, where this process is told. `told`: what was told of other cases, and is not told again.
-pub(super) fn check_before_run(case: &Source, need: &Need, told: Option<&ForwardedLines>) -> (u8, Option<Vec<String>>) {
+pub(super) fn check_before_run(
+    case: &CaseSource,
+    need: &Need,
+    told: Option<&ForwardedLines>,
+) -> (u8, Option<Vec<String>>) {
     let inspection = Inspection { case: case.clone(), quiet: true, before_run: true };
     let mut columns = None;
     let ended = Passage::new(&inspection).and_then(|mut passage| {
@@ -104,7 +108,7 @@ pub(super) fn run(job: &Job, directory: ResultDirectory, need: &Need) -> u8 {
 }
 
 /// The case that repeats the call that ended a worker.
-pub(super) fn replay(failure: &Failure, case: &Source) -> Option<Value> {
+pub(super) fn replay(failure: &Failure, case: &CaseSource) -> Option<Value> {
     let mut replay = failure.replay.clone()?;
     let (document, file) = (case.text().unwrap_or_default(), &case.file);
     let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();

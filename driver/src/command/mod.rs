@@ -22,7 +22,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 use pullout_case::{Case, CaseErrors, CaseProblem};
 use pullout_check::{build, description};
-use pullout_engine::{Inspection, Job, Message, Source};
+use pullout_engine::{CaseSource, Inspection, Job, Message};
 use pullout_lab::Examination;
 use pullout_run::PLUGIN_STACK;
 use pullout_run::input::{self, Input};
@@ -159,18 +159,18 @@ struct Isolation {
 
 impl Reading {
     /// A case file, read as these arguments say.
-    fn source(&self, file: &Path) -> Source {
-        Source {
+    fn source(&self, file: &Path) -> CaseSource {
+        CaseSource {
             overrides: self.overrides.clone(),
             plugin_paths: self.plugin_paths.clone(),
             is_untrusted: self.untrusted,
-            ..Source::file(file)
+            ..CaseSource::file(file)
         }
     }
 }
 
 /// Reads a case. What its plugins print meanwhile belongs to no run.
-fn read(source: &Source) -> Result<Case, CaseErrors> {
+fn read(source: &CaseSource) -> Result<Case, CaseErrors> {
     let _prints = Prints::discard();
     source.case()
 }

@@ -240,8 +240,8 @@ fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &StudyArgum
     }
     let of_kept = results.runs.iter().map(|result| if result.message.is_some() { FAILED } else { DONE });
     let of_run = states.iter().map(|state| match state {
-        pullout_study::State::Ran(code) => *code,
-        pullout_study::State::Kept | pullout_study::State::NotRun => DONE,
+        pullout_study::RunOutcome::Ran(code) => *code,
+        pullout_study::RunOutcome::Kept | pullout_study::RunOutcome::NotRun => DONE,
     });
     Ok(of_run.chain(of_kept).max().unwrap_or(DONE))
 }

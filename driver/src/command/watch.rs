@@ -1,13 +1,13 @@
 //! `pullout run --watch`: cases that are run again whenever a file changes that they depend on.
 
 use super::{DONE, complain};
-use pullout_engine::Source;
+use pullout_engine::CaseSource;
 use pullout_lab::FileWatch;
 use pullout_run::signals;
 
 /// Does something, and does it again whenever a file of the cases has changed, until a signal comes: the exit code is that of what
 /// a signal ended, else that of success.
-pub(super) fn again_and_again(cases: &[Source], act: &dyn Fn() -> u8) -> u8 {
+pub(super) fn again_and_again(cases: &[CaseSource], act: &dyn Fn() -> u8) -> u8 {
     loop {
         // what is saved while they run is a change as well
         let files = cases.iter().map(FileWatch::of_case).reduce(FileWatch::and);

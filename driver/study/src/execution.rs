@@ -1,6 +1,6 @@
 //! Runs what has to be run, each in a process of its own, so many at a time.
 
-use super::{Run, Study};
+use super::{Study, StudyRun};
 use pullout_engine::{Job, Keep, Message, Options};
 use pullout_report::directory::{Kind, ResultDirectory};
 use pullout_report::summary::{Status, Summary};
@@ -41,7 +41,7 @@ pub struct Execution<'a> {
 
 /// Outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum RunOutcome {
     /// Run, with this exit code.
     Ran(u8),
     /// Results were there.
@@ -61,7 +61,7 @@ struct Mark {
 
 impl Execution<'_> {
     /// Returns whether a run is asked for.
-    pub fn wants(&self, study: &Study, run: &Run) -> bool {
+    pub fn wants(&self, study: &Study, run: &StudyRun) -> bool {
         let (series, member) = (&study.series[run.series].name, &study.members[run.member].label);
         self.only.is_empty()
             || self.only.iter().any(|wanted| {
@@ -71,7 +71,7 @@ impl Execution<'_> {
     }
 
     /// Returns what becomes of a run if nothing more is run.
-    fn present(&self, study: &Study, run: &Run) -> Option<State> {
+    fn present(&self, study: &Study, run: &StudyRun) -> Option<RunOutcome> {
         let folder = self.out.join(&run.folder);
         let is_its_own = input::read(&folder.join(MARK), Input::Result)
             .ok()
@@ -85,18 +85,18 @@ impl Execution<'_> {
         });
         let again = self.force || !self.only.is_empty();
         match self.wants(study, run) {
-            false => Some(if summary.is_some() { State::Kept } else { State::NotRun }),
-            true if is_done && !again => Some(State::Kept),
+            false => Some(if summary.is_some() { RunOutcome::Kept } else { RunOutcome::NotRun }),
+            true if is_done && !again => Some(RunOutcome::Kept),
             true => None,
         }
     }
 
     /// Returns whether a run has to be run.
-    pub fn is_due(&self, study: &Study, run: &Run) -> bool {
+    pub fn is_due(&self, study: &Study, run: &StudyRun) -> bool {
         self.present(study, run).is_none()
     }
 
-    fn run(&self, run: &Run) -> io::Result<u8> {
+    fn run(&self, run: &StudyRun) -> io::Result<u8> {
         let folder = self.out.join(&run.folder);
         fs::create_dir_all(&folder)?;
         let mut arguments = vec![run.case.file.display().to_string()];
@@ -138,9 +138,9 @@ pub(super) fn is_refused(code: u8) -> bool {
 pub fn execute(
     study: &Study,
     execution: &Execution<'_>,
-    finished: &(dyn Fn(&Run, u8, usize, usize) + Sync),
-) -> io::Result<Vec<State>> {
-    let states: Vec<Option<State>> = study.runs.iter().map(|run| execution.present(study, run)).collect();
+    finished: &(dyn Fn(&StudyRun, u8, usize, usize) + Sync),
+) -> io::Result<Vec<RunOutcome>> {
+    let states: Vec<Option<RunOutcome>> = study.runs.iter().map(|run| execution.present(study, run)).collect();
     let due: Vec<usize> = (0..states.len()).filter(|&index| states[index].is_none()).collect();
     let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let ended: Mutex<Vec<(usize, io::Result<u8>)>> = Mutex::new(Vec::new());
@@ -161,11 +161,12 @@ pub fn execute(
             });
         }
     });
-    let mut states: Vec<State> = states.into_iter().map(|state| state.unwrap_or(State::NotRun)).collect();
+    let mut states: Vec<RunOutcome> = states.into_iter().map(|state| state.unwrap_or(RunOutcome::NotRun)).collect();
     for (index, code) in ended.into_inner().unwrap_or_default() {
         let name = study.name_of(&study.runs[index]);
-        states[index] =
-            State::Ran(code.map_err(|error| io::Error::new(error.kind(), format!("{name}: cannot be run: {error}")))?);
+        states[index] = RunOutcome::Ran(
+            code.map_err(|error| io::Error::new(error.kind(), format!("{name}: cannot be run: {error}")))?,
+        );
     }
     Ok(states)
 }

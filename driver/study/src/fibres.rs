@@ -3,10 +3,10 @@
 //! Each run's folder has its fingerprint as its name: cases and studies that need the same run share it, and a table goes
 //! on where it was interrupted.
 
-use super::execution::{Execution, State, execute};
-use super::{Member, Run, Series, Study};
+use super::execution::{Execution, RunOutcome, execute};
+use super::{Member, Series, Study, StudyRun};
 use pullout_bridging::Curve;
-use pullout_engine::Source;
+use pullout_engine::CaseSource;
 use pullout_report::directory::Lock;
 use pullout_report::history::History;
 use pullout_report::summary::{Status, Summary};
@@ -26,7 +26,7 @@ const DIGITS: usize = 24;
 /// A case that is refused, a run that failed before its load had fallen to half the peak, by its angle and length.
 pub fn curves_of_fibres(
     simulations: &Simulations,
-    bridging: &Source,
+    bridging: &CaseSource,
     execution: &Execution<'_>,
     finished: &(dyn Fn(&str, u8, usize, usize) + Sync),
 ) -> Result<(Vec<Curve>, SimulationFindings), String> {
@@ -50,7 +50,7 @@ pub fn curves_of_fibres(
         let failed = |message: &str| format!("fibre at {name}: {message} ({})", folder.display());
         let summary = Summary::read(&folder.join("summary.json"));
         let summary = summary.map_err(|_| failed("it was not run; output.txt has the reason"))?;
-        findings.kept += usize::from(state == State::Kept);
+        findings.kept += usize::from(state == RunOutcome::Kept);
         findings.cpu_time_s += summary.cpu_time_s.unwrap_or_default();
         let columns = ["slip", "load"];
         let history = History::of_run(&folder, |table| table.read_columns(&columns));
@@ -82,20 +82,20 @@ pub fn curves_of_fibres(
 }
 
 /// The runs as a study of one series.
-fn study(simulations: &Simulations, bridging: &Source) -> Result<Study, String> {
+fn study(simulations: &Simulations, bridging: &CaseSource) -> Result<Study, String> {
     let (mut members, mut runs) = (Vec::new(), Vec::new());
     for (member, simulation) in simulations.runs.iter().enumerate() {
         let title = format!("{}°, {} mm", significant(simulation.angle_deg, 4), significant(simulation.embedded, 4));
         members.push(Member { label: member.to_string(), title, x: None });
         let (file, overrides) = (simulations.base.clone(), simulation.overrides.clone());
-        let case = Source { file, overrides, document: None, ..bridging.clone() };
+        let case = CaseSource { file, overrides, document: None, ..bridging.clone() };
         let libraries = match case.need() {
             Some(_) => None,
             None => Some(case.case().map_err(|errors| errors.to_string())?.libraries()),
         };
         let fingerprint = case.key(libraries);
         let folder = fingerprint.chars().take(DIGITS).collect::<String>().into();
-        runs.push(Run { member, case, fingerprint, folder, ..Run::default() });
+        runs.push(StudyRun { member, case, fingerprint, folder, ..StudyRun::default() });
     }
     let series = vec![Series { name: "fibres".into(), title: String::new() }];
     Ok(Study { file: simulations.base.clone(), members, series, runs, ..Study::default() })

@@ -3,7 +3,7 @@
 //! A study file (`document`) is read and every run's case is checked (`read`) before anything runs. Each run is a process
 //! of its own, so that a plugin meets the same program as in a single run; its results are an ordinary result directory
 //! (`execution`). What is done already is not done again while neither the case, nor its files, nor the program changed
-//! ([`Source::key`]), and the user hears of each run that ends ([`Progress`]). Then the runs are compared ([`results`]), the
+//! ([`CaseSource::key`]), and the user hears of each run that ends ([`Progress`]). Then the runs are compared ([`results`]), the
 //! claims are tested ([`claims`]), and pictures, tables and a report are made ([`pictures`], `table`, `report`).
 
 pub mod claims;
@@ -20,7 +20,7 @@ mod table;
 
 pub use claims::{Expectation, Finding, Verdict};
 pub use demand::Demand;
-pub use execution::{Execution, State, execute};
+pub use execution::{Execution, RunOutcome, execute};
 pub use fibres::curves_of_fibres;
 pub use progress::{Progress, outcome};
 pub use pullout_case::study::{Columns, NamedQuantity, QuantityOfFile as Quantity};
@@ -29,7 +29,7 @@ pub use report::write as write_report;
 pub use results::{Results, RunResult};
 pub use table::{FILE, write_csv, write_json};
 
-use pullout_engine::Source;
+use pullout_engine::CaseSource;
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -50,7 +50,7 @@ pub struct Study {
     /// Lists of runs with the same members.
     pub series: Vec<Series>,
     /// All runs, series by series.
-    pub runs: Vec<Run>,
+    pub runs: Vec<StudyRun>,
     /// The curve whose peak and work count.
     pub curve: Columns,
     /// Units of the curve's columns.
@@ -82,7 +82,7 @@ impl Study {
     }
 
     /// "bent/45".
-    pub fn name_of(&self, run: &Run) -> String {
+    pub fn name_of(&self, run: &StudyRun) -> String {
         format!("{}/{}", self.series[run.series].name, self.members[run.member].label)
     }
 
@@ -135,13 +135,13 @@ pub struct Series {
 
 /// A run of the study.
 #[derive(Clone, Debug, Default)]
-pub struct Run {
+pub struct StudyRun {
     /// Index of its series.
     pub series: usize,
     /// Index of its member.
     pub member: usize,
     /// The case.
-    pub case: Source,
+    pub case: CaseSource,
     /// Result directory below the study's.
     pub folder: PathBuf,
     /// Hash of everything that its rows depend on.

@@ -1,9 +1,9 @@
 //! Messages of the command line on a study: runs as they end, and the outcome.
 
 use super::claims::{Finding, Verdict};
-use super::execution::State;
+use super::execution::RunOutcome;
 use super::results::{Results, RunResult};
-use super::{Run, Study};
+use super::{Study, StudyRun};
 use indicatif::{ProgressBar, ProgressStyle};
 use pullout_run::number::significant;
 use pullout_run::signals;
@@ -38,11 +38,11 @@ impl<'s> Progress<'s> {
 
     /// Takes note of a run that ended with an exit code, the `count`-th of `of` that are due. Returns a line for the standard
     /// output, unless the bar tells it.
-    pub fn ended(&self, run: &Run, code: u8, count: usize, of: usize) -> Option<String> {
+    pub fn ended(&self, run: &StudyRun, code: u8, count: usize, of: usize) -> Option<String> {
         if self.quiet {
             return None;
         }
-        let result = RunResult::read(run, self.study, self.folder, State::Ran(code));
+        let result = RunResult::read(run, self.study, self.folder, RunOutcome::Ran(code));
         let (name, unit) = (self.study.name_of(run), &self.study.units[1]);
         let peak = result.peak.map_or(String::new(), |peak| format!(", peak {} {unit}", significant(peak, 5)));
         let time = result.summary.as_ref().map_or(String::new(), |s| format!(", {} s", significant(s.wall_time_s, 3)));

@@ -2,12 +2,12 @@
 //! once.
 
 use super::claims::Expectation;
-use super::{Abscissa, Claim, Columns, Demand, Member, Quantity, Run, Series, Study};
+use super::{Abscissa, Claim, Columns, Demand, Member, Quantity, Series, Study, StudyRun};
 use pullout_case::study::{
     self, ClaimOfFile, MemberName, MemberOfFile, NamedQuantity, OneOrMany, SeriesOfFile, StudyFile,
 };
 use pullout_case::{CaseErrors, CaseProblem, JsonPlace, Reader, hint, read_study};
-use pullout_engine::Source;
+use pullout_engine::CaseSource;
 use pullout_report::plots::quantity::Quantity as Shown;
 use pullout_run::input::is_stream;
 use pullout_run::number;
@@ -39,7 +39,7 @@ const LONGEST_NAME: usize = 200;
 ///
 /// # Errors
 /// Everything that is wrong with the file and with the cases.
-pub fn read(of: &Source, isolated: &mut dyn FnMut(&Source) -> bool) -> Result<Study, CaseErrors> {
+pub fn read(of: &CaseSource, isolated: &mut dyn FnMut(&CaseSource) -> bool) -> Result<Study, CaseErrors> {
     let file = &of.file;
     let mut reader = of.reader();
     let study = read_study(&mut reader, file, |reader, document: StudyFile| {
@@ -55,7 +55,7 @@ pub fn read(of: &Source, isolated: &mut dyn FnMut(&Source) -> bool) -> Result<St
 struct Resolver<'r, 'p> {
     reader: &'r mut Reader<'p>,
     /// The study's file.
-    of: &'r Source,
+    of: &'r CaseSource,
     /// The history columns that are named.
     demands: Vec<Demand>,
 }
@@ -73,7 +73,7 @@ impl Resolver<'_, '_> {
         self.reader.problem(place, message);
     }
 
-    fn study(mut self, document: &StudyFile, isolated: &mut dyn FnMut(&Source) -> bool) -> Option<Study> {
+    fn study(mut self, document: &StudyFile, isolated: &mut dyn FnMut(&CaseSource) -> bool) -> Option<Study> {
         let root = JsonPlace::root();
         let x = document.x.as_ref().map(|x| Abscissa {
             name: x.name.clone(),
@@ -105,7 +105,7 @@ impl Resolver<'_, '_> {
             pair.clone()
         });
         let overlays = overlays.collect();
-        let cast = Cast { members: &members, series: &series, curve: &curve };
+        let cast = ClaimScope { members: &members, series: &series, curve: &curve };
         let claims: Vec<Claim> =
             claims.into_iter().filter_map(|(place, claim)| self.claim(claim, &cast, &place)).collect();
         if let Some(columns) = &columns {
@@ -200,8 +200,8 @@ impl Resolver<'_, '_> {
         plan: &Runs<'_>,
         members: &[Member],
         series: &[Series],
-        isolated: &mut dyn FnMut(&Source) -> bool,
-    ) -> (Option<Vec<Run>>, Option<Vec<String>>) {
+        isolated: &mut dyn FnMut(&CaseSource) -> bool,
+    ) -> (Option<Vec<StudyRun>>, Option<Vec<String>>) {
         let mut runs = Vec::new();
         let mut complaints: Vec<Complaint> = Vec::new();
         let mut columns: Option<Vec<String>> = None;
@@ -226,12 +226,12 @@ impl Resolver<'_, '_> {
                 let sets = [Some(plan.set), of_series, own].into_iter().flatten();
                 let mut overrides: Vec<String> = sets.flat_map(texts).collect();
                 overrides.extend_from_slice(&self.of.overrides);
-                let mut run = Run {
+                let mut run = StudyRun {
                     series: s,
                     member: m,
                     folder: Path::new(&one_series.name).join(&member.label),
-                    case: Source { file: base.clone(), overrides, ..self.of.clone() },
-                    ..Run::default()
+                    case: CaseSource { file: base.clone(), overrides, ..self.of.clone() },
+                    ..StudyRun::default()
                 };
                 if isolated(&run.case) {
                     run.fingerprint = run.case.key(None);
@@ -293,7 +293,7 @@ impl Resolver<'_, '_> {
         }
     }
 
-    fn claim(&mut self, claim: &ClaimOfFile, cast: &Cast<'_>, place: &JsonPlace) -> Option<Claim> {
+    fn claim(&mut self, claim: &ClaimOfFile, cast: &ClaimScope<'_>, place: &JsonPlace) -> Option<Claim> {
         let series = match &claim.series {
             None => (0..cast.series.len()).map(Some).collect(),
             Some(OneOrMany::One(name)) => vec![self.series_named(name, cast, &place.key("series"))],
@@ -336,7 +336,7 @@ impl Resolver<'_, '_> {
     fn expectation(
         &mut self,
         given: &study::Expectation<MemberName, String>,
-        cast: &Cast<'_>,
+        cast: &ClaimScope<'_>,
         place: &JsonPlace,
     ) -> Option<Expectation> {
         let mut member = |name: &MemberName, key: &str| self.member(name, cast, &place.key(key));
@@ -391,7 +391,7 @@ impl Resolver<'_, '_> {
         }
     }
 
-    fn series_named(&mut self, name: &str, cast: &Cast<'_>, place: &JsonPlace) -> Option<usize> {
+    fn series_named(&mut self, name: &str, cast: &ClaimScope<'_>, place: &JsonPlace) -> Option<usize> {
         let found = cast.series.iter().position(|series| series.name == name);
         if found.is_none() {
             let names = cast.series.iter().map(|series| series.name.as_str());
@@ -400,7 +400,7 @@ impl Resolver<'_, '_> {
         found
     }
 
-    fn member(&mut self, name: &MemberName, cast: &Cast<'_>, place: &JsonPlace) -> Option<usize> {
+    fn member(&mut self, name: &MemberName, cast: &ClaimScope<'_>, place: &JsonPlace) -> Option<usize> {
         let found = match name {
             MemberName::X(x) => cast.members.iter().position(|member| member.x == Some(*x)),
             MemberName::Label(label) => cast.members.iter().position(|member| member.label == *label),
@@ -431,7 +431,7 @@ struct Runs<'d> {
 }
 
 /// Members, series and curve that claims refer to.
-struct Cast<'a> {
+struct ClaimScope<'a> {
     members: &'a [Member],
     series: &'a [Series],
     curve: &'a Columns,

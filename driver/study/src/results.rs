@@ -11,8 +11,8 @@
 //!
 //! Work that is given back where x turns counts with its sign: W of a closed cycle is its dissipation.
 
-use super::execution::{State, is_refused};
-use super::{Columns, Quantity, Run, Study};
+use super::execution::{RunOutcome, is_refused};
+use super::{Columns, Quantity, Study, StudyRun};
 use pullout_case::study::{NamedPlace, NamedQuantity, Where};
 use pullout_report::history::History;
 use pullout_report::summary::{Status, Summary};
@@ -60,7 +60,7 @@ pub struct RunResult {
 
 impl Results {
     /// Reads the result directories below `out`.
-    pub fn read(study: &Study, out: &Path, states: &[State]) -> Self {
+    pub fn read(study: &Study, out: &Path, states: &[RunOutcome]) -> Self {
         let mut runs: Vec<RunResult> =
             study.runs.iter().zip(states).map(|(run, state)| RunResult::read(run, study, out, *state)).collect();
         let curves: Vec<_> = runs.iter().filter(|run| run.is_done()).map(|run| run.curve(&study.curve)).collect();
@@ -74,12 +74,12 @@ impl Results {
 
 impl RunResult {
     /// Reads the results of a run from its directory below `out`.
-    pub(super) fn read(run: &Run, study: &Study, out: &Path, state: State) -> Self {
+    pub(super) fn read(run: &StudyRun, study: &Study, out: &Path, state: RunOutcome) -> Self {
         let folder = out.join(&run.folder);
-        if state == State::NotRun {
+        if state == RunOutcome::NotRun {
             return Self::default();
         }
-        if let State::Ran(code) = state
+        if let RunOutcome::Ran(code) = state
             && is_refused(code)
         {
             let message = Some("it was not run; output.txt has the reason".into());
@@ -88,7 +88,7 @@ impl RunResult {
         let columns = Vec::from_iter(study.columns());
         let history = History::of_run(&folder, |table| table.read_columns(&columns)).unwrap_or_default();
         let summary = Summary::read(&folder.join("summary.json")).ok();
-        let mut result = Self { is_kept: state == State::Kept, ..Self::of(history, summary, &study.curve) };
+        let mut result = Self { is_kept: state == RunOutcome::Kept, ..Self::of(history, summary, &study.curve) };
         if result.summary.is_none() {
             result.message = Some("it ended without a summary; output.txt has what it printed".into());
         }

@@ -2,7 +2,7 @@
 
 use super::claims::{Finding, work_unit};
 use super::results::{Results, RunResult};
-use super::{Run, Study};
+use super::{Study, StudyRun};
 use pullout_report::directory::ResultDirectory;
 use pullout_run::number;
 use serde_json::{Value, json};
@@ -83,7 +83,7 @@ pub fn write_json(
     results: &Results,
     findings: &[Finding],
 ) -> io::Result<()> {
-    let run = |(run, result): (&Run, &RunResult)| {
+    let run = |(run, result): (&StudyRun, &RunResult)| {
         let (member, summary) = (&study.members[run.member], result.summary.as_ref());
         json!({
             "series": study.series[run.series].name, "label": member.label, "title": member.title, "x": member.x,

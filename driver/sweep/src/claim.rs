@@ -21,7 +21,7 @@ const PATIENCE: Duration = Duration::from_secs(600);
 
 /// A run that is to be run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Due {
+pub(crate) struct PendingRun {
     /// Number.
     pub run: usize,
     pub key: String,
@@ -32,10 +32,10 @@ pub(crate) struct Due {
 /// Owner of a claim, and the runs that it has taken. Its machine stands in the file's name: a worker that is ended while it makes
 /// the file leaves no head.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Head {
+pub(crate) struct ClaimHeader {
     /// The program, in hexadecimal: rows of another may have another form.
     pub engine: String,
-    pub runs: Vec<Due>,
+    pub runs: Vec<PendingRun>,
 }
 
 /// The keys in the head of a claim.
@@ -44,7 +44,7 @@ fn keys(file: &mut File) -> Option<HashSet<String>> {
     file.read_exact(&mut length).ok()?;
     let mut head = vec![0; usize::try_from(u32::from_le_bytes(length)).ok()?];
     file.read_exact(&mut head).ok()?;
-    Some(serde_json::from_slice::<Head>(&head).ok()?.runs.into_iter().map(|due| due.key).collect())
+    Some(serde_json::from_slice::<ClaimHeader>(&head).ok()?.runs.into_iter().map(|due| due.key).collect())
 }
 
 /// The file, which is there as long as this is.
@@ -58,7 +58,7 @@ pub(crate) struct Claim {
 
 impl Claim {
     /// Takes runs.
-    pub fn new(store: &Store, host: &str, head: &Head) -> io::Result<Self> {
+    pub fn new(store: &Store, host: &str, head: &ClaimHeader) -> io::Result<Self> {
         let head = framed(&serde_json::to_vec(head)?)?;
         let (file, path) = store.running(host, &head)?;
         Ok(Self { file, path, head: head.len() as u64 })
@@ -127,10 +127,10 @@ fn rows(content: &[u8]) -> (Vec<Measured>, bool, usize) {
 }
 
 /// Rows and claim left by a worker that has ended.
-pub(crate) struct Left {
+pub(crate) struct OrphanedClaim {
     /// Machine of the worker.
     pub host: String,
-    pub head: Head,
+    pub head: ClaimHeader,
     /// Rows in the order of the runs.
     pub rows: Vec<Measured>,
     /// Whether it had begun the run after them.
@@ -140,11 +140,16 @@ pub(crate) struct Left {
 }
 
 /// Keys of runs that workers are at, by their claims.
-pub(crate) type Taken = HashMap<PathBuf, HashSet<String>>;
+pub(crate) type ClaimedKeys = HashMap<PathBuf, HashSet<String>>;
 
 /// Takes over what workers have left, of which only one of several that ask gets it, and brings up to date what the others
 /// are at.
-pub(crate) fn left_behind(store: &Store, engine: &str, host: &str, taken: &mut Taken) -> io::Result<Vec<Left>> {
+pub(crate) fn left_behind(
+    store: &Store,
+    engine: &str,
+    host: &str,
+    taken: &mut ClaimedKeys,
+) -> io::Result<Vec<OrphanedClaim>> {
     let mut found = Vec::new();
     let mut before = std::mem::take(taken);
     for path in store.claims()? {
@@ -170,10 +175,10 @@ pub(crate) fn left_behind(store: &Store, engine: &str, host: &str, taken: &mut T
         file.read_to_end(&mut content)?;
         let claim = Claim { file, path, head: 0 };
         let Some((head, behind)) = unframed(&content) else { continue };
-        let Ok(head) = serde_json::from_slice::<Head>(head) else { continue };
+        let Ok(head) = serde_json::from_slice::<ClaimHeader>(head) else { continue };
         if head.engine == engine {
             let (rows, has_begun, _) = rows(behind);
-            found.push(Left { host: maker, head, rows, has_begun, _claim: claim });
+            found.push(OrphanedClaim { host: maker, head, rows, has_begun, _claim: claim });
         }
     }
     Ok(found)
@@ -183,9 +188,9 @@ pub(crate) fn left_behind(store: &Store, engine: &str, host: &str, taken: &mut T
 mod test {
     use super::*;
 
-    fn head(count: usize) -> Head {
-        let due = |run| Due { run, key: format!("key {run}"), attempt: 1 };
-        Head { engine: "e".into(), runs: (0..count).map(due).collect() }
+    fn head(count: usize) -> ClaimHeader {
+        let due = |run| PendingRun { run, key: format!("key {run}"), attempt: 1 };
+        ClaimHeader { engine: "e".into(), runs: (0..count).map(due).collect() }
     }
 
     #[test]
@@ -193,7 +198,7 @@ mod test {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let store = Store::new(folder.path());
         let mut claim = Claim::new(&store, "h", &head(3)).expect("a claim");
-        let mut taken = Taken::new();
+        let mut taken = ClaimedKeys::new();
         let mut left_behind = |host: &str| {
             let left = left_behind(&store, "e", host, &mut taken).expect("read");
             (left, taken.values().map(HashSet::len).sum::<usize>())
@@ -222,7 +227,7 @@ mod test {
     fn what_a_worker_left_that_was_ended_before_it_wrote_a_head_goes() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let store = Store::new(folder.path());
-        let left_behind = |host: &str| left_behind(&store, "e", host, &mut Taken::new());
+        let left_behind = |host: &str| left_behind(&store, "e", host, &mut ClaimedKeys::new());
         let (file, path) = store.running("h", b"").expect("made");
         assert!(left_behind("h").expect("read").is_empty() && path.exists(), "its worker is there");
         file.unlock().expect("unlocked");

@@ -1,6 +1,6 @@
 //! Rows of a sweep: how a table has them, and which there are so far.
 
-use crate::claim::Due;
+use crate::claim::PendingRun;
 use crate::run::Measured;
 use crate::store::{Keys, Store, Sweep};
 use crate::table::{Column, Table};
@@ -34,7 +34,7 @@ impl Maker {
 }
 
 /// A part of the rows of a sweep.
-pub(crate) fn part(sweep: &Sweep, runs: &[Due], rows: &[Measured], maker: &Maker) -> Table {
+pub(crate) fn part(sweep: &Sweep, runs: &[PendingRun], rows: &[Measured], maker: &Maker) -> Table {
     let keep = &sweep.keep;
     let text = |values: &dyn Fn(usize) -> Option<String>| Column::Text((0..rows.len()).map(values).collect());
     let number = |values: &dyn Fn(usize) -> Option<f64>| Column::Number((0..rows.len()).map(values).collect());
@@ -153,7 +153,7 @@ impl Known {
     }
 
     /// Returns whether a run that was due is over meanwhile.
-    pub fn is_over_since(&self, due: &Due) -> bool {
+    pub fn is_over_since(&self, due: &PendingRun) -> bool {
         self.best(&due.key).is_some_and(|row| row.attempt >= due.attempt && row.is_over())
     }
 

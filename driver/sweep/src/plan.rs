@@ -4,7 +4,7 @@ use crate::store::{Bundle, Keep, Store, Sweep, VERSION, with};
 use pullout_case::study::{NamedQuantity, QuantityOfFile};
 use pullout_case::sweep::{Base, SweepFile};
 use pullout_case::{CaseErrors, CaseProblem, JsonPlace, Reader};
-use pullout_engine::Source;
+use pullout_engine::CaseSource;
 use pullout_run::input::{self, Input};
 use pullout_run::signals;
 use pullout_study::{Demand, default_curve};
@@ -159,10 +159,10 @@ fn resolve(reader: &mut Reader<'_>, of_file: &SweepFile, file: &Path, how: Plann
     overridden(reader, &base, &parameters, &first, &root)?;
     let keep = keep(reader, of_file, &base);
     // the first run tells what is wrong with all
-    let first = Source {
+    let first = CaseSource {
         plugin_paths: how.plugin_paths.to_vec(),
         is_untrusted: how.is_untrusted,
-        ..Source::document(with(&base, &parameters, &first), &folder)
+        ..CaseSource::document(with(&base, &parameters, &first), &folder)
     };
     match first.columns() {
         Ok(columns) => {

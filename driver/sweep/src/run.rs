@@ -1,7 +1,7 @@
 //! One run: its numbers and curves.
 
 use crate::store::{Keep, Store, Sweep};
-use pullout_engine::{Outcome, Settings, Source};
+use pullout_engine::{CaseSource, Outcome, Settings};
 use pullout_report::compare::Branch;
 use pullout_report::summary::Status;
 use pullout_run::path::{FailedAt, FailureKind};
@@ -42,7 +42,7 @@ pub fn measure(
 ) -> Option<Measured> {
     let start = Instant::now();
     let settings = Settings { stop: Arc::clone(stop), ..Settings::default() };
-    let source = Source { is_untrusted, ..Source::document(sweep.document(run), &store.bundle(sweep, run)) };
+    let source = CaseSource { is_untrusted, ..CaseSource::document(sweep.document(run), &store.bundle(sweep, run)) };
     let outcome = source.read().map_err(pullout_engine::Error::from).and_then(|prepared| prepared.run(settings));
     let wall = start.elapsed().as_secs_f64();
     match outcome {

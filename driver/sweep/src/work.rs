@@ -1,7 +1,7 @@
 //! Works off what is left of a sweep.
 
 use crate::batch::Batch;
-use crate::claim::{Claim, Due, Head, Left, Taken, left_behind};
+use crate::claim::{Claim, ClaimHeader, ClaimedKeys, OrphanedClaim, PendingRun, left_behind};
 use crate::collect::{Known, MOST_LOSSES, Maker, part};
 use crate::run::{Measured, measure};
 use crate::store::{Keep, Keys, Store, Sweep};
@@ -59,7 +59,7 @@ pub struct Worked {
 }
 
 /// State that all threads share.
-struct Office<'w> {
+struct JobQueue<'w> {
     store: &'w Store,
     sweep: &'w Sweep,
     work: &'w Work,
@@ -75,9 +75,9 @@ struct Office<'w> {
 
 /// Runs that are left, and what other workers do of them.
 struct Queue {
-    due: VecDeque<Due>,
+    due: VecDeque<PendingRun>,
     known: Known,
-    taken: Taken,
+    taken: ClaimedKeys,
     /// The time at which the rows of others are read again.
     next_reading: Instant,
     /// Runs that others have ended since the start.
@@ -98,13 +98,13 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
     let queue = Queue {
         due: VecDeque::new(),
         known: Known::default(),
-        taken: Taken::new(),
+        taken: ClaimedKeys::new(),
         next_reading: Instant::now(),
         elsewhere: 0,
     };
     let (queue, over) = (Mutex::new(queue), AtomicUsize::new(0));
     let mut office =
-        Office { store, sweep: &sweep, work, identity, maker: Maker::new(identity), queue, count: 0, over, told };
+        JobQueue { store, sweep: &sweep, work, identity, maker: Maker::new(identity), queue, count: 0, over, told };
     let (number, of) = work.chunk.unwrap_or((0, 1));
     let count = sweep.runs.len();
     let runs = count * number / of..count * (number + 1) / of;
@@ -117,7 +117,7 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
     let ended: Vec<io::Result<()>> = std::thread::scope(|scope| {
         let start = |_| {
             let stack = std::thread::Builder::new().stack_size(pullout_run::PLUGIN_STACK);
-            stack.spawn_scoped(scope, || office.toil(is_apart))
+            stack.spawn_scoped(scope, || office.run_worker(is_apart))
         };
         let started: Vec<_> = (0..jobs).map(start).collect();
         started.into_iter().map(|thread| thread?.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
@@ -152,18 +152,18 @@ fn refuse_libraries(store: &Store, sweep: &Sweep) -> io::Result<()> {
 
 impl Queue {
     /// Returns whether another worker is at a run.
-    fn is_taken(&self, due: &Due) -> bool {
+    fn is_taken(&self, due: &PendingRun) -> bool {
         self.taken.values().any(|keys| keys.contains(&due.key))
     }
 }
 
-impl Office<'_> {
+impl JobQueue<'_> {
     fn queue(&self) -> MutexGuard<'_, Queue> {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The runs among these that have no row that counts.
-    fn due(&self, runs: std::ops::Range<usize>) -> io::Result<Vec<Due>> {
+    fn due(&self, runs: std::ops::Range<usize>) -> io::Result<Vec<PendingRun>> {
         let mut queue = self.queue();
         self.look(&mut queue)?;
         let (mut keys, mut seen, mut due) = (Keys::new(self.sweep, self.identity), HashSet::new(), Vec::new());
@@ -176,7 +176,7 @@ impl Office<'_> {
             };
             // the same case twice is run once
             if seen.insert(key.clone()) {
-                due.push(Due { run, key, attempt: attempts + 1 });
+                due.push(PendingRun { run, key, attempt: attempts + 1 });
             }
         }
         // a run that was lost comes last: if its worker was killed by somebody else, the next kill hits another one
@@ -185,7 +185,7 @@ impl Office<'_> {
     }
 
     /// Returns whether these runs call libraries that were not built with this program.
-    fn calls_others(&self, due: &[Due]) -> bool {
+    fn calls_others(&self, due: &[PendingRun]) -> bool {
         let runs: Vec<usize> = due.iter().map(|due| due.run).collect();
         !runs.is_empty() && self.need(&runs).libraries.keys().any(|library| !isolation::is_shipped(library))
     }
@@ -207,7 +207,7 @@ impl Office<'_> {
     }
 
     /// Keeps the rows of workers that have ended, and names the runs that were lost with them.
-    fn take_over(&self, left: Vec<Left>, known: &Known) -> io::Result<()> {
+    fn take_over(&self, left: Vec<OrphanedClaim>, known: &Known) -> io::Result<()> {
         let mut keys = Keys::new(self.sweep, self.identity);
         let numbers: HashMap<String, usize> = (0..self.sweep.runs.len()).map(|run| (keys.of(run), run)).collect();
         for mut left in left {
@@ -218,9 +218,9 @@ impl Office<'_> {
                 // it is written already, or no part of the sweep any more
                 let is_new = known.best(&due.key).is_none_or(|known| known.attempt < due.attempt);
                 let run = *numbers.get(&due.key).filter(|_| is_new)?;
-                Some((Due { run, ..due.clone() }, row.clone()))
+                Some((PendingRun { run, ..due.clone() }, row.clone()))
             });
-            let (runs, rows): (Vec<Due>, Vec<Measured>) = rows.unzip();
+            let (runs, rows): (Vec<PendingRun>, Vec<Measured>) = rows.unzip();
             self.put(&runs, &rows)?;
         }
         Ok(())
@@ -228,7 +228,7 @@ impl Office<'_> {
 
     /// Claims the next block of runs that no other worker has done or is at; `None` if there are none, or a signal asks for
     /// the end.
-    fn take(&self) -> io::Result<Option<(Claim, Vec<Due>)>> {
+    fn take(&self) -> io::Result<Option<(Claim, Vec<PendingRun>)>> {
         let mut queue = self.queue();
         if signals::received().is_some() || queue.due.is_empty() {
             return Ok(None);
@@ -260,7 +260,7 @@ impl Office<'_> {
         if block.is_empty() {
             return Ok(None);
         }
-        let head = Head { engine: self.maker.engine.clone(), runs: block.clone() };
+        let head = ClaimHeader { engine: self.maker.engine.clone(), runs: block.clone() };
         Ok(Some((Claim::new(self.store, &self.maker.host, &head)?, block)))
     }
 
@@ -270,7 +270,7 @@ impl Office<'_> {
     }
 
     /// Puts rows of runs, which stand in the order of `runs`, into the store.
-    fn put(&self, runs: &[Due], rows: &[Measured]) -> io::Result<()> {
+    fn put(&self, runs: &[PendingRun], rows: &[Measured]) -> io::Result<()> {
         for (due, row) in runs.iter().zip(rows) {
             if let Some(case) = &row.replay {
                 self.store.keep_replay(&due.key, case)?;
@@ -285,7 +285,7 @@ impl Office<'_> {
     }
 
     /// Takes blocks of runs until nothing is left; `is_apart`: in children.
-    fn toil(&self, is_apart: bool) -> io::Result<()> {
+    fn run_worker(&self, is_apart: bool) -> io::Result<()> {
         while let Some((mut claim, mut block)) = self.take()? {
             let (mut rows, start) = (Vec::new(), Instant::now());
             let ended = match is_apart {
@@ -313,7 +313,13 @@ impl Office<'_> {
     }
 
     /// Runs in this process.
-    fn here(&self, block: &[Due], claim: &mut Claim, rows: &mut Vec<Measured>, start: Instant) -> io::Result<()> {
+    fn here(
+        &self,
+        block: &[PendingRun],
+        claim: &mut Claim,
+        rows: &mut Vec<Measured>,
+        start: Instant,
+    ) -> io::Result<()> {
         let stop = Arc::new(AtomicBool::new(false));
         for due in block {
             if signals::received().is_some() || start.elapsed().as_secs_f64() > self.seconds() {
@@ -338,7 +344,13 @@ impl Office<'_> {
     }
 
     /// Runs in children, one after another.
-    fn apart(&self, block: &[Due], claim: &mut Claim, rows: &mut Vec<Measured>, start: Instant) -> io::Result<()> {
+    fn apart(
+        &self,
+        block: &[PendingRun],
+        claim: &mut Claim,
+        rows: &mut Vec<Measured>,
+        start: Instant,
+    ) -> io::Result<()> {
         while rows.len() < block.len() && signals::received().is_none() {
             let left = self.seconds() - start.elapsed().as_secs_f64();
             if left < 0.0 {
@@ -357,7 +369,7 @@ impl Office<'_> {
 
     /// Starts a child with runs, which adds its rows behind the `before` that are there; one of the run that it did not
     /// survive is added here.
-    fn child(&self, runs: &[Due], seconds: f64, claim: &mut Claim, before: usize) -> io::Result<()> {
+    fn child(&self, runs: &[PendingRun], seconds: f64, claim: &mut Claim, before: usize) -> io::Result<()> {
         let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
         let sweep = self.sweep.part(&numbers);
         let need = self.need(&numbers);
@@ -405,7 +417,7 @@ fn lost(host: &str, attempt: u32, keep: &Keep) -> Measured {
 }
 
 /// The row of a run that a child did not survive.
-fn crash(failure: &Failure, document: &Value, office: &Office<'_>, run: usize) -> Measured {
+fn crash(failure: &Failure, document: &Value, office: &JobQueue<'_>, run: usize) -> Measured {
     let case = failure.replay.clone().map(|mut case| {
         let title = document["title"].as_str().unwrap_or(&office.sweep.title);
         replay::entitle(&mut case, replay::OF_CALL, title, &office.store.bundle(office.sweep, run));

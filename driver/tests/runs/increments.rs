@@ -2,20 +2,20 @@
 
 use crate::program::{self, Desk, cases};
 use end_to_end_tests::worst;
-use pullout_engine::{Outcome, Settings, Source, set_program};
+use pullout_engine::{CaseSource, Outcome, Settings, set_program};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
 
-fn run(source: Source, records: bool) -> Outcome {
+fn run(source: CaseSource, records: bool) -> Outcome {
     let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
     set_program(program, program);
     let prepared = source.read().unwrap_or_else(|errors| panic!("{errors}"));
     prepared.run(Settings { records, ..Settings::default() }).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn with(case: &Value, changes: &[(&str, f64)], increments: Option<&Value>) -> Source {
-    let mut source = Source::document(case.clone(), &cases().join("chapter-6"));
+fn with(case: &Value, changes: &[(&str, f64)], increments: Option<&Value>) -> CaseSource {
+    let mut source = CaseSource::document(case.clone(), &cases().join("chapter-6"));
     source.overrides = changes.iter().map(|(path, value)| format!("{path}={value:?}")).collect();
     source.overrides.extend(increments.map(|recorded| format!("increments={}", json!({ "recorded": recorded }))));
     source

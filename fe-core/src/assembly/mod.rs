@@ -16,4 +16,4 @@ pub use solids::{GreatestInPart, Solids};
 pub(crate) use system::Factor;
 pub use system::{Condensation, System, SystemState};
 pub(crate) use trouble::Setback;
-pub use trouble::{Location, Trouble};
+pub use trouble::{Location, PointFailure};

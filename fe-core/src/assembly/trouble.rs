@@ -79,21 +79,21 @@ impl fmt::Display for Location {
 pub(crate) struct Setback {
     /// Message.
     pub(crate) reason: String,
-    /// As [`Trouble::fraction`].
+    /// As [`PointFailure::fraction`].
     pub(crate) fraction: Option<f64>,
 }
 
 impl Setback {
     /// Adds the location.
-    pub(crate) fn at(self, place: Location) -> Trouble {
-        Trouble { place, reason: self.reason, fraction: self.fraction, is_limit_point: false }
+    pub(crate) fn at(self, place: Location) -> PointFailure {
+        PointFailure { place, reason: self.reason, fraction: self.fraction, is_limit_point: false }
     }
 }
 
 /// An attempt of an increment that must be given up.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{place}: {reason}")]
-pub struct Trouble {
+pub struct PointFailure {
     /// Location of the failure.
     pub place: Location,
     /// Message.

@@ -47,7 +47,7 @@ pub(super) struct Foot {
 /// Shape functions of an edge with two derivatives by ξ: along the end's tangent past the ends of an open chain. With
 /// the smoothed direction m = Σ turn x in place of x' = Σ first x, in which its neighbours' nodes have a part.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shape {
+pub(super) struct EdgeShape {
     count: usize,
     nodes: [usize; MAX_SHAPE_NODES],
     pub values: [f64; MAX_SHAPE_NODES],
@@ -60,7 +60,7 @@ pub(super) struct Shape {
     pub smoothed: bool,
 }
 
-impl Shape {
+impl EdgeShape {
     /// The nodes: the edge's own, then those of its neighbours.
     pub fn nodes(&self) -> &[usize] {
         &self.nodes[..self.count]
@@ -163,13 +163,13 @@ impl Chain {
     }
 
     /// Shape functions at a place.
-    pub fn shape(&self, edge: i64, coordinate: f64) -> Shape {
+    pub fn shape(&self, edge: i64, coordinate: f64) -> EdgeShape {
         let kind = self.kinds[self.index(edge)];
         let excess = self.excess(edge, coordinate);
         let at = coordinate - excess;
         let (values, first) = (kind.shape_functions(at), kind.shape_derivatives(at));
         let second = if excess == 0.0 { kind.shape_second_derivatives() } else { [0.0; 3] };
-        let mut shape = Shape { count: kind.node_count(), ..Shape::default() };
+        let mut shape = EdgeShape { count: kind.node_count(), ..EdgeShape::default() };
         for (node, &index) in self.nodes(edge).iter().enumerate() {
             shape.nodes[node] = index;
             shape.values[node] = values[node] + first[node] * excess;
@@ -184,7 +184,7 @@ impl Chain {
 
     /// Adds to m, at each end of an edge that is smoothed, what makes it there the mean of both edges' directions dx/ds₀;
     /// linearly from 0 at the other end.
-    fn smooth(&self, edge: i64, coordinate: f64, shape: &mut Shape) {
+    fn smooth(&self, edge: i64, coordinate: f64, shape: &mut EdgeShape) {
         for side in [-1, 1] {
             if !self.is_smooth_at(edge, side) {
                 continue;

@@ -1,6 +1,6 @@
 //! Gap and slip of a contact point with their first and second derivatives by the nodes' positions.
 
-use super::chain::{Chain, Foot, MAX_SHAPE_NODES, Shape};
+use super::chain::{Chain, EdgeShape, Foot, MAX_SHAPE_NODES};
 use crate::plane::dot;
 use serde::{Deserialize, Serialize};
 
@@ -88,7 +88,7 @@ struct Directions {
 }
 
 impl Directions {
-    fn new(shape: &Shape, position: &impl Fn(usize) -> [f64; 2]) -> Self {
+    fn new(shape: &EdgeShape, position: &impl Fn(usize) -> [f64; 2]) -> Self {
         let mut sums = [[0.0; 2]; 4];
         for (k, &node) in shape.nodes().iter().enumerate() {
             let x = position(node);
@@ -153,7 +153,7 @@ impl Kinematics {
     }
 
     /// Nodes, positions and A; the rest is 0.
-    fn over(slave: &SlavePoint, shape: &Shape, position: &impl Fn(usize) -> [f64; 2]) -> Self {
+    fn over(slave: &SlavePoint, shape: &EdgeShape, position: &impl Fn(usize) -> [f64; 2]) -> Self {
         let mut nodes = [0; MAX_NODES];
         let mut arm = [0.0; MAX_NODES];
         let mut foot = [0.0; 2];
@@ -189,7 +189,7 @@ impl Kinematics {
     }
 
     /// Gradients of g and ξ and the ingredients of the second derivatives.
-    fn fill(&mut self, slave: usize, shape: &Shape, directions: &Directions, arm: [f64; 2], denominator: f64) {
+    fn fill(&mut self, slave: usize, shape: &EdgeShape, directions: &Directions, arm: [f64; 2], denominator: f64) {
         let Directions { tangent, direction, turning, .. } = directions;
         let (gap, normal, second) = (self.gap, self.normal, &mut self.second);
         for node in 0..self.count {

@@ -6,7 +6,7 @@ use super::normal::{HostNormal, NormalState};
 use super::quadrature::ContactPoint;
 use crate::assembly::Setback;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, ModelError, PluginLaw};
-use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
+use umat_abi::host::recorder::{FricRecord, RecordedArguments, UinterRecord};
 use umat_abi::host::{CallFailure, FricAnswer, FricCall, Plugin, SurfaceFields, UinterCall, Validation, judge};
 
 /// Fraction of the increment to repeat with: a plugin that returned NaN or infinity may do better with a smaller one.
@@ -145,18 +145,18 @@ impl PointLaw {
     }
 
     /// The last call of the plugin, if it was for this point, from its state at the start.
-    pub fn last_call(&self, point: usize, start: &PointState, statev: &[f64]) -> Option<Arguments> {
+    pub fn last_call(&self, point: usize, start: &PointState, statev: &[f64]) -> Option<RecordedArguments> {
         let number = i32::try_from(point + 1).ok().filter(|_| self.calls() > 0);
         let statev = statev.to_vec();
         match self {
-            Self::Uinter { call, .. } if Some(call.node) == number => Some(Arguments::Uinter(UinterRecord {
+            Self::Uinter { call, .. } if Some(call.node) == number => Some(RecordedArguments::Uinter(UinterRecord {
                 stress: vec![start.pressure, start.shear],
                 statev,
                 energies: start.plugin_energies.to_vec(),
                 flags: start.flags.map(f64::from).to_vec(),
                 ..UinterRecord::of(call)
             })),
-            Self::Fric { call, .. } if Some(call.node) == number => Some(Arguments::Fric(FricRecord {
+            Self::Fric { call, .. } if Some(call.node) == number => Some(RecordedArguments::Fric(FricRecord {
                 lm: vec![start.stick.into()],
                 tau: vec![start.shear],
                 statev,

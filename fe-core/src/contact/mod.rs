@@ -22,14 +22,14 @@ pub use history::PointStatus;
 pub use pair::Evaluation;
 pub use state::ContactState;
 
-use crate::assembly::Trouble;
+use crate::assembly::PointFailure;
 use crate::mesh::Mesh;
 use crate::model::{ContactPair, FieldValues, IncrementContext, ModelError};
 use crate::solver::Blocks;
 use history::PointState;
 use kinematics::Kinematics;
 use pair::{Output, Pair, PairState};
-use umat_abi::host::recorder::Arguments;
+use umat_abi::host::recorder::RecordedArguments;
 use umat_abi::law::Request;
 
 #[cfg(test)]
@@ -161,7 +161,7 @@ impl Contact {
 
     /// The last call of a pair's law, if it was for this point: the one that failed, where a law did. What the law changes is
     /// as it was at the start.
-    pub fn last_call(&self, pair: &str, point: usize) -> Option<Arguments> {
+    pub fn last_call(&self, pair: &str, point: usize) -> Option<RecordedArguments> {
         let pair = self.pairs.iter().find(|other| other.name == pair)?;
         let statev = pair.state.committed.statev.get(point * pair.state_count..(point + 1) * pair.state_count)?;
         pair.law.last_call(point, pair.state.committed.points.get(point)?, statev)
@@ -184,7 +184,7 @@ impl Contact {
         request: Request,
         forces: &mut [f64],
         blocks: &mut Blocks,
-    ) -> Result<Evaluation, Trouble> {
+    ) -> Result<Evaluation, PointFailure> {
         let Self { reference, pairs, .. } = self;
         let position = |node: usize| {
             let [x, y] = reference[node];

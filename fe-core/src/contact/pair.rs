@@ -10,7 +10,7 @@ use super::law::{PointLaw, Situation, Tangent};
 use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::ContactPoint;
-use crate::assembly::{Location, Setback, Trouble};
+use crate::assembly::{Location, PointFailure, Setback};
 use crate::mesh::ElementEdge;
 use crate::model::{Bearing, Enforcement, Fit, IncrementContext};
 use crate::solver::Blocks;
@@ -134,7 +134,7 @@ impl Pair {
         position: &impl Fn(usize) -> [f64; 2],
         context: &IncrementContext,
         output: &mut Output<'_>,
-    ) -> Result<Evaluation, Trouble> {
+    ) -> Result<Evaluation, PointFailure> {
         let mut evaluation = Evaluation::default();
         self.foretold.elsewhere = false;
         for number in 0..self.patches.len() {
@@ -169,7 +169,7 @@ impl Pair {
     }
 
     /// Kinematics, foot, slip and weight of a point on trial; whether its foot was searched for on the whole master.
-    fn find_foot(&mut self, index: usize, position: &impl Fn(usize) -> [f64; 2]) -> Result<bool, Trouble> {
+    fn find_foot(&mut self, index: usize, position: &impl Fn(usize) -> [f64; 2]) -> Result<bool, PointFailure> {
         let start = &self.state.committed.points[index];
         if start.gone {
             self.state.kinematics[index] = None;

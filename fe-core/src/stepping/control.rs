@@ -11,10 +11,10 @@
 //! Until the load has peaked no contact point's slip may grow by more than the law's elastic limit or half of its
 //! largest slip so far in one increment, and the peak itself is bisected, so that neither depends on the sizes asked for.
 
-use super::newton::{Committed, Converged, Leader, Target, hardest_round};
-use super::recorded::Way;
+use super::newton::{Committed, Converged, IncrementGoal, Leader, hardest_round};
+use super::recorded::LeadingQuantity;
 use super::size::{EASY, GROWTH, IncrementSize};
-use crate::assembly::Trouble;
+use crate::assembly::PointFailure;
 use crate::model::{Model, Step};
 use serde::{Deserialize, Serialize};
 
@@ -208,16 +208,18 @@ impl StepRun {
     }
 
     /// Returns where the next attempt leads.
-    pub(super) fn target(&mut self) -> Target {
+    pub(super) fn target(&mut self) -> IncrementGoal {
         match self.lead {
             Lead::Drives => {
                 self.attempted = self.size.next(1.0 - self.progress);
-                Target::Drives(self.drives_at(self.aim()))
+                IncrementGoal::Drives(self.drives_at(self.aim()))
             }
             Lead::Other(Led { by, increment, .. }) => {
-                Target::Led { by, growth: increment, direction: self.direction(), point: None }
+                IncrementGoal::Led { by, growth: increment, direction: self.direction(), point: None }
             }
-            Lead::Drag(Dragged { resistance, .. }) => Target::Through { goal: self.drives_at(self.aim()), resistance },
+            Lead::Drag(Dragged { resistance, .. }) => {
+                IncrementGoal::Through { goal: self.drives_at(self.aim()), resistance }
+            }
         }
     }
 
@@ -227,14 +229,14 @@ impl StepRun {
     }
 
     /// Returns where the present attempt leads; `leading`: the contact point that leads, if one does.
-    pub(super) fn way(&self, leading: Option<[usize; 2]>) -> Way {
+    pub(super) fn way(&self, leading: Option<[usize; 2]>) -> LeadingQuantity {
         match self.lead {
-            Lead::Drives => Way::Drives(self.aim()),
+            Lead::Drives => LeadingQuantity::Drives(self.aim()),
             Lead::Other(Led { by: Leader::PointSlip, increment, .. }) => {
-                Way::Slip { growth: increment, point: leading }
+                LeadingQuantity::Slip { growth: increment, point: leading }
             }
-            Lead::Other(Led { by: Leader::Dissipation, increment, .. }) => Way::Dissipation(increment),
-            Lead::Drag(Dragged { resistance, .. }) => Way::Through { to: self.aim(), resistance },
+            Lead::Other(Led { by: Leader::Dissipation, increment, .. }) => LeadingQuantity::Dissipation(increment),
+            Lead::Drag(Dragged { resistance, .. }) => LeadingQuantity::Through { to: self.aim(), resistance },
         }
     }
 
@@ -368,7 +370,7 @@ impl StepRun {
     }
 
     /// An attempt failed or was judged too large.
-    pub(super) fn reject(&mut self, trouble: &Trouble, has_failed: bool) -> Advance {
+    pub(super) fn reject(&mut self, trouble: &PointFailure, has_failed: bool) -> Advance {
         let Some(fraction) = trouble.fraction else { return Advance::Failed };
         if fraction >= 1.0 {
             return Advance::Repeated;

@@ -1,6 +1,6 @@
 //! Models that cannot be computed, and runs that end early.
 
-use crate::assembly::Trouble;
+use crate::assembly::PointFailure;
 use crate::model::{Measured, Model, ModelError};
 
 /// A run that ended early.
@@ -16,7 +16,7 @@ pub enum RunError {
         /// Part of the step that was done.
         progress: f64,
         /// Cause and place.
-        trouble: Trouble,
+        trouble: PointFailure,
     },
     /// The observer could not write.
     #[error(transparent)]

@@ -2,12 +2,12 @@
 
 use super::control::StepRun;
 use super::newton::Committed;
-use crate::assembly::{Location, Trouble};
+use crate::assembly::{Location, PointFailure};
 use crate::model::{Load, LoadKind, Model};
 
 /// Returns why a run ends where a load that the step moves is at a limit point: no equilibrium is near with more of it, and smaller
 /// increments find none.
-pub(super) fn at_limit_point(model: &Model, state: &Committed, run: &StepRun) -> Option<Trouble> {
+pub(super) fn at_limit_point(model: &Model, state: &Committed, run: &StepRun) -> Option<PointFailure> {
     let direction = run.direction();
     let Load { name, drive, kind } = model.loads.iter().find(|load| direction[load.drive] != 0.0)?;
     let (freedom, ratio) = run.limit_point()?;
@@ -27,5 +27,5 @@ pub(super) fn at_limit_point(model: &Model, state: &Committed, run: &StepRun) ->
         model.drives[*drive],
     );
     let place = Location::Node { node, position: model.mesh.nodes()[node] };
-    Some(Trouble { place, reason, fraction: None, is_limit_point: true })
+    Some(PointFailure { place, reason, fraction: None, is_limit_point: true })
 }

@@ -26,18 +26,18 @@ pub use energy::Energies;
 pub use error::RunError;
 pub use newton::{Flips, Iteration};
 pub use record::{Counts, Directive, FibreRecord, Observer, Record, WireRecord};
-pub use recorded::{Recorded, Tried, Verdict, Way};
+pub use recorded::{LeadingQuantity, Recorded, Tried, Verdict};
 pub use snapshot::Snapshot;
 pub use times::Times;
 pub use trail::{Along, Trail};
 
 use crate::assembly::solids::PartAccount;
-use crate::assembly::{Equations, Location, Setback, Solids, Trouble};
+use crate::assembly::{Equations, Location, PointFailure, Setback, Solids};
 use crate::model::{IncrementContext, Model, ModelError, Step};
 use crate::threads::Threads;
 use checkpoint::Position;
 use control::{Advance, Judgement, LoadHistory, StepRun};
-use newton::{Attempt, Committed, Converged, Equilibrium, Target};
+use newton::{Attempt, Committed, Converged, Equilibrium, IncrementGoal};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -288,7 +288,7 @@ impl<'m> Analysis<'m> {
 
     /// Equilibrium at the drives of the start: contact that repels at gap 0 finds its place.
     fn find_datum(&mut self) -> Result<(), RunError> {
-        let target = Target::Drives(self.present.committed.drives.clone());
+        let target = IncrementGoal::Drives(self.present.committed.drives.clone());
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
         // to UEXTERNALDB this is the beginning of the first increment
         let first = self.model.steps.first().map(|step| self.beginning(step, 1).run.time_increment(0.0));
@@ -407,7 +407,7 @@ impl<'m> Analysis<'m> {
     }
 
     /// One attempt at an increment from the present state.
-    fn attempt(&mut self, target: &Target, context: IncrementContext) -> Result<Converged, Trouble> {
+    fn attempt(&mut self, target: &IncrementGoal, context: IncrementContext) -> Result<Converged, PointFailure> {
         self.databases.increment_starts(clock(&context, 0.0));
         let lead = self.along.as_ref().and_then(|trail| trail.lead(context.step, context.increment));
         self.equilibrium.attempt(Attempt::new(&self.present.committed, target, context, lead))

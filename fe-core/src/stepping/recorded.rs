@@ -5,10 +5,10 @@
 //! function of these, since nothing is chosen any more.
 
 use super::control::StepRun;
-use super::newton::{Leader, Target};
+use super::newton::{IncrementGoal, Leader};
 use super::record::{Directive, Observer};
 use super::{Along, Analysis, RunError, Trail};
-use crate::assembly::Trouble;
+use crate::assembly::PointFailure;
 use crate::contact::PointIndex;
 use crate::model::{IncrementContext, Step};
 use serde::{Deserialize, Serialize};
@@ -30,7 +30,7 @@ pub struct Recorded {
 #[serde(deny_unknown_fields)]
 pub struct Tried {
     /// Leading quantity and its goal.
-    pub to: Way,
+    pub to: LeadingQuantity,
     /// Time that it took, s; points know it themselves.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub time: f64,
@@ -45,7 +45,7 @@ pub struct Tried {
 /// Leading quantity of an attempt, and its goal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
-pub enum Way {
+pub enum LeadingQuantity {
     /// The drives: to this part of the step; of a point, to this part of the increment.
     Drives(f64),
     /// The slip of a contact point.
@@ -98,9 +98,9 @@ impl Recorded {
                 let place = |attempt: usize| format!("steps[{step}][{increment}][{attempt}]");
                 for (index, tried) in attempts.iter().enumerate() {
                     let (part, number) = match tried.to {
-                        Way::Drives(part) => (part, 0.0),
-                        Way::Slip { growth, .. } | Way::Dissipation(growth) => (0.0, growth),
-                        Way::Through { to, resistance } => (to, resistance),
+                        LeadingQuantity::Drives(part) => (part, 0.0),
+                        LeadingQuantity::Slip { growth, .. } | LeadingQuantity::Dissipation(growth) => (0.0, growth),
+                        LeadingQuantity::Through { to, resistance } => (to, resistance),
                     };
                     let is_sound = number.is_finite() && tried.time >= 0.0 && tried.time.is_finite();
                     if !is_sound || !(0.0..=1.0).contains(&part) {
@@ -133,21 +133,23 @@ impl Recorded {
 /// Returns the time of a step of these increments if they came to its end.
 fn whole_time(increments: &[Vec<Tried>]) -> Option<f64> {
     let standing = || increments.iter().filter_map(|attempts| attempts.last());
-    let is_whole = standing().next_back().is_some_and(|tried| tried.to == Way::Drives(1.0));
+    let is_whole = standing().next_back().is_some_and(|tried| tried.to == LeadingQuantity::Drives(1.0));
     is_whole.then(|| standing().map(|tried| tried.time).sum())
 }
 
 impl StepRun {
     /// Returns where a recorded attempt leads.
-    fn recorded_target(&self, to: Way) -> Target {
-        let led = |by, growth, point| Target::Led { by, growth, direction: self.direction(), point };
+    fn recorded_target(&self, to: LeadingQuantity) -> IncrementGoal {
+        let led = |by, growth, point| IncrementGoal::Led { by, growth, direction: self.direction(), point };
         match to {
-            Way::Drives(part) => Target::Drives(self.drives_at(part)),
-            Way::Slip { growth, point } => {
+            LeadingQuantity::Drives(part) => IncrementGoal::Drives(self.drives_at(part)),
+            LeadingQuantity::Slip { growth, point } => {
                 led(Leader::PointSlip, growth, point.map(|[pair, point]| PointIndex { pair, point }))
             }
-            Way::Dissipation(growth) => led(Leader::Dissipation, growth, None),
-            Way::Through { to, resistance } => Target::Through { goal: self.drives_at(to), resistance },
+            LeadingQuantity::Dissipation(growth) => led(Leader::Dissipation, growth, None),
+            LeadingQuantity::Through { to, resistance } => {
+                IncrementGoal::Through { goal: self.drives_at(to), resistance }
+            }
         }
     }
 }
@@ -195,7 +197,7 @@ impl Analysis<'_> {
     }
 
     /// Returns where the attempt that was just made leads.
-    pub(super) fn way(&self, run: &StepRun) -> Way {
+    pub(super) fn way(&self, run: &StepRun) -> LeadingQuantity {
         run.way(self.equilibrium.leading_point.map(|(point, _)| [point.pair, point.point]))
     }
 
@@ -253,7 +255,7 @@ impl Analysis<'_> {
                     Err(trouble) => {
                         let reason =
                             format!("{} (the increment is a recorded one, which is repeated as it is)", trouble.reason);
-                        let trouble = Trouble { reason, fraction: None, ..trouble };
+                        let trouble = PointFailure { reason, fraction: None, ..trouble };
                         return Err(RunError::Failed { step: number, increment, progress, trouble });
                     }
                 }

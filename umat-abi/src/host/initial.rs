@@ -2,7 +2,7 @@
 
 use super::library::Library;
 use super::memory::{Guarded, NAME_LENGTH, fortran_name};
-use super::recorder::{self, Arguments};
+use super::recorder::{self, RecordedArguments};
 use super::routines::Routine;
 use std::ffi::c_char;
 
@@ -123,7 +123,7 @@ impl InitialStates {
     /// In words, if SDVINI wrote behind STATEV, or left a value that is not finite.
     pub fn of_point(&mut self, at: &InitialPoint) -> Result<Vec<f64>, String> {
         let InitialPoint { coordinates, element, point } = at;
-        self.values(("SDVINI", Arguments::INITIAL_STATE), at, |function, values| {
+        self.values(("SDVINI", RecordedArguments::INITIAL_STATE), at, |function, values| {
             let (states, count) = (values.as_mut_ptr(), values.count());
             // SAFETY: every pointer is valid for the sizes that the counts tell.
             unsafe { function(states, coordinates.as_ptr(), count, &DIMENSIONS, element, point, &ONE, &ONE) }
@@ -146,7 +146,7 @@ impl InitialStresses {
         let InitialPoint { coordinates, element, point } = at;
         // the rebar's name, which is blank, and the type of the element
         let names = [fortran_name(""), fortran_name(element_type)].concat();
-        self.values(("SIGINI", Arguments::INITIAL_STRESS), at, |function, values| {
+        self.values(("SIGINI", RecordedArguments::INITIAL_STRESS), at, |function, values| {
             let (stress, count) = (values.as_mut_ptr(), values.count());
             let names = names.as_ptr().cast::<c_char>();
             // SAFETY: every pointer is valid for the sizes that the counts tell.

@@ -2,7 +2,7 @@
 
 use super::guard::{Guard, run};
 use super::library::Library;
-use super::recorder::{Arguments, Slot};
+use super::recorder::{RecordedArguments, Slot};
 
 /// LOP, LRESTART, TIME(2), DTIME, KSTEP, KINC.
 type ExternalDatabaseFunction =
@@ -147,7 +147,7 @@ impl ExternalDatabases {
         let (lop, restart) = (occasion as i32, 0);
         let Clock { time, time_increment, step, increment } = clock;
         for database in &mut self.databases {
-            database.call(Arguments::EXTERNAL_DATABASE, [lop, step, increment], |function| {
+            database.call(RecordedArguments::EXTERNAL_DATABASE, [lop, step, increment], |function| {
                 // SAFETY: every pointer is valid for what the manual says.
                 unsafe { function(&lop, &restart, time.as_ptr(), &time_increment, &step, &increment) };
             });

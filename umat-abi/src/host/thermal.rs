@@ -8,7 +8,7 @@ use super::guard::Guard;
 use super::library::Library;
 use super::memory::{Guarded, NAME_LENGTH, NotFinite, Overrun, same_bits};
 use super::plugin_call::PNEWDT_ON_ENTRY;
-use super::recorder::{self, Arguments};
+use super::recorder::{self, RecordedArguments};
 use super::routines::Routine;
 use crate::law::Heat;
 use std::ffi::c_char;
@@ -180,7 +180,7 @@ impl HeatGeneration {
         self.flux.as_mut_slice().fill(0.0);
         let (flux, cmname, statev) = (self.flux.as_mut_ptr(), of.cmname(), of.statev.as_mut_ptr());
         let place = of.place();
-        self.routine.call(Arguments::HEAT_GENERATION, place, |function| {
+        self.routine.call(RecordedArguments::HEAT_GENERATION, place, |function| {
             let cmname = cmname.as_ptr().cast();
             // SAFETY: every pointer is valid for what the manual says.
             unsafe { function(cmname, temp, time, dtime, statev, flux, predef, dpred, NAME_LENGTH) }
@@ -241,7 +241,7 @@ impl HeatTransfer {
         let [noel, npt, layer, kspt, kinc] = [of.noel, of.npt, ONE, ONE, of.kinc];
         // some declare KSTEP as UMAT has it, an array of four
         let kstep = of.jstep;
-        self.routine.call(Arguments::HEAT_TRANSFER, place, |function| {
+        self.routine.call(RecordedArguments::HEAT_TRANSFER, place, |function| {
             let cmname = cmname.as_ptr().cast();
             // SAFETY: every pointer is valid for what the manual says, and for the sizes that the counts tell.
             unsafe {

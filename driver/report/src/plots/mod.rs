@@ -90,7 +90,7 @@ pub struct Curve {
 
 /// A run to draw.
 #[derive(Clone, Copy, Debug)]
-pub struct Run<'a> {
+pub struct PlottedRun<'a> {
     /// History.
     pub history: &'a History,
     /// Meaning of the history.
@@ -159,7 +159,7 @@ fn guarded<T>(draw: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
 /// # Errors
 /// A file that cannot be written.
 pub fn draw(directory: &mut ResultDirectory, folder: &str, history: &History, spec: &Spec) -> io::Result<Drawings> {
-    let figures = selection::figures(&[Run { history, spec, name: "" }]);
+    let figures = selection::figures(&[PlottedRun { history, spec, name: "" }]);
     let mut drawings = write_all(directory, folder, &figures)?;
     drawings.warnings.extend(spec.captions_of_nothing(history, &figures));
     spec.write(directory, folder)?;

@@ -2,7 +2,7 @@
 
 use super::export::Export;
 use super::figure::Figure;
-use super::{Drawings, FOLDER, Picture, Run, Spec, selection, within, write_all};
+use super::{Drawings, FOLDER, Picture, PlottedRun, Spec, selection, within, write_all};
 use crate::directory::ResultDirectory;
 use crate::history::History;
 use pullout_run::input::{self, Input};
@@ -54,7 +54,8 @@ impl<'a> Redrawing<'a> {
         source: Option<&Path>,
         formats: &[(&str, Export)],
     ) -> Self {
-        let runs: Vec<_> = runs.iter().map(|DrawnRun { history, spec, name }| Run { history, spec, name }).collect();
+        let runs: Vec<_> =
+            runs.iter().map(|DrawnRun { history, spec, name }| PlottedRun { history, spec, name }).collect();
         let figures = selection::figures(&runs);
         let drawn: Vec<String> = figures.iter().map(|figure| within(folder, &format!("{}.svg", figure.name))).collect();
         let source = source.map(|source| source.join(FOLDER));

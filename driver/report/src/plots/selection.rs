@@ -2,7 +2,7 @@
 
 use super::figure::{Figure, Key, Line, Marks, PALETTE, Style};
 use super::quantity::{Quantity, capital, group_of};
-use super::{CaseKind, Curve, Run};
+use super::{CaseKind, Curve, PlottedRun};
 use crate::{ROUNDING, extremes};
 use pullout_bridging::RESIDUAL_CMOD;
 use pullout_run::columns::Group;
@@ -13,7 +13,7 @@ use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES};
 mod test;
 
 /// The pictures of one or several runs. What kind they are of is taken from the first.
-pub fn figures(runs: &[Run<'_>]) -> Vec<Figure> {
+pub fn figures(runs: &[PlottedRun<'_>]) -> Vec<Figure> {
     let Some(first) = runs.first() else { return Vec::new() };
     let mut layouts = match &first.spec.subject {
         CaseKind::Point { controlled } => point(first, controlled),
@@ -116,7 +116,7 @@ impl Layout {
     }
 
     /// `is_first`: it is shown as long as anything moves; others say something only where y does.
-    fn figure(&self, runs: &[Run<'_>], names: &[String], is_first: bool) -> Option<Figure> {
+    fn figure(&self, runs: &[PlottedRun<'_>], names: &[String], is_first: bool) -> Option<Figure> {
         let several = runs.len() > 1;
         let is_measured = !self.curves.is_empty();
         let mut lines = Vec::new();
@@ -171,7 +171,7 @@ impl Layout {
     }
 
     /// The name of two columns; `None`: there are no others.
-    fn name_of_pair(&self, run: &Run<'_>, x: &str, y: &str) -> Option<String> {
+    fn name_of_pair(&self, run: &PlottedRun<'_>, x: &str, y: &str) -> Option<String> {
         let one_x = self.pairs.iter().all(|pair| pair.0 == self.pairs[0].0);
         let one_y = self.pairs.iter().all(|pair| pair.1 == self.pairs[0].1);
         let name = |column: &str| Quantity::of(column, &run.spec.units).name;
@@ -184,7 +184,7 @@ impl Layout {
     }
 
     /// The name of a line: what tells it from the others. `own`: that of its run, if there are several.
-    fn label(&self, run: &Run<'_>, own: Option<&String>, x: &str, y: &str) -> String {
+    fn label(&self, run: &PlottedRun<'_>, own: Option<&String>, x: &str, y: &str) -> String {
         let given = run.spec.captions.get(&self.name).and_then(|caption| caption.legend.get(y));
         match (own, given.cloned().or_else(|| self.name_of_pair(run, x, y))) {
             (None, Some(_)) if given.is_some() => given.cloned().unwrap_or_default(),
@@ -197,7 +197,7 @@ impl Layout {
     }
 
     /// The quantity on an axis: the column's, or what the columns have in common.
-    fn axis(&self, run: &Run<'_>, side: impl Fn(&(String, String)) -> &String) -> Quantity {
+    fn axis(&self, run: &PlottedRun<'_>, side: impl Fn(&(String, String)) -> &String) -> Quantity {
         let first = self.pairs.first().map_or("", |pair| side(pair).as_str());
         let single = self.pairs.iter().all(|pair| side(pair) == first);
         let own = Quantity::of(first, &run.spec.units);
@@ -209,7 +209,7 @@ impl Layout {
 const MOST_INPUTS: usize = 2;
 
 /// Names of runs: their titles, or of equal ones the inputs that differ, if these are few, or their folders.
-fn names(runs: &[Run<'_>]) -> Vec<String> {
+fn names(runs: &[PlottedRun<'_>]) -> Vec<String> {
     let differ =
         |names: &[String]| names.iter().enumerate().all(|(k, name)| !name.is_empty() && !names[..k].contains(name));
     let titles: Vec<String> = runs.iter().map(|run| run.spec.title.clone()).collect();
@@ -221,12 +221,12 @@ fn names(runs: &[Run<'_>]) -> Vec<String> {
     keys.dedup();
     keys.retain(|key| runs.iter().any(|run| run.spec.inputs.get(*key) != runs[0].spec.inputs.get(*key)));
     if keys.len() <= MOST_INPUTS {
-        let value = |run: &Run<'_>, key: &String| {
+        let value = |run: &PlottedRun<'_>, key: &String| {
             let value = run.spec.inputs.get(key).map_or("–", String::as_str);
             // a step is told in words
             if value.contains(": ") { format!("{key}: {value}") } else { format!("{key} = {value}") }
         };
-        let named = |run: &Run<'_>| keys.iter().map(|key| value(run, key)).collect::<Vec<_>>().join(", ");
+        let named = |run: &PlottedRun<'_>| keys.iter().map(|key| value(run, key)).collect::<Vec<_>>().join(", ");
         let inputs: Vec<String> = runs.iter().map(named).collect();
         if differ(&inputs) {
             return inputs;
@@ -275,7 +275,7 @@ fn merge(lines: &mut Vec<Line>) -> Vec<usize> {
 const SAME_LINE: f64 = 5e-3;
 
 /// Every measured curve goes into a picture: the first that fits, or one of its own.
-fn place_curves(layouts: &mut Vec<Layout>, runs: &[Run<'_>]) {
+fn place_curves(layouts: &mut Vec<Layout>, runs: &[PlottedRun<'_>]) {
     let mut placed: Vec<&Curve> = Vec::new();
     for curve in runs.iter().flat_map(|run| &run.spec.curves) {
         if placed.contains(&curve) {
@@ -299,7 +299,7 @@ fn place_curves(layouts: &mut Vec<Layout>, runs: &[Run<'_>]) {
     }
 }
 
-fn point(run: &Run<'_>, controlled: &[usize]) -> Vec<Layout> {
+fn point(run: &PlottedRun<'_>, controlled: &[usize]) -> Vec<Layout> {
     let driven = driven_component(run, controlled);
     let (strain, stress) = (STRAIN_NAMES[driven], STRESS_NAMES[driven]);
     let mut layouts = vec![Layout::pair("stress_strain", strain, stress)];
@@ -319,7 +319,7 @@ fn point(run: &Run<'_>, controlled: &[usize]) -> Vec<Layout> {
 const NEGLIGIBLE_STRESS: f64 = 1e-6;
 
 /// The controlled component with the largest range of strain (of all six if none is controlled).
-fn driven_component(run: &Run<'_>, controlled: &[usize]) -> usize {
+fn driven_component(run: &PlottedRun<'_>, controlled: &[usize]) -> usize {
     let all = [0, 1, 2, 3, 4, 5];
     let candidates = if controlled.is_empty() { &all[..] } else { controlled };
     let widest = candidates.iter().filter(|&&component| component < 6).rev();
@@ -329,7 +329,7 @@ fn driven_component(run: &Run<'_>, controlled: &[usize]) -> usize {
         .unwrap_or_default()
 }
 
-fn interface(run: &Run<'_>) -> Vec<Layout> {
+fn interface(run: &PlottedRun<'_>) -> Vec<Layout> {
     let mut tractions = vec![("slip", "tau")];
     if span(run, "slip2") > 0.0 {
         tractions.push(("slip2", "tau2"));
@@ -348,7 +348,7 @@ fn interface(run: &Run<'_>) -> Vec<Layout> {
     layouts
 }
 
-fn pullout(run: &Run<'_>) -> Vec<Layout> {
+fn pullout(run: &PlottedRun<'_>) -> Vec<Layout> {
     let mut layouts = vec![Layout::pair("load_slip", "slip", "load")];
     let others = ["slip_exit", "slip_tail"].into_iter().filter(|column| span(run, column) > 0.0);
     layouts.push(Layout::new("load_local_slip", others.map(|column| (column, "load"))));
@@ -376,7 +376,7 @@ fn pullout(run: &Run<'_>) -> Vec<Layout> {
 }
 
 /// The beam, if there is one; σ(w) with its band, what fibres of each angle carry of it, and those that broke.
-fn bridging(run: &Run<'_>) -> Vec<Layout> {
+fn bridging(run: &PlottedRun<'_>) -> Vec<Layout> {
     let beam = Layout::over("cmod", "load_cmod", ["load", "load_05", "load_50", "load_95"]);
     let mut layouts: Vec<Layout> = run.history.column("cmod").map(|_| beam).into_iter().collect();
     layouts.extend([
@@ -392,12 +392,12 @@ fn bridging(run: &Run<'_>) -> Vec<Layout> {
 /// Remainder of a shear component from rounding and the lateral reaction of a perpendicular fibre, over the load.
 const NEGLIGIBLE_SHEAR: f64 = 1e-2;
 
-fn columns(run: &Run<'_>, wanted: impl Fn(&str) -> bool) -> Vec<String> {
+fn columns(run: &PlottedRun<'_>, wanted: impl Fn(&str) -> bool) -> Vec<String> {
     run.history.columns().iter().filter(|column| wanted(column)).cloned().collect()
 }
 
 /// Returns whether a column changes by more than rounding leaves beside the greatest value of its group.
-fn moves(run: &Run<'_>, column: &str) -> bool {
+fn moves(run: &PlottedRun<'_>, column: &str) -> bool {
     let group = group_of(column);
     let is_alike = |other: &&String| *other == column || (group != Group::Other && group_of(other) == group);
     let alike = run.history.columns().iter().filter(is_alike);
@@ -407,7 +407,7 @@ fn moves(run: &Run<'_>, column: &str) -> bool {
 }
 
 /// Greatest less least finite value; 0 without any.
-fn span(run: &Run<'_>, column: &str) -> f64 {
+fn span(run: &PlottedRun<'_>, column: &str) -> f64 {
     let values = run.history.column(column).unwrap_or_default().iter().copied();
     let (least, greatest) = extremes(values.filter(|value| value.is_finite()));
     (greatest - least).max(0.0)

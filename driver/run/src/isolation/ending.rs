@@ -8,7 +8,7 @@ use crate::signals;
 use rustix::process::Signal;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use umat_abi::host::recorder::{Arguments, CallRecord, Recording};
+use umat_abi::host::recorder::{CallRecord, RecordedArguments, Recording};
 use umat_abi::host::{WRITTEN_FOR_SIX, library_name};
 
 /// Cause of a worker's end.
@@ -119,7 +119,7 @@ impl Report {
 
 /// Returns whether a signal is one that such a law may end by.
 fn leaves_own_arrays(call: &CallRecord, signal: i32) -> bool {
-    let plane = matches!(&call.arguments, Arguments::Umat(umat) if matches!(umat.stress.len(), 3 | 4));
+    let plane = matches!(&call.arguments, RecordedArguments::Umat(umat) if matches!(umat.stress.len(), 3 | 4));
     let signals = [Signal::ABORT, Signal::SEGV, Signal::BUS];
     plane && !trust::is_shipped(&call.library) && signals.iter().any(|known| known.as_raw() == signal)
 }
@@ -134,17 +134,17 @@ fn place(call: &CallRecord, need: &Need) -> String {
     };
     let contact_point = |node: i32| format!(", contact point {node}");
     let place = match &call.arguments {
-        Arguments::InitialState(point) => return format!("{plugin}, SDVINI{}", material_point(*point)),
-        Arguments::InitialStress(point) => return format!("{plugin}, SIGINI{}", material_point(*point)),
-        Arguments::HeatGeneration(place) => return heat("HETVAL", *place),
-        Arguments::HeatTransfer(place) => return heat("UMATHT", *place),
-        Arguments::ExternalDatabase([lop, ..]) => {
+        RecordedArguments::InitialState(point) => return format!("{plugin}, SDVINI{}", material_point(*point)),
+        RecordedArguments::InitialStress(point) => return format!("{plugin}, SIGINI{}", material_point(*point)),
+        RecordedArguments::HeatGeneration(place) => return heat("HETVAL", *place),
+        RecordedArguments::HeatTransfer(place) => return heat("UMATHT", *place),
+        RecordedArguments::ExternalDatabase([lop, ..]) => {
             return format!("{plugin}, UEXTERNALDB {}, step {step}, increment {increment}", occasion(*lop));
         }
         _ if !need.specimen => String::new(),
-        Arguments::Umat(umat) => material_point([umat.noel, umat.npt]),
-        Arguments::Uinter(uinter) => contact_point(uinter.node),
-        Arguments::Fric(fric) => contact_point(fric.node),
+        RecordedArguments::Umat(umat) => material_point([umat.noel, umat.npt]),
+        RecordedArguments::Uinter(uinter) => contact_point(uinter.node),
+        RecordedArguments::Fric(fric) => contact_point(fric.node),
     };
     format!("{plugin}, step {step}, increment {increment}{place}")
 }

@@ -5,7 +5,7 @@ use super::trust;
 use crate::program::{FieldValues, STRAIN_NAMES, STRESS_NAMES};
 use crate::replay::{self, named, rows};
 use serde_json::{Value, json};
-use umat_abi::host::recorder::{Arguments, CallRecord, FricRecord, UinterRecord, UmatRecord};
+use umat_abi::host::recorder::{CallRecord, FricRecord, RecordedArguments, UinterRecord, UmatRecord};
 use umat_abi::law::StressState;
 
 /// A case that makes this call of a process that ended, and no other before it; `None` if an argument is no number, which JSON
@@ -27,9 +27,9 @@ pub(super) fn of(call: &CallRecord, need: &Need) -> Option<Value> {
 /// A case that makes this call, and no other before it, without its title; `None` for the routines beside the entry points.
 pub(crate) fn of_call(call: &CallRecord) -> Option<Value> {
     let (mut case, props, statev, entry) = match &call.arguments {
-        Arguments::Umat(umat) => (point(umat, call.wants_tangent), &umat.props, &umat.statev, "umat"),
-        Arguments::Uinter(uinter) => (uinter_case(uinter), &uinter.props, &uinter.statev, "uinter"),
-        Arguments::Fric(fric) => (fric_case(fric), &fric.props, &fric.statev, "fric"),
+        RecordedArguments::Umat(umat) => (point(umat, call.wants_tangent), &umat.props, &umat.statev, "umat"),
+        RecordedArguments::Uinter(uinter) => (uinter_case(uinter), &uinter.props, &uinter.statev, "uinter"),
+        RecordedArguments::Fric(fric) => (fric_case(fric), &fric.props, &fric.statev, "fric"),
         _ => return None,
     };
     case["title"] = json!("");

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use umat_abi::host::UmatInputs;
-use umat_abi::host::recorder::{Arguments, CallRecord, UmatRecord};
+use umat_abi::host::recorder::{CallRecord, RecordedArguments, UmatRecord};
 use umat_abi::metadata::PLUGIN_SYMBOL;
 
 /// Returns the need of a case with these materials: a point's, or a specimen's parts and contact. `foreign.so` is a
@@ -165,7 +165,7 @@ fn a_replay_has_numbers_only() {
         symbol: None,
         cmname: "FOREIGN".into(),
         wants_tangent: true,
-        arguments: Arguments::Umat(UmatRecord {
+        arguments: RecordedArguments::Umat(UmatRecord {
             stress: vec![0.0; 4],
             inputs,
             statev: vec![1.0, state],

@@ -2,7 +2,7 @@
 
 use super::{Failure, IncrementPosition, Observer, Recorder, Statistics, Stop};
 use crate::program::{Controls, Program, Step, Until};
-use fe_core::stepping::{Directive, Tried, Verdict, Way};
+use fe_core::stepping::{Directive, LeadingQuantity, Tried, Verdict};
 use std::io;
 use umat_abi::host::CallFailure;
 
@@ -167,7 +167,7 @@ fn advance(
         let given_up = |reason| GivenUp { reason, first: first_to };
         let attempt = point.attempt(done, to, statistics);
         let verdict = if attempt.is_ok() { Verdict::Stands } else { Verdict::Refused };
-        recorder.tried.push(Tried { to: Way::Drives(to), time: 0.0, verdict, imbalanced: None });
+        recorder.tried.push(Tried { to: LeadingQuantity::Drives(to), time: 0.0, verdict, imbalanced: None });
         match attempt {
             Ok(count) => {
                 point.commit(recorder.observer);
@@ -205,7 +205,7 @@ fn repeat(
     let mut done = 0.0;
     let mut iterations = 0;
     for tried in attempts {
-        let to = if let Way::Drives(to) = tried.to { to } else { 1.0 };
+        let to = if let LeadingQuantity::Drives(to) = tried.to { to } else { 1.0 };
         match point.attempt(done, to, statistics) {
             Ok(count) if tried.verdict == Verdict::Stands => {
                 point.commit(observer);

@@ -9,7 +9,7 @@ use super::{PictureAt, PulloutProgram, Settings, crack_band, overlap, replay, se
 use crate::columns::{self, place_in_specimen};
 use crate::number::significant;
 use crate::path::{self, Failure, Row, Statistics, Stop};
-use fe_core::assembly::Trouble;
+use fe_core::assembly::PointFailure;
 use fe_core::model::{Model, Step, StepControl};
 use fe_core::output::Fields;
 use fe_core::stepping::{
@@ -123,7 +123,7 @@ pub fn run(program: &PulloutProgram, settings: &Settings<'_>, observer: &mut dyn
     let mut findings = Findings::default();
     let ended = ended.map_err(|error| match error {
         RunError::Failed { step, increment, progress, ref trouble } => {
-            let Trouble { place, reason, .. } = trouble.clone();
+            let PointFailure { place, reason, .. } = trouble.clone();
             findings.failure = Some(findings::Failure { step, increment, progress, place, reason });
             let replay = replay::of(program, trouble, &snapshot);
             Stop::Failed(Failure { step, increment, message: error.to_string(), replay })

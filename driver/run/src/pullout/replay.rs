@@ -5,16 +5,16 @@ use crate::isolation::replay::of_call;
 use crate::program::{STRAIN_NAMES, job_folder};
 use crate::replay::{OF_INCREMENT, entitle};
 use fe_core::assembly::solids::PointCall;
-use fe_core::assembly::{Location, Trouble};
+use fe_core::assembly::{Location, PointFailure};
 use fe_core::model::{ContactLaw, PluginLaw};
 use fe_core::stepping::Snapshot;
 use serde_json::{Value, json};
 use umat_abi::host::TangentSource;
-use umat_abi::host::recorder::{Arguments, CallRecord};
+use umat_abi::host::recorder::{CallRecord, RecordedArguments};
 
 /// Returns the case of a material or contact point whose law was called last and stopped the run; null where there is none. What large
 /// displacements turn is given as turned.
-pub fn of(program: &PulloutProgram, trouble: &Trouble, snapshot: &Snapshot<'_>) -> Value {
+pub fn of(program: &PulloutProgram, trouble: &PointFailure, snapshot: &Snapshot<'_>) -> Value {
     let case = match &trouble.place {
         Location::Element { element, point, .. } => material_point(program, [*element, *point], snapshot),
         Location::Contact { pair, point, .. } => contact_point(program, pair, *point, snapshot),
@@ -31,7 +31,7 @@ pub fn of(program: &PulloutProgram, trouble: &Trouble, snapshot: &Snapshot<'_>) 
 fn material_point(program: &PulloutProgram, [element, point]: [usize; 2], snapshot: &Snapshot<'_>) -> Option<Value> {
     let PointCall { arguments, strain_33 } = snapshot.solids().last_call(element, point)?;
     let law = &program.model.laws[program.model.mesh.elements()[element].part()];
-    let mut case = of_call(&record(law, Arguments::Umat(arguments)))?;
+    let mut case = of_call(&record(law, RecordedArguments::Umat(arguments)))?;
     if let Some(strain_33) = strain_33 {
         // what the program finds of plane stress it goes on from
         case["initial"]["strain"][STRAIN_NAMES[2]] = json!(strain_33);
@@ -50,7 +50,7 @@ fn contact_point(program: &PulloutProgram, pair: &str, point: usize, snapshot: &
     of_call(&record(law, snapshot.contact().last_call(pair, point)?))
 }
 
-fn record(law: &PluginLaw, arguments: Arguments) -> CallRecord {
+fn record(law: &PluginLaw, arguments: RecordedArguments) -> CallRecord {
     CallRecord {
         name: law.name.clone(),
         library: law.library.path().to_path_buf(),

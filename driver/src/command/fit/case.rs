@@ -1,7 +1,7 @@
 //! `pullout fit CASE`.
 
 use super::super::{DONE, Isolation, Refusal, complain, say};
-use pullout_engine::Source;
+use pullout_engine::CaseSource;
 use pullout_fit::{CaseRequest, Free, Test, fit_case};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::number::significant;
@@ -121,7 +121,7 @@ impl CaseFitArguments {
         let test = |(k, data): (usize, &PathBuf)| {
             let (overrides, plugin_paths) = (self.overrides.clone(), self.plugin_paths.clone());
             Test {
-                source: Source { overrides, plugin_paths, ..Source::file(&self.cases[k % self.cases.len()]) },
+                source: CaseSource { overrides, plugin_paths, ..CaseSource::file(&self.cases[k % self.cases.len()]) },
                 data: data.clone(),
                 curve: self.curve[k % self.curve.len()].clone(),
                 weight: if self.weights.is_empty() { 1.0 } else { self.weights[k % self.weights.len()] },

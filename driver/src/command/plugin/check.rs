@@ -4,7 +4,7 @@ use super::super::{DONE, FAILED, Isolation, NOT_TESTED, Refusal, say};
 use super::{TIME_LIMIT, file_of, no_plugin};
 use pullout_case::Case;
 use pullout_check::conformance::{self, Event, Group, Judged, Judgement, Options, Verdict};
-use pullout_engine::Source;
+use pullout_engine::CaseSource;
 use pullout_lab::Examination;
 use pullout_run::input::folder_of;
 use pullout_run::isolation::prints::Prints;
@@ -76,7 +76,7 @@ impl CheckArguments {
     /// The checks of a library that are asked for.
     fn checks(&self, library: &Path) -> Checks {
         let (overrides, plugin_paths) = (self.overrides(), self.of.plugin_paths.clone());
-        let mut case = self.case.as_ref().map(|case| Source { overrides, plugin_paths, ..Source::file(case) });
+        let mut case = self.case.as_ref().map(|case| CaseSource { overrides, plugin_paths, ..CaseSource::file(case) });
         let given = library_path(Path::new(""), &self.of.plugin);
         if let Some(source) =
             case.as_mut().filter(|source| names_a_file(&self.of.plugin) && !calls(source, &[library, &given]))
@@ -88,7 +88,7 @@ impl CheckArguments {
 }
 
 /// Whether a case names one of these files, itself or by the name of a law that is found there.
-fn calls(source: &Source, files: &[&Path]) -> bool {
+fn calls(source: &CaseSource, files: &[&Path]) -> bool {
     let text = source.text().unwrap_or_default();
     let named = text["material"]["plugin"].as_str().unwrap_or_default();
     let file = isolation::named_file(named, folder_of(&source.file), &source.plugin_paths);
@@ -100,7 +100,7 @@ fn calls(source: &Source, files: &[&Path]) -> bool {
 pub(in crate::command) struct Checks {
     of: Subject,
     /// The case around whose path they are made.
-    case: Option<Source>,
+    case: Option<CaseSource>,
     /// The group that another process asks for.
     group: Option<Group>,
     /// States that are left out.
@@ -118,7 +118,7 @@ impl Work for Checks {
 
 impl Checks {
     /// All checks of a library.
-    fn of(of: Subject, case: Option<Source>) -> Self {
+    fn of(of: Subject, case: Option<CaseSource>) -> Self {
         Self { of, case, group: None, skip: Vec::new(), longest_path: None, seconds: None }
     }
 

@@ -1,4 +1,4 @@
-use super::super::{Columns, Member, Run, RunResult, Series};
+use super::super::{Columns, Member, RunResult, Series, StudyRun};
 use super::*;
 use pullout_case::Positive;
 use pullout_case::study::{ColumnValue, NamedPlace, OneOrMany, Where};
@@ -11,10 +11,10 @@ fn study(peaks: &[&[Option<f64>]]) -> (Study, Results) {
         .map(|k| Member { label: format!("m{k}"), title: format!("m{k}"), x: Some(10.0 * k as f64) })
         .collect();
     let series = |k: usize| Series { name: format!("s{k}"), title: format!("s{k}") };
-    let runs = (0..peaks.len() * members.len()).map(|k| Run {
+    let runs = (0..peaks.len() * members.len()).map(|k| StudyRun {
         series: k / members.len(),
         member: k % members.len(),
-        case: pullout_engine::Source::default(),
+        case: pullout_engine::CaseSource::default(),
         folder: "folder".into(),
         fingerprint: String::new(),
         warnings: Vec::new(),

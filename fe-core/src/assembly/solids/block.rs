@@ -5,7 +5,7 @@ use super::element::{Motions, Task, advance_finite, advance_small, stiffness_fin
 use super::kernel::Nodal;
 use super::record::{Body, ElementData, Spalled, number_of};
 use super::summary::Counters;
-use crate::assembly::{Location, Trouble};
+use crate::assembly::{Location, PointFailure};
 use crate::element::ElementKind;
 use crate::model::{FieldValues, IncrementContext};
 use umat_abi::host::same_bits;
@@ -92,7 +92,7 @@ impl ElementBlock {
     }
 
     /// Evaluates the active elements, up to the first in trouble.
-    pub(super) fn evaluate(&mut self, evaluation: &Evaluation<'_>) -> Result<(), Trouble> {
+    pub(super) fn evaluate(&mut self, evaluation: &Evaluation<'_>) -> Result<(), PointFailure> {
         for local in 0..self.records.len() {
             let ElementData { element, kind, .. } = self.records[local];
             if !evaluation.active[element] {
@@ -108,7 +108,11 @@ impl ElementBlock {
         Ok(())
     }
 
-    fn evaluate_element<const N: usize>(&mut self, local: usize, evaluation: &Evaluation<'_>) -> Result<(), Trouble> {
+    fn evaluate_element<const N: usize>(
+        &mut self,
+        local: usize,
+        evaluation: &Evaluation<'_>,
+    ) -> Result<(), PointFailure> {
         let Evaluation { displacements, request, skip_unchanged, .. } = *evaluation;
         let wants_tangent = request.wants_tangent();
         let record = &mut self.records[local];

@@ -51,7 +51,7 @@ pub(crate) use summary::Branch;
 pub use summary::{Counters, GreatestInPart, PointCall, PointCounts, PointView, SolidEnergies};
 pub use trust::PartAccount;
 
-use super::{Location, Trouble};
+use super::{Location, PointFailure};
 use crate::model::{Fields, IncrementContext, Model, ModelError, Step};
 use crate::threads::Threads;
 use block::{BlockPlace, ElementBlock, Evaluation};
@@ -205,7 +205,7 @@ impl Solids {
         context: &IncrementContext,
         request: Request,
         forces: &mut [f64],
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), PointFailure> {
         self.set_context(context);
         let evaluation = Evaluation {
             displacements: displacements.as_chunks::<2>().0,
@@ -248,7 +248,7 @@ impl Solids {
         context: &IncrementContext,
         request: Request,
         forces: &mut [f64],
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), PointFailure> {
         let relaxation_time = std::mem::take(&mut self.relaxation_time);
         let result = self.evaluate(displacements, context, request, forces);
         self.relaxation_time = relaxation_time;

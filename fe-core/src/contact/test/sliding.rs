@@ -7,7 +7,7 @@ use crate::contact::chain::Foot;
 use crate::contact::history::PointState;
 use crate::contact::law::PointLaw;
 use crate::element::ElementKind::{Q4, Q8};
-use umat_abi::host::recorder::Arguments;
+use umat_abi::host::recorder::RecordedArguments;
 
 #[test]
 fn a_walk_finds_what_a_full_search_finds() {
@@ -472,7 +472,7 @@ fn the_last_call_of_a_law_tells_the_increment_of_its_point_only() {
         approx::assert_abs_diff_eq!((end.0 - start.0).abs(), 0.02, epsilon = 1e-12);
         let close = |given: f64, expected: f64| approx::assert_abs_diff_eq!(given, expected, epsilon = 1e-12);
         match call {
-            Arguments::Uinter(call) => {
+            RecordedArguments::Uinter(call) => {
                 assert!(is_uinter);
                 assert_eq!(call.statev, start.2);
                 close(call.rdisp[1] - call.drdisp[1], start.0);
@@ -481,7 +481,7 @@ fn the_last_call_of_a_law_tells_the_increment_of_its_point_only() {
                 close(call.drdisp[0] - call.rdisp[0], start.1);
                 close(-call.rdisp[0], end.1);
             }
-            Arguments::Fric(call) => {
+            RecordedArguments::Fric(call) => {
                 assert_eq!((&call.statev, call.pressure[0]), (&start.2, end.2));
                 close(call.dgam[0], end.0 - start.0);
                 assert!(!is_uinter);

@@ -1,7 +1,7 @@
 //! Whether an increment that converged may stand.
 
 use super::{Dragged, Lead, Led, LoadHistory, StepRun};
-use crate::assembly::{Location, Setback, Trouble};
+use crate::assembly::{Location, PointFailure, Setback};
 use crate::stepping::newton::{Converged, Leader};
 
 /// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
@@ -90,7 +90,7 @@ fn share_left(spent: f64) -> f64 {
 /// Why an increment that converged may not stand.
 #[derive(Debug)]
 pub(in crate::stepping) struct Judgement {
-    pub(in crate::stepping) trouble: Trouble,
+    pub(in crate::stepping) trouble: PointFailure,
     /// Whether it is worth no more than one that did not converge.
     pub(in crate::stepping) has_failed: bool,
 }

@@ -84,7 +84,7 @@ fn drag_leads_where_nothing_else_does() {
         if !has_contact {
             continue;
         }
-        let Target::Through { goal, resistance } = run.target() else { panic!("no drag") };
+        let IncrementGoal::Through { goal, resistance } = run.target() else { panic!("no drag") };
         assert!(goal[0] > run.drives_at(0.2)[0] && resistance > 0.0);
         assert!(run.judge(&converged(5.0), load, falls).is_ok(), "the load may fall");
         let imbalanced = Findings { energy_error: 0.5, ..falls };
@@ -93,24 +93,24 @@ fn drag_leads_where_nothing_else_does() {
         let mut shorter = run.clone();
         let rises = shorter.judge(&converged(5.0), load, Findings { load: 20.0, ..falls }).expect_err("drag bears it");
         assert_eq!(shorter.reject(&rises.trouble, rises.has_failed), Advance::Repeated);
-        let Target::Through { goal: nearer, resistance: same } = shorter.target() else { panic!("no drag") };
+        let IncrementGoal::Through { goal: nearer, resistance: same } = shorter.target() else { panic!("no drag") };
         assert!(nearer[0] < goal[0] && same == resistance);
         let mut failing = run.clone();
         assert_eq!(failing.reject(&judgement.trouble, false), Advance::Repeated);
-        let Target::Through { resistance: thicker, .. } = failing.target() else { panic!("no drag") };
+        let IncrementGoal::Through { resistance: thicker, .. } = failing.target() else { panic!("no drag") };
         assert!(thicker > 2.0 * resistance);
         assert!((0..100).any(|_| failing.reject(&trouble, true) == Advance::Failed), "drag thickens for ever");
 
         run.accept(&Committed::default(), &converged(5.0), falls, load);
         let stood = run.progress;
-        let Target::Through { goal: stands, resistance: thinner } = run.target() else {
+        let IncrementGoal::Through { goal: stands, resistance: thinner } = run.target() else {
             panic!("it is out of balance")
         };
         assert!(stands == goal && thinner < resistance && stood > 0.2);
         let mut turning = run.clone();
         let back = Converged { turns: true, ..converged(5.0) };
         turning.accept(&Committed::default(), &back, falls, load);
-        assert!(matches!(turning.target(), Target::Through { resistance, .. } if resistance > thinner));
+        assert!(matches!(turning.target(), IncrementGoal::Through { resistance, .. } if resistance > thinner));
         // neither state balances: the drives go on, and further before drag leads again
         let accepted = (2..100).find(|_| {
             turning.target();

@@ -1,7 +1,7 @@
 //! An attempt beside one of another run ([`crate::stepping::Trail`]).
 
-use super::{Attempt, Equilibrium, Leader, RoundEnd, Target, largest, unsolvable};
-use crate::assembly::Trouble;
+use super::{Attempt, Equilibrium, IncrementGoal, Leader, RoundEnd, largest, unsolvable};
+use crate::assembly::PointFailure;
 use crate::model::Model;
 use crate::stepping::zone::Zone;
 
@@ -47,7 +47,7 @@ impl Guide {
 
 /// The end of the present round in the other run.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Beside {
+pub(super) struct ParallelRound {
     residual: Vec<f64>,
     /// Goal of the leading quantity.
     pub(super) growth: f64,
@@ -57,7 +57,7 @@ pub(super) struct Beside {
     first: Option<[f64; 2]>,
 }
 
-impl Beside {
+impl ParallelRound {
     /// Takes the residual of the other run off.
     pub(super) fn take_off(&self, residual: &mut [f64]) {
         // the zones of the two may have grown apart
@@ -100,16 +100,18 @@ impl Equilibrium<'_> {
     /// Returns how far the leading quantity has grown in the increment; 0 where the drives lead.
     pub(super) fn growth(&self, attempt: &Attempt<'_>) -> f64 {
         match attempt.target {
-            Target::Led { by: Leader::PointSlip, .. } => {
+            IncrementGoal::Led { by: Leader::PointSlip, .. } => {
                 self.leading_point.map_or(0.0, |(point, start)| self.contact.slip_of(point) - start)
             }
-            Target::Led { by: Leader::Dissipation, .. } => self.solids.trial_dissipation() - attempt.start.dissipation,
-            Target::Drives(_) | Target::Through { .. } => 0.0,
+            IncrementGoal::Led { by: Leader::Dissipation, .. } => {
+                self.solids.trial_dissipation() - attempt.start.dissipation
+            }
+            IncrementGoal::Drives(_) | IncrementGoal::Through { .. } => 0.0,
         }
     }
 
     /// Takes an attempt to the beginning of a round beside the other run's, if there is one.
-    pub(super) fn begin_beside(&mut self, attempt: &mut Attempt<'_>, round: usize) -> Result<(), Trouble> {
+    pub(super) fn begin_beside(&mut self, attempt: &mut Attempt<'_>, round: usize) -> Result<(), PointFailure> {
         self.beside = None;
         let Some(lead) = attempt.lead else { return Ok(()) };
         if round == 0
@@ -125,7 +127,7 @@ impl Equilibrium<'_> {
             }
         };
         if round == 0
-            && let Target::Led { by: Leader::PointSlip, point: Some(point), .. } = attempt.target
+            && let IncrementGoal::Led { by: Leader::PointSlip, point: Some(point), .. } = attempt.target
             && self.contact.has(*point)
         {
             self.leading_point = Some((*point, self.contact.slip_of(*point)));
@@ -136,7 +138,8 @@ impl Equilibrium<'_> {
             let largest_drive = largest(&attempt.trial.drives).max(largest(&end.drives));
             attempt.is_off = largest(&attempt.lacking()) > ROUNDING * largest_drive;
         }
-        self.beside = Some(Beside { residual: end.residual.clone(), growth: end.growth, end: end.end, first: None });
+        self.beside =
+            Some(ParallelRound { residual: end.residual.clone(), growth: end.growth, end: end.end, first: None });
         // the factor is of another state: with it corrections are many, and leave more than rounding
         self.memory.last_reduction = 1.0;
         self.take_turn([lead.at[0], lead.at[1], round as u32]);

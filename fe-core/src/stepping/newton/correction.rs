@@ -1,7 +1,7 @@
 //! The correction of an iteration, under direct and indirect control, and how much of it is applied.
 
-use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, add_loads, largest, trouble, unsolvable};
-use crate::assembly::{Location, Trouble};
+use super::{Attempt, CUT, Committed, Equilibrium, IncrementGoal, Leader, add_loads, largest, trouble, unsolvable};
+use crate::assembly::{Location, PointFailure};
 use crate::contact::PointIndex;
 use crate::model::IncrementContext;
 use crate::stepping::line_search;
@@ -59,22 +59,22 @@ impl Direction {
 
 impl Equilibrium<'_> {
     /// Returns the correction of this iteration.
-    pub(super) fn direction(&mut self, attempt: &Attempt<'_>) -> Result<Direction, Trouble> {
+    pub(super) fn direction(&mut self, attempt: &Attempt<'_>) -> Result<Direction, PointFailure> {
         let &Attempt { start, target, ref trial, .. } = attempt;
         let mut correction = self.memory.residual.clone();
         let predicts = attempt.predicts();
-        let may_lack = !matches!(target, Target::Led { .. }) || (predicts && attempt.is_off);
+        let may_lack = !matches!(target, IncrementGoal::Led { .. }) || (predicts && attempt.is_off);
         let drives = if may_lack { attempt.lacking() } else { vec![0.0; trial.drives.len()] };
         if predicts && may_lack {
             let change = self.drive_force(start, &drives);
             correction.iter_mut().zip(&change).for_each(|(c, f)| *c += f);
         }
         match target {
-            Target::Drives(_) | Target::Through { .. } => {
+            IncrementGoal::Drives(_) | IncrementGoal::Through { .. } => {
                 self.solve(&mut correction)?;
                 Ok(self.as_direction(&correction, drives))
             }
-            Target::Led { by, growth, direction, point } => {
+            IncrementGoal::Led { by, growth, direction, point } => {
                 let mut along = self.drive_force(start, direction);
                 self.solve(&mut correction)?;
                 self.solve(&mut along)?;
@@ -97,7 +97,7 @@ impl Equilibrium<'_> {
         }
     }
 
-    fn solve(&mut self, right_side: &mut [f64]) -> Result<(), Trouble> {
+    fn solve(&mut self, right_side: &mut [f64]) -> Result<(), PointFailure> {
         self.memory.statistics.solutions += 1;
         let Self { system, times, .. } = self;
         timed(&mut times.solution, || system.solve(right_side)).map_err(|error| unsolvable(&error))
@@ -133,18 +133,18 @@ impl Equilibrium<'_> {
         attempt: &Attempt<'_>,
         from_residual: &Direction,
         from_drives: &Direction,
-    ) -> Result<Progress, Trouble> {
+    ) -> Result<Progress, PointFailure> {
         let (trial, context) = (&attempt.trial, attempt.context());
         // the last evaluation was of this trial state
         let now = self.solids.trial_dissipation();
         let probe = (PROBE * self.memory.last_move).max(LEAST_PROBE * largest(&trial.displacements));
-        let mut slope = |along: &Direction| -> Result<f64, Trouble> {
+        let mut slope = |along: &Direction| -> Result<f64, PointFailure> {
             let greatest = largest(&along.displacements);
             if greatest == 0.0 {
                 return Ok(0.0);
             }
             let length = probe / greatest;
-            let mut growth = |length: f64| -> Result<f64, Trouble> {
+            let mut growth = |length: f64| -> Result<f64, PointFailure> {
                 let probe = trial.displacements.iter().zip(&along.displacements).map(|(u, du)| u + length * du);
                 Ok((self.dissipation_at(&probe.collect::<Vec<f64>>(), context)? - now) / length)
             };
@@ -156,7 +156,7 @@ impl Equilibrium<'_> {
         Ok(Progress { so_far, along_residual: slope(from_residual)?, along_drives: slope(from_drives)? })
     }
 
-    fn dissipation_at(&mut self, displacements: &[f64], context: IncrementContext) -> Result<f64, Trouble> {
+    fn dissipation_at(&mut self, displacements: &[f64], context: IncrementContext) -> Result<f64, PointFailure> {
         let mut forces = vec![0.0; displacements.len()];
         let Self { solids, times, .. } = self;
         timed(&mut times.solids, || solids.evaluate(displacements, &context, Request::Stress, &mut forces))?;
@@ -180,7 +180,7 @@ impl Equilibrium<'_> {
     }
 
     /// Applies a correction and evaluates; a shorter one if the residual grows. Returns which part of it was applied.
-    pub(super) fn advance(&mut self, attempt: &mut Attempt<'_>, direction: &Direction) -> Result<f64, Trouble> {
+    pub(super) fn advance(&mut self, attempt: &mut Attempt<'_>, direction: &Direction) -> Result<f64, PointFailure> {
         let predicts = attempt.predicts();
         let from = attempt.trial.displacements.clone();
         let (before, work_before) = (largest(&self.memory.residual), self.work_along(direction));
@@ -230,7 +230,7 @@ impl Equilibrium<'_> {
         direction: &Direction,
         from: &[f64],
         length: f64,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), PointFailure> {
         self.contact.foretell_part(length);
         direction.place(from, length, &mut attempt.trial);
         self.evaluate(attempt)
@@ -245,7 +245,7 @@ impl Equilibrium<'_> {
         direction: &Direction,
         from: &[f64],
         work_before: f64,
-    ) -> Result<f64, Trouble> {
+    ) -> Result<f64, PointFailure> {
         // regula falsi in Illinois' form
         let (mut low, mut high) = ((0.0, work_before), (1.0, self.work_along(direction)));
         let mut length = 1.0;

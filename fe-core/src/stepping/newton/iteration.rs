@@ -2,7 +2,7 @@
 
 use super::{Attempt, CUT, Equilibrium, Iteration, RoundEnd, largest, largest_difference, trouble};
 use crate::assembly::solids::TangentChoice;
-use crate::assembly::{Location, Trouble};
+use crate::assembly::{Location, PointFailure};
 
 /// A residual so far below its tolerance needs no small correction to prove convergence: linear problems end at once.
 const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
@@ -24,7 +24,7 @@ pub(in crate::stepping) fn hardest_round(iterations: &[Iteration]) -> usize {
 
 impl Equilibrium<'_> {
     /// Iterates by Newton's method from the present evaluation until the residual is small, or multipliers are to be updated.
-    pub(super) fn newton(&mut self, attempt: &mut Attempt<'_>) -> Result<RoundEnd, Trouble> {
+    pub(super) fn newton(&mut self, attempt: &mut Attempt<'_>) -> Result<RoundEnd, PointFailure> {
         if attempt.updated.is_none_or(|updated| updated < attempt.iterations.len()) {
             attempt.before = attempt.iterations.len();
             self.choose_tangents(TangentChoice::Consistent);
@@ -104,7 +104,7 @@ impl Equilibrium<'_> {
     }
 
     /// Names the node with the largest residual.
-    fn not_converged(&self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> Trouble {
+    fn not_converged(&self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> PointFailure {
         let forces = &self.memory.residual;
         let row = (0..forces.len()).max_by(|a, b| forces[*a].abs().total_cmp(&forces[*b].abs()));
         let place = row.map_or(Location::System, |row| {

@@ -33,13 +33,13 @@ use super::zone::Zone;
 use super::{Counts, Energies, Times};
 use crate::assembly::loads::{Bearers, Shares};
 use crate::assembly::solids::SolidEnergies;
-use crate::assembly::{Equations, Location, Setback, Solids, System, Trouble, loaded_freedoms, loads};
+use crate::assembly::{Equations, Location, PointFailure, Setback, Solids, System, loaded_freedoms, loads};
 use crate::contact::{self, Contact, PointIndex, PointStatus};
 use crate::field::{Field, Pass};
 use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::{Blocks, SolverError};
 use crate::threads::Threads;
-use beside::Beside;
+use beside::ParallelRound;
 use serde::{Deserialize, Serialize};
 use state::Memory;
 use std::sync::Arc;
@@ -62,7 +62,7 @@ pub(super) struct Committed {
 
 /// Goal of an increment.
 #[derive(Clone, Debug)]
-pub(super) enum Target {
+pub(super) enum IncrementGoal {
     /// The drives reach these values, mm.
     Drives(Vec<f64>),
     /// The drives reach these values, mm, in balance with drag on contact: `resistance`, N/mm at each of its freedoms.
@@ -113,7 +113,7 @@ pub(super) enum RoundEnd {
 /// Attempt at an increment: trial state, goal and iterations so far.
 pub(super) struct Attempt<'a> {
     start: &'a Committed,
-    target: &'a Target,
+    target: &'a IncrementGoal,
     context: IncrementContext,
     trial: Committed,
     iterations: Vec<Iteration>,
@@ -132,7 +132,7 @@ pub(super) struct Attempt<'a> {
 impl<'a> Attempt<'a> {
     pub(super) fn new(
         start: &'a Committed,
-        target: &'a Target,
+        target: &'a IncrementGoal,
         context: IncrementContext,
         lead: Option<Lead<'a>>,
     ) -> Self {
@@ -154,10 +154,10 @@ impl<'a> Attempt<'a> {
     fn lacking(&self) -> Vec<f64> {
         let (now, start) = (&self.trial.drives, &self.start.drives);
         match self.target {
-            Target::Drives(goal) | Target::Through { goal, .. } => {
+            IncrementGoal::Drives(goal) | IncrementGoal::Through { goal, .. } => {
                 goal.iter().zip(now).map(|(to, from)| to - from).collect()
             }
-            Target::Led { direction, .. } => {
+            IncrementGoal::Led { direction, .. } => {
                 let length: f64 = direction.iter().map(|d| d * d).sum();
                 let along: f64 = now.iter().zip(start).zip(direction).map(|((now, start), d)| (now - start) * d).sum();
                 let share = if length > 0.0 { along / length } else { 0.0 };
@@ -168,7 +168,7 @@ impl<'a> Attempt<'a> {
 
     /// Returns the resistance of drag, N/mm; 0 without drag.
     fn resistance(&self) -> f64 {
-        if let Target::Through { resistance, .. } = self.target { *resistance } else { 0.0 }
+        if let IncrementGoal::Through { resistance, .. } = self.target { *resistance } else { 0.0 }
     }
 
     /// Returns step, increment and iteration as the laws are told them in the next iteration.
@@ -217,7 +217,7 @@ pub(super) struct Equilibrium<'m> {
     /// Whether the ways of attempts are kept.
     pub(super) keeps_rounds: bool,
     /// The end of the present round in the run beside which this one goes.
-    beside: Option<Beside>,
+    beside: Option<ParallelRound>,
     /// Turn of this run among those that share factors.
     pub(super) turn: Option<Turn>,
     /// A factor that goes round among them.
@@ -288,7 +288,7 @@ impl<'m> Equilibrium<'m> {
 
     /// Finds equilibrium for a target from the committed state: rounds of iterations, between which multipliers are updated, until contact has
     /// settled and the far field is elastic.
-    pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, Trouble> {
+    pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, PointFailure> {
         self.contact.foretell_nothing();
         attempt.kept.zone = self.keeps_rounds.then(|| self.zone.clone());
         self.begin_field(&attempt);
@@ -344,7 +344,7 @@ impl<'m> Equilibrium<'m> {
     }
 
     /// Corrects the field by the heat of the solids: whether they agree. If not, the solids have got another one.
-    fn field_settles(&mut self, attempt: &Attempt<'_>) -> Result<bool, Trouble> {
+    fn field_settles(&mut self, attempt: &Attempt<'_>) -> Result<bool, PointFailure> {
         loop {
             let Self { field: Some(field), solids, times, memory, .. } = self else { return Ok(true) };
             memory.statistics.field_passes += 1;
@@ -363,7 +363,7 @@ impl<'m> Equilibrium<'m> {
 
     /// Expands the far field and calls its laws: whether it is in equilibrium with what they say. If not, the elements
     /// that are no longer elastic iterate from now on.
-    fn far_field_holds(&mut self, attempt: &mut Attempt<'_>) -> Result<bool, Trouble> {
+    fn far_field_holds(&mut self, attempt: &mut Attempt<'_>) -> Result<bool, PointFailure> {
         if !self.zone.condenses {
             return Ok(true);
         }
@@ -475,8 +475,8 @@ impl<'m> Equilibrium<'m> {
     }
 
     /// Evaluates forces, residual and tangents at the trial state.
-    pub(super) fn evaluate(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
-        let is_led = matches!(attempt.target, Target::Led { .. });
+    pub(super) fn evaluate(&mut self, attempt: &Attempt<'_>) -> Result<(), PointFailure> {
+        let is_led = matches!(attempt.target, IncrementGoal::Led { .. });
         let request = if self.needs_no_tangents() && !is_led { Request::Stress } else { Request::StressAndTangent };
         let (trial, context) = (&attempt.trial, attempt.context());
         let Model { mesh, fields, steps, .. } = self.model;
@@ -570,11 +570,11 @@ fn present_shares(model: &Model, solids: &Solids) -> Option<Shares> {
     is_any_released.then(|| Shares::new(&model.mesh, |element| solids.share(element)))
 }
 
-fn unsolvable(error: &SolverError) -> Trouble {
+fn unsolvable(error: &SolverError) -> PointFailure {
     trouble(Location::System, error.to_string(), CUT)
 }
 
-fn trouble(place: Location, reason: String, fraction: f64) -> Trouble {
+fn trouble(place: Location, reason: String, fraction: f64) -> PointFailure {
     Setback { reason, fraction: Some(fraction) }.at(place)
 }
 

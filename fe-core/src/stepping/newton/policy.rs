@@ -2,7 +2,7 @@
 
 use super::{Attempt, Equilibrium, unsolvable};
 use crate::assembly::solids::TangentChoice;
-use crate::assembly::{Trouble, touching};
+use crate::assembly::{PointFailure, touching};
 use crate::solver::Symmetry;
 use crate::stepping::times::timed;
 
@@ -25,7 +25,7 @@ const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
 impl Equilibrium<'_> {
     /// Makes sure of a factor that is good enough: the last one while it converges fast, otherwise one of the present
     /// tangents, or of others where those did not help.
-    pub(super) fn prepare_factor(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
+    pub(super) fn prepare_factor(&mut self, attempt: &Attempt<'_>) -> Result<(), PointFailure> {
         let done = attempt.round().len();
         let is_slow = self.memory.last_reduction > SLOW_REDUCTION;
         if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| is_slow && *after == done) {
@@ -46,7 +46,7 @@ impl Equilibrium<'_> {
     }
 
     /// Compares tangents in doubt with differences; where they are far off, differences take their place.
-    fn judge_tangents(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
+    fn judge_tangents(&mut self, attempt: &Attempt<'_>) -> Result<(), PointFailure> {
         self.solids.compare_tangents();
         let compared = self.evaluate(attempt);
         if self.solids.judge_tangents() {
@@ -91,7 +91,7 @@ impl Equilibrium<'_> {
 
     /// Makes sure that the next increment finds a factor or tangents. Those of the committed state by itself, in which
     /// nothing grows, would be of an unloading solid, and predict badly.
-    pub(super) fn prepare_next(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
+    pub(super) fn prepare_next(&mut self, attempt: &Attempt<'_>) -> Result<(), PointFailure> {
         if self.memory.has_tangents || self.may_reuse_factor() || self.beside.is_some() {
             return Ok(());
         }
@@ -99,7 +99,7 @@ impl Equilibrium<'_> {
     }
 
     /// Factorises the matrix, of which only what has changed since the last time is done again.
-    pub(super) fn factorise(&mut self) -> Result<(), Trouble> {
+    pub(super) fn factorise(&mut self) -> Result<(), PointFailure> {
         let Self { model, solids, contact, system, memory, times, extent, .. } = self;
         let keep = model.skipping.unchanged_elements && memory.factorised;
         let elements_changed = !keep || solids.latest_version() != memory.assembled_version;

@@ -1,6 +1,6 @@
 //! A short fibre pulled out of a block: the tangent of the whole system, Newton's convergence, energy, full extraction.
 
-use super::super::newton::{Attempt, Committed, Equilibrium, Target};
+use super::super::newton::{Attempt, Committed, Equilibrium, IncrementGoal};
 use super::{Keeper, run};
 use crate::assembly::Equations;
 use crate::kinematics::PlaneModel;
@@ -16,7 +16,7 @@ use crate::stepping::{Analysis, Directive, Observer, Record, Snapshot};
 impl Equilibrium<'_> {
     /// Returns the residual at a trial state.
     fn residual_at(&mut self, trial: &Committed, context: IncrementContext) -> Vec<f64> {
-        self.evaluate(&Attempt::new(trial, &Target::Drives(Vec::new()), context, None)).unwrap();
+        self.evaluate(&Attempt::new(trial, &IncrementGoal::Drives(Vec::new()), context, None)).unwrap();
         self.memory.residual.clone()
     }
 

@@ -4,7 +4,9 @@ use super::{Keeper, snap_back};
 use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, Mesh, MeshDefinition};
 use crate::model::{Model, PluginLaw, StepControl};
-use crate::stepping::{Along, Analysis, Record, Recorded, RunError, Statistics, Trail, Tried, Verdict, Way};
+use crate::stepping::{
+    Along, Analysis, LeadingQuantity, Record, Recorded, RunError, Statistics, Trail, Tried, Verdict,
+};
 use std::sync::Arc;
 
 fn recorded(records: &[Record]) -> Recorded {
@@ -30,7 +32,7 @@ fn a_repeated_run_has_the_same_bits_through_a_snap_back() {
     let (base, _) = super::run(&model);
     let recorded = recorded(&base);
     let all = || recorded.steps.iter().flatten().flatten();
-    assert!(all().any(|tried| matches!(tried.to, Way::Dissipation(_))));
+    assert!(all().any(|tried| matches!(tried.to, LeadingQuantity::Dissipation(_))));
     assert!(all().any(|tried| tried.verdict == Verdict::Refused));
     let again = repeat(&model, &recorded).unwrap();
     assert_eq!(format!("{again:?}"), format!("{base:?}"));
@@ -44,7 +46,7 @@ fn an_increment_that_does_not_converge_is_not_replaced_by_others() {
     // from the elastic branch to the end at once
     let last = recorded.steps[0].len() - 1;
     recorded.steps[0].drain(1..last);
-    let jump = Tried { to: Way::Dissipation(1e3), time: 0.1, verdict: Verdict::Stands, imbalanced: None };
+    let jump = Tried { to: LeadingQuantity::Dissipation(1e3), time: 0.1, verdict: Verdict::Stands, imbalanced: None };
     recorded.steps[0][1] = vec![jump];
     let message = repeat(&model, &recorded).unwrap_err().to_string();
     assert!(message.contains("increment 2") && message.contains("repeated as it is"), "{message}");

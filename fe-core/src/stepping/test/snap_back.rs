@@ -76,7 +76,7 @@ fn elastic_unloading_is_told_from_loading() {
     assert!(analysis.present.energies.damage > 0.0);
     let context = IncrementContext { step: 1, increment: 2, iteration: 1, ..IncrementContext::default() };
     for (drive, unloads) in [(0.9 * reached, true), (1.01 * reached, false)] {
-        let converged = analysis.attempt(&Target::Drives(vec![drive]), context).unwrap();
+        let converged = analysis.attempt(&IncrementGoal::Drives(vec![drive]), context).unwrap();
         assert_eq!(analysis.findings(&converged).gives_back, unloads, "{drive}");
         analysis.equilibrium.restore();
     }

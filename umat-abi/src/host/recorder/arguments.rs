@@ -55,7 +55,7 @@ macro_rules! record {
             pub(in crate::host) fn note(&mut self, wants_tangent: bool) {
                 if let Some(mut slot) = self.slot.take() {
                     slot.enter(|to| {
-                        to.put_integers([Arguments::$number, i32::from(wants_tangent)]);
+                        to.put_integers([RecordedArguments::$number, i32::from(wants_tangent)]);
                         $name::write(self, to);
                     });
                     self.slot = Some(slot);
@@ -135,7 +135,7 @@ record! {
 
 /// The arguments of a call by its entry point or routine.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Arguments {
+pub enum RecordedArguments {
     /// UMAT.
     Umat(UmatRecord),
     /// UINTER.
@@ -154,7 +154,7 @@ pub enum Arguments {
     HeatTransfer([i32; 4]),
 }
 
-impl Arguments {
+impl RecordedArguments {
     /// Numbers of the entry points and routines in a slot.
     pub(super) const UMAT: i32 = 1;
     pub(super) const UINTER: i32 = 2;

@@ -33,7 +33,7 @@ mod slot;
 #[cfg(test)]
 mod test;
 
-pub use arguments::{Arguments, FricRecord, UinterRecord, UmatRecord};
+pub use arguments::{FricRecord, RecordedArguments, UinterRecord, UmatRecord};
 pub use recording::{Beat, CallRecord, Recording};
 pub(super) use slot::{Slot, loading};
 

@@ -4,7 +4,7 @@
 
 use super::super::memory::Trespass;
 use super::NOTES;
-use super::arguments::Arguments;
+use super::arguments::RecordedArguments;
 use super::map::{CAPACITY, HEADER, LEAST_CAPACITY, LONGEST_PATH, MAGIC, Map, WORD, word};
 use super::slot::{SEQUENCE, TEXTS};
 use std::borrow::Cow;
@@ -42,7 +42,7 @@ pub struct CallRecord {
     /// Whether DDSDDE was wanted.
     pub wants_tangent: bool,
     /// The arguments.
-    pub arguments: Arguments,
+    pub arguments: RecordedArguments,
 }
 
 impl Recording {
@@ -161,7 +161,7 @@ impl Recording {
             symbol: (!symbol.is_empty()).then(|| text(symbol)),
             cmname: text(cmname),
             wants_tangent: wants_tangent != 0.0,
-            arguments: Arguments::read(entry, &mut reader)?,
+            arguments: RecordedArguments::read(entry, &mut reader)?,
         })
     }
 }

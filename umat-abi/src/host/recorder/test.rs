@@ -24,7 +24,7 @@ fn fric(dgam: f64, statev: usize) -> impl Fn(&mut slot::Writer) {
     let mut inputs: FricInputs = from_noted(&[0.0; WORDS]).expect("as many words");
     (inputs.dgam[0], inputs.counters) = (dgam, [2, 5]);
     move |to| {
-        to.put_integers([Arguments::FRIC, 1]);
+        to.put_integers([RecordedArguments::FRIC, 1]);
         to.put_integers([1]);
         to.put(&[0.5]);
         to.put(&vec![7.0; statev]);
@@ -46,7 +46,7 @@ fn what_is_noted_is_read() {
     assert_eq!((call.symbol.as_deref(), call.wants_tangent), (Some("umat_"), true));
     assert_eq!(call.library, PathBuf::from("/somewhere/liblaw.so"));
     assert_eq!(call.arguments.place(), [2, 5]);
-    let Arguments::Fric(arguments) = &call.arguments else { panic!("{call:?}") };
+    let RecordedArguments::Fric(arguments) = &call.arguments else { panic!("{call:?}") };
     assert_eq!((arguments.dgam == [0.25, 0.0], arguments.statev[..] == [7.0; 3]), (true, true));
     slot.leave();
     assert_eq!((recording.pending().count(), recording.unfinished_call()), (0, None));
@@ -59,7 +59,9 @@ fn arguments_that_grow_take_another_slot() {
     let mut slot = slot(recorder(&file));
     for states in [1, 1000, 30_000] {
         slot.enter(fric(0.25, states));
-        let Some(Arguments::Fric(call)) = recording.unfinished_call().map(|call| call.arguments) else { panic!() };
+        let Some(RecordedArguments::Fric(call)) = recording.unfinished_call().map(|call| call.arguments) else {
+            panic!()
+        };
         assert_eq!(call.statev, vec![7.0; states]);
         slot.leave();
     }
@@ -87,7 +89,7 @@ fn each_object_has_its_slot() {
     second.enter(fric(2.0, 1));
     assert_eq!(recording.pending().count(), 2);
     let dgam = |call: Option<CallRecord>| match call.map(|call| call.arguments) {
-        Some(Arguments::Fric(fric)) => fric.dgam[0],
+        Some(RecordedArguments::Fric(fric)) => fric.dgam[0],
         other => panic!("{other:?}"),
     };
     assert_eq!(dgam(recording.unfinished_call()), 2.0);

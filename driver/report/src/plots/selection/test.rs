@@ -45,7 +45,7 @@ fn biaxial() -> History {
 fn a_point_is_drawn_along_the_controlled_component_with_the_largest_strain() {
     let history = biaxial();
     let spec = spec(CaseKind::Point { controlled: vec![0, 1] });
-    let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
+    let figures = figures(&[PlottedRun { history: &history, spec: &spec, name: "" }]);
     assert_eq!(names(&figures), ["stress_strain", "damage_strain", "stress_path"]);
     assert_eq!(figures[0].lines[0].columns, ("e22".into(), "s22".into()));
     assert_eq!((figures[0].x.name.as_str(), figures[0].y.label(0).as_str()), ("ε_{22}", "σ_{22} [MPa]"));
@@ -55,7 +55,7 @@ fn a_point_is_drawn_along_the_controlled_component_with_the_largest_strain() {
     assert_eq!(figures[2].lines[0].columns, ("s11".into(), "s22".into()));
     // a component that no step controls is not driven, however far it moves
     let spec = Spec { subject: CaseKind::Point { controlled: vec![0] }, ..spec };
-    let figures = super::figures(&[Run { history: &history, spec: &spec, name: "" }]);
+    let figures = super::figures(&[PlottedRun { history: &history, spec: &spec, name: "" }]);
     assert_eq!(figures[0].lines[0].columns, ("e11".into(), "s11".into()));
 }
 
@@ -69,7 +69,7 @@ fn shear_turns_the_stress_path() {
         ("peeq", &[0.0, 1e-3]),
     ]);
     let spec = spec(CaseKind::Point { controlled: vec![3] });
-    let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
+    let figures = figures(&[PlottedRun { history: &history, spec: &spec, name: "" }]);
     assert_eq!(names(&figures), ["stress_strain", "plastic_strain", "stress_path"]);
     assert_eq!(figures[0].lines[0].columns, ("g12".into(), "s12".into()));
     assert_eq!(figures[2].lines[0].columns, ("s11".into(), "s12".into()));
@@ -81,7 +81,7 @@ fn every_measured_curve_is_in_a_picture() {
     let mut spec = spec(CaseKind::Point { controlled: vec![1] });
     // its own, another pair of strain and stress, a damage, and something else
     spec.curves = vec![curve("e22", "s22"), curve("e11", "s22"), curve("e22", "D_c"), curve("D_t", "s11")];
-    let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
+    let figures = figures(&[PlottedRun { history: &history, spec: &spec, name: "" }]);
     assert_eq!(names(&figures), ["stress_strain", "damage_strain", "stress_path", "s11_D_t"]);
     let stress = &figures[0];
     assert_eq!(stress.marks.len(), 2);
@@ -107,7 +107,7 @@ fn nothing_is_drawn_of_what_does_not_move() {
         ("iterations", &[3.0, 3.0, 3.0]),
     ]);
     let spec = spec(CaseKind::Pullout);
-    let run = Run { history: &history, spec: &spec, name: "" };
+    let run = PlottedRun { history: &history, spec: &spec, name: "" };
     assert_eq!(names(&figures(&[run])), ["load_slip", "load_local_slip"]);
     assert!(moves(&run, "load") && !moves(&run, "load_lateral"));
 }
@@ -132,7 +132,8 @@ fn runs_of_one_title_are_named_by_what_differs() {
     };
     let named = |specs: [Spec; 2]| {
         let [first, second] = &specs;
-        let runs = [(first, "case"), (second, "steeper")].map(|(spec, name)| Run { history: &history, spec, name });
+        let runs =
+            [(first, "case"), (second, "steeper")].map(|(spec, name)| PlottedRun { history: &history, spec, name });
         super::names(&runs)
     };
     let alike = [("E", "31800"), ("B_c", "1.05")];
@@ -147,8 +148,8 @@ fn runs_are_told_apart_by_title_and_share_a_measured_curve() {
     first.curves = vec![curve("e22", "s22")];
     let second = Spec { title: "other".into(), ..first.clone() };
     let figures = figures(&[
-        Run { history: &history, spec: &first, name: "" },
-        Run { history: &history, spec: &second, name: "" },
+        PlottedRun { history: &history, spec: &first, name: "" },
+        PlottedRun { history: &history, spec: &second, name: "" },
     ]);
     let labels: Vec<&str> = figures[0].lines.iter().map(|line| line.label.as_str()).collect();
     assert_eq!(labels, ["case", "other"]);
@@ -169,17 +170,17 @@ fn an_interface_gets_tractions_and_states() {
         ("d", &[0.0, 0.5, 0.9]),
     ];
     let spec = spec(CaseKind::Interface);
-    let all = figures(&[Run { history: &history(&columns), spec: &spec, name: "" }]);
+    let all = figures(&[PlottedRun { history: &history(&columns), spec: &spec, name: "" }]);
     assert_eq!(names(&all), ["traction_slip", "pressure_gap", "traction_path", "damage_slip", "kappa_slip"]);
     // FRIC knows no gap
     let friction = history(&[("slip", &[0.0, 0.1]), ("gap", &[f64::NAN; 2]), ("tau", &[0.0, 1.0]), ("p", &[2.0, 2.0])]);
-    assert_eq!(names(&figures(&[Run { history: &friction, spec: &spec, name: "" }])), ["traction_slip"]);
+    assert_eq!(names(&figures(&[PlottedRun { history: &friction, spec: &spec, name: "" }])), ["traction_slip"]);
 }
 
 #[test]
 fn a_history_without_the_columns_gives_no_picture() {
     let spec = spec(CaseKind::Point { controlled: vec![] });
-    assert!(figures(&[Run { history: &History::default(), spec: &spec, name: "" }]).is_empty());
+    assert!(figures(&[PlottedRun { history: &History::default(), spec: &spec, name: "" }]).is_empty());
     assert!(figures(&[]).is_empty());
 }
 
@@ -188,7 +189,7 @@ fn the_peak_of_the_first_curve_is_marked_where_it_falls_behind_it() {
     let peak = |slip: &[f64], load: &[f64]| {
         let history = history(&[("slip", slip), ("load", load)]);
         let spec = spec(CaseKind::Pullout);
-        let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
+        let figures = figures(&[PlottedRun { history: &history, spec: &spec, name: "" }]);
         figures[0].marks.iter().map(|marks| (marks.label.clone(), marks.points.clone(), marks.line)).collect::<Vec<_>>()
     };
     let marked = peak(&[0.0, 0.1, 0.2, 0.3], &[0.0, 31.25, 20.0, 10.0]);
@@ -206,7 +207,7 @@ fn the_peak_of_the_first_curve_is_marked_where_it_falls_behind_it() {
 fn the_strengths_of_a_beam_are_marked() {
     let history = history(&[("cmod", &[0.0, 1.0, 2.0, 3.0, 4.0]), ("load", &[0.0, 10.0, 9.0, 8.0, 7.0])]);
     let spec = spec(CaseKind::Bridging);
-    let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
+    let figures = figures(&[PlottedRun { history: &history, spec: &spec, name: "" }]);
     let marks = figures[0].marks.iter().find(|marks| marks.points.len() == 4).expect("four loads");
     assert_eq!(marks.points, [(0.5, 5.0), (1.5, 9.5), (2.5, 8.5), (3.5, 7.5)]);
 }
@@ -220,7 +221,7 @@ fn pictures_have_the_titles_and_legends_of_the_case() {
         ("damage_strain".to_owned(), Caption { title: None, legend }),
     ]);
     let spec = Spec { captions, ..spec(CaseKind::Point { controlled: vec![0] }) };
-    let figures = figures(&[Run { history: &history, spec: &spec, name: "" }]);
+    let figures = figures(&[PlottedRun { history: &history, spec: &spec, name: "" }]);
     let titles: Vec<&str> = figures.iter().map(|figure| figure.title.as_str()).collect();
     assert_eq!(titles[..2], ["Test 3", "Damage against strain"]);
     let labels: Vec<&str> = figures[1].lines.iter().map(|line| line.label.as_str()).collect();

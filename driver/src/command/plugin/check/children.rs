@@ -4,7 +4,7 @@ use super::{Checks, TIME_LIMIT, header, no_plugin};
 use crate::command::{DONE, Refusal, complain, isolated, say};
 use clap::ValueEnum;
 use pullout_check::conformance::{Event, Group, Judged, Judgement, Row, Verdict};
-use pullout_engine::{Message, Source};
+use pullout_engine::{CaseSource, Message};
 use pullout_run::isolation::{self, End, Failure, Need, Passage, Watch};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -43,7 +43,7 @@ struct Tally {
     /// Whether the user is told of rows as they come.
     is_told: bool,
     /// The case, if there is one.
-    case: Source,
+    case: CaseSource,
     judged: Vec<Judged>,
     /// Writes behind arrays, by law and entry point: what the first group found that found any.
     bounds: Vec<(usize, Row)>,
@@ -60,7 +60,7 @@ pub(super) fn run(
     for limit in need.libraries.values_mut().filter(|limit| **limit == isolation::CALL_TIME_LIMIT) {
         *limit = TIME_LIMIT;
     }
-    let case = checks.case.clone().unwrap_or_else(|| Source::file(Path::new("")));
+    let case = checks.case.clone().unwrap_or_else(|| CaseSource::file(Path::new("")));
     let mut tally = Tally { is_told, case, judged: Vec::new(), bounds: Vec::new() };
     let mut spent = Duration::ZERO;
     let groups = Group::value_variants();
