@@ -8,7 +8,7 @@ use crate::damage_law::{DamageLaw, integrity};
 
 /// A residual larger than this fraction of m may be a jump of β instead of a root.
 const SUSPICIOUS: f64 = 1e-9;
-/// M ≤ 1 + max(η_t, η_c) but for rounding.
+/// M ≤ 1 + max(η_t, η_c), up to rounding.
 const UPPER_MARGIN: f64 = 1.0 + 1e-13;
 
 impl State {

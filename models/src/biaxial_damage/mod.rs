@@ -96,7 +96,7 @@ impl WeightSource {
     fn new(parameters: &Parameters, effective: &EffectiveStress, biaxial: Option<f64>, state: &State) -> Self {
         let stored = Weights { r_t: state.r_t, r_c: 1.0 - state.r_t, beta: state.beta, mixture: Mixture::default() };
         let q = effective.principal(1.0);
-        // any strain but zero leaves a maximum of Y behind
+        // a maximum of Y is 0 only if the strain was always zero
         let virgin = state.y_t_max == 0.0 && state.y_c_max == 0.0;
         let lagged = parameters.weights == WeightTime::Lagged;
         if !has_direction(&q) || (lagged && !virgin) {

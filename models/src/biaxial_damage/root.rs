@@ -9,7 +9,7 @@ const CELLS: u32 = 16;
 const TOUCHING: f64 = 64.0 * f64::EPSILON;
 /// Part of a valley that a step of its search leaves aside: the golden section.
 const SECTION: f64 = 0.381_966_011_250_105_1;
-/// Width, relative to m, at which the bottom of a valley is as well known as its residual can tell.
+/// Width, relative to m, below which the residual can no longer locate the bottom of a valley.
 const BOTTOM: f64 = 1.5e-8;
 /// Three times what bisection needs from neighbouring powers of two down to neighbouring numbers, and
 /// what it needs in ln m before.

@@ -65,12 +65,12 @@ impl<'p> Envelope<'p> {
         envelope.with_residual_below_peak()
     }
 
-    /// Linear interpolation of (slip, traction) pairs, from (0, 0) unless the first slip is 0 (a bond
-    /// that is rigid but for k_e). g_crit is where k_e s meets the lines.
+    /// Interpolates linearly between (slip, traction) pairs, starting at (0, 0) unless the first slip is 0: such a bond
+    /// is rigid except for k_e. g_crit is the slip where k_e s meets the lines.
     ///
     /// # Errors
-    /// Slips that do not increase, a secant stiffness that grows or exceeds k_e (unloading could then
-    /// return more energy than was spent), no traction at all.
+    /// The slips do not increase; the secant stiffness grows or exceeds k_e, so that unloading could return more energy
+    /// than was spent; or there is no traction at all.
     pub fn piecewise(
         elastic_stiffness: f64,
         points: &'p [[f64; 2]],

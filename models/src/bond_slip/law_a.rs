@@ -74,7 +74,7 @@ impl LawA<'_> {
         }
     }
 
-    /// Advances the bond (not the friction spring beside it).
+    /// Advances the bond, without the friction spring parallel to it.
     #[inline]
     pub fn advance(&self, slip: &Slip, fraction: BondFraction, state: &mut State) -> Contribution {
         let stiffness_before = self.envelope.unloading_stiffness(state.largest_slip, self.unloading_stiffness).0;

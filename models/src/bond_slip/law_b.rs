@@ -12,7 +12,7 @@ use super::tangential::{
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LawB<'p> {
     pub envelope: Envelope<'p>,
-    /// c_N: weight of the gap beside the slip; 0: slips alone damage.
+    /// c_N: weight of the gap relative to the slip; 0: only slip causes damage.
     pub gap_weight: f64,
 }
 

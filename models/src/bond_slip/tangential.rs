@@ -118,7 +118,7 @@ pub(super) struct Contribution {
 /// The tangential law that the parameter `law` selects.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum TangentialLaw<'p> {
-    /// The thesis's bond with consistent unloading, beside a friction spring.
+    /// The thesis's bond with consistent unloading, parallel to a friction spring.
     A(LawA<'p>),
     /// Interfacial damage with friction on the damaged part.
     B(LawB<'p>),

@@ -308,7 +308,7 @@ impl Softening {
         let eta = self.curve.law.eta(energy);
         let rate = self.curve.law.damage_rate(energy, eta);
         if let Some(band) = &self.band {
-            // before the peak the curve itself holds, and its slope tells without knowing the peak
+            // before the peak the unstretched curve applies; its slope shows this without computing the peak
             if self.curve.slope(energy, eta, rate) < 0.0 {
                 let stretch = band.stretch(&self.curve);
                 if !band.allows(&self.curve, &stretch) {

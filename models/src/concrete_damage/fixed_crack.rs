@@ -85,7 +85,7 @@ impl Piece {
         for i in 0..3 {
             violation = violation.max(if open[i] { -opening[i] } else { (stress[i] + holding[i]) / mu });
             if open[i] {
-                // but for what is left of the difference of two large stresses by rounding
+                // exact: the difference of two large stresses would leave a rounding error
                 stress[i] = -holding[i];
             }
         }
@@ -142,7 +142,7 @@ impl FreeCracks {
                 }
             }
         }
-        // symmetric but for rounding
+        // symmetric up to rounding
         std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (tangent[i][j] + tangent[j][i])))
     }
 

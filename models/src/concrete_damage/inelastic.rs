@@ -1,6 +1,5 @@
-//! IV-HP: inelastic strain (doc.md). While a criterion grows, the fraction b of the growth of
-//! its part of the strain stays behind: cracks that do not close fully, compaction that does not
-//! recover.
+//! IV-HP: inelastic strain (doc.md). While a criterion grows, the fraction b of the growth of its part of the strain
+//! becomes permanent: cracks do not close fully, and compaction does not recover.
 
 use super::Parameters;
 use super::criteria::{Criteria, times};

@@ -261,7 +261,7 @@ impl Point {
     /// Writes the new state.
     ///
     /// # Errors
-    /// A characteristic length that grew beyond its limit behind the first call: damage is NaN there.
+    /// The characteristic length grew beyond its limit after the first call; the damage is then NaN.
     #[inline]
     pub fn commit(
         &self,
@@ -284,10 +284,10 @@ impl Point {
 }
 
 impl State {
-    /// Takes over a history, ε33 and what an increment dissipated.
+    /// Takes over the history, ε33 and the energy dissipated in an increment.
     ///
     /// # Errors
-    /// A characteristic length that grew beyond its limit behind the first call: damage is NaN there.
+    /// The characteristic length grew beyond its limit after the first call; the damage is then NaN.
     #[inline]
     pub(super) fn commit(
         &mut self,

@@ -41,7 +41,7 @@ fn dissipation_is_the_integral_of_the_damage_energy_release_rate() {
     }
 }
 
-/// The dissipation is the same told by the energy release rate, and at the greatest η, which no longer tells it.
+/// The dissipation is the same from the energy release rate as from η, also at the greatest η, where only η counts.
 #[test]
 fn dissipation_on_the_curve_is_the_same() {
     for b in [0.4, 0.94, 1.3, 6.4] {

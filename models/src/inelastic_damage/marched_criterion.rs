@@ -10,7 +10,7 @@ use umat_abi::law::Failure;
 const MARCH_START: f64 = 8.315_287_191_035_679e-7;
 /// One step of 1/16 in ln η.
 const MARCH_FACTOR: f64 = 1.064_494_458_917_859_4;
-/// Stands for η = 0+, where the power form's λ' and Z' may be infinite; λ'' ~ η^(α−2) is finite here.
+/// Replaces η = 0+, where λ' and Z' of the power form may be infinite; λ'' ~ η^(α−2) is finite here.
 const ETA_MIN: f64 = 1e-150;
 /// Bisection of 150 decades to the last bit takes 62 halvings of the logarithm.
 const MAX_ITERATIONS: usize = 200;

@@ -108,7 +108,7 @@ impl Law for InelasticDamage {
         };
         // dearer than all the rest: only where it can change (0: of a state that a host began with)
         if eta > before || (state.dissipated_energy == 0.0 && eta > 0.0) {
-            // the closed form is monotone but for its last digit
+            // the closed form is monotone up to its last digit
             state.dissipated_energy = state.dissipated_energy.max(parameters.damage_law.dissipation(eta));
         }
         Ok(Response {

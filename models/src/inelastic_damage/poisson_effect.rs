@@ -23,7 +23,7 @@ pub(super) struct PoissonEffect {
 }
 
 impl PoissonEffect {
-    /// Evaluates λ at one η ≥ 0. For the power form with α < 1, λ' is infinite at η = 0: only ρ is of use there.
+    /// Evaluates λ at one η ≥ 0. For the power form with α < 1, λ' is infinite at η = 0, where only ρ is valid.
     #[inline]
     pub fn new(form: LambdaForm, alpha: f64, eta: f64) -> Self {
         let omega = integrity(eta);

@@ -79,8 +79,8 @@ impl Law for PureDamage {
         let undamaged = Undamaged::new(elasticity, increment);
         let (before, grown) = (state.eta, damage_law.eta(undamaged.release_rate));
         state.eta = before.max(grown);
-        // dearer than all the rest: only where it can change
-        // the closed form is monotone but for its last digit
+        // costs more than all the rest: computed only where it can change
+        // the closed form is monotone up to its last digit
         if grown > before {
             let dissipation = damage_law.dissipation_on_curve(state.eta, undamaged.release_rate);
             state.dissipated_energy = state.dissipated_energy.max(dissipation);

@@ -100,7 +100,7 @@ impl Law for ReverseCyclicDamage {
         state.strain_33 = elasticity.strain_33(increment);
         // dearer than all the rest: only where they can change (0: of a state that a host began with)
         if grows || state.dissipated_energy == 0.0 {
-            // the closed forms are monotone but for their last digit
+            // the closed forms are monotone up to their last digit
             let dissipation = tension.dissipation(tensile.eta) + compression.dissipation(compressive.eta);
             state.dissipated_energy = state.dissipated_energy.max(dissipation);
         }

@@ -81,7 +81,7 @@ impl Elasticity {
         ]
     }
 
-    /// ½ ε : K₀ : ε = ½ (λ tr²(ε) + 2μ ε : ε): of the strains alone, beside the stress.
+    /// Returns ½ ε : K₀ : ε = ½ (λ tr²(ε) + 2μ ε : ε), computed from the strains alone.
     #[inline(always)]
     pub fn stored_energy(&self, strain: &[f64; 6]) -> f64 {
         let trace = trace(strain);

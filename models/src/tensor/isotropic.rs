@@ -74,9 +74,9 @@ pub(crate) fn isotropic_stiffness(
     stiffness_of(directions, coupling + twice_shear_modulus, coupling, 0.5 * twice_shear_modulus)
 }
 
-/// The stiffness with `direct` on the diagonal of the normal components of n directions, `coupling` beside it, and `shear`.
+/// Returns the stiffness of n normal directions: `direct` on their diagonal, `coupling` off it, and `shear`.
 ///
-/// Entry by entry: what stays in registers need not be read back from memory in pairs.
+/// It is written entry by entry: values that stay in registers need not be read back from memory in pairs.
 #[inline(always)]
 pub(super) fn stiffness_of(directions: usize, direct: f64, coupling: f64, shear: f64) -> [[f64; 6]; 6] {
     let (d, c, s) = (direct, coupling, shear);

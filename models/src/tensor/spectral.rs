@@ -2,9 +2,9 @@
 
 /// ε = Σ e_i n_i ⊗ n_i with e_1 ≥ e_2 ≥ e_3.
 ///
-/// Cyclic Jacobi rotations: backward stable, exact for diagonal input, one rotation in plane
-/// problems, and indifferent to repeated values (any orthonormal basis of an eigenspace serves,
-/// because isotropic functions and their derivatives do not depend on the choice).
+/// Cyclic Jacobi rotations: backward stable, exact for diagonal input, one rotation in plane problems, and insensitive
+/// to repeated values. Any orthonormal basis of an eigenspace will do, because isotropic functions and their
+/// derivatives do not depend on the choice.
 #[derive(Clone, Copy, Debug)]
 pub struct Spectral {
     /// Principal values, descending.

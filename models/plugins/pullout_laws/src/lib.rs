@@ -1,5 +1,5 @@
-//! `libpullout_laws.so`: every law behind one `umat_`, `uinter_` and `fric_`, for hosts that load one library per job.
-//! CMNAME and CINAME choose the law; see [`umat_abi::export_library!`].
+//! `libpullout_laws.so`: one `umat_`, `uinter_` and `fric_` for all laws, for hosts that load one library per job.
+//! CMNAME or CINAME selects the law; see [`umat_abi::export_library!`].
 
 use models::biaxial_damage::BiaxialDamage;
 use models::bond_slip::BondSlip;

@@ -29,7 +29,7 @@ fn envelopes_are_continuous() {
         let expected = traction.max(if slip > 0.1 { 0.5 } else { 0.0 });
         approx::assert_relative_eq!(piecewise.strength(slip).traction, expected, max_relative = 2e-16);
     }
-    // beside the joints the slopes of both sides: 950 → 79.0, +0.642 → −2.067 MPa/mm
+    // slopes on both sides of the joints: 950 → 79.0, +0.642 → −2.067 MPa/mm
     let slopes = |joint: f64| [joint, joint * (1.0 + 1e-12)].map(|s| chapter_8().strength(s).slope);
     let [[a, b], [c, d]] = [slopes(chapter_8().critical_slip), slopes(chapter_8().peak_slip)];
     assert!(a == 950.0 && (b - 79.04).abs() < 0.01 && (c - 0.642).abs() < 1e-3 && (d + 2.067).abs() < 1e-3);
@@ -334,7 +334,7 @@ fn hard_contact_opens_fades_and_closes() {
     assert_eq!(point.state("open"), 1.0);
     assert_eq!(open.traction[0].abs(), 0.0);
     approx::assert_relative_eq!(open.traction[1], 0.5, max_relative = 1e-12);
-    // the triangle under the cap, here with nothing stored, beside what the bond lost
+    // the triangle under the cap, where nothing is stored here, plus what the bond dissipated
     let bond_part = 0.5 * open.traction[1] * (0.05 - 0.5 / 850.0);
     let opening = 0.5 * p_0 * (cap_gap + delta);
     assert!((open.dissipated_energy - opening - bond_part).abs() < 1e-4 * opening);

@@ -121,7 +121,8 @@ fn a_length_that_grows_too_large_is_refused() {
     ));
 }
 
-/// A softening point refuses what a first call refuses, to the limit; what the limit is told from is a bound.
+/// A softening point refuses the same lengths as a first call, up to the same limit, which follows from a bound on the
+/// slope.
 #[test]
 fn a_softening_point_refuses_every_length_above_the_limit() {
     type Case = (&'static [(&'static str, f64)], &'static str, [f64; 2]);

@@ -90,7 +90,8 @@ fn across_the_principal_strains_it_is_the_split_of_the_turning_crack() {
     }
 }
 
-/// Not what rounding leaves of the difference of two stresses of the solid, which would be more than an open crack bears.
+/// Open cracks carry exactly no stress. The rounding error of a difference of two large stresses would be more than
+/// that.
 #[test]
 fn open_cracks_bear_nothing_to_the_last_digit() {
     let elasticity = Elasticity::new(30_000.0, 0.2);

@@ -37,8 +37,8 @@ fn along(stress_state: StressState, mut path: [f64; 6]) -> [f64; 6] {
     path
 }
 
-/// The greatest deviation from the implicit law along the softening half of a path of `count` increments, but for what
-/// resists the opening of cracks, and the work of the overstress from the virgin state.
+/// Returns the greatest deviation from the implicit law along the softening half of a path of `count` increments,
+/// without the stress that resists crack opening, and the work of the overstress from the virgin state.
 fn deviation(stress_state: StressState, count: u32) -> [f64; 2] {
     let props = banded();
     let path = along(stress_state, PATH);
@@ -148,9 +148,9 @@ pub(super) fn check_work<L: Law>(props: &[f64]) {
     }
 }
 
-/// Increments of unequal length, told by DTIME, lag no more than equal ones of the greater length.
+/// Increments of unequal length lag no more than equal ones of the greater length if DTIME gives their lengths.
 #[test]
-fn the_time_increment_tells_how_far_to_extrapolate() {
+fn the_time_increment_scales_the_extrapolation() {
     let props = banded();
     let lag = |times: [f64; 2]| {
         let mut point = virgin(&props, StressState::ThreeD);
@@ -163,12 +163,12 @@ fn the_time_increment_tells_how_far_to_extrapolate() {
         }
         point.state[OVERSTRESS_WORK]
     };
-    let (told, untold) = (lag([1.0, 4.0]), lag([1.0, 1.0]));
-    assert!(told < 0.5 * untold, "{told:e} {untold:e}");
+    let (scaled, unscaled) = (lag([1.0, 4.0]), lag([1.0, 1.0]));
+    assert!(scaled < 0.5 * unscaled, "{scaled:e} {unscaled:e}");
 }
 
-/// A point fails within one increment, and its stress lags behind: the rest of the stress is released the more slowly the
-/// shorter increments are, and all of it in the end.
+/// A point fails within one increment and its stress lags. The shorter the increments, the more slowly the remaining
+/// stress is released; in the end all of it is.
 #[test]
 fn a_lag_is_made_up_in_as_small_parts_as_increments_are_short() {
     let props = banded();
