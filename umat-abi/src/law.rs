@@ -62,7 +62,7 @@ impl StressState {
         matches!(self, Self::PlaneStrainOrAxisymmetric | Self::PlaneStress)
     }
 
-    /// The [`crate::metadata::stress_states`] bits that these components serve.
+    /// Returns the [`crate::metadata::stress_states`] bits of the stress states with these components.
     pub fn bits(self) -> u32 {
         match self {
             Self::ThreeD => stress_states::THREE_D,

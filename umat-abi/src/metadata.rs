@@ -300,10 +300,11 @@ pub struct RepeatingGroup {
     pub size: u32,
     /// Least number of occurrences.
     pub minimum: u32,
-    /// Index of the parameter that holds the number of occurrences, or −1 if NPROPS tells.
+    /// Index of the parameter that holds the number of occurrences, or −1 if NPROPS determines it.
     pub count_parameter: i32,
-    /// Number of parameters, the last before the group, that were added to the law later: PROPS without them are read as well,
-    /// with their defaults. 0 unless occurrences are counted, since the count and NPROPS tell.
+    /// Number of parameters, the last before the group, that were added to the law later: PROPS without them are
+    /// accepted, and their defaults used. 0 unless occurrences are counted, since the count and NPROPS together
+    /// determine it.
     pub added: u32,
 }
 
@@ -315,7 +316,7 @@ impl RepeatingGroup {
 
     /// Returns the group of a law that got so many parameters later, the last before the group.
     pub const fn with_added(mut self, added: u32) -> Self {
-        assert!(self.count_parameter >= 0, "the count of the occurrences tells which parameters are given");
+        assert!(self.count_parameter >= 0, "the count of occurrences must determine which parameters are given");
         self.added = added;
         self
     }
@@ -327,7 +328,7 @@ impl RepeatingGroup {
         given(self.added as usize, self.size as usize, count, props.len(), fixed)
     }
 
-    /// Returns whether there may be so many of them behind the other parameters.
+    /// Returns whether so many of them may follow the other parameters.
     #[inline(always)]
     pub fn admits(&self, occurrences: usize, others: &[f64]) -> bool {
         let is_counted = self.count_parameter < 0 || others[self.count_parameter as usize] == occurrences as f64;
@@ -387,7 +388,7 @@ pub mod derived_forms {
     pub const DAMAGE_FROM_ETA: u32 = 1;
 }
 
-/// A quantity that hosts print beside the states.
+/// A quantity that hosts print in addition to the states.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct DerivedOutput {

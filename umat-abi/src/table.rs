@@ -49,7 +49,7 @@ pub enum ConfigurationError {
     },
     /// Two or more parameters contradict each other.
     Inconsistent {
-        /// Broken rule, in words.
+        /// The broken rule, as text.
         rule: &'static str,
         /// The number that breaks it.
         value: f64,
@@ -324,8 +324,8 @@ pub fn is_finite<const N: usize>(field: &impl StateField<N>) -> bool {
 /// }
 /// ```
 ///
-/// A field may be made of several rows by its [`Field::read`](crate::table::Field::read). With a lifetime the last field,
-/// behind `..RepeatingGroup::new(…) =>`, is a view of the group at the end: anything that is `From<&[[f64; N]]>`.
+/// A field may be made of several rows by its [`Field::read`](crate::table::Field::read). With a lifetime the last
+/// field, after `..RepeatingGroup::new(…) =>`, is a view of the group at the end: anything that is `From<&[[f64; N]]>`.
 #[macro_export]
 macro_rules! parameters {
     (

@@ -85,7 +85,7 @@ unsafe fn update_point<L: Law>(a: &BatchArguments, k: usize, ntens: usize) -> Re
         spd: null_mut(),
         scd: null_mut(),
     };
-    // SAFETY: arrays of the point's own, as long as the counts tell.
+    // SAFETY: arrays of the point's own, as long as the counts say.
     unsafe { update::<L>(&point, &HeatArguments::NONE) }?;
     for (first, values) in
         [(a.stress, &stress[..ntens]), (a.statev, &statev[..states]), (a.ddsdde, &tangent[..ntens * ntens])]

@@ -1,4 +1,4 @@
-//! Several laws behind one `umat_`: ABAQUS loads one per job, and tells materials apart by CMNAME.
+//! Several laws in one `umat_`: ABAQUS loads one library per job and selects the material by CMNAME.
 
 use super::{EntryArguments, Refusal, refuse};
 use std::ffi::{CStr, c_char};

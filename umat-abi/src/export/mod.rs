@@ -97,7 +97,7 @@ impl fmt::Display for Refusal {
 #[inline]
 fn guarded(body: impl FnOnce() -> Result<(), Refusal>) -> Result<(), Refusal> {
     in_default_environment(|| {
-        // the refusal beside the closure's value, which is copied: a bit, where all is well
+        // the refusal apart from the closure's value, which is copied: one bit if all is well
         let mut refusal = Refusal::Panic;
         let done = catch_unwind(AssertUnwindSafe(|| match body() {
             Ok(()) => true,
@@ -145,8 +145,10 @@ pub struct Answer {
     pnewdt: *mut f64,
 }
 
-/// Tells the host that nothing was computed. A numerical failure leaves stresses as they were and asks for a cut-back; a host
-/// that cannot be asked (PNEWDT is NULL) would take the old stress for the new one, and gets NaN.
+/// Reports to the host that nothing was computed.
+///
+/// After a numerical failure the stresses keep their values and a cut-back is requested. If PNEWDT is NULL, no cut-back
+/// can be requested and the host would take the old stress for the new one, so the stress becomes NaN.
 ///
 /// # Safety
 /// Every pointer is NULL or valid for as many values as the number of components requires.

@@ -1,6 +1,6 @@
-//! Calls that a careless host makes: NULL for arguments that a plugin may not need, and wrong counts
-//! (docs/reference/abi.md). For tests of plugins; the memory stays the host's own, whatever the plugin does within
-//! the counts it is told.
+//! Calls of a careless host: NULL for arguments that a plugin may not need, and wrong counts (docs/reference/abi.md).
+//!
+//! For tests of plugins. The memory stays the host's own, whatever the plugin does within the counts it receives.
 
 use super::call::{CallOutcome, UmatCall};
 use super::interface_call::{FricCall, UinterCall};
@@ -28,8 +28,8 @@ pub enum Alteration<'a> {
 }
 
 impl Alteration<'_> {
-    /// The counts that are passed, none greater than the memory behind it: of a call with as many components, states and
-    /// properties.
+    /// Returns the counts to pass for a call with these numbers of components, states and properties. None is greater
+    /// than the memory that it describes.
     fn counts(self, [components, states, properties]: [usize; 3]) -> [i32; 3] {
         let at_most = |count: i32, length: usize| count.min(i32::try_from(length).unwrap_or(i32::MAX));
         match self {
@@ -59,10 +59,10 @@ macro_rules! altered {
             /// The tangent's name: NULL means "stress only" to plugins that declare it.
             pub const TANGENT_ARGUMENT: &'static str = stringify!($tangent);
 
-            /// A call with the tangents set to `filling` before, and one thing wrong.
+            /// Makes a call with one thing wrong; the tangents are set to `filling` before.
             ///
             /// # Errors
-            /// [`Overrun`] if the plugin wrote behind an array.
+            /// [`Overrun`] if the plugin wrote past an array.
             pub fn call_altered(&mut self, filling: f64, alteration: Alteration<'_>) -> Result<CallOutcome, Overrun> {
                 let counts = alteration.counts([self.stress().len(), self.statev().len(), self.props().len()]);
                 let alter = |arguments: &mut $arguments| match alteration {
@@ -80,7 +80,7 @@ macro_rules! altered {
                     Alteration::PropertyCount(_) => arguments.nprops = &raw const counts[0],
                     Alteration::Stack(word) => fill_stack(word),
                 };
-                // SAFETY: pointers became NULL or point to counts that are alive and not greater than the memory behind.
+                // SAFETY: pointers became NULL or point to live counts that are not greater than the memory they describe.
                 unsafe { self.call_with($($own,)? filling, alter) }
             }
         }

@@ -30,7 +30,7 @@ impl CallOutcome {
 }
 
 inputs! {
-    /// The arguments of UMAT that it must not change, but for PROPS, PREDEF and DPRED.
+    /// The arguments that UMAT must not change, except for PROPS, PREDEF and DPRED.
     UmatInputs {
         /// Total strain at the start of the increment, engineering shear.
         pub stran "STRAN": [f64; 6],
@@ -102,8 +102,8 @@ pub struct UmatCall {
     pub predef: Vec<f64>,
     /// Increments.
     pub dpred: Vec<f64>,
-    /// ε33 of plane stress where calls go through six components ([`Self::go_through`]): that of the start before a call
-    /// ([`Self::set_point`]), that of the end behind it.
+    /// ε33 of plane stress where calls go through six components ([`Self::go_through`]): before a call the value at the
+    /// start ([`Self::set_point`]), after it the value at the end.
     pub strain_33: f64,
     /// Way of calls that are not plain: through six components, or with a tangent by differences.
     pub(super) detour: Option<Box<Detour>>,
@@ -326,7 +326,7 @@ impl UmatCall {
     /// Calls the plugin. DDSDDE is zeroed before; a plugin that cannot compute the stress alone computes both.
     ///
     /// # Errors
-    /// [`Overrun`] if it wrote behind an array; the host's memory is intact, the point's values are not to be used.
+    /// [`Overrun`] if it wrote past an array. The host's memory is intact, but the point's values must not be used.
     #[inline]
     pub fn call(&mut self, request: Request) -> Result<CallOutcome, Overrun> {
         if self.detour.is_some() {
@@ -361,7 +361,7 @@ impl UmatCall {
             self.common.stress.as_mut_slice().copy_from_slice(start);
             self.common.statev.as_mut_slice().copy_from_slice(&states);
             let arguments = self.arguments(stress_only);
-            // SAFETY: every pointer is valid for the sizes that the counts tell.
+            // SAFETY: every pointer is valid for the sizes that the counts give.
             run(self.common.guard.as_ref(), || unsafe { arguments.call(self.function) });
             self.take_back()?;
         }
@@ -370,8 +370,8 @@ impl UmatCall {
         Ok(self.outcome())
     }
 
-    /// Calls the plugin on arrays of the caller's own, as a finite element program does: STRAN, DSTRAN and STRESS of NTENS
-    /// values, STATEV of NSTATV. DDSDDE is the call's own, not zeroed. Nothing is made sure of behind the arrays.
+    /// Calls the plugin on the caller's own arrays, as a finite element program does: STRAN, DSTRAN and STRESS of NTENS
+    /// values, STATEV of NSTATV. DDSDDE is the call's own and is not zeroed. Writes past the arrays are not detected.
     ///
     /// # Panics
     /// If an array has another length.
@@ -395,7 +395,7 @@ impl UmatCall {
             statev: statev.as_mut_ptr(),
             ..self.arguments(stress_only)
         };
-        // SAFETY: every pointer is valid for the sizes that the counts tell.
+        // SAFETY: every pointer is valid for the sizes that the counts give.
         run(self.common.guard.as_ref(), || unsafe { arguments.call(self.function) });
         self.common.pnewdt = self.common.exchange.outputs().pnewdt();
         self.take_energies();
@@ -434,7 +434,7 @@ impl UmatCall {
         }
         let mut arguments = self.arguments(stress_only);
         alter(&mut arguments);
-        // SAFETY: every pointer is valid for the sizes that the counts tell.
+        // SAFETY: every pointer is valid for the sizes that the counts give.
         run(self.common.guard.as_ref(), || unsafe { arguments.call(self.function) });
         if let Some(slot) = &mut self.common.slot {
             slot.leave();

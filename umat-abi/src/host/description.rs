@@ -61,7 +61,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The bounds in words, e.g. `> 0`, `in (-1, 0.5)`; empty if there are none.
+    /// Returns the bounds as text, e.g. `> 0`, `in (-1, 0.5)`; empty if there are none.
     pub fn bounds(&self) -> String {
         let (lower, upper) = (self.lower, self.upper);
         let (open, close) = (if self.lower_open { '(' } else { '[' }, if self.upper_open { ')' } else { ']' });
@@ -190,9 +190,9 @@ impl LawDescription {
         let count = group.count_parameter.and_then(|place| props.get(place));
         let given = metadata::given(group.added, group.size, count, props.len(), fixed);
         let added = self.parameters[given..fixed].iter().map(|parameter| parameter.default_value);
-        let (before, behind) = props.split_at(given.min(props.len()));
+        let (before, after) = props.split_at(given.min(props.len()));
         let added: Vec<f64> = if before.len() == given { added.collect() } else { Vec::new() };
-        [before, &added, behind].concat()
+        [before, &added, after].concat()
     }
 
     /// Position in PROPS of the parameter with this role, if the law has one.

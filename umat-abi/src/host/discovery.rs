@@ -54,9 +54,9 @@ pub fn real_path(file: &Path) -> PathBuf {
     file.canonicalize().unwrap_or_else(|_| file.to_owned())
 }
 
-/// The folders in which plugins are looked for, in order: the given ones, `PULLOUT_PLUGIN_PATH`, and the program's own:
-/// `deps/` beside the executable (or its folder if that is `deps/`), the executable's folder, and `<prefix>/lib/pullout`.
-/// Folders that do not exist are listed as well.
+/// Returns the folders that are searched for plugins, in order: the given ones, `PULLOUT_PLUGIN_PATH`, and the
+/// program's own. These are `deps/` next to the executable (or its folder if that is `deps/`), the executable's folder,
+/// and `<prefix>/lib/pullout`. Folders that do not exist are listed as well.
 pub fn search_paths(given: &[PathBuf]) -> Vec<PathBuf> {
     let mut paths = given.to_vec();
     if let Some(variable) = env::var_os("PULLOUT_PLUGIN_PATH") {

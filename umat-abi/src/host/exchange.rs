@@ -1,9 +1,9 @@
-//! Arguments of a plugin besides its arrays: inputs, and numbers that it may write.
+//! Arguments of a plugin other than its arrays: inputs, and numbers that it may write.
 //!
-//! Rule: a plugin may write into an input (many UMATs use DSTRAN or PROPS as working space), but nobody but itself ever sees
-//! it. A library that nobody vouches for gets a copy of the inputs in each call; what it changed there is lost with the call,
-//! and remembered, so that the user can be told once ([`super::Library::written_inputs`]). Writing outside an argument is an
-//! error always.
+//! A plugin may write into an input, as many UMATs use DSTRAN or PROPS as working space, but nobody else ever sees it.
+//! A library whose metadata do not vouch for it gets a copy of the inputs in each call. What it changes there is lost
+//! after the call, and recorded so that the user can be warned once ([`super::Library::written_inputs`]). Writing
+//! outside an argument is always an error.
 
 use super::memory::{CANARY, Guarded, Overrun};
 
@@ -18,7 +18,7 @@ pub unsafe trait Inputs: Copy + Default {
 
 /// Numbers that a plugin writes.
 pub trait Outputs: Copy {
-    /// Looks behind each.
+    /// Checks the canaries after each number.
     fn check(&self) -> Result<(), Overrun>;
     /// PNEWDT.
     fn pnewdt(&self) -> f64;
@@ -99,7 +99,7 @@ pub(super) use {arguments, inputs, outputs};
 
 /// Element type of an output.
 pub trait Number: Copy + Default {
-    /// Stands in front of numbers and behind them.
+    /// Pattern in front of and after the numbers.
     const CANARY: Self;
     /// Returns whether it is that, to the last bit.
     fn is_canary(&self) -> bool;
@@ -129,7 +129,7 @@ impl Number for i32 {
 pub struct Between<T, const N: usize> {
     front: T,
     pub(super) values: [T; N],
-    behind: T,
+    back: T,
 }
 
 /// Doubles between canaries.
@@ -153,25 +153,25 @@ impl<T: Number> From<T> for Between<T, 1> {
 impl<T: Number, const N: usize> From<[T; N]> for Between<T, N> {
     #[inline]
     fn from(values: [T; N]) -> Self {
-        Self { front: T::CANARY, values, behind: T::CANARY }
+        Self { front: T::CANARY, values, back: T::CANARY }
     }
 }
 
 impl<T: Number, const N: usize> Between<T, N> {
     #[inline]
     pub(super) fn is_intact(&self) -> bool {
-        self.front.is_canary() && self.behind.is_canary()
+        self.front.is_canary() && self.back.is_canary()
     }
 
     pub(super) fn check(&self, array: &'static str) -> Result<(), Overrun> {
-        overrun([self.front.is_canary(), self.behind.is_canary()], array, N)
+        overrun([self.front.is_canary(), self.back.is_canary()], array, N)
     }
 }
 
-/// The error of a canary that is not intact: of the one in front, or of the one behind.
-fn overrun([front, behind]: [bool; 2], array: &'static str, length: usize) -> Result<(), Overrun> {
+/// Returns the error of a damaged canary: the one in front of the array, or the one after it.
+fn overrun([front, back]: [bool; 2], array: &'static str, length: usize) -> Result<(), Overrun> {
     let element = if front { i64::try_from(length + 1).unwrap_or(i64::MAX) } else { 0 };
-    if front && behind { Ok(()) } else { Err(Overrun { array, element, length }) }
+    if front && back { Ok(()) } else { Err(Overrun { array, element, length }) }
 }
 
 /// The arguments of a call object that are no arrays of their own.
@@ -187,7 +187,7 @@ pub(super) struct Exchange<I, O> {
 enum Shared<O> {
     /// Outputs kept here; the inputs are lent themselves.
     Own(O),
-    /// A copy of the inputs behind the outputs, as [`Lent`]: nobody vouches for the plugin.
+    /// A copy of the inputs after the outputs, as [`Lent`]: no metadata vouch for the plugin.
     Lent(Guarded),
 }
 
@@ -256,10 +256,10 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
         }
     }
 
-    /// Looks at what a call wrote. Returns whether the inputs are as they were.
+    /// Checks what a call wrote. Returns whether the inputs are unchanged.
     ///
     /// # Errors
-    /// The call wrote behind an output, or behind the inputs.
+    /// The call wrote past an output or past the inputs.
     #[inline]
     pub(super) fn take_back(&mut self) -> Result<bool, Overrun> {
         let Shared::Lent(memory) = &mut self.shared else { return Ok(true) };

@@ -1,6 +1,6 @@
-//! Frame in which a law sees its point: local axes, and strains less those that are free of stress.
+//! Frame in which a law sees its point: local axes, and strains without the stress-free part.
 //!
-//! As ABAQUS has them beside a UMAT (*ORIENTATION, *EXPANSION). With the axes A (a row each), the rotation R of F = R U and
+//! It corresponds to *ORIENTATION and *EXPANSION of ABAQUS. With the axes A (a row each), the rotation R of F = R U and
 //! the free strain ε* (along the local axes, its logarithm where displacements are large):
 //!
 //! ```text
@@ -299,14 +299,14 @@ impl UmatCall {
     }
 }
 
-/// The components of a stress state, in its order; 0 behind them.
+/// Returns the components of a stress state, in its order, followed by zeros.
 fn of_components(six: &[f64; 6], state: StressState) -> [f64; 6] {
     let mut values = [0.0; 6];
     values.iter_mut().zip(state.components()).for_each(|(value, &component)| *value = six[component]);
     values
 }
 
-/// Values, and 0 behind them.
+/// Returns the values, followed by zeros.
 fn first_six(values: &[f64]) -> [f64; 6] {
     std::array::from_fn(|k| values.get(k).copied().unwrap_or_default())
 }

@@ -24,7 +24,7 @@ pub(super) struct Guard {
 pub struct WrittenInput {
     /// Step, increment, element and point.
     pub place: [i32; 4],
-    /// Arrays next to it in memory that the call may have missed: the one before it, behind whose end it lies, and the one after it.
+    /// Neighbouring arrays that the call may have meant: the one before, past whose end it wrote, and the one after.
     pub neighbours: [Option<&'static str>; 2],
 }
 

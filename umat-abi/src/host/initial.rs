@@ -117,15 +117,15 @@ impl InitialStates {
         unsafe { Self::of(library, ("sdvini", "STATEV"), given, count) }
     }
 
-    /// STATEV of a point.
+    /// Returns STATEV of a point.
     ///
     /// # Errors
-    /// In words, if SDVINI wrote behind STATEV, or left a value that is not finite.
+    /// A message if SDVINI wrote past STATEV or set a value that is not finite.
     pub fn of_point(&mut self, at: &InitialPoint) -> Result<Vec<f64>, String> {
         let InitialPoint { coordinates, element, point } = at;
         self.values(("SDVINI", RecordedArguments::INITIAL_STATE), at, |function, values| {
             let (states, count) = (values.as_mut_ptr(), values.count());
-            // SAFETY: every pointer is valid for the sizes that the counts tell.
+            // SAFETY: every pointer is valid for the sizes that the counts give.
             unsafe { function(states, coordinates.as_ptr(), count, &DIMENSIONS, element, point, &ONE, &ONE) }
         })
     }
@@ -138,10 +138,10 @@ impl InitialStresses {
         unsafe { Self::of(library, ("sigini", "SIGMA"), given, count) }
     }
 
-    /// STRESS of a point, in the order of UMAT; `element_type` as ABAQUS calls it.
+    /// Returns STRESS of a point, in the order of UMAT; `element_type` as ABAQUS names it.
     ///
     /// # Errors
-    /// In words, if SIGINI wrote behind SIGMA, or left a value that is not finite.
+    /// A message if SIGINI wrote past SIGMA or set a value that is not finite.
     pub fn of_point(&mut self, at: &InitialPoint, element_type: &str) -> Result<Vec<f64>, String> {
         let InitialPoint { coordinates, element, point } = at;
         // the rebar's name, which is blank, and the type of the element
@@ -149,7 +149,7 @@ impl InitialStresses {
         self.values(("SIGINI", RecordedArguments::INITIAL_STRESS), at, |function, values| {
             let (stress, count) = (values.as_mut_ptr(), values.count());
             let names = names.as_ptr().cast::<c_char>();
-            // SAFETY: every pointer is valid for the sizes that the counts tell.
+            // SAFETY: every pointer is valid for the sizes that the counts give.
             unsafe {
                 function(
                     stress,

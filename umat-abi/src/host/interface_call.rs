@@ -18,7 +18,8 @@ const IDENTITY_3: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 const SURFACES: [&str; 2] = ["SLAVE", "MASTER"];
 
 inputs! {
-    /// The arguments of UINTER that it must not change, but for PROPS, PREDEF and DPRED. What a mechanical host has nothing to say about is 0.
+    /// The arguments that UINTER must not change, except for PROPS, PREDEF and DPRED. Those without a meaning for a
+    /// mechanical host are 0.
     UinterInputs {
         /// RDISP at the end of the increment: \[0\] > 0 penetration, then slips; mm.
         pub rdisp "RDISP": [f64; 3],
@@ -51,7 +52,7 @@ inputs! {
         pub counters "KSTEP, KINC, KIT": [i32; 3],
         linper "LINPER": i32,
         lprint "LPRINT": i32,
-        behind_lprint "LPRINT": i32,
+        after_lprint "LPRINT": i32,
         ciname "CINAME": [u8; 80],
         slname "SLNAME": [u8; 80],
         msname "MSNAME": [u8; 80],
@@ -79,7 +80,8 @@ outputs! {
 }
 
 inputs! {
-    /// The arguments of FRIC that it must not change, but for PROPS, PREDEF and DPRED. What a mechanical host has nothing to say about is 0.
+    /// The arguments that FRIC must not change, except for PROPS, PREDEF and DPRED. Those without a meaning for a
+    /// mechanical host are 0.
     FricInputs {
         /// DGAM, the slip increment, mm.
         pub dgam "DGAM": [f64; 2],
@@ -113,7 +115,7 @@ inputs! {
         npred "NPRED": i32,
         nstatv "NSTATV": i32,
         nprops "NPROPS": i32,
-        behind_nprops "NPROPS": i32,
+        after_nprops "NPROPS": i32,
         ciname "CINAME": [u8; 80],
         slname "SLNAME": [u8; 80],
         msname "MSNAME": [u8; 80],
@@ -280,7 +282,7 @@ impl UinterCall {
         let mut arguments = self.arguments();
         alter(&mut arguments);
         let function = self.function;
-        // SAFETY: every pointer is valid for the sizes that the counts tell, or NULL where the caller wants that.
+        // SAFETY: every pointer is valid for the sizes that the counts give, or NULL where the caller wants that.
         let call = || unsafe { arguments.call(function) };
         let place = |inputs: &UinterInputs| [inputs.counters[0], inputs.counters[1], 0, inputs.node];
         self.calls += 1;
@@ -486,10 +488,10 @@ impl FricCall {
         results.into_iter().filter(move |_| is_given)
     }
 
-    /// The answer of the last call.
+    /// Returns the answer of the last call.
     ///
     /// # Errors
-    /// In words, if LM is none that FRIC may return.
+    /// A message if LM is not a value that FRIC may return.
     pub fn answer(&self) -> Result<FricAnswer, String> {
         match self.lm {
             0 => Ok(FricAnswer::Tractions),
@@ -515,7 +517,7 @@ impl FricCall {
         let mut arguments = self.arguments();
         alter(&mut arguments);
         let function = self.function;
-        // SAFETY: every pointer is valid for the sizes that the counts tell, or NULL where the caller wants that.
+        // SAFETY: every pointer is valid for the sizes that the counts give, or NULL where the caller wants that.
         let call = || unsafe { arguments.call(function) };
         let place = |inputs: &FricInputs| [inputs.counters[0], inputs.counters[1], 0, inputs.node];
         self.calls += 1;

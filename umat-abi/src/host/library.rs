@@ -22,7 +22,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 /// Symbol that `plugin build --debug` puts into a library.
 const DEBUG_SYMBOL: &str = "pullout_debug_v1";
 
-/// Reason, in words, why a file is no library that can be loaded, or has not what is called.
+/// Message why a file cannot be loaded as a library, or lacks what is called.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct LoadError(String);
@@ -61,7 +61,7 @@ pub(super) fn each_loaded(act: impl FnMut(Arc<libloading::Library>)) {
     libraries.into_iter().for_each(act);
 }
 
-/// A user subroutine beside UMAT, UINTER and FRIC that a library may have.
+/// A user subroutine that a library may have in addition to UMAT, UINTER and FRIC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Routine {
     /// Plain symbol.
@@ -200,7 +200,7 @@ impl Library {
             is_isolated.then(Guard::default)
         };
         if is_isolated {
-            // What it does when it is unloaded it does at the worker's exit, behind the done-mark.
+            // What it does when unloaded, it does at the worker's exit, after the done-mark.
             std::mem::forget(Arc::clone(&library.handle));
         }
         // SAFETY: only their presence is asked for.
@@ -251,8 +251,8 @@ impl Library {
         self
     }
 
-    /// Returns whether a call so far switched floating-point modes; they were restored behind it. Not looked for where metadata
-    /// vouch for the library.
+    /// Returns whether a call so far switched floating-point modes; they were restored after it. This is not checked
+    /// where metadata vouch for the library.
     pub fn calls_change_floating_point(&self) -> bool {
         self.guard.as_ref().is_some_and(Guard::changed_modes)
     }
@@ -419,7 +419,7 @@ fn owner_of(address: *const c_void) -> Option<PathBuf> {
 
 /// Returns why the loader refused a file; without the file's name, which the reader knows.
 pub(super) fn loaders_words(path: &Path, error: &libloading::Error) -> String {
-    // the error itself only tells which call failed
+    // the error itself only names the call that failed
     let words = std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string);
     words.strip_prefix(&format!("{}: ", path.display())).map_or_else(|| words.clone(), str::to_owned)
 }

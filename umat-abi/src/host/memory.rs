@@ -9,10 +9,10 @@ use std::fmt;
 
 /// A bit pattern no computation produces: a signalling-free NaN with a marked payload.
 pub(super) const CANARY: u64 = 0x7ff8_c0de_ba5e_ba11;
-/// Doubles behind each array.
+/// Doubles after each array.
 pub(super) const CANARIES: usize = 4;
 
-/// Unused doubles behind them: as many as arrays for 6 components are longer than those for 3, 36 − 9.
+/// Unused doubles after them: as many as arrays for 6 components are longer than those for 3, 36 − 9.
 const SLACK: usize = 27;
 
 /// A plugin wrote outside one of its arrays.
@@ -78,7 +78,7 @@ pub struct Trespass {
     pub element: i64,
     /// Elements that the array has.
     pub length: usize,
-    /// Whether it was written; `None` where the processor does not tell.
+    /// Whether it was written; `None` if the processor does not report this.
     pub writes: Option<bool>,
 }
 
@@ -94,7 +94,7 @@ impl fmt::Display for Trespass {
     }
 }
 
-/// Returns what is behind a stress of six components for a UMAT of hybrid elements; nothing for any other element of any array.
+/// Returns a note on what follows a stress of six components in hybrid elements; an empty text for all else.
 fn of_hybrid(array: &str, element: i64, length: usize) -> &'static str {
     const SOLID: usize = 6;
     match (array, element, length) {
@@ -106,7 +106,7 @@ fn of_hybrid(array: &str, element: i64, length: usize) -> &'static str {
     }
 }
 
-/// One array with a canary in front of it, and behind it canaries or a page that cannot be written.
+/// One array with a canary in front of it, and canaries or a page that cannot be written after it.
 #[derive(Debug)]
 pub(super) struct Guarded {
     name: &'static str,
@@ -114,8 +114,8 @@ pub(super) struct Guarded {
     /// The length as Fortran passes it.
     count: i32,
     first: *mut f64,
-    /// Canaries behind it.
-    behind: usize,
+    /// Number of canaries after it.
+    canaries: usize,
     /// Characters at its end that messages count instead of its values.
     characters: Option<usize>,
     _memory: Memory,
@@ -139,7 +139,7 @@ impl Guarded {
         memory[1..=length].fill(0.0);
         let first = &raw mut memory[1];
         let count = i32::try_from(length).unwrap_or(i32::MAX);
-        Self { name, length, count, first, behind: CANARIES, characters: None, _memory: Memory::Canaries(memory) }
+        Self { name, length, count, first, canaries: CANARIES, characters: None, _memory: Memory::Canaries(memory) }
     }
 
     /// Room for values of any kind at whose end an argument of characters stands, which messages name.
@@ -167,7 +167,7 @@ impl Guarded {
             std::ptr::copy_nonoverlapping(self.first, front.add(1), self.length);
             front.add(1)
         };
-        (self.first, self.behind, self._memory) = (first, 0, Memory::Fenced(watched));
+        (self.first, self.canaries, self._memory) = (first, 0, Memory::Fenced(watched));
     }
 
     #[inline]
@@ -196,7 +196,7 @@ impl Guarded {
     #[inline]
     pub(super) fn hold(&mut self, values: &[f64]) {
         if values.len() != self.length {
-            let is_fenced = self.behind == 0;
+            let is_fenced = self.canaries == 0;
             *self = Self::new(self.name, values.len());
             if is_fenced {
                 self.fence();
@@ -214,16 +214,16 @@ impl Guarded {
     #[inline]
     pub(super) fn check(&mut self) -> Result<(), Overrun> {
         // SAFETY: so many values stand around the array.
-        let (front, behind) = unsafe {
-            let behind = std::slice::from_raw_parts_mut(self.first.add(self.length), self.behind);
-            (&mut *self.first.sub(1), behind)
+        let (front, back) = unsafe {
+            let back = std::slice::from_raw_parts_mut(self.first.add(self.length), self.canaries);
+            (&mut *self.first.sub(1), back)
         };
-        if front.to_bits() == CANARY && behind.iter().all(|x| x.to_bits() == CANARY) {
+        if front.to_bits() == CANARY && back.iter().all(|x| x.to_bits() == CANARY) {
             return Ok(());
         }
-        let offset = behind.iter().position(|x| x.to_bits() != CANARY);
+        let offset = back.iter().position(|x| x.to_bits() != CANARY);
         *front = f64::from_bits(CANARY);
-        behind.fill(f64::from_bits(CANARY));
+        back.fill(f64::from_bits(CANARY));
         let length = self.characters.unwrap_or(self.length);
         let size = if self.characters.is_some() { size_of::<f64>() } else { 1 };
         let element = offset.map_or(0, |offset| i64::try_from(length + 1 + size * offset).unwrap_or(i64::MAX));

@@ -64,8 +64,9 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
         }
     }
 
-    /// Makes every array end at a page that cannot be written, if the recorder of this process is set to that
-    /// ([`recorder::Recorder::fence_arrays`]): a store behind an array ends the process, and the recorder shows which array.
+    /// Makes every array end at a page that cannot be written, if the recorder of this process asks for it
+    /// ([`recorder::Recorder::fence_arrays`]). A write past the end of an array then ends the process, and the recorder
+    /// names the array.
     pub fn fence(&mut self) {
         if !recorder::fences_arrays() {
             return;
@@ -101,7 +102,8 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
         self.take_back(fields, place)
     }
 
-    /// Takes over the answer, and looks at what the call must not write; `place` tells step, increment, element and point.
+    /// Takes over the answer and checks that the call left the rest unchanged; `place` returns step, increment,
+    /// element, point.
     #[inline(always)]
     pub(super) fn take_back(&mut self, fields: [&[f64]; 2], place: impl Fn(&I) -> [i32; 4]) -> Result<(), Overrun> {
         let has_inputs = self.exchange.take_back()?;

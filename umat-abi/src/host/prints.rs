@@ -23,7 +23,7 @@ const PRESENT_RUNTIME: &str = "_gfortran_st_wait_async";
 /// ABAQUS's message file.
 const MESSAGE_UNIT: i32 = 7;
 
-/// `st_parameter_open` of libgfortran 5, as the compiler lays it out, with room behind.
+/// `st_parameter_open` of libgfortran 5, as the compiler lays it out, with spare room at its end.
 #[repr(C)]
 struct OpenParameters {
     flags: i32,
@@ -53,8 +53,8 @@ mod given {
 /// File of unit 7.
 static MESSAGES: Mutex<Option<PathBuf>> = Mutex::new(None);
 
-/// Connects unit 7 of the libraries that are loaded, and of those to come, with a file, behind what it holds. Runtimes
-/// other than gfortran's are left alone.
+/// Connects unit 7 of all libraries, loaded now or later, with a file; output is appended. Runtimes other than
+/// gfortran's are left alone.
 pub fn write_messages_to(file: &Path) {
     *MESSAGES.lock().unwrap_or_else(PoisonError::into_inner) = Some(file.to_owned());
     each_loaded(|library| connect(&library, file));
@@ -116,8 +116,8 @@ fn connect(library: &libloading::Library, file: &Path) {
         _others: [0; 64],
     };
     // SAFETY: the function is that of libgfortran 5, whose block of parameters has this layout in every version so far; it
-    // is as large as theirs or larger, and what it points to outlives the call. A failure is told in `iostat`, and leaves
-    // the unit as it was.
+    // is as large as theirs or larger, and what it points to outlives the call. A failure is reported in `iostat`
+    // and leaves the unit as it was.
     unsafe {
         if let Ok(open) = library.get::<OpenFunction>(OPEN) {
             open(&raw mut parameters);

@@ -1,4 +1,5 @@
-//! Routines beside the entry points, called where a library exports them: UEXTERNALDB here, SDVINI and SIGINI in `initial`.
+//! Routines other than the entry points, called if a library exports them: UEXTERNALDB here, SDVINI and SIGINI in
+//! `initial`.
 
 use super::guard::{Guard, run};
 use super::library::Library;
@@ -72,12 +73,14 @@ impl<F: Copy> Routine<F> {
     }
 }
 
-/// UEXTERNALDB of the libraries of an analysis, in the order of ABAQUS's manual: LOP = 0 when this is made (and 4 where a
-/// run goes on from a checkpoint), 5 before the first increment of a step, 1 before an increment, 2 behind it, 6 behind
-/// the last one of a step, 3 when it is dropped. An increment that is repeated with another DTIME begins again, with LOP = 1.
+/// UEXTERNALDB of the libraries of an analysis, called in the order of ABAQUS's manual.
 ///
-/// A library that keeps no more than it reads at LOP = 0 is right in a run that goes on only if it gets that call as well:
-/// a restart is told by both.
+/// LOP = 0 when this is made (and 4 if a run goes on from a checkpoint), 5 before the first increment of a step, 1
+/// before an increment, 2 after it, 6 after the last increment of a step, 3 when this is dropped. An increment that is
+/// repeated with another DTIME begins again, with LOP = 1.
+///
+/// At a restart a library gets both calls, because one that keeps only what it reads at LOP = 0 needs that call as
+/// well.
 #[derive(Debug, Default)]
 pub struct ExternalDatabases {
     databases: Vec<Routine<ExternalDatabaseFunction>>,
@@ -115,8 +118,8 @@ impl ExternalDatabases {
         this
     }
 
-    /// An increment begins, for the first time or again with another length. Told once: what is computed before the first
-    /// attempt, or again with the same length, is part of the same beginning.
+    /// An increment begins, for the first time or again with another length. The library is called once: what is
+    /// computed before the first attempt, or again with the same length, is part of the same beginning.
     pub fn increment_starts(&mut self, clock: Clock) {
         if self.databases.is_empty() || self.last == (Some(Occasion::IncrementStart), clock) {
             return;

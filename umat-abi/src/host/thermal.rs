@@ -1,7 +1,8 @@
-//! HETVAL and UMATHT: heat that a material generates, stores and conducts beside its UMAT.
+//! HETVAL and UMATHT: heat that a material generates, stores and conducts, in addition to its UMAT.
 //!
-//! They are called behind UMAT, which has left STATEV for them; what they write there stays. HETVAL sees the end of the increment,
-//! UMATHT its start and its increments, as ABAQUS has them. Each input is a copy: nobody sees what they write into one.
+//! They are called after UMAT, which has left STATEV for them; what they write there stays. HETVAL sees the end of the
+//! increment, UMATHT its start and its increments, as in ABAQUS. Each input is a copy: nobody sees what they write into
+//! it.
 
 use super::call::{CallOutcome, UmatCall};
 use super::guard::Guard;
@@ -243,7 +244,7 @@ impl HeatTransfer {
         let kstep = of.jstep;
         self.routine.call(RecordedArguments::HEAT_TRANSFER, place, |function| {
             let cmname = cmname.as_ptr().cast();
-            // SAFETY: every pointer is valid for what the manual says, and for the sizes that the counts tell.
+            // SAFETY: every pointer is valid for what the manual says, and for the sizes that the counts give.
             unsafe {
                 function(
                     u,
@@ -309,10 +310,10 @@ impl UmatCall {
         self.heat_transfer.is_some()
     }
 
-    /// Calls HETVAL behind a call that is done, and adds FLUX to RPL and DRPLDT. Does nothing without HETVAL.
+    /// Calls HETVAL after a call of UMAT, and adds FLUX to RPL and DRPLDT. Does nothing without HETVAL.
     ///
     /// # Errors
-    /// [`Overrun`] if it wrote behind an array.
+    /// [`Overrun`] if it wrote past an array.
     #[inline]
     pub fn add_generated_heat(&mut self) -> Result<(), Overrun> {
         let Some(mut generation) = self.generation.take() else { return Ok(()) };
@@ -331,11 +332,11 @@ impl UmatCall {
         NotFinite::among([("FLUX", &[heat.rpl, heat.drpldt][..])])
     }
 
-    /// Calls UMATHT behind a call that is done, with DTEMDX and what it left at the start of the increment: U and FLUX. `None`:
-    /// there is none.
+    /// Calls UMATHT after a call of UMAT, with DTEMDX and what it left at the start of the increment: U and FLUX.
+    /// `None`: there is no UMATHT.
     ///
     /// # Errors
-    /// [`Overrun`] if it wrote behind an array.
+    /// [`Overrun`] if it wrote past an array.
     pub fn transfer(
         &mut self,
         gradient: [f64; GRADIENTS],

@@ -12,11 +12,11 @@ pub const UTILITIES: &str = "pullout_utilities";
 const JOB_SYMBOL: &str = "pullout_utilities_job_v1";
 type JobFunction = unsafe extern "C" fn(name: *const u8, name_length: usize, folder: *const u8, folder_length: usize);
 
-/// The library of the utility routines: beside the plugins that were installed with the program, whose process it is loaded
-/// into, and in no other folder of plugins.
+/// Returns the library of the utility routines. It is searched only next to the plugins that were installed with the
+/// program, as it is loaded into the program's process.
 ///
 /// # Errors
-/// In words, where it was looked for.
+/// A message that lists the folders searched.
 pub fn utilities_path() -> Result<PathBuf, String> {
     let searched = installed_paths();
     Found::by_name(UTILITIES, &searched).map(|found| found.path).ok_or_else(|| {

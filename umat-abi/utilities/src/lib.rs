@@ -16,7 +16,7 @@
 //! symbol of a plugin.
 //!
 //! Fortran passes everything by reference, and after all arguments the lengths of the CHARACTER ones by value. Every
-//! routine relies on its arguments being as the manual says; that is the reason behind each `unsafe` block here.
+//! routine relies on its arguments being as the manual says; that is the reason for each `unsafe` block here.
 
 mod arrays;
 mod character;

@@ -56,7 +56,7 @@ extern "C" fn xit_() {
 }
 
 /// STDB_ABQERR(LOP,STRING,INTV,REALV,CHARV): a note (LOP 1), a warning (−1), an error (−2), or an error that ends the
-/// analysis (−3). Each %I, %R and %S in STRING stands for the next entry of INTV, REALV and CHARV.
+/// analysis (−3). Each %I, %R and %S in STRING is replaced by the next entry of INTV, REALV and CHARV.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn stdb_abqerr_(
     lop: *const i32,

@@ -6,8 +6,8 @@ use std::ptr;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicPtr, Ordering};
 
-/// Takes an address that was touched, and whether it was written; `None`: the processor does not tell. Does only what a
-/// signal handler may.
+/// Receives an address that was touched, and whether it was written; `None`: the processor does not report this. Does
+/// only what a signal handler may.
 pub(in crate::host) type Sink = fn(address: usize, writes: Option<bool>);
 
 const SIGNALS: [i32; 2] = [libc::SIGSEGV, libc::SIGBUS];
@@ -50,7 +50,7 @@ extern "C" fn handler(signal: i32, info: *const libc::siginfo_t, context: *const
     let sink = SINK.load(Ordering::SeqCst);
     // SAFETY: the kernel passes both; what `listen` stored is a function.
     unsafe {
-        // a signal that was sent, not caused, tells no address
+        // a signal that was sent, not caused, has no address
         let is_sent = (*info).si_code <= 0;
         if !is_sent && !sink.is_null() {
             std::mem::transmute::<*mut (), Sink>(sink)((*info).si_addr() as usize, writes(context));
@@ -66,7 +66,7 @@ extern "C" fn handler(signal: i32, info: *const libc::siginfo_t, context: *const
     }
 }
 
-/// Returns whether the access was a write; `None`: the processor does not tell.
+/// Returns whether the access was a write; `None`: the processor does not report this.
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 unsafe fn writes(context: *const libc::c_void) -> Option<bool> {
     /// Bit of the page fault's error code.

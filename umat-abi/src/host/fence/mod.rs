@@ -22,7 +22,7 @@ const PAGE: usize = 1 << 12;
 pub(super) enum Outside {
     /// Access ends the process.
     Forbidden,
-    /// Writing ends the process; what is read behind the array is this pattern at first.
+    /// Writing ends the process. Memory past the end of the array holds this pattern at first.
     Readable(u64),
 }
 
@@ -92,12 +92,12 @@ impl Fenced {
         let (mapping, protection) = (mapping.cast::<u8>(), outside.protection());
         // SAFETY: the fences are multiples of a page within the mapping, and hold nothing.
         let fenced = unsafe {
-            let behind = mapping.add(FENCE + data);
+            let after = mapping.add(FENCE + data);
             if let Outside::Readable(pattern) = outside {
-                std::slice::from_raw_parts_mut(behind.cast::<u64>(), PAGE / size_of::<u64>()).fill(pattern);
+                std::slice::from_raw_parts_mut(after.cast::<u64>(), PAGE / size_of::<u64>()).fill(pattern);
             }
             libc::mprotect(mapping.cast(), FENCE, protection) == 0
-                && libc::mprotect(behind.cast(), FENCE, protection) == 0
+                && libc::mprotect(after.cast(), FENCE, protection) == 0
         };
         if fenced { Ok(this) } else { Err(io::Error::last_os_error()) }
     }

@@ -29,7 +29,7 @@ pub(in crate::host) struct Watched {
     entry: &'static WatchedArray,
 }
 
-// SAFETY: the list's entries do not change but for what is atomic, and live for ever.
+// SAFETY: the list's entries do not change, except for atomic fields, and live for ever.
 unsafe impl Sync for WatchedArray {}
 // SAFETY: as above.
 unsafe impl Send for WatchedArray {}

@@ -19,7 +19,7 @@ const RELATIVE_STEP: f64 = 1e-5;
 const LEAST_STRAIN: f64 = 1e-4;
 /// Differences that are unsymmetric by less than this part of the largest entry are of a symmetric tangent.
 const ASYMMETRY: f64 = 1e-7;
-/// Fraction of the increment that is tried next where a strain beside its end gives no stress.
+/// Fraction of the increment that is tried next if a strain near its end gives no stress.
 const CUT: f64 = 0.5;
 
 /// Derivatives by one component: from below, from above, from both.
@@ -118,7 +118,7 @@ impl UmatCall {
         Ok((below.is_some() || above.is_some()).then_some(Column { below, above }))
     }
 
-    /// F₁ → (1 + h sym eⱼ) F₁, columns of F₁ one behind the other.
+    /// F₁ → (1 + h sym eⱼ) F₁, columns of F₁ one after the other.
     pub(super) fn stretch(&mut self, column: usize, step: f64) {
         const PLACES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
         let (a, b) = PLACES[self.stress_state().components()[column]];
@@ -161,7 +161,7 @@ impl UmatCall {
         if scale > 0.0 { least / scale } else { 0.0 }
     }
 
-    /// Makes differences that are symmetric but for rounding exactly so.
+    /// Makes differences exactly symmetric that are symmetric up to rounding.
     fn remove_asymmetry(&mut self, columns: usize) {
         let ntens = self.ntens();
         let entries = self.tangent.as_mut_slice();

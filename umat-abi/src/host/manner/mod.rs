@@ -33,7 +33,7 @@ pub enum TangentSource {
 pub struct Manner {
     /// Whether it is called with NTENS 6 in a plane too; `None`: where the plugin needs it.
     pub as_three_d: Option<bool>,
-    /// Source of DDSDDE; `None`: the plugin, as long as that serves.
+    /// Source of DDSDDE; `None`: the plugin, as long as its tangent can be used.
     pub tangent: Option<TangentSource>,
 }
 

@@ -50,9 +50,10 @@ impl Plugin {
         }
     }
 
-    /// Makes a call go through six components if the UMAT, of which nothing is known, does not serve those of the plane;
-    /// then says why. The call has the arguments of a virgin point that is not deformed, and keeps them. What may crash or write wild is tried in
-    /// a child process first. From then on its arrays are fenced ([`UmatCall::fence`]).
+    /// Makes a call go through six components if the UMAT comes without metadata and does not work with those of the
+    /// plane; then returns the reason. The arguments are those of an undeformed virgin point, and stay so. Trial calls
+    /// that may crash or write out of bounds run in a child process first. From then on the call's arrays are fenced
+    /// ([`UmatCall::fence`]).
     ///
     /// # Errors
     /// The library has no such entry point.
@@ -121,8 +122,8 @@ impl Manner {
 }
 
 impl UmatCall {
-    /// Returns why the plugin is better called with six components: it fails with those of the plane, or gives another stress, and
-    /// six serve.
+    /// Returns why the plugin is better called with six components: with those of the plane it fails or gives another
+    /// stress, and with six it works.
     fn why_not_plane(&mut self, solid: &mut Self) -> Option<String> {
         let mut start = super::Point::default();
         self.keep(&mut start);

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicI32, Ordering};
 const TIME_LIMIT: u32 = 10;
 /// Bytes that the child writes: an address and what happened there.
 const MESSAGE: usize = 9;
-/// The last byte where the processor does not tell whether the address was written; otherwise 0 or 1.
+/// The last byte if the processor does not report whether the address was written; otherwise 0 or 1.
 const TOUCHED: u8 = 2;
 /// The last byte of a call that came back.
 const RETURNED: u8 = 3;
@@ -45,7 +45,7 @@ pub fn ask(question: impl FnOnce() -> bool) -> io::Result<Option<bool>> {
     })
 }
 
-/// Lets a child process do something and tell its last byte; returns its message and status.
+/// Runs work in a child process that sends its last byte; returns the child's message and status.
 fn within(work: impl FnOnce() -> u8) -> io::Result<(Vec<u8>, i32)> {
     let (mut reader, writer) = io::pipe()?;
     // SAFETY: the child makes the call and ends; it returns to no code of this process.
@@ -54,7 +54,7 @@ fn within(work: impl FnOnce() -> u8) -> io::Result<(Vec<u8>, i32)> {
         0 => {
             CHANNEL.store(writer.as_raw_fd(), Ordering::SeqCst);
             prepare();
-            tell(0, work());
+            report(0, work());
             // SAFETY: ends the child without the exit handlers that it shares with its parent.
             unsafe { libc::_exit(0) }
         }
@@ -82,16 +82,16 @@ fn prepare() {
         libc::dup2(nowhere, libc::STDOUT_FILENO);
         libc::dup2(nowhere, libc::STDERR_FILENO);
     }
-    // without a handler the signal is told by its number
+    // without a handler the signal is reported by its number
     let _ = listen(|address, writes| {
-        tell(address, writes.map_or(TOUCHED, u8::from));
+        report(address, writes.map_or(TOUCHED, u8::from));
         // SAFETY: ends the child.
         unsafe { libc::_exit(1) }
     });
 }
 
 /// Writes the message. Only what a signal handler may call.
-fn tell(address: usize, what: u8) {
+fn report(address: usize, what: u8) {
     let mut message = [what; MESSAGE];
     message[..MESSAGE - 1].copy_from_slice(&(address as u64).to_ne_bytes());
     // SAFETY: writes bytes of this frame.

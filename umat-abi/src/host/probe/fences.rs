@@ -1,4 +1,4 @@
-//! The arrays of each entry point behind fences.
+//! Fences around the arrays of each entry point.
 
 use super::super::call::UmatCall;
 use super::super::fence::Fenced;
@@ -27,7 +27,7 @@ macro_rules! probed {
                     fenced.push(copy);
                 )+
                 let function = $this.function;
-                // SAFETY: every pointer is valid for the sizes that the counts tell.
+                // SAFETY: every pointer is valid for the sizes that the counts give.
                 let probed = child::run(&fenced, || unsafe { to.call(function) })?;
                 Ok(match probed {
                     Probed::Trespass(trespass) => {

@@ -1,8 +1,8 @@
-//! One call in a child process, with every array beside a page that cannot be touched: reading or writing outside an
-//! array is seen when it happens, with the argument and the element.
+//! One call in a child process, with every array next to a page that cannot be touched. An access outside an array is
+//! caught when it happens, with the argument and the element.
 //!
-//! For `pullout plugin check`, and for a run that fails: one that succeeds must not pay for it. The child is a copy of this process (fork), makes the one
-//! call, and ends; what it prints goes nowhere.
+//! For `pullout plugin check`, and for a run that fails: one that succeeds must not pay for it. The child is a copy of
+//! this process (fork), makes the one call, and ends; its output is discarded.
 
 mod child;
 mod fences;
@@ -13,7 +13,7 @@ pub(super) use child::ask;
 /// Position of an array between its two forbidden pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alignment {
-    /// Ends where the page behind begins: element n + 1 is forbidden.
+    /// Ends where the next page begins: element n + 1 is forbidden.
     End,
     /// Begins where the page before ends: element 0 is forbidden.
     Start,

@@ -165,7 +165,7 @@ impl RecordedArguments {
     pub(in crate::host) const HEAT_GENERATION: i32 = 7;
     pub(in crate::host) const HEAT_TRANSFER: i32 = 8;
 
-    /// Reads the arguments behind an entry point's number.
+    /// Reads the arguments that follow an entry point's number.
     pub(super) fn read(entry: f64, reader: &mut Reader<'_>) -> Option<Self> {
         match entry as i32 {
             Self::UMAT => UmatRecord::read(reader).map(Self::Umat),
@@ -180,7 +180,7 @@ impl RecordedArguments {
         }
     }
 
-    /// Returns whether this is a routine beside the entry points, which a replay of one call does not have.
+    /// Returns whether this is a routine other than the entry points; a replay of one call does not call it.
     pub fn is_routine(&self) -> bool {
         !matches!(self, Self::Umat(_) | Self::Uinter(_) | Self::Fric(_))
     }

@@ -23,7 +23,7 @@ pub(super) mod word {
     pub(in super::super) const MAGIC: usize = 0;
     /// 0, or 1 + exit code.
     pub(in super::super) const DONE: usize = 8;
-    /// Offset behind the last slot.
+    /// Offset of the end of the last slot.
     pub(in super::super) const END: usize = 16;
     /// Offset of the slot that was entered last; 0: none.
     pub(in super::super) const LAST: usize = 24;
@@ -93,7 +93,7 @@ impl Map {
     /// Returns where doubles may be written: the address of a word, and how many words follow before `end`.
     pub(super) fn doubles(&self, offset: usize, end: usize) -> (*mut f64, usize) {
         assert!(offset.is_multiple_of(WORD) && offset <= end && end <= self.capacity(), "no room at {offset}");
-        // SAFETY: within the mapping or one behind its end.
+        // SAFETY: within the mapping or one past its end.
         (unsafe { self.raw.as_mut_ptr().add(offset).cast() }, (end - offset) / WORD)
     }
 }

@@ -8,7 +8,7 @@
 //!
 //! # The file
 //!
-//! A header of 64-bit words, then slots one behind the other. Each call object takes a slot at its first call, so that
+//! A header of 64-bit words, then slots one after the other. Each call object takes a slot at its first call, so that
 //! threads never share one:
 //!
 //! ```text
@@ -16,13 +16,14 @@
 //! slot     size | sequence | name, path, symbol, CMNAME | entry point, tangent wanted, arguments …
 //! ```
 //!
-//! `sequence` is odd while the plugin has the control and grows by one at each end of a call: it tells the supervisor
-//! which call did not come back, is the heartbeat (a call that lasts has an odd sequence that stays), and counts the
-//! calls. `done` is written once, at the true end: a worker that is gone without it was ended by somebody else.
+//! `sequence` is odd while the plugin has control and grows by one at each start and end of a call. From it the
+//! supervisor sees which call did not return. It is also the heartbeat, as a lasting call has an odd sequence that does
+//! not change, and counts the calls. `done` is written once, at the true end: if a worker is gone without it, something
+//! else ended it.
 //!
-//! Arguments are stored as doubles, which hold 32-bit integers exactly, each behind its length. The cost of a call is
-//! that of copying them (`cargo bench -p end-to-end-tests --bench recorder_cost`). Without [`install`] a call costs
-//! one comparison more.
+//! Arguments are stored as doubles, which hold 32-bit integers exactly; each follows its length. The cost of a call is
+//! that of copying them (`cargo bench -p end-to-end-tests --bench recorder_cost`). Without [`install`] a call costs one
+//! comparison more.
 
 mod arguments;
 #[cfg(target_os = "linux")]
@@ -93,8 +94,8 @@ pub(super) fn fences_arrays() -> bool {
 }
 
 impl Recorder {
-    /// Sets whether, from now on, a plugin that writes behind an array of a run ends this process at that very store:
-    /// [`Recording::trespass`] returns the array. Otherwise canaries show it after the call.
+    /// Sets whether, from now on, a write past the end of an array of a run ends this process at once;
+    /// [`Recording::trespass`] then returns the array. Otherwise canaries show it after the call.
     pub fn fence_arrays(&self, fences: bool) {
         self.fences_arrays.store(fences, Ordering::Relaxed);
     }

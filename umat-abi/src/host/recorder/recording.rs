@@ -151,8 +151,8 @@ impl Recording {
         let bytes = self.map.read(slot, size)?;
         let mut reader = Reader { bytes: bytes.get(TEXTS..)? };
         let [name, path, symbol, cmname] = [reader.text()?, reader.text()?, reader.text()?, reader.text()?];
-        let behind = bytes.len() - reader.bytes.len();
-        reader.bytes = bytes.get(behind.next_multiple_of(WORD)..)?;
+        let consumed = bytes.len() - reader.bytes.len();
+        reader.bytes = bytes.get(consumed.next_multiple_of(WORD)..)?;
         let head = reader.take()?;
         let [entry, wants_tangent] = head.try_into().ok()?;
         Some(CallRecord {

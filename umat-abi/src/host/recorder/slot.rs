@@ -10,18 +10,18 @@ use std::sync::atomic::Ordering;
 pub(super) const SEQUENCE: usize = WORD;
 /// Offset of its texts.
 pub(super) const TEXTS: usize = 2 * WORD;
-/// Room for arguments in a first slot, in words; a call that needs more takes another slot.
+/// Words of room for arguments in a first slot; a call that needs more takes another slot.
 const FIRST_ROOM: usize = 256;
 
 /// A call object's place in the recorder.
 #[derive(Debug)]
 pub(in crate::host) struct Slot {
     recorder: &'static Recorder,
-    /// Name, path, symbol and CMNAME, each behind its length.
+    /// Name, path, symbol and CMNAME, each after its length.
     texts: Vec<u8>,
     offsets: Option<Offsets>,
     sequence: u64,
-    /// Calls are those of a routine beside the entry points.
+    /// Whether calls are those of a routine other than the entry points.
     is_routine: bool,
 }
 
@@ -41,7 +41,7 @@ impl Slot {
         Some(Self::of(recorder, &library.name_of_law(cmname), &path, symbol, cmname))
     }
 
-    /// Makes a slot for calls of a routine beside the entry points.
+    /// Makes a slot for calls of a routine other than the entry points.
     pub(in crate::host) fn of_routine(library: &Library) -> Option<Self> {
         Self::new(library, None, "").map(|slot| Self { is_routine: true, ..slot })
     }
@@ -66,7 +66,7 @@ impl Slot {
             if writer.wanted <= room {
                 break;
             }
-            // An object whose arguments grew (PREDEF may) leaves its slot behind, outside a call.
+            // An object whose arguments grew (PREDEF may) abandons its slot, outside a call.
             if self.take(2 * writer.wanted).is_none() {
                 return;
             }
@@ -113,7 +113,7 @@ impl Slot {
     }
 }
 
-/// Writes arguments, each behind its length.
+/// Writes arguments, each after its length.
 #[derive(Debug)]
 pub(in crate::host) struct Writer {
     next: *mut f64,

@@ -10,7 +10,7 @@ fn prepared() -> (File, Recording) {
     (file, recording)
 }
 
-/// A worker's side beside the one of the process.
+/// Returns a worker's side of the file, in addition to that of the process.
 fn recorder(file: &File) -> &'static Recorder {
     Box::leak(Box::new(Recorder { map: Map::open(file).expect("a mapping"), fences_arrays: AtomicBool::new(false) }))
 }
