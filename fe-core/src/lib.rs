@@ -1,7 +1,7 @@
 //! Two-dimensional finite elements in plane stress, plane strain and axial symmetry.
 //!
-//! Units N, mm, MPa; tension positive; (x, y), which is (r, z) in axial symmetry. Materials and interfaces are plugins behind
-//! the UMAT, UINTER and FRIC interfaces ([`model::PluginLaw`]); no law is known here. In the order of one increment:
+//! Units N, mm, MPa; tension positive; (x, y), which is (r, z) in axial symmetry. Materials and interfaces are plugins
+//! with the UMAT, UINTER and FRIC interfaces ([`model::PluginLaw`]); no law is built in. In the order of one increment:
 //!
 //! - [`mesh`]: nodes, elements, parts and named sets, checked as a whole; structured meshes, specimens, Gmsh files,
 //!   pre-flight checks;

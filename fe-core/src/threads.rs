@@ -17,7 +17,8 @@ pub struct Threads(Option<Arc<ThreadPool>>);
 
 impl Threads {
     /// Makes a pool of so many threads. The caller's is one of them if possible: waking another one takes up to half a
-    /// millisecond, and the caller's has the data. A thread can join a pool once only, so one `Threads` serves all its work.
+    /// millisecond, and the caller's has the data. A thread can join a pool only once, so one `Threads` does all its
+    /// work.
     ///
     /// # Errors
     ///

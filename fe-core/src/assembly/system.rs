@@ -1,7 +1,7 @@
 //! The system of equations: element and contact stiffness between the rows that the solver sees.
 //!
-//! Rows are the equations but for those in the interior of the condensed far field. Forces and displacements stay with
-//! the freedoms; only corrections and residuals are by rows.
+//! Rows are the equations, except for those in the interior of the condensed far field. Forces and displacements stay
+//! with the freedoms; only corrections and residuals are by rows.
 
 use super::far_field::FarField;
 use super::{Equations, Solids};
@@ -22,7 +22,7 @@ mod test;
 #[derive(Clone, Debug)]
 pub(super) struct Scatter {
     places: Places,
-    /// From the first place to behind the last.
+    /// From the first place to one past the last.
     span: Range<usize>,
 }
 

@@ -1,4 +1,4 @@
-//! Crushing of the slave's surface under a pressure that it does not bear.
+//! Crushing of the slave's surface under a pressure above its strength.
 
 use super::history::PointState;
 use super::law::{PointLaw, Situation, Tangent};
@@ -8,7 +8,7 @@ use crate::model::Bearing;
 /// First crushing as a part of p_b: where plastic flow begins in front of a cylinder in Drucker–Prager concrete
 /// (`tests/reference/bearing`).
 const FIRST_CRUSHING: f64 = 0.4;
-/// Excess of the pressure over what the surface bears that is left, as a part of it.
+/// Accepted excess of the pressure over the capacity of the surface, as a part of it.
 const TOLERANCE: f64 = 1e-11;
 /// Iterations for the depth: Newton's method on a convex function.
 const ITERATIONS: usize = 30;
@@ -16,7 +16,8 @@ const ITERATIONS: usize = 30;
 const FRACTION: f64 = 0.5;
 
 impl Bearing {
-    /// p_b √(a² + (1 − a²) min(u_b/δ_b, 1)), what a surface crushed by u_b bears, and its derivative.
+    /// Returns the pressure that a surface crushed by u_b carries, p_b √(a² + (1 − a²) min(u_b/δ_b, 1)), and its
+    /// derivative.
     fn capacity(&self, crushed: f64) -> [f64; 2] {
         if crushed >= self.depth {
             return [self.strength, 0.0];
@@ -27,10 +28,11 @@ impl Bearing {
     }
 }
 
-/// Asks the law of a point, whose surface is crushed where it bears less than the law presses: into its trial state and tangent.
+/// Asks the law of a point, and sets its trial state and tangent. The surface is crushed where the law's pressure
+/// exceeds its capacity.
 ///
 /// # Errors
-/// The law has none, or no depth is found.
+/// The law returns an error, or no depth is found.
 pub(super) fn advance(
     law: &mut PointLaw,
     bearing: Option<&Bearing>,
@@ -50,7 +52,7 @@ pub(super) fn advance(
         let [[by_gap, by_slip], [shear_by_gap, shear_by_slip]] = tangent;
         let stiffness = by_gap + slope;
         if excess.abs() <= TOLERANCE * capacity {
-            // p = p(u − u_b, s) stays what the surface bears: du_b = (∂p/∂u du + ∂p/∂s ds)/(∂p/∂u + slope)
+            // p = p(u − u_b, s) stays at the capacity: du_b = (∂p/∂u du + ∂p/∂s ds)/(∂p/∂u + slope)
             let [yields, yields_by_slip] = [by_gap, by_slip].map(|entry| entry / stiffness);
             return Ok([
                 [slope * yields, slope * yields_by_slip],
@@ -64,5 +66,5 @@ pub(super) fn advance(
         let moved = Situation { gap: situation.gap + end.crushing, ..*situation };
         tangent = law.advance(&moved, end, statev)?;
     }
-    Err(Setback { reason: "no crushed depth bears the pressure".to_owned(), fraction: Some(FRACTION) })
+    Err(Setback { reason: "no crushed depth carries the pressure".to_owned(), fraction: Some(FRACTION) })
 }

@@ -88,7 +88,7 @@ impl Pair {
         let before = self.points.iter().map(|point| point.coordinate + point.edge_length).fold(0.0, f64::max);
         for point in &mut points {
             point.coordinate += before;
-            point.behind = 0.5 * point.length;
+            point.length_before = 0.5 * point.length;
         }
         let first = self.points.len();
         self.patches.extend(patches(&points).into_iter().map(|patch| patch.start + first..patch.end + first));
@@ -106,7 +106,8 @@ impl Pair {
         Ok(())
     }
 
-    /// Releases the points on edges of elements that are gone, and adds points on the edges behind them that face the master.
+    /// Releases the points on edges of elements that are gone, and adds points on the newly exposed edges that face the
+    /// master.
     fn release(
         &mut self,
         mesh: &Mesh,
@@ -121,7 +122,7 @@ impl Pair {
             }
         }
         let known: BTreeSet<ElementEdge> = self.state.exposed.iter().flatten().copied().collect();
-        let edges = behind(mesh, &pair.slave, covers, is_gone);
+        let edges = exposed(mesh, &pair.slave, covers, is_gone);
         let edges: Vec<ElementEdge> =
             edges.into_iter().filter(|edge| !known.contains(edge) && self.faces(mesh, pair, *edge, position)).collect();
         if self.torn.is_some() && !edges.is_empty() {
@@ -137,7 +138,7 @@ impl Pair {
         self.state.trial.copy_from(&self.state.committed);
     }
 
-    /// Returns whether an edge lies before the master, with its body behind it.
+    /// Returns whether an edge faces the master: the edge lies before it, and the edge's body on the far side.
     fn faces(&self, mesh: &Mesh, pair: &ContactPair, edge: ElementEdge, position: &impl Fn(usize) -> [f64; 2]) -> bool {
         let [start, end] = [0, 1].map(|end| position(mesh.edge_nodes(edge).nodes()[end]));
         // the body is on the left
@@ -152,7 +153,7 @@ impl Pair {
     /// Returns the foot of a point on the whole master, and gap and slip there.
     ///
     /// # Errors
-    /// Why there is none, in words.
+    /// The reason why there is none.
     pub(super) fn over(
         &self,
         point: &ContactPoint,
@@ -164,9 +165,9 @@ impl Pair {
     }
 }
 
-/// The edges behind what is gone from a slave surface inwards, of what is left, ascending. What slides does so in front of covers:
-/// they have no surface for it.
-fn behind(mesh: &Mesh, slave: &[ElementEdge], covers: &[usize], is_gone: &impl Fn(usize) -> bool) -> Vec<ElementEdge> {
+/// Returns the edges inside the body that are exposed where elements of a slave surface are gone, ascending. Edges of
+/// covers are left out: what slides does so in front of covers, which have no surface for it.
+fn exposed(mesh: &Mesh, slave: &[ElementEdge], covers: &[usize], is_gone: &impl Fn(usize) -> bool) -> Vec<ElementEdge> {
     let is_cover = |element: usize| covers.contains(&mesh.elements()[element].part());
     let mut gone: Vec<usize> = slave.iter().map(|edge| edge.element).filter(|&element| is_gone(element)).collect();
     let mut seen: BTreeSet<usize> = gone.iter().copied().collect();
@@ -201,8 +202,8 @@ impl Contact {
         self.pairs.iter_mut().try_for_each(|pair| pair.tear(mesh))
     }
 
-    /// Releases, after a commit, the points on slave edges of elements that are gone; contact moves to the edges behind them
-    /// that face the master.
+    /// Releases, after a commit, the points on slave edges of elements that are gone. Contact moves to the newly
+    /// exposed edges that face the master.
     pub(crate) fn release(&mut self, model: &Model, displacements: &[f64], is_gone: impl Fn(usize) -> bool) {
         let reference = &self.reference;
         let position = |node: usize| [0, 1].map(|k| reference[node][k] + displacements[2 * node + k]);

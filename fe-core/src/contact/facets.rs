@@ -14,7 +14,7 @@ const SAGITTA: f64 = 0.25;
 /// Part of the turn by which neighbouring parabolas bend differently: 0.008 f''' L³ is what a parabola misses of a curve,
 /// and f''' L is the jump of its curvature; twice that.
 const BEND: f64 = 1.0 / 16.0;
-/// Factor by which curvatures may be estimated too low: beside the end of an arc an estimate sees half of it.
+/// Factor by which curvatures may be estimated too low: near the end of an arc an estimate sees half of it.
 const ESTIMATE: f64 = 2.0;
 
 /// An edge as a piece of a curve.

@@ -123,7 +123,8 @@ impl PointState {
         let [before, after] = [start.stored(), self.stored()];
         // what comes over an end brings what it stores with it
         let stored = if start.weight == 0.0 { after } else { before.signum() * (before * after).max(0.0).sqrt() };
-        // the pressure of a patch does its work on the gaps of its points: on the mean gap, but for what fades, as Σ A w (g_N − ḡ) = 0
+        // the pressure of a patch works on the gaps of its points: on the mean gap, except for what fades, as Σ A w
+        // (g_N − ḡ) = 0
         let aside = |state: &Self| state.own_gap - state.gap;
         let fading = stored - mean(start.pressure * aside(self), self.pressure * aside(start));
         self.released += area * fading * (start.weight - self.weight);

@@ -111,7 +111,7 @@ impl Kinematics {
     /// Evaluates the kinematics of a slave point over its foot.
     ///
     /// # Errors
-    /// The foot gives no gap; why, in words.
+    /// The reason why the foot gives no gap.
     pub fn new(
         chain: &Chain,
         slave: &SlavePoint,

@@ -48,10 +48,10 @@ pub(super) enum PointLaw {
 }
 
 impl PointLaw {
-    /// A pair's law with its penalties filled, told the initial temperature and field variables.
+    /// Makes a pair's law with its penalties, the initial temperature and field variables.
     ///
     /// # Errors
-    /// A law that refuses its parameters, cannot be called, or cannot be enforced as requested.
+    /// The law refuses its parameters, cannot be called, or cannot be enforced as requested.
     pub fn new(pair: &ContactPair, penalty: f64, initial: &FieldValues) -> Result<Self, ModelError> {
         let ratio = match pair.enforcement {
             Enforcement::PerturbedLagrangian { ratio } => 1.0 + ratio,

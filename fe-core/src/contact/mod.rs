@@ -4,7 +4,6 @@ mod bearing;
 mod chain;
 mod exposed;
 mod facets;
-mod foretold;
 mod history;
 mod interference;
 mod kinematics;
@@ -12,6 +11,7 @@ mod law;
 mod normal;
 mod pair;
 mod patch;
+mod prediction;
 mod projection;
 mod quadrature;
 mod settle;
@@ -47,7 +47,7 @@ pub struct Contact {
     earlier_calls: u64,
 }
 
-/// Energies since the start, N·mm: work = stored + dissipated + opening + released but for the trapezoids' error.
+/// Energies since the start, N·mm: work = stored + dissipated + opening + released, up to the error of the trapezoids.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
     /// Work of the tractions on gap and slip, by trapezoids.
@@ -211,7 +211,7 @@ impl Contact {
             pair.state.fitted[0] = pair.state.fitted[1];
         }
         self.updates = [0; 2];
-        self.foretell_nothing();
+        self.end_prediction();
     }
 
     /// The attempt is given up: back to the committed state.
@@ -221,7 +221,7 @@ impl Contact {
             pair.state.fitted[1] = pair.state.fitted[0];
         }
         self.updates = [0; 2];
-        self.foretell_nothing();
+        self.end_prediction();
     }
 
     /// Returns how many points have a status after the last evaluation.

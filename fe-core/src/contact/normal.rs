@@ -56,8 +56,8 @@ impl HostNormal {
         }
     }
 
-    /// The pressure at a penetration. `state`: of the start of the increment but for the multiplier and the latch,
-    /// which change between convergences.
+    /// Returns the pressure at a penetration. `state` is that of the start of the increment, except for the multiplier
+    /// and the latch, which change between convergences.
     pub fn advance(&self, penetration: f64, state: &NormalState) -> NormalResponse {
         match self.law {
             NormalLaw::Hard(law) => self.hard(&law, penetration, state),

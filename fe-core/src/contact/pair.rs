@@ -3,11 +3,11 @@
 use super::bearing;
 use super::chain::{Chain, Foot};
 use super::exposed::Torn;
-use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
 use super::law::{PointLaw, Situation, Tangent};
 use super::patch::Scratch;
+use super::prediction::GapPrediction;
 use super::projection::Projection;
 use super::quadrature::ContactPoint;
 use crate::assembly::{Location, PointFailure, Setback};
@@ -66,8 +66,9 @@ pub(super) struct Pair {
     /// NSTATV.
     pub state_count: usize,
     /// Gaps of the patches that are predicted along a correction.
-    pub foretold: Foretold,
-    /// Number of points on the slave surface of the model; those behind them are on surfaces that came to light.
+    pub prediction: GapPrediction,
+    /// Number of points on the slave surface of the model; the points after them are on surfaces that were exposed
+    /// later.
     pub own: usize,
     /// A point of a torn surface, if matter may be torn.
     pub torn: Option<Torn>,
@@ -108,14 +109,14 @@ impl Pair {
         if !self.release || self.chain.closed {
             return (1.0, 0.0);
         }
-        let ContactPoint { length, behind, .. } = self.points[index];
+        let ContactPoint { length, length_before, .. } = self.points[index];
         let clip = |share: f64, slope: f64| match share {
             share if share >= 1.0 - WEIGHT_ROUNDING => (1.0, 0.0),
             share if share <= 0.0 => (0.0, 0.0),
             share => (share, slope),
         };
-        let (end, end_slope) = clip((self.chain.length - arc_length + behind) / length, -1.0 / length);
-        let (start, start_slope) = clip((arc_length + length - behind) / length, 1.0 / length);
+        let (end, end_slope) = clip((self.chain.length - arc_length + length_before) / length, -1.0 / length);
+        let (start, start_slope) = clip((arc_length + length - length_before) / length, 1.0 / length);
         (start * end, start_slope * end + start * end_slope)
     }
 
@@ -136,15 +137,15 @@ impl Pair {
         output: &mut Output<'_>,
     ) -> Result<Evaluation, PointFailure> {
         let mut evaluation = Evaluation::default();
-        self.foretold.elsewhere = false;
+        self.prediction.elsewhere = false;
         for number in 0..self.patches.len() {
             let patch = self.patches[number].clone();
             for index in patch.clone() {
                 evaluation.searches += usize::from(self.find_foot(index, position)?);
             }
             let gap = self.mean_gap(patch.clone());
-            let asked_at = self.foretold.gap(number, gap);
-            self.foretold.elsewhere |= asked_at != gap;
+            let asked_at = self.prediction.gap(number, gap);
+            self.prediction.elsewhere |= asked_at != gap;
             if patch.len() > 1 {
                 patch.clone().for_each(|index| self.press_alone(index, gap));
             }

@@ -96,7 +96,8 @@ impl Pair {
         (state.own_pressure, state.own_energy) = (pressure, 0.5 * pressure * excess);
     }
 
-    /// Crushes the surface under a point whose own pressure makes the whole of it more than the surface bears; its law has been asked.
+    /// Crushes the surface under a point whose own pressure raises the total above the surface's strength. Its law has
+    /// been asked before.
     pub(super) fn crush_alone(&mut self, index: usize) {
         let Some(bearing) = &self.bearing else { return };
         let state = &mut self.state.trial.points[index];
@@ -193,7 +194,7 @@ impl Pair {
             let sliding = &kinematics.slip_gradient;
             let pressure = shared.pressure + state.own_pressure;
             if state.turning > 0.0 {
-                // p + q stays what the surface bears
+                // p + q stays at the capacity of the surface
                 for (i, &row) in own.iter().enumerate() {
                     let force = area * kinematics.pull[i];
                     (0..count).for_each(|column| block[row * count + column] += force * c_pp * pressing[column]);

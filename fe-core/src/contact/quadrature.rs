@@ -28,9 +28,9 @@ pub(super) struct ContactPoint {
     pub area: f64,
     /// Tributary length ℓ along the slave surface, mm.
     pub length: f64,
-    /// Part of ℓ that lies behind the point, mm: in the direction of its edge, and once it is put over the master in that of
-    /// the master.
-    pub behind: f64,
+    /// Part of ℓ that lies before the point, mm: along its edge at first, along the master once the point is placed
+    /// over it.
+    pub length_before: f64,
     /// Gap at the start that is measured as 0, mm: a fault of the mesh, or closed on request.
     pub start_gap: f64,
     /// Overlap that interference presses out at a drive of 1, mm.
@@ -112,7 +112,7 @@ impl SlaveEdge {
                 slave: SlavePoint { nodes, values: self.kind().shape_functions(at), count },
                 area,
                 length,
-                behind: (along - share_start).clamp(0.0, length),
+                length_before: (along - share_start).clamp(0.0, length),
                 start_gap: 0.0,
                 overlap: 0.0,
                 coordinate: self.start + along,
@@ -226,7 +226,7 @@ fn node_points(edges: &[SlaveEdge]) -> Vec<ContactPoint> {
                     slave: SlavePoint { nodes: [node; 3], values: [1.0, 0.0, 0.0], count: 1 },
                     area: 0.0,
                     length: 0.0,
-                    behind: 0.0,
+                    length_before: 0.0,
                     start_gap: 0.0,
                     overlap: 0.0,
                     coordinate: edge.start + edge.length(-1.0, at),
@@ -248,7 +248,7 @@ fn node_points(edges: &[SlaveEdge]) -> Vec<ContactPoint> {
             points[index].length += length;
             points[index].area += area;
             // All of it lies before an end, half of it before a middle.
-            points[index].behind += [0.0, length, 0.5 * length][local];
+            points[index].length_before += [0.0, length, 0.5 * length][local];
         }
     }
     points

@@ -2,12 +2,12 @@
 
 use super::chain::Chain;
 use super::facets::Facets;
-use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
 use super::law::{PointLaw, Situation};
 use super::pair::{Pair, PairState};
 use super::patch::Scratch;
+use super::prediction::GapPrediction;
 use super::quadrature::{ContactPoint, contact_points, patches};
 use crate::assembly::{Location, Setback};
 use crate::mesh::Mesh;
@@ -73,7 +73,7 @@ impl Pair {
             bearing: pair.bearing,
             walks,
             state_count,
-            foretold: Foretold::default(),
+            prediction: GapPrediction::default(),
             own: points.len(),
             torn: None,
             points,
@@ -165,8 +165,8 @@ impl Pair {
             Some(_) if is_pressed_out => -gap,
             _ => 0.0,
         };
-        let behind = if along { point.behind } else { point.length - point.behind };
-        self.points[index] = ContactPoint { start_gap, overlap, behind, ..point };
+        let length_before = if along { point.length_before } else { point.length - point.length_before };
+        self.points[index] = ContactPoint { start_gap, overlap, length_before, ..point };
         let (weight, _) = self.weight(index, kinematics.arc_length);
         // past an end there is no surface that it could lie in, or lose its bond to
         let is_over = weight > 0.0;

@@ -80,12 +80,14 @@ pub fn area(kind: ElementKind, nodes: &[[f64; 2]]) -> Result<f64, MappingError> 
     })
 }
 
-/// The length that a UMAT receives as `CELENT`, of an element of this area in the reference configuration: the width of
-/// a crack band on aligned meshes, by which the energy per volume that the law dissipates becomes energy per crack area.
+/// Returns the length that a UMAT receives as `CELENT`, for an element of this area in the reference configuration. It
+/// is the width of a crack band on aligned meshes: times the energy per volume that the law dissipates, it gives the
+/// energy per crack area.
 ///
-/// A straight band of quadrilaterals, or of pairs of linear triangles, is √A wide, A of the quadrilateral. In a pair of
-/// quadratic triangles a crack opens 4 of the 6 integration points: the band is ⅔ as wide. In quadratic quadrilaterals it opens
-/// both columns of points by symmetry, else one: the band is then half as wide as told here (`bench/crack-band`).
+/// A straight band of quadrilaterals, or of pairs of linear triangles, is √A wide, where A is the area of the
+/// quadrilateral. In a pair of quadratic triangles a crack opens 4 of the 6 integration points: the band is ⅔ as wide.
+/// In quadratic quadrilaterals a crack opens both columns of points if symmetry demands it. Otherwise it opens one
+/// column, and the band is half as wide as returned here (`bench/crack-band`).
 pub fn characteristic_length(kind: ElementKind, reference_area: f64) -> f64 {
     match kind {
         ElementKind::T3 => (2.0 * reference_area).sqrt(),

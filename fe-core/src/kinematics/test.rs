@@ -57,7 +57,7 @@ fn for_each_point(model: PlaneModel, mut check: impl FnMut(&StrainDisplacement, 
     for kind in ElementKind::ALL {
         let elements = patch(kind);
         let area: f64 = elements.iter().map(|nodes| crate::element::area(kind, nodes).unwrap()).sum();
-        assert!((area / (0.24 * 0.12) - 1.0).abs() < 0.1, "the patch covers the rectangle but for its curved sides");
+        assert!((area / (0.24 * 0.12) - 1.0).abs() < 0.1, "the patch covers the rectangle, except at its curved sides");
         for nodes in elements {
             for point in kind
                 .full_integration_points()

@@ -2,8 +2,8 @@
 
 use crate::element::ElementKind;
 
-/// The first fault of a mesh, of a file that holds one or of what one is made from, in words. They count nodes, elements, parts
-/// and edges from 1; in a Gmsh file nodes and elements have the tags of the file.
+/// Message about the first fault of a mesh, of its file, or of what it is made from. Nodes, elements, parts and edges
+/// are counted from 1; in a Gmsh file nodes and elements have the tags of the file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{0}")]
 pub struct MeshError(pub(super) String);

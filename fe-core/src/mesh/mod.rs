@@ -63,7 +63,7 @@ pub struct Part {
     pub name: String,
     /// Assumption about the third direction.
     pub model: PlaneModel,
-    /// Reference thickness of its elements, but for those with one of their own, mm; unused in axial symmetry.
+    /// Reference thickness of its elements without a thickness of their own, mm; unused in axial symmetry.
     pub thickness: f64,
     /// The integration of all its elements; `None`: each kind's default.
     pub integration: Option<Integration>,

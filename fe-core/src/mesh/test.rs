@@ -174,7 +174,7 @@ fn integration_is_the_parts_or_the_kinds_own() {
 }
 
 #[test]
-fn sets_are_found_by_name_and_free_nodes_told() {
+fn sets_are_found_by_name_and_free_nodes_reported() {
     let mut definition = grid(Q4, 2, 1, &[]);
     definition.nodes.push([5.0, 5.0]);
     definition.node_sets.insert("grip".into(), vec![6, 0]);

@@ -96,7 +96,7 @@ impl Mesh {
         self.edges().filter(|&edge| self.neighbour(edge).is_none())
     }
 
-    /// Puts edges in rows, in which each starts at the node where the one before it ends, and tells of each row whether
+    /// Puts edges in rows, in which each starts at the node where the one before it ends. Returns for each row whether
     /// it closes; open rows come first.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The checks of a mesh definition, but for its connections, which [`super::topology`] checks as it finds them.
+//! The checks of a mesh definition, except those of its connections, which [`super::topology`] checks as it finds them.
 
 use std::collections::{BTreeMap, HashSet};
 

@@ -31,11 +31,12 @@ pub struct ContactPair {
     pub critical_slip: f64,
     /// How the surfaces fit at the start, and are made to.
     pub fit: Fit,
-    /// What the slave's surface bears before it is crushed; `None`: any pressure.
+    /// Strength of the slave's surface against crushing; `None`: it carries any pressure.
     pub bearing: Option<Bearing>,
 }
 
-/// What a surface bears that a wire is pressed into: it is crushed where the contact pressure is more, and stays so.
+/// Crushing strength of a surface that a wire is pressed into. Crushing is permanent, and occurs where the contact
+/// pressure exceeds the strength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {
     /// The greatest pressure, p_b, MPa.
@@ -47,7 +48,8 @@ pub struct Bearing {
 /// Gaps and overlaps of the mesh that are measured as 0, and an overlap that a drive brings about.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fit {
-    /// Gaps and overlaps of points up to this are measured as 0, mm; others are kept, but for the faults of facets.
+    /// Gaps and overlaps of points up to this are measured as 0, mm; greater ones are kept, except for the faults of
+    /// facets.
     pub closes_within: f64,
     /// The interference.
     pub interference: Option<Interference>,

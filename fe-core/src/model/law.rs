@@ -1,4 +1,4 @@
-//! A law behind the plugin interface, with the parameters it runs with.
+//! A law that is called through the plugin interface, with its parameters.
 
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use std::fmt::Display;

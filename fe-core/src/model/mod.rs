@@ -1,12 +1,12 @@
 //! Model of an analysis: a mesh with laws, contact pairs, supports, loads and steps.
 //!
-//! A [`Model`] is data. Whoever writes one (a case file, a test) fills these structs; [`crate::stepping::Analysis`]
-//! checks them together and runs them.
+//! A [`Model`] is data. A case file or a test fills these structs; [`crate::stepping::Analysis`] checks them together
+//! and runs them.
 //!
 //! # Drives
 //!
-//! Everything that changes in time follows a *drive*: a named number, 0 at the start, that goes linearly to a target
-//! in each [`Step`]. A support moves by it (mm along the support's direction), a load is multiplied by it. A test that
+//! Everything that changes in time follows a *drive*: a named number, 0 at the start, that goes linearly to a target in
+//! each [`Step`]. A support moves by it (mm along the support's direction), a load is multiplied by it. A test that
 //! pulls a grip has one drive, the displacement of the grip; drag-out under pressure has two.
 
 mod contact;
@@ -349,7 +349,7 @@ impl Model {
     }
 }
 
-/// Reason why a model cannot be computed, in words. They count points, nodes and elements from 1.
+/// Message why a model cannot be computed. Points, nodes and elements are counted from 1.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct ModelError(pub(crate) String);

@@ -33,7 +33,7 @@ pub enum FieldKind {
     PhaseField(Option<CrackSurface>),
 }
 
-/// The surface that a phase field stands for: ∫ (α/l + l |∇d|²)/π dV, α = 2d − d², and its energy per area.
+/// The surface that a phase field represents: ∫ (α/l + l |∇d|²)/π dV, α = 2d − d², and its energy per area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrackSurface {
     /// G_f, N/mm.

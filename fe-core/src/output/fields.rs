@@ -73,7 +73,7 @@ pub struct ContactPoint {
     pub weight: f64,
 }
 
-/// Fields that do not belong to their mesh, in words.
+/// Message that fields do not belong to their mesh.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct FieldsError(String);

@@ -17,14 +17,16 @@ const STRAIN: [&str; 4] = ["e11", "e22", "e33", "g12"];
 
 /// Writes increments to `fields/000000.vtu`, … and lists them in `fields.pvd`.
 ///
-/// The first file of an increment holds the solids on their reference positions; parts in front of which others slide lie half
-/// of their thickness behind the plane. Where parts share a node the file has
-/// a point for each of them. Point data: `node`, `displacement`, `reaction`, `stress`, `principal_stress_max`, `_mid`,
-/// `_min`, `principal_direction`, `von_mises`, `strain`, the scalar field (`phase_field` or `temperature`), and each state variable by its name (NaN in parts without
-/// it). Cells are the elements that were not torn off. Cell data: `part`, `element` and `thickness` (without meaning in axial
-/// symmetry). Numbers count from 1; field data tell them by name (`part fibre`). The second file, `contact_000000.vtu`, part 1
-/// of the series, holds the contact points where they are now: `pair`, `arc`, `gap`, `pressure`, `slip`, `bond_traction`,
-/// `open`, `weight`. A model without contact pairs has none.
+/// The first file of an increment holds the solids on their reference positions. Parts that others slide in front of
+/// are set back from the plane by half of their thickness. Where parts share a node the file has a point for each of
+/// them. Point data: `node`, `displacement`, `reaction`, `stress`, `principal_stress_max`, `_mid`, `_min`,
+/// `principal_direction`, `von_mises`, `strain`, the scalar field (`phase_field` or `temperature`), and each state
+/// variable by its name (NaN in parts without it). Cells are the elements that were not torn off. Cell data: `part`,
+/// `element` and `thickness` (meaningless in axial symmetry). Numbers count from 1; field data name them
+/// (`part fibre`).
+///
+/// The second file, `contact_000000.vtu`, part 1 of the series, holds the contact points at their present positions:
+/// `pair`, `arc`, `gap`, `pressure`, `slip`, `bond_traction`, `open`, `weight`. A model without contact pairs has none.
 ///
 /// A file appears under its name only when it is complete, and in the list only after that: a killed run leaves a
 /// series that can be opened.
@@ -103,7 +105,7 @@ impl Series {
         self.replace("fields.pvd", Ok(self.list().into_bytes()))
     }
 
-    /// Writes a file beside its place and moves it there.
+    /// Writes a temporary file in the same folder and renames it.
     fn replace(&self, file: &str, content: io::Result<Vec<u8>>) -> io::Result<()> {
         let path = self.directory.join(file);
         let partial = path.with_extension("partial");

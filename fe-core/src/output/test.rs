@@ -303,7 +303,7 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Half of their thickness behind the plane, so that what slides in front of them is seen; cells tell their thickness.
+/// Parts that others slide in front of are set back by half of their thickness; cells hold their thickness.
 #[test]
 fn parts_behind_others_lie_behind_the_plane() {
     let folder = tempfile::tempdir().unwrap();

@@ -55,7 +55,7 @@ fn reach(graph: &Graph, ranks: &[usize], node: usize) -> usize {
     graph.neighbours(node).iter().map(|&other| ranks[other]).fold(ranks[node], usize::max)
 }
 
-/// Counts, for each number of nodes before a cut, how many of them have a neighbour behind it.
+/// Counts, for each number of nodes before a cut, how many of them have a neighbour after it.
 fn between(graph: &Graph, ranks: &[usize]) -> Vec<usize> {
     let mut changes = vec![0_isize; ranks.len() + 2];
     for node in 0..ranks.len() {
@@ -71,7 +71,7 @@ fn between(graph: &Graph, ranks: &[usize]) -> Vec<usize> {
     sums.collect()
 }
 
-/// Cuts behind `place` nodes.
+/// Cuts after `place` nodes.
 fn split(graph: &Graph, ranks: &[usize], place: usize) -> Cut {
     let mut cut = Cut { halves: [Vec::new(), Vec::new()], between: Vec::new() };
     for node in 0..ranks.len() {

@@ -48,7 +48,7 @@ impl LinearSolver {
         Self { threads: self.threads.clone(), is_dissected: self.is_dissected, ..made }
     }
 
-    /// Tells where the node of each equation is, mm: a large definite matrix is then factorised in parts.
+    /// Sets the position of each equation's node, mm: a large definite matrix is then factorised in parts.
     pub fn with_positions(self, positions: Vec<[f64; 2]>) -> Self {
         Self { positions, ..self }
     }
@@ -111,8 +111,8 @@ impl LinearSolver {
         Err(SolverError::Singular { equation: None })
     }
 
-    /// Returns what the next factorisation depends on beside its matrix: the symmetry of the solids if there is a factor, and the
-    /// pattern of the whole if there is one.
+    /// Returns what the next factorisation depends on in addition to its matrix: the symmetry of the solids if there is
+    /// a factor, and the pattern of the whole if there is one.
     pub fn memory(&self) -> (Option<Symmetry>, Option<Pattern>) {
         (self.factor.map(|(_, symmetry)| symmetry), self.whole.as_ref().map(|whole| whole.pattern.clone()))
     }
@@ -190,7 +190,7 @@ impl LinearSolver {
     }
 }
 
-/// Returns whether each block is symmetric but for rounding.
+/// Returns whether each block is symmetric up to rounding.
 fn is_symmetric(contact: &Blocks) -> bool {
     contact.iter().all(|(rows, values)| {
         let accepted = SYMMETRIC_BLOCK * greatest(values);

@@ -34,8 +34,8 @@ pub const REFINED_RESIDUAL: f64 = 1e-10;
 /// residual force.
 pub const ACCEPTED_RESIDUAL: f64 = 1e-8;
 
-/// Residual due to rounding alone, relative to ‖K‖ ‖x‖: products in a row of some thirty entries, each to 1e-16. A soft mode
-/// beside a stiff contact may leave more than the tolerances this way, and no solver leaves less: such a solution is
+/// Residual due to rounding alone, relative to ‖K‖ ‖x‖: products in a row of some thirty entries, each to 1e-16. With a
+/// soft mode next to a stiff contact it may exceed the tolerances, and no solver leaves less. Such a solution is
 /// refined only above this, and accepted up to [`ROUNDING_MARGIN`] times this.
 pub const ROUNDING: f64 = 1e-15;
 
@@ -59,7 +59,7 @@ const SYMMETRIC_BLOCK: f64 = 1e-13;
 /// Symmetry of the values of the solids. The caller who computed them states it for each factorisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Symmetry {
-    /// Symmetric but for rounding: one triangle is read.
+    /// Symmetric up to rounding: one triangle is read.
     Symmetric,
     /// Perhaps not symmetric.
     Unsymmetric,

@@ -100,7 +100,7 @@ impl Pattern {
         self.column(column).binary_search(&row).ok().map(|place| self.starts[column] + place)
     }
 
-    /// Returns where the entries of each column start among the values, and behind them their number.
+    /// Returns where the entries of each column start among the values, followed by the number of values.
     pub(crate) fn column_starts(&self) -> &[usize] {
         &self.starts
     }
@@ -141,7 +141,7 @@ impl Pattern {
     }
 }
 
-/// Counts behind a leading 0 become starts.
+/// Turns counts after a leading 0 into starts.
 pub(super) fn accumulate(counts: &mut [usize]) {
     for i in 1..counts.len() {
         counts[i] += counts[i - 1];

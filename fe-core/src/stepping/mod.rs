@@ -179,13 +179,13 @@ impl<'m> Analysis<'m> {
         Ok(())
     }
 
-    /// Calls the laws of a model that [`Self::check`] has passed as [`Self::new`] does. For UEXTERNALDB that is an analysis,
-    /// which begins and ends here: laws may need what it reads.
+    /// Calls the laws of a model that [`Self::check`] has passed, as [`Self::new`] does. For UEXTERNALDB an analysis
+    /// begins and ends here, as laws may need what it reads.
     ///
     /// # Errors
     ///
-    /// The errors that [`Self::new`] would return, but for what only the pattern of the equations or the virgin state of all points
-    /// can tell.
+    /// The errors that [`Self::new`] would return, except those that only the pattern of the equations or the virgin
+    /// state of all points can show.
     pub fn check_laws(model: &Model) -> Result<(), ModelError> {
         let _databases = ExternalDatabases::begin(model.libraries());
         newton::contact_of(model, &Solids::new(model)?)?;
@@ -337,7 +337,7 @@ impl<'m> Analysis<'m> {
                 let looks = run.smaller_looks(&findings);
                 if !looks.is_empty() {
                     self.believed_findings(findings, converged, Some(run.attempted));
-                    self.tell_look(&run, context.time_increment);
+                    self.record_look(&run, context.time_increment);
                     self.look_closer(looks, context);
                     attempt = self.attempt(&target, context);
                 }
@@ -385,7 +385,7 @@ impl<'m> Analysis<'m> {
         Ok(Directive::GoOn)
     }
 
-    /// Makes a converged increment the present state, and tells the observer of it.
+    /// Makes a converged increment the present state, and reports it to the observer.
     fn stands(
         &mut self,
         mut converged: Converged,
@@ -421,7 +421,7 @@ impl<'m> Analysis<'m> {
             let target = look.target();
             let context = IncrementContext { time_increment: look.time_increment(context.step_time), ..context };
             let attempt = self.attempt(&target, context);
-            self.tell_look(&look, context.time_increment);
+            self.record_look(&look, context.time_increment);
             let Ok(converged) = attempt else { break };
             self.believed_findings(self.findings(&converged), &converged, Some(look.attempted));
         }
@@ -473,7 +473,7 @@ impl<'m> Analysis<'m> {
     }
 }
 
-/// Returns what UEXTERNALDB is told of an increment, `passed` after its start.
+/// Returns the clock that UEXTERNALDB receives for an increment, `passed` after its start.
 fn clock(context: &IncrementContext, passed: f64) -> Clock {
     let as_i32 = |n: u32| i32::try_from(n).unwrap_or(i32::MAX);
     Clock {

@@ -134,7 +134,7 @@ pub trait Observer {
     /// Whatever kept it from being written; the run stops.
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive>;
 
-    /// The run may be resumed from here: the increment that was told last is done, another one follows.
+    /// The run may be resumed from here: the increment reported last is complete, and another one follows.
     ///
     /// # Errors
     ///

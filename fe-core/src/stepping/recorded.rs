@@ -1,7 +1,7 @@
 //! The increments of a run, so that another one repeats them: snap-backs, refused attempts and all.
 //!
-//! A run depends on its attempts, in their order: an attempt that was refused leaves tangents, scales and a far field behind. A
-//! run that repeats all of them on the same model comes to the same bits; with other parameters its results are a smooth
+//! A run depends on its attempts, in their order: a refused attempt changes tangents, scales and the far field. A run
+//! that repeats all of them on the same model reaches the same bits. With other parameters its results are a smooth
 //! function of these, since nothing is chosen any more.
 
 use super::control::StepRun;
@@ -202,7 +202,7 @@ impl Analysis<'_> {
     }
 
     /// Takes down an attempt that was made to learn something of energies.
-    pub(super) fn tell_look(&mut self, run: &StepRun, time: f64) {
+    pub(super) fn record_look(&mut self, run: &StepRun, time: f64) {
         let (to, imbalanced) = (self.way(run), Some(run.attempted));
         self.tried.push(Tried { to, time, verdict: Verdict::Look, imbalanced });
     }

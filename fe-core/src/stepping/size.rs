@@ -25,7 +25,7 @@ pub(super) struct IncrementSize {
     size: f64,
     pub(super) maximum: f64,
     pub(super) minimum: f64,
-    /// Whether increments are equal: they stay as they are asked for, but for cuts, after which they return to their size.
+    /// Whether increments are equal: they keep the size that was asked for, and return to it after cuts.
     pub(super) fixed: bool,
     streak: usize,
 }

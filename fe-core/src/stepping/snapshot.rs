@@ -1,4 +1,4 @@
-//! The state of a run at the end of an increment, for whoever writes fields.
+//! The state of a run at the end of an increment, for code that writes fields.
 
 use super::newton::Committed;
 use crate::assembly::{Equations, Solids};

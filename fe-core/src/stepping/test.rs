@@ -19,7 +19,7 @@ mod spalling;
 mod spin;
 mod threads;
 
-/// Keeps what it is told.
+/// Keeps the records that it receives.
 #[derive(Default)]
 struct Keeper(Vec<Record>);
 
@@ -107,7 +107,7 @@ fn an_elastic_strip_needs_one_iteration_and_balances_its_energy() {
     let model = strip(law, PlaneModel::PlaneStress, 0.04, StepControl::Fixed { increments: 4 });
     let (records, statistics) = run(&model);
     assert_eq!(records.len(), 5);
-    assert_eq!(statistics.factorisations, 1, "nothing changes, so one factor serves all increments");
+    assert_eq!(statistics.factorisations, 1, "nothing changes, so one factor is used in all increments");
     for record in &records[1..] {
         assert_eq!(record.iterations.len(), 1);
         // σ = E ε over 1 × 0.5

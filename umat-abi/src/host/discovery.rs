@@ -75,12 +75,12 @@ pub fn search_also(folder: PathBuf) {
     let _ = BESIDES.set(folder);
 }
 
-/// See [`search_beside`].
+/// See [`search_from_program`].
 static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
 
 /// Takes a file for the executable whose installed folders are searched, instead of the present one's: for an interpreter
 /// that has loaded the host as a module. Says so once, for good.
-pub fn search_beside(program: &Path) {
+pub fn search_from_program(program: &Path) {
     let _ = PROGRAM.set(program.to_owned());
 }
 

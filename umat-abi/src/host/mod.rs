@@ -35,7 +35,7 @@ pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, LawDescription, Parameter, StateDescription, Validation};
 pub use discovery::{
     Found, SOURCES, is_source, library_file_name, library_name, library_path, names_a_file, real_path, search_also,
-    search_beside, search_paths,
+    search_from_program, search_paths,
 };
 pub use frame::{Course, Expansion, Frame, FreeStrain, LawView};
 pub use guard::WrittenInput;

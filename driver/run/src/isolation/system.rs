@@ -40,7 +40,7 @@ static PROGRAM: OnceLock<[PathBuf; 2]> = OnceLock::new();
 /// that a script loads.
 pub fn set_program(file: &Path, engine: &Path) {
     let _ = PROGRAM.set([file.to_owned(), engine.to_owned()]);
-    host::search_beside(file);
+    host::search_from_program(file);
 }
 
 /// Says that this process is the program, also if its file was replaced meanwhile; unless a file was named before.

@@ -129,7 +129,7 @@ fn chains_of_couplings_are_followed_and_their_forces_handed_back() {
 }
 
 #[test]
-fn circles_and_senseless_constraints_are_told() {
+fn circles_and_senseless_constraints_are_reported() {
     let circle = vec![
         Coupling { dependent: freedom(0, 0), terms: vec![(freedom(1, 0), 1.0)] },
         Coupling { dependent: freedom(1, 0), terms: vec![(freedom(0, 0), 1.0)] },

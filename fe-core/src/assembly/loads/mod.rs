@@ -52,8 +52,8 @@ pub struct Shares {
 }
 
 impl Shares {
-    /// Makes the shares of nodes from those of the elements: a node bears its force as long as any of its elements does, one
-    /// without elements always.
+    /// Makes the shares of nodes from those of the elements. A node carries its force as long as any of its elements
+    /// does; a node without elements always does.
     pub fn new(mesh: &Mesh, of_element: impl Fn(usize) -> f64) -> Self {
         let elements: Vec<f64> = (0..mesh.elements().len()).map(of_element).collect();
         let mut nodes: Vec<Option<f64>> = vec![None; mesh.nodes().len()];
@@ -116,7 +116,7 @@ pub fn external(
     }
 }
 
-/// An edge where it bears its load.
+/// An edge at the position where its load acts.
 struct LoadedEdge {
     edge: EdgeNodes,
     positions: [[f64; 2]; 3],

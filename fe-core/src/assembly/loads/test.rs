@@ -44,9 +44,9 @@ fn a_force_acts_at_each_of_its_nodes() {
     assert_eq!(forces(&mesh, false, &load, 0.5, &[0.0; 8]), [0.0, 0.0, 1.0, -1.5, 0.0, 0.0, 1.0, -1.5]);
 }
 
-/// Two elements side by side and a node beside them; the left one is half gone, the right one has a tenth left.
+/// Two adjacent elements and a separate node. Half of the left element remains, and a tenth of the right one.
 #[test]
-fn loads_fade_with_what_bears_them() {
+fn loads_fade_with_their_elements() {
     let nodes = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 1.0], [9.0, 9.0]];
     let element = |nodes: [usize; 4]| ElementDefinition { kind: ElementKind::Q4, part: 0, nodes: nodes.to_vec() };
     let elements = vec![element([0, 1, 4, 3]), element([1, 2, 5, 4])];
@@ -78,7 +78,7 @@ fn loads_fade_with_what_bears_them() {
     let force = LoadKind::Force { nodes: vec![3, 4, 5], force: [0.0, 1.0] };
     assert_eq!(found(&force, false), [1.0, 1.0, 0.2], "the middle one as the last of its elements");
     let alone = Shares::new(&mesh, |_| 0.0);
-    assert_eq!(alone.nodes, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], "nothing bears the last node, nothing lets it go");
+    assert_eq!(alone.nodes, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], "the last node has no elements and keeps its force");
 }
 
 #[test]
@@ -140,7 +140,7 @@ fn work_of_a_follower_pressure_is_that_of_the_volume() {
                 moved[freedom] += shift;
                 volume(&moved)
             };
-            // The volume is a cubic of one displacement at most: differences are exact but for h² of the cube.
+            // The volume is at most a cubic of one displacement, so differences are exact up to h² of the cube.
             let difference = (at(1e-4) - at(-1e-4)) / 2e-4;
             assert_abs_diff_eq!(found[freedom], 2.0 * difference, epsilon = 1e-7);
         }
@@ -201,6 +201,6 @@ fn small_displacements_and_dead_loads_have_no_stiffness() {
         let bearers = Bearers { thickness: &|_| nlgeom.then_some(0.7), shares: None };
         external(&mesh, &bearers, load, 1.0, &displacements, &mut found, Some(&mut blocks));
         assert!(blocks.is_empty());
-        assert_eq!(found, forces(&mesh, nlgeom, load, 1.0, &[0.0; 16]), "the reference edge bears it");
+        assert_eq!(found, forces(&mesh, nlgeom, load, 1.0, &[0.0; 16]), "it acts on the reference edge");
     }
 }

@@ -121,7 +121,7 @@ fn symmetric_gradient([s11, s22, s33, s12]: &Components) -> Gradient {
     [*s11, *s12, *s12, *s22, *s33]
 }
 
-/// Component of stress or strain behind each component of a gradient.
+/// Component of stress or strain for each component of a gradient.
 const COMPONENT_OF: [usize; GRADIENT_COMPONENTS] = [0, 3, 3, 1, 2];
 
 /// ∫ Bᵀ C B dV. Returns whether it is symmetric.

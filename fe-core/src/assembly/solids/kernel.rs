@@ -7,7 +7,7 @@
 //! f_i = ∫ P · ∂N_i/∂X dV        K_ij = ∫ ∂N_i/∂X · ∂P/∂F · ∂N_j/∂X dV
 //! ```
 //!
-//! with P and ∂P/∂F of [`crate::kinematics::finite`], or σ and C where strains are small. One pair of kernels serves
+//! with P and ∂P/∂F of [`crate::kinematics::finite`], or σ and C where strains are small. One pair of kernels handles
 //! both; node blocks of 2 × 2 keep the inner loops in registers.
 
 use crate::kinematics::finite::{GRADIENT_COMPONENTS, Gradient, NominalTangent};
@@ -89,7 +89,7 @@ impl<const N: usize> PointShape<'_, N> {
         }
     }
 
-    /// ∂P_k by each freedom, but for the hoop's share.
+    /// ∂P_k by each freedom, without the hoop's share.
     #[inline(always)]
     fn rates(&self, [a11, a12, a21, a22, _]: &[f64; GRADIENT_COMPONENTS]) -> Nodal<N> {
         self.gradients.map(|[x, y]| [a11 * x + a12 * y, a21 * x + a22 * y])

@@ -18,11 +18,12 @@
 //!
 //! # Threads
 //!
-//! Elements are kept in blocks, each with its own points and UMAT call; with [`Solids::set_threads`] several threads take
-//! blocks. Forces are added up element by element afterwards, in the order of the mesh: the number of threads changes
-//! no bit. A block stops at its first element in trouble, the others go on; the first trouble in the order of
-//! the mesh is told. A model whose laws are not all known to be thread-safe, or are watched, has one block for each part
-//! and no more than one thread: sums over points run in the order of each part's elements, so it has the same bits too.
+//! Elements are kept in blocks, each with its own points and UMAT call; with [`Solids::set_threads`] several threads
+//! take blocks. Forces are added up element by element afterwards, in the order of the mesh, so the number of threads
+//! changes no bit. A block stops at its first failing element and the others go on; the first failure in the order of
+//! the mesh is reported. A model has one block for each part and one thread if its laws are not all known to be
+//! thread-safe, or are watched. Sums over points run in the order of each part's elements, so the result has the same
+//! bits too.
 //!
 //! # Large displacements
 //!
@@ -32,7 +33,7 @@
 //!
 //! # Symmetry
 //!
-//! A DDSDDE that is symmetric but for rounding is made exactly so when it arrives; everything after decides by exact
+//! A DDSDDE that is symmetric up to rounding is made exactly symmetric when it arrives; all later decisions test exact
 //! equality.
 
 mod block;
@@ -308,8 +309,8 @@ impl Solids {
         self.blocks.iter_mut().for_each(|block| block.commit(displacements));
     }
 
-    /// Releases elements after an increment that was accepted: their laws are not called any more, their forces are those
-    /// of that increment times a share, their states stay but for what was stored.
+    /// Releases elements after an accepted increment. Their laws are no longer called, and their forces are those of
+    /// that increment times a share. Their states stay, except for stress and stored energy.
     pub fn release(&mut self, elements: &[usize]) {
         for &element in elements {
             let BlockPlace { block, local } = self.places[element];

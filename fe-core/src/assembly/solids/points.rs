@@ -333,7 +333,7 @@ impl Points {
         }
     }
 
-    /// Returns λ of the trial state of a point with large displacements; 1 where it is unknown, and but for plane stress.
+    /// Returns λ of the trial state of a point with large displacements; 1 if it is unknown, and outside plane stress.
     pub(super) fn thickness_ratio(&self, point: usize) -> f64 {
         if self.thickness.is_empty() {
             1.0
@@ -379,7 +379,7 @@ impl Points {
             };
             rate[component] = (nearby - end) / (shifted[component] - increment.strain[component]);
         }
-        // the call tells of the increment itself again
+        // the call describes the increment itself again
         let (states, energies) = (&self.trial.statev[statev], self.trial.energies[point]);
         self.call.set_point([strain, &increment.strain, stress], states, energies);
         (is_known && rate.iter().all(|rate| rate.is_finite())).then_some(rate)
@@ -516,7 +516,7 @@ impl Points {
     }
 }
 
-/// Makes a matrix that is symmetric but for rounding exactly so.
+/// Makes a matrix exactly symmetric that is symmetric up to rounding.
 fn remove_rounding(moduli: &mut Moduli) {
     let greatest = moduli.as_flattened().iter().fold(0.0_f64, |greatest, entry| greatest.max(entry.abs()));
     let below_diagonal = || (1..MAX_COMPONENTS).flat_map(|row| (0..row).map(move |column| (row, column)));

@@ -301,7 +301,8 @@ struct Group {
     elements: Vec<usize>,
 }
 
-/// The elements of each part in groups of at most `limit`; a part without any has an empty one, behind the others.
+/// Returns the elements of each part in groups of at most `limit`. Parts without elements get an empty group each,
+/// after the others.
 fn groups(mesh: &Mesh, limit: usize) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     let mut last_of_part: Vec<Option<usize>> = vec![None; mesh.parts().len()];

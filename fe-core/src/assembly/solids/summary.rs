@@ -241,7 +241,7 @@ impl Solids {
         self.record(element).built.spalled.is_some()
     }
 
-    /// Returns what part of its forces an element has: 1 but for released ones.
+    /// Returns the share of its forces that an element has: 1 unless it was released.
     pub(crate) fn share(&self, element: usize) -> f64 {
         self.record(element).built.spalled.as_ref().map_or(1.0, Spalled::share)
     }
@@ -251,8 +251,8 @@ impl Solids {
         (0..self.places.len()).filter(|&element| self.is_spalled(element)).collect()
     }
 
-    /// Returns whether an element's crack is open by more than one length (greatest principal strain × CELENT, mm) at all its points,
-    /// and none bears a principal stress that is greater in magnitude than the other number, MPa.
+    /// Returns whether an element is torn. At all its points the crack must be open by more than `opening` (greatest
+    /// principal strain × CELENT, mm), and no principal stress may exceed `stress` in magnitude, MPa.
     pub(crate) fn is_torn(&self, element: usize, opening: f64, stress: f64) -> bool {
         let (block, record) = (self.block(element), self.record(element));
         let states = &block.body.points.committed;

@@ -94,13 +94,13 @@ fn tangents_of_crushed_surfaces_are_derivatives() {
     }
 }
 
-/// An edge that turns in what it has crushed is pressed by no more than that bears, at none of its points.
+/// An edge that rotates in what it has crushed is pressed by no more than the strength at any of its points.
 #[test]
 fn an_edge_turns_in_what_it_crushes() {
-    let bears = Bearing { strength: 0.004, depth: 0.05 };
+    let surface = Bearing { strength: 0.004, depth: 0.05 };
     let crushed = |scene: &Scene| {
         let pair = scene.pair(uinter(&[("law", 2.0), ("mu", 0.3)]));
-        scene.contact(ContactPair { bearing: Some(bears), ..pair })
+        scene.contact(ContactPair { bearing: Some(surface), ..pair })
     };
     for (angle, lift, least) in [(0.2, 0.01, 0.0), (0.2, -0.06, 0.004), (-0.2, -0.06, 0.004)] {
         let (scene, displacements) = turned(angle, lift);

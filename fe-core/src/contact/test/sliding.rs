@@ -64,8 +64,8 @@ fn searches_are_counted_only_where_they_happen() {
 }
 
 /// Halving the step halves the largest change of a nodal force: there is no jump where a point passes from one master
-/// edge to the next, nor past the end. But for the couple τ A g_N/l of the shear, which acts at the slave's side of
-/// the gap, and which one edge hands to the next: the penetration is kept small.
+/// edge to the next, nor past the end. The exception is the couple τ A g_N/l of the shear, which acts at the slave's
+/// side of the gap and is handed from one edge to the next; so the penetration is kept small.
 #[test]
 fn forces_are_continuous_over_many_edges() {
     for kind in [Q4, Q8] {
@@ -115,7 +115,7 @@ fn forces_are_continuous_over_facets() {
             change
         };
         let ratio = largest_change(2000) / largest_change(16000);
-        // eight times, but for how far past a node a point happens to be when it starts on the next edge
+        // eight times, except for how far past a node a point is when it starts on the next edge
         assert!((6.0..10.0).contains(&ratio), "{kind}: {ratio}");
     }
 }
@@ -451,7 +451,7 @@ fn uinter_and_fric_get_their_arguments() {
 }
 
 #[test]
-fn the_last_call_of_a_law_tells_the_increment_of_its_point_only() {
+fn the_last_call_of_a_law_describes_the_increment_of_its_point_only() {
     let scene = Scene::straight(Q4);
     for law in [uinter(&[]), hard(2.0, 0.1, &[])] {
         let is_uinter = matches!(law, ContactLaw::Uinter(_));
@@ -508,7 +508,7 @@ fn no_point_opens_because_the_surfaces_turn_under_a_correction() {
         let change: Vec<f64> = end.iter().zip(&start).map(|(end, start)| end - start).collect();
 
         // where the increment starts: closed, and pulled back by what has opened
-        contact.foretell(&change, true);
+        contact.predict_gaps(&change, true);
         forces(&mut contact, &end);
         assert!(contact.is_elsewhere());
         assert_eq!(contact.count(PointStatus::Open), 0, "{kind}");
@@ -517,13 +517,13 @@ fn no_point_opens_because_the_surfaces_turn_under_a_correction() {
             approx::assert_relative_eq!(point.pressure / pressure, point.gap / gap, max_relative = 1e-9);
         }
 
-        // what the tangent foretells is what is: open
+        // the tangent predicts the actual state: open
         forces(&mut contact, &start);
-        contact.foretell(&change, false);
+        contact.predict_gaps(&change, false);
         forces(&mut contact, &end);
         assert_eq!(contact.count(PointStatus::Open), contact.points().count(), "{kind}");
 
-        contact.foretell_nothing();
+        contact.end_prediction();
         forces(&mut contact, &end);
         assert!(!contact.is_elsewhere());
         assert!(contact.points().all(|point| point.pressure == 0.0));
@@ -555,7 +555,7 @@ fn a_point_that_closes_slides() {
         };
         assert!(statuses(&mut contact).iter().all(|status| *status == PointStatus::Sticking), "{kind}");
         forces(&mut contact, &tilted);
-        contact.foretell(&change, false);
+        contact.predict_gaps(&change, false);
         assert!(statuses(&mut contact).iter().all(|status| *status == PointStatus::Slipping), "{kind}");
         // pressure and shear are those of the whole penetration: on the law's tangent
         for point in contact.points().zip(&was_open).filter(|(_, was_open)| **was_open).map(|(point, _)| point) {
@@ -583,7 +583,7 @@ fn what_starts_beyond_an_end_has_no_bond() {
             let points: Vec<[f64; 2]> = contact.points().map(|point| [point.pressure, point.shear]).collect();
             (points, contact.penalties().next().unwrap())
         };
-        // on the master from the start: the bond bears tension
+        // on the master from the start: the bond carries tension
         assert!(tractions(1.6, -1e-3).0.iter().all(|[pressure, _]| *pressure < 0.0));
         for start in [6.0, -3.0] {
             assert!(tractions(start, -1e-3).0.iter().all(|[pressure, _]| *pressure == 0.0), "{start}");
@@ -591,7 +591,7 @@ fn what_starts_beyond_an_end_has_no_bond() {
             for [pressure, _] in &pressed {
                 assert!((pressure / (1e-3 * penalty) - 1.0).abs() < 1e-9, "{start}: {pressure}");
             }
-            // FRIC is not told that its bond is gone: it has the bond of its slip
+            // FRIC does not learn that its bond is gone: it has the bond of its slip
             if matches!(law, ContactLaw::Uinter(_)) {
                 let shears = || pressed.iter().map(|[_, shear]| shear.abs());
                 assert!(

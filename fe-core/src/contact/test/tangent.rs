@@ -217,7 +217,7 @@ pub(super) fn turned(angle: f64, lift: f64) -> (Scene, Vec<f64>) {
 fn an_edge_that_turns_through_the_surface_is_held_by_its_deeper_point() {
     // the Gauss points are 1/√3 of half an edge from its middle
     let arm = 0.5 / 3.0_f64.sqrt();
-    // without bond a lifted edge is open but for its deeper point
+    // without bond only the deeper point of a lifted edge is closed
     for (angle, lift, excess) in [(0.03, -0.01, 0.0), (0.2, -0.01, 1.0), (-0.2, -0.01, 1.0), (0.2, 0.01, 1.0)] {
         let (scene, displacements) = turned(angle, lift);
         let mut contact = scene.contact(scene.pair(uinter(&[("law", 2.0)])));
@@ -265,7 +265,7 @@ fn laws_that_are_followed_along_their_tangents() {
         forces(&mut contact, &start);
         let end = scene.shaken([0.4, 0.03], 0.002);
         let change: Vec<f64> = end.iter().zip(&start).map(|(end, start)| end - start).collect();
-        contact.foretell(&change, true);
+        contact.predict_gaps(&change, true);
         let (error, scale) = tangent_error(&mut contact, &end);
         assert!(scale > 1.0 && contact.is_elsewhere());
         assert!(error < 1e-6, "error {error:.2e}");

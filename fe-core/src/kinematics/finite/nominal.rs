@@ -15,8 +15,8 @@ const fn place(row: usize, column: usize) -> usize {
     2 * row + column
 }
 
-/// Rates that an element with averaged dilatation has beside ∂P/∂F; its own are of the mean dilatation θ̄ and of the
-/// mean stress p̄.
+/// Rates that an element with averaged dilatation needs in addition to ∂P/∂F. Its own rates are those of the mean
+/// dilatation θ̄ and of the mean stress p̄.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AverageRates {
     /// ∂P/∂θ̄.

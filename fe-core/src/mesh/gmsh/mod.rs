@@ -12,8 +12,8 @@ use std::path::Path;
 
 use super::{MeshDefinition, MeshError, Part};
 
-/// Reads the bytes of a mesh file, which messages call `path`; `parts` are its physical surfaces, in any order.
-/// Beside the mesh: the file's tags of the elements that went clockwise there and are turned round.
+/// Reads the bytes of a mesh file, which messages call `path`; `parts` are its physical surfaces, in any order. Returns
+/// the mesh and the file's tags of clockwise elements, whose nodes are reversed.
 ///
 /// # Errors
 ///

@@ -291,7 +291,7 @@ fn binary_files_give_the_mesh_of_their_text() {
 }
 
 #[test]
-fn faults_of_binary_files_tell_the_byte() {
+fn faults_of_binary_files_name_the_byte() {
     for (bytes, version) in [(binary_2(), "2.2"), (binary_4(), "4.1")] {
         let message = |bytes: &[u8]| read(Path::new("b.msh"), bytes, &parts()).unwrap_err().to_string();
         let cut = bytes.len() - 40;

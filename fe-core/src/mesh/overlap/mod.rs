@@ -43,8 +43,9 @@ pub struct Overlap {
 }
 
 impl Mesh {
-    /// The deepest overlap of the bodies that these displacements (two per node, mm) deform; `None` where nothing overlaps.
-    /// Elements that are left out are no part of them: those that lie behind others overlap them as they are meant to.
+    /// Returns the deepest overlap of the bodies that these displacements (two per node, mm) deform; `None` if nothing
+    /// overlaps. Elements that are left out are ignored, such as those in another plane, which overlap others by
+    /// design.
     pub fn overlap(&self, displacements: &[f64], is_left_out: impl Fn(usize) -> bool) -> Option<Overlap> {
         let bodies = self.outlines(displacements, |edge| is_left_out(edge.element));
         let found = bodies.iter().enumerate().flat_map(|(own, body)| {

@@ -39,7 +39,7 @@ fn blocks_overlap_by_what_they_are_pushed() {
             assert_eq!(
                 mesh.overlap(&displacements, |element| mesh.elements()[element].part() == 0),
                 None,
-                "{kind}: what lies behind does not count"
+                "{kind}: elements that are left out do not count"
             );
         }
     }

@@ -1,7 +1,7 @@
 //! Faults of a mesh that no single element shows: nodes that hang on edges, pieces that are not connected, bodies that
 //! nothing holds.
 //!
-//! [`findings`] looks at the mesh alone. [`bodies`] and [`rigid_body_freedom`] serve callers who know the supports.
+//! [`findings`] checks the mesh alone. [`bodies`] and [`rigid_body_freedom`] are for callers who know the supports.
 
 mod hanging;
 mod rigid;
@@ -115,7 +115,7 @@ pub fn bodies(mesh: &Mesh) -> Vec<Body> {
     bodies
 }
 
-/// The node that stands for all nodes joined with this one so far.
+/// Returns the node that represents all nodes joined with this one so far.
 fn leader_of(leader: &mut [usize], mut node: usize) -> usize {
     while leader[node] != node {
         // Halves the way for the next search.

@@ -123,7 +123,7 @@ fn quadratic_edges_must_meet_edges() {
 }
 
 #[test]
-fn pieces_of_a_part_are_told() {
+fn pieces_of_a_part_are_reported() {
     let mesh = columns(Q8, [2, 2], 1, false);
     let found = findings(&mesh, &[]);
     assert_eq!(found, [Finding::Pieces { part: "left".into(), first_elements: vec![0, 2] }]);
@@ -148,7 +148,7 @@ fn bodies_are_elements_that_share_nodes() {
     assert_eq!(joined[0].nodes, (0..9).collect::<Vec<_>>());
 }
 
-/// The square [0, 1]² of one Q4; nodes counter-clockwise from the origin. What is free, in words.
+/// Returns messages about what is free in the square [0, 1]² of one Q4; nodes counter-clockwise from the origin.
 fn freedom(model: PlaneModel, constraints: &[(usize, [f64; 2])]) -> Vec<String> {
     let mesh = Mesh::new(MeshDefinition {
         nodes: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
@@ -161,7 +161,7 @@ fn freedom(model: PlaneModel, constraints: &[(usize, [f64; 2])]) -> Vec<String> 
 }
 
 #[test]
-fn unsupported_motions_are_told_in_words() {
+fn unsupported_motions_are_reported() {
     let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
     let plane = |constraints: &[(usize, [f64; 2])]| freedom(PlaneModel::PlaneStress, constraints);
     let none: [&str; 0] = [];

@@ -61,7 +61,7 @@ pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenErro
 pub struct CylinderOnPlane {
     /// Radius of the cylinder.
     pub radius: f64,
-    /// Extent of both bodies beside the symmetry line; less than the radius.
+    /// Extent of both bodies from the symmetry line; less than the radius.
     pub half_width: f64,
     /// Height of the cylinder's flat top above the contact; more than the arc rises over the half width.
     pub height: f64,

@@ -347,7 +347,7 @@ fn specimens_are_sound_over_a_range_of_parameters() {
 }
 
 #[test]
-fn all_wrong_parameters_are_told_at_once() {
+fn all_wrong_parameters_are_reported_at_once() {
     let message =
         |change: fn(&mut PerpendicularFibre)| perpendicular_fibre(&fibre_with(change)).unwrap_err().to_string();
     assert_eq!(
@@ -549,7 +549,7 @@ fn the_drag_out_strip_lies_under_its_block() {
 }
 
 #[test]
-fn wrong_parameters_of_the_other_specimens_are_told() {
+fn wrong_parameters_of_the_other_specimens_are_reported() {
     let message = |result: Result<MeshDefinition, SpecimenError>| result.unwrap_err().to_string();
     let plate = PlateWithHole { width: 1.0, height: 2.0, radius: 1.5, cells: 1, grading: 0.0, element: Q4 };
     assert_eq!(

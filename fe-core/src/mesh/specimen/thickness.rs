@@ -61,16 +61,16 @@ impl Thickness {
         let thickest = self.exits.iter().map(|exit| exit.diameter).fold(0.0, f64::max);
         let (holds, requirement) = if has_cover || self.graded.is_some() {
             let least = thickest / (1.0 - THINNEST);
-            let what = "in front of and behind the fibre there must be something";
+            let what = "there must be concrete on both faces of the fibre";
             (self.full > least, format!("more than {least:.4}: {what}"))
         } else {
             let least = fibre_thickness(thickest);
             let what = format!("at least πφ/4 = {least:.4}, the thickness of the fibre that lies in the block");
             (self.full >= least * (1.0 - ROUNDING), what)
         };
-        // what is not positive is told already
-        let is_told = self.full.is_nan() || self.full <= 0.0;
-        required.that(holds || is_told, "matrix_thickness", self.full, requirement);
+        // a value that is not positive is reported already
+        let is_reported = self.full.is_nan() || self.full <= 0.0;
+        required.that(holds || is_reported, "matrix_thickness", self.full, requirement);
         if let Some(GradedThickness { slope, extent }) = self.graded {
             required.that(slope >= 0.1 && slope.is_finite(), "graded_thickness.slope", slope, "at least 0.1");
             if let Some(extent) = extent {
@@ -79,7 +79,7 @@ impl Thickness {
         }
     }
 
-    /// The part in front of and behind the fibres, of the matrix.
+    /// Returns the part of the matrix on both faces of the fibres, out of plane.
     pub(super) fn cover(&self, matrix: Part) -> Part {
         Part { name: "cover".to_owned(), thickness: self.of_cover(self.exits[0]), ..matrix }
     }
@@ -113,7 +113,7 @@ impl Thickness {
             area += mapped.determinant;
             volume += mapped.determinant * self.at(mapped.position);
         }
-        // an element that cannot be is told later
+        // an impossible element is reported later
         if area > 0.0 { volume / area } else { self.full }
     }
 
@@ -122,8 +122,8 @@ impl Thickness {
         thickness - diameter < THINNEST * self.full
     }
 
-    /// Gives the elements of block and cover thicknesses of their own where these are not their part's. `cover`: the elements
-    /// in front of and behind each fibre, and its diameter.
+    /// Gives elements of block and cover their own thicknesses where these differ from their part's. `cover`: the
+    /// elements on both faces of each fibre, and its diameter.
     pub(super) fn assign(&self, definition: &mut MeshDefinition, matrix: usize, cover: &[(Range<usize>, f64)]) {
         for (index, element) in definition.elements.iter().enumerate() {
             let diameter = match cover.iter().find(|(elements, _)| elements.contains(&index)) {
@@ -145,7 +145,7 @@ impl Thickness {
         for &exit in &self.exits {
             if has_cover {
                 notes.push(format!(
-                    "cover: concrete of the matrix, {:.4} mm thick, in front of and behind the fibre joins both halves of the block",
+                    "cover: matrix concrete on both faces of the fibre, {:.4} mm thick, joins both halves of the block",
                     self.of_cover(exit)
                 ));
             }
@@ -170,7 +170,7 @@ fn middles(kind: ElementKind) -> Vec<[f64; 2]> {
     if kind.corner_count() == 4 {
         return cells.map(|cell| cell.map(|index| 2.0 * size * (index + 0.5) - 1.0)).collect();
     }
-    // two triangles in each cell, but for the cells on the slope, which have one
+    // two triangles in each cell, one in each cell on the slope
     let triangles = cells.flat_map(|cell| [1.0, 2.0].map(|thirds| cell.map(|index| size * (index + thirds / 3.0))));
     triangles.filter(|[xi, eta]| xi + eta < 1.0).collect()
 }

@@ -148,7 +148,7 @@ fn growth_from_first(count: usize, first: f64) -> f64 {
         return 1.0;
     }
     let sum = |logarithm: f64| (0..count).map(|index| (logarithm * index as f64).exp()).sum::<f64>();
-    // One size beside the first is all the rest at most, and the first is all at least.
+    // The sum is at least 1 + q, which bounds q from above; where q vanishes, the first size is all.
     let limit = first.recip().ln().max(1.0) + 40.0;
     let (mut low, mut high) = (-limit, limit);
     for _ in 0..BISECTIONS {

@@ -48,12 +48,12 @@ fn a_graded_outline_is_filled_with_good_triangles_and_keeps_its_points() {
 }
 
 #[test]
-fn outlines_that_meet_themselves_are_told() {
-    let told = |outline: &[[f64; 2]]| triangulate(outline, 1.0).unwrap_err().to_string();
+fn outlines_that_meet_themselves_are_reported() {
+    let message = |outline: &[[f64; 2]]| triangulate(outline, 1.0).unwrap_err().to_string();
     let crossing = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
-    assert_eq!(told(&crossing), "the outline meets itself near (1, 0)");
+    assert_eq!(message(&crossing), "the outline meets itself near (1, 0)");
     let touching = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0], [-1.0, 1.0]];
-    assert_eq!(told(&touching), "the outline meets itself near (0, 0)");
+    assert_eq!(message(&touching), "the outline meets itself near (0, 0)");
     let lost = [[0.0, 0.0], [f64::NAN, 0.0], [1.0, 1.0]];
-    assert_eq!(told(&lost), "point 2 of the outline is (NaN, 0)");
+    assert_eq!(message(&lost), "point 2 of the outline is (NaN, 0)");
 }

@@ -58,8 +58,8 @@ struct Own {
 }
 
 impl Front {
-    /// Joins two parts at the equations of a cut, ascending. `is_inside` tells which equations are in the parts or the
-    /// cut.
+    /// Joins two parts at the equations of a cut, ascending. `is_inside` returns whether an equation is in the parts or
+    /// the cut.
     pub(super) fn new(
         pattern: &Pattern,
         parts: [Box<dyn Substructure>; 2],

@@ -458,7 +458,7 @@ fn a_superelement_refuses_an_interior_that_is_not_stable() {
 }
 
 #[test]
-fn a_soft_mode_beside_a_stiff_contact_is_solved_as_well_as_rounding_allows() {
+fn a_soft_mode_next_to_a_stiff_contact_is_solved_as_well_as_rounding_allows() {
     let mut scene = Scene::new();
     scene.bond(1e9);
     // All springs but one pair are weak: the upper body turns about it against almost nothing.

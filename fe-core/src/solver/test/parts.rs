@@ -77,7 +77,7 @@ fn parts_give_the_solution_of_the_whole_and_threads_change_no_bit() {
     for (x, whole) in one.iter().zip(&whole) {
         assert!((x - whole).abs() < 1e-11 * scale, "{x} for {whole}");
     }
-    assert_eq!(solve(&mut first).0, one, "a factorisation leaves nothing behind");
+    assert_eq!(solve(&mut first).0, one, "a factorisation leaves no trace");
     for threads in [2, 3] {
         let (several, _) = solve(&mut in_parts(&bodies, &matrix, threads));
         assert_eq!(several, one, "{threads} threads");

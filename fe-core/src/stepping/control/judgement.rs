@@ -6,11 +6,13 @@ use crate::stepping::newton::{Converged, Leader};
 
 /// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
 const ENERGY_TOLERANCE: f64 = 3e-4;
-/// Imbalance of the energies that all increments together may leave, as part of the work (doc.md): an increment that adds to it may
-/// add less, the less is left. Increments that a step chooses keep it, but for failures and indirect control; equal ones need not.
+/// Imbalance of energies allowed for all increments together, as part of the work (doc.md). The less of it remains, the
+/// less an increment may add. Increments whose size the step chooses keep to it, except for failures and indirect
+/// control; equal increments need not.
 pub const ENERGY_BUDGET: f64 = 1e-3;
-/// Part of the work that stabilisation and the overstress of laws that extrapolate may take in a run before it is warned of.
-/// Increments keep it likewise, but for viscosity, snap-backs and drag, whose share does not depend on their size.
+/// Part of the work that stabilisation and the overstress of extrapolating laws may take in a run before a warning.
+/// Increments keep to it likewise, except for viscosity, snap-backs and drag, whose share does not depend on their
+/// size.
 pub const STABILISATION_BUDGET: f64 = 1e-2;
 /// Least imbalance or overstress that an increment may always add, as part of its usual share.
 const LEAST_SHARE: f64 = 0.05;
@@ -202,7 +204,7 @@ impl StepRun {
     /// Bounds the increment after an accepted one, so that it need not be repeated for its energies.
     pub(super) fn foresee_energies(&mut self, findings: &Findings) {
         let excess = self.energy_excess(findings);
-        // an increment that stands for all its energies miss is no measure
+        // an increment accepted in spite of its energies is no measure
         if !self.size.fixed && excess > 0.0 && excess <= 1.0 {
             self.size.limit(self.attempted * ENERGY_AIM / excess.sqrt());
         }
@@ -216,9 +218,9 @@ impl StepRun {
         }
     }
 
-    /// Returns the increment again, and smaller ones that tell whether its energies miss the work for its size, where a step
-    /// asks for equal increments and so refuses none for their energies. Empty: there is nothing to tell, or it was looked at
-    /// too often.
+    /// Returns smaller repeats of the increment, which show whether its energies miss the work because of its size.
+    /// They are needed where a step asks for equal increments, and so refuses none for their energies. Empty: the
+    /// energies do not miss the work, or this was checked too often.
     pub(in crate::stepping) fn smaller_looks(&mut self, findings: &Findings) -> Vec<Self> {
         if !self.size.fixed || self.energy_looks == MAX_ENERGY_LOOKS || !self.misses_energies(findings) {
             return Vec::new();

@@ -91,7 +91,8 @@ fn drag_leads_where_nothing_else_does() {
         assert!(run.judge(&converged(5.0), load, imbalanced).is_err(), "it missed energy");
         let judgement = run.judge(&converged(5.0), load, Findings { load: 5.0, ..falls }).expect_err("a jump");
         let mut shorter = run.clone();
-        let rises = shorter.judge(&converged(5.0), load, Findings { load: 20.0, ..falls }).expect_err("drag bears it");
+        let rises =
+            shorter.judge(&converged(5.0), load, Findings { load: 20.0, ..falls }).expect_err("drag carries it");
         assert_eq!(shorter.reject(&rises.trouble, rises.has_failed), Advance::Repeated);
         let IncrementGoal::Through { goal: nearer, resistance: same } = shorter.target() else { panic!("no drag") };
         assert!(nearer[0] < goal[0] && same == resistance);

@@ -86,7 +86,7 @@ impl Equilibrium<'_> {
                     }
                     Leader::Dissipation => self.dissipation_progress(attempt, &from_residual, &from_drives)?,
                 };
-                let growth = self.beside.as_ref().map_or(*growth, |beside| beside.growth);
+                let growth = self.parallel.as_ref().map_or(*growth, |parallel| parallel.growth);
                 let share = (growth - progress.so_far - progress.along_residual) / progress.along_drives;
                 if !share.is_finite() {
                     let reason = "what leads does not follow the drives".into();
@@ -187,8 +187,8 @@ impl Equilibrium<'_> {
         for (drive, change) in attempt.trial.drives.iter_mut().zip(&direction.drives) {
             *drive += change;
         }
-        if self.beside.is_none() {
-            self.contact.foretell(&direction.displacements, predicts);
+        if self.parallel.is_none() {
+            self.contact.predict_gaps(&direction.displacements, predicts);
         }
         direction.place(&from, 1.0, &mut attempt.trial);
         self.evaluate(attempt)?;
@@ -231,7 +231,7 @@ impl Equilibrium<'_> {
         from: &[f64],
         length: f64,
     ) -> Result<(), PointFailure> {
-        self.contact.foretell_part(length);
+        self.contact.set_predicted_part(length);
         direction.place(from, length, &mut attempt.trial);
         self.evaluate(attempt)
     }

@@ -32,7 +32,7 @@ impl Equilibrium<'_> {
         let mut growing = 0;
         loop {
             if self.is_stopped() {
-                return Err(trouble(Location::System, "the run was told to end".into(), CUT));
+                return Err(trouble(Location::System, "the run was asked to end".into(), CUT));
             }
             let residual = largest(&self.memory.residual);
             let scale = self.force_scale();
@@ -40,10 +40,10 @@ impl Equilibrium<'_> {
             // After a settlement the drives are where they should be, and the increment may be in equilibrium already.
             if !predicts && self.is_converged(attempt, residual, scale) {
                 if !self.contact.is_elsewhere() {
-                    return Ok(self.beside.as_ref().map_or(RoundEnd::Balanced, |beside| beside.end));
+                    return Ok(self.parallel.as_ref().map_or(RoundEnd::Balanced, |parallel| parallel.end));
                 }
                 // equilibrium with what the laws say elsewhere is none
-                self.contact.foretell_nothing();
+                self.contact.end_prediction();
                 self.evaluate(attempt)?;
                 continue;
             }
@@ -83,7 +83,7 @@ impl Equilibrium<'_> {
     fn may_update(&self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {
         attempt.iterations.len() > attempt.updated.unwrap_or(1)
             && residual <= NEAR * scale
-            && self.beside.is_none()
+            && self.parallel.is_none()
             && !self.contact.is_elsewhere()
             && self.contact.wants_multipliers()
     }
@@ -91,8 +91,8 @@ impl Equilibrium<'_> {
     fn is_converged(&mut self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {
         let growth = self.growth(attempt);
         let rough = attempt.round().len() == 1 && self.needs_no_tangents();
-        if let Some(beside) = &mut self.beside {
-            return beside.is_reached(residual, growth, self.memory.rounding, rough);
+        if let Some(parallel) = &mut self.parallel {
+            return parallel.is_reached(residual, growth, self.memory.rounding, rough);
         }
         let tolerance = self.tolerance(scale);
         let displacements = &attempt.trial.displacements;

@@ -12,18 +12,18 @@
 //! δq = δq_r + δλ δq_d,   K δq_d = Tᵀ(∂f_ext/∂λ − K S d),   δλ = (c₀ + Δc − c − c,_u·Tδq_r) / c,_u·(Tδq_d + S d)
 //! ```
 
-mod beside;
 mod correction;
 mod drag;
 mod flips;
 mod iteration;
+mod parallel;
 mod policy;
 mod state;
 mod turn;
 
-pub(super) use beside::{Guide, Round};
 pub use flips::Flips;
 pub(super) use iteration::hardest_round;
+pub(super) use parallel::{Guide, Round};
 pub(super) use state::EquilibriumState;
 pub(super) use turn::Turn;
 
@@ -39,7 +39,7 @@ use crate::field::{Field, Pass};
 use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::{Blocks, SolverError};
 use crate::threads::Threads;
-use beside::ParallelRound;
+use parallel::ParallelRound;
 use serde::{Deserialize, Serialize};
 use state::Memory;
 use std::sync::Arc;
@@ -171,7 +171,7 @@ impl<'a> Attempt<'a> {
         if let IncrementGoal::Through { resistance, .. } = self.target { *resistance } else { 0.0 }
     }
 
-    /// Returns step, increment and iteration as the laws are told them in the next iteration.
+    /// Returns step, increment and iteration as the laws receive them in the next iteration.
     fn context(&self) -> IncrementContext {
         IncrementContext { iteration: u32::try_from(self.iterations.len() + 1).unwrap_or(u32::MAX), ..self.context }
     }
@@ -216,8 +216,8 @@ pub(super) struct Equilibrium<'m> {
     pub(super) stop: Option<Arc<AtomicBool>>,
     /// Whether the ways of attempts are kept.
     pub(super) keeps_rounds: bool,
-    /// The end of the present round in the run beside which this one goes.
-    beside: Option<ParallelRound>,
+    /// The end of the present round in the run parallel to which this one goes.
+    parallel: Option<ParallelRound>,
     /// Turn of this run among those that share factors.
     pub(super) turn: Option<Turn>,
     /// A factor that goes round among them.
@@ -268,7 +268,7 @@ impl<'m> Equilibrium<'m> {
             threads: Threads::default(),
             stop: None,
             keeps_rounds: false,
-            beside: None,
+            parallel: None,
             turn: None,
             handed: None,
         })
@@ -289,11 +289,11 @@ impl<'m> Equilibrium<'m> {
     /// Finds equilibrium for a target from the committed state: rounds of iterations, between which multipliers are updated, until contact has
     /// settled and the far field is elastic.
     pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, PointFailure> {
-        self.contact.foretell_nothing();
+        self.contact.end_prediction();
         attempt.kept.zone = self.keeps_rounds.then(|| self.zone.clone());
         self.begin_field(&attempt);
-        self.begin_beside(&mut attempt, 0)?;
-        if !self.memory.at_committed_state || self.beside.is_some() {
+        self.begin_parallel(&mut attempt, 0)?;
+        if !self.memory.at_committed_state || self.parallel.is_some() {
             self.evaluate(&attempt)?;
         }
         self.memory.at_committed_state = false;
@@ -322,10 +322,10 @@ impl<'m> Equilibrium<'m> {
                 }
                 self.memory.statistics.expansions += 1;
             }
-            self.begin_beside(&mut attempt, round)?;
+            self.begin_parallel(&mut attempt, round)?;
             self.evaluate(&attempt)?;
         }
-        self.beside = None;
+        self.parallel = None;
         let Attempt { trial: mut end, iterations, kept: guide, .. } = attempt;
         end.mean_slip = self.contact.mean_slip();
         end.dissipation = self.solids.trial_dissipation();
@@ -441,12 +441,12 @@ impl<'m> Equilibrium<'m> {
         self.memory.at_committed_state = false;
     }
 
-    /// Returns the energies of the committed state but for the external work.
+    /// Returns the energies of the committed state, without the external work.
     pub(super) fn energies(&self) -> Energies {
         stored_and_spent(self.solids.energies(), self.contact.energies(), self.memory.drag.work)
     }
 
-    /// Returns the energies at the last evaluation but for the external work.
+    /// Returns the energies at the last evaluation, without the external work.
     pub(super) fn trial_energies(&self) -> Energies {
         stored_and_spent(self.solids.trial_energies(), self.contact.trial_energies(), self.memory.drag.trial_work)
     }
@@ -507,8 +507,8 @@ impl<'m> Equilibrium<'m> {
         system.add_far_forces(&trial.displacements, 1.0, &mut memory.internal);
         let unbalanced = memory.unbalanced();
         memory.residual = system.reduce(&unbalanced);
-        if let Some(beside) = &self.beside {
-            beside.take_off(&mut memory.residual);
+        if let Some(parallel) = &self.parallel {
+            parallel.take_off(&mut memory.residual);
         }
         match unbalanced.iter().position(|force| !force.is_finite()) {
             None => Ok(()),

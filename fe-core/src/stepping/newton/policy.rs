@@ -1,4 +1,4 @@
-//! Which tangents and which factor serve an iteration.
+//! Choice of the tangents and the factor of an iteration.
 
 use super::{Attempt, Equilibrium, unsolvable};
 use crate::assembly::solids::TangentChoice;
@@ -80,8 +80,8 @@ impl Equilibrium<'_> {
         }
     }
 
-    /// Returns whether an old factor may serve. Where the last increment was hard it makes the next one harder: cracks turn the stiffness over. One of
-    /// contact laws that were asked elsewhere than at their gaps serves once.
+    /// Returns whether an old factor may be used. After a hard increment it would make the next one harder, because
+    /// cracks change the stiffness. A factor of contact laws that were evaluated away from their gaps is used once.
     fn may_reuse_factor(&self) -> bool {
         let was_easy = self.memory.last_iterations <= EASY_WITH_OLD_FACTORS;
         let is_known = self.memory.factorised && !self.memory.factor_is_elsewhere;
@@ -92,7 +92,7 @@ impl Equilibrium<'_> {
     /// Makes sure that the next increment finds a factor or tangents. Those of the committed state by itself, in which
     /// nothing grows, would be of an unloading solid, and predict badly.
     pub(super) fn prepare_next(&mut self, attempt: &Attempt<'_>) -> Result<(), PointFailure> {
-        if self.memory.has_tangents || self.may_reuse_factor() || self.beside.is_some() {
+        if self.memory.has_tangents || self.may_reuse_factor() || self.parallel.is_some() {
             return Ok(());
         }
         self.evaluate(attempt)

@@ -1,4 +1,4 @@
-//! Blocks with a cover in front of and behind their fibre.
+//! Blocks with a cover on both faces of their fibre.
 
 use super::pull_out::bond_with;
 use super::{Analysis, Keeper, Record, run};
@@ -23,7 +23,7 @@ fn specimen(cover: bool, graded_thickness: Option<GradedThickness>) -> Specimen 
     fibres(&Fibres { fibres: bent, cover, graded_thickness, mesh, ..Fibres::default() }).unwrap()
 }
 
-/// A fibre pulled out of a block that is held at its sides, by a bond that bears `tension` across it, MPa.
+/// A fibre pulled out of a block that is held at its sides; its bond carries up to `tension` across it, MPa.
 fn pulled(specimen: Specimen, tension: f64, slip: f64) -> Vec<Record> {
     let sets = &specimen.definition.node_sets;
     let support = |name: &str, nodes: &[usize], direction, drive| Support {
@@ -123,8 +123,8 @@ fn model(definition: MeshDefinition, supports: Vec<Support>, drives: usize) -> M
     }
 }
 
-/// The block alone, as thick in the cover as beside it, whose outer boundary moves linearly: without the slot it would
-/// strain evenly. It does, so the cover joins the halves and adds nothing else.
+/// The block alone, as thick in the cover as next to it. Its outer boundary moves linearly, so without the slot it
+/// would strain evenly. It does, so the cover joins the halves and adds nothing else.
 #[test]
 fn a_block_with_a_cover_strains_as_one_without_a_slot() {
     let mut definition = specimen(true, None).definition;
@@ -192,7 +192,7 @@ fn the_mirror_image_has_the_mirrored_load() {
     }
 }
 
-/// Along the normal nothing presses the fibre to either side, so concrete beside it changes nothing.
+/// Along the normal nothing presses the fibre to either side, so its cover changes nothing.
 #[test]
 fn a_perpendicular_fibre_does_not_feel_its_cover() {
     let specimen = |cover: bool| {

@@ -33,7 +33,7 @@ fn bond(friction: f64) -> PluginLaw {
     bond_with(&[("mu", friction)])
 }
 
-/// The bond of chapter 6 without friction, but for some parameters.
+/// The bond of chapter 6 without friction, with some parameters changed.
 pub(super) fn bond_with(others: &[(&str, f64)]) -> PluginLaw {
     let parameters = [
         ("law", 0.0),
@@ -366,7 +366,7 @@ fn without_an_item_loads_keep_their_bits_or_differ_within_the_tolerance() {
     assert!(largest(&reuse) < tolerance, "{reuse:?}");
 }
 
-/// Fields tell who is condensed, and whose points the counts of the record are.
+/// Checks that fields show which elements are condensed, and to which points the counts of the record belong.
 struct ActivityCheck {
     increments: usize,
     condensed: usize,
@@ -390,7 +390,7 @@ impl Observer for ActivityCheck {
 }
 
 #[test]
-fn fields_tell_what_elements_do() {
+fn fields_show_what_elements_do() {
     // cracks at a third of a megapascal
     let concrete = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15), ("Y_t0", 2e-6)]);
     let control = StepControl::Fixed { increments: 20 };

@@ -61,8 +61,8 @@ fn with_trail(model: &Model) -> (Vec<Record>, Arc<Trail>) {
     (keeper.0, Arc::new(analysis.take_trail().unwrap()))
 }
 
-/// Returns the loads of a run beside another one, and its iterations.
-fn beside(model: &Model, trail: &Arc<Trail>) -> (Vec<f64>, u64) {
+/// Returns the loads of a run parallel to another one, and its iterations.
+fn parallel(model: &Model, trail: &Arc<Trail>) -> (Vec<f64>, u64) {
     let (loads, statistics) = go(model, &Arc::clone(trail).into());
     (loads, statistics.iterations)
 }
@@ -89,7 +89,7 @@ fn derivatives_along_a_trail_are_those_between_exact_equilibria() {
     assert_eq!(trail.recorded.steps[0].len(), base.len() - 1);
     assert!(trail.recorded.steps[0].iter().all(|attempts| attempts.len() == 1), "what was refused is left out");
     let loads: Vec<f64> = base.iter().map(|record| record.load).collect();
-    let (same, iterations) = beside(&model, &trail);
+    let (same, iterations) = parallel(&model, &trail);
     assert!(iterations < 5, "{iterations}: sums of displacements are rounded, else nothing is to be corrected");
     for (same, load) in same.iter().zip(&loads) {
         approx::assert_relative_eq!(same, load, max_relative = 1e-12);
@@ -101,7 +101,7 @@ fn derivatives_along_a_trail_are_those_between_exact_equilibria() {
         both.map(|(more, less)| (more - less) / (2.0 * step)).collect()
     };
     let along = slopes(&|factor| {
-        let (loads, iterations) = beside(&scaled(factor), &trail);
+        let (loads, iterations) = parallel(&scaled(factor), &trail);
         assert!(iterations < base.len() as u64, "{iterations} iterations in {} increments", base.len() - 1);
         loads
     });
@@ -125,7 +125,7 @@ fn runs_that_share_factors_come_to_the_derivatives_of_each_alone() {
         loads.iter().zip(&base).map(|(load, record)| (load - record.load) / step).collect()
     };
     let scaled = |step: f64| snap_back::bar_of((1.0 + step) * snap_back::THRESHOLD);
-    let alone = steps.map(|step| slopes(&beside(&scaled(step), &trail).0, step));
+    let alone = steps.map(|step| slopes(&parallel(&scaled(step), &trail).0, step));
     let greatest = alone[0].iter().fold(0.0_f64, |greatest, slope| greatest.max(slope.abs()));
     // none, or one of them is given up before it begins
     for without in [None, Some(1)] {
@@ -171,7 +171,7 @@ fn a_run_on_another_mesh_repeats_the_increments() {
     })
     .unwrap();
     half.supports.iter_mut().for_each(|support| support.nodes.retain(|node| *node < 23));
-    let (loads, _) = beside(&half, &trail);
+    let (loads, _) = parallel(&half, &trail);
     approx::assert_relative_eq!(loads[2], 0.5 * base[2].load, max_relative = 1e-9);
 }
 
@@ -195,7 +195,7 @@ fn runs_along_a_trail_go_where_their_own_steps_lead() {
         approx::assert_relative_eq!(end(&records), 1.5 * end(&base), max_relative = 1e-12);
     }
     let farther = changed(1.0 + step, 1.0);
-    let (loads, _) = beside(&farther, &trail);
+    let (loads, _) = parallel(&farther, &trail);
     let tight = |mut model: Model| {
         model.controls.force_tolerance = 1e-11;
         model.controls.displacement_tolerance = 1e-11;
@@ -216,8 +216,8 @@ fn a_run_with_other_increments_goes_its_own_way() {
     let strip =
         |increments| super::strip(law.clone(), PlaneModel::PlaneStress, 0.04, StepControl::Fixed { increments });
     let (_, trail) = with_trail(&strip(2));
-    assert_eq!(beside(&strip(4), &trail).0.len(), 5);
+    assert_eq!(parallel(&strip(4), &trail).0.len(), 5);
     let mut longer = strip(2);
     longer.steps.push(longer.steps[0].clone());
-    assert_eq!(beside(&longer, &trail).0.len(), 5);
+    assert_eq!(parallel(&longer, &trail).0.len(), 5);
 }

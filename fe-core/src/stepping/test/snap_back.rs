@@ -67,7 +67,7 @@ fn dissipation_leads_through_a_snap_back_without_contact() {
 
 /// Work that the drives take back from a damaged bar that unloads was stored.
 #[test]
-fn elastic_unloading_is_told_from_loading() {
+fn elastic_unloading_is_distinguished_from_loading() {
     let mut model = bar();
     let reached = 2.3e-3;
     model.steps[0].targets = vec![Some(reached)];
@@ -82,15 +82,15 @@ fn elastic_unloading_is_told_from_loading() {
     }
 }
 
-/// Under another lead than the drives' nobody knows beforehand how far an increment goes; yet the laws are told the
-/// temperature of its time, and step by step all of its change.
+/// If something other than the drives leads, nobody knows beforehand how far an increment goes. Yet the laws receive
+/// the temperature of its time, and step by step all of its change.
 #[test]
 fn time_and_temperature_go_on_through_a_snap_back_and_end_with_the_step() {
     let mut model = bar();
     model.skipping = Skipping::NONE;
     let at = |temperature: f64| FieldValues { temperature, variables: Vec::new() };
     model.fields = ModelFields { initial: at(10.0), ends: vec![at(30.0)] };
-    let (mut turned_back, mut slip, mut told) = (false, 0.0, [10.0; 2]);
+    let (mut turned_back, mut slip, mut received) = (false, 0.0, [10.0; 2]);
     let look = |record: &Record, snapshot: &Snapshot<'_>| {
         turned_back |= record.slip < slip;
         slip = record.slip;
@@ -102,16 +102,16 @@ fn time_and_temperature_go_on_through_a_snap_back_and_end_with_the_step() {
         for call in calls.filter_map(|(element, point)| solids.last_call(element, point)) {
             let UmatInputs { time, dtime, temp, dtemp, .. } = *call.arguments;
             approx::assert_relative_eq!(time[1], record.time - dtime, epsilon = 1e-14);
-            approx::assert_relative_eq!(temp, told[1], epsilon = 1e-12);
+            approx::assert_relative_eq!(temp, received[1], epsilon = 1e-12);
             approx::assert_relative_eq!(temp + dtemp, 10.0 + 20.0 * record.time, epsilon = 1e-12);
         }
-        told = [told[1], 10.0 + 20.0 * record.time];
+        received = [received[1], 10.0 + 20.0 * record.time];
         // what temperature does to the material is no work of the drives
         assert!(record.energy_error.is_nan());
     };
     Analysis::new(&model).unwrap().run(&mut Looking(look)).unwrap();
     assert!(turned_back && slip == END, "{turned_back} {slip}");
-    approx::assert_relative_eq!(told[1], 30.0, epsilon = 1e-12);
+    approx::assert_relative_eq!(received[1], 30.0, epsilon = 1e-12);
 }
 
 #[test]
@@ -139,8 +139,8 @@ fn stabilisation_passes_a_snap_back_without_turning_and_books_what_it_takes() {
     approx::assert_abs_diff_eq!(last.load / AREA, stress(strain), epsilon = 0.02);
 }
 
-/// A bar whose damage lags behind by one increment carries more than its strength, the less the smaller the increments
-/// are.
+/// A bar whose damage lags by one increment carries more than its strength; the smaller the increments, the smaller the
+/// excess.
 #[test]
 fn extrapolated_damage_passes_a_snap_back_without_turning_and_books_what_it_takes() {
     let properties = [("E", MODULUS), ("nu", 0.0), ("A_t", SCALE), ("B_t", EXPONENT), ("Y_t0", THRESHOLD)];
@@ -168,7 +168,7 @@ fn extrapolated_damage_passes_a_snap_back_without_turning_and_books_what_it_take
 
 /// Far from all thresholds. What never loses its stability gets no dashpot.
 #[test]
-fn stabilisation_adds_the_stress_of_a_dashpot_beside_an_elastic_strip_that_may_lose_its_stability() {
+fn stabilisation_adds_the_stress_of_a_dashpot_to_an_elastic_strip_that_may_lose_its_stability() {
     let (modulus, relaxation_time, end) = (1000.0, 0.25, 0.004);
     let elastic = [("E", modulus), ("nu", 0.0)];
     let with = |plugin: &str, more: &[(&str, f64)]| PluginLaw::shipped(plugin, &[&elastic, more].concat());

@@ -80,7 +80,7 @@ fn a_torn_quarter_is_released_its_force_fades_and_the_energies_balance() {
     for pair in records[released..].windows(2) {
         // of the slip before: what fades is known when an increment begins
         let share = (1.0 - (pair[0].slip - at.slip) / SPALLING.fade).max(0.0);
-        // and a soft spring of 1e-5 of the virgin stiffness beside it
+        // and a soft spring of 1e-5 of the virgin stiffness parallel to it
         let stretched = strain(&pair[1]) - strain(at);
         force = share * (at.load + 1e-5 * AREA * MODULUS * stretched / LENGTHS[1]);
         approx::assert_relative_eq!(pair[1].load, force, max_relative = 1e-4, epsilon = 1e-9);
@@ -104,12 +104,12 @@ fn a_torn_quarter_is_released_its_force_fades_and_the_energies_balance() {
     watch.is_resumed_to_the_bit(&model);
 }
 
-/// The softening quarter is pulled apart across the bar as well: by less than what it still bears when it is torn.
+/// The softening quarter is pulled apart across the bar as well, by less than it still carries when it is torn.
 #[test]
 fn loads_on_a_released_quarter_fade_and_the_energies_balance() {
     let mut model = torn_bar();
     model.drives.push("press".into());
-    // pressed first: no load grows while what bears it goes
+    // pressed first: no load grows while the elements that carry it go
     let pull = model.steps[0].clone();
     model.steps[0].targets = vec![None, Some(1.0)];
     model.steps.push(Step { targets: vec![Some(END), None], ..pull });

@@ -36,7 +36,7 @@ fn a_plate_in_plastic_flow_has_the_same_bits_with_any_number_of_threads() {
 }
 
 #[test]
-fn the_first_element_in_trouble_is_told_by_any_number_of_threads() {
+fn the_first_failing_element_is_reported_by_any_number_of_threads() {
     let model = plate(512, true);
     let mut displacements = vec![0.0; 2 * model.mesh.nodes().len()];
     // turned inside out on both sides of a line, in many blocks

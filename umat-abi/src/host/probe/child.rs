@@ -100,8 +100,8 @@ fn report(address: usize, what: u8) {
 
 /// Returns the result that the child's message and status give.
 fn judge(fenced: &[Fenced], message: &[u8], status: i32) -> Probed {
-    let told = message.first_chunk::<8>().zip(message.get(8)).map(|(address, what)| (*address, *what));
-    match told {
+    let received = message.first_chunk::<8>().zip(message.get(8)).map(|(address, what)| (*address, *what));
+    match received {
         Some((_, RETURNED)) => Probed::Clean,
         Some((address, what)) => {
             let address = usize::try_from(u64::from_ne_bytes(address)).unwrap_or(0);

@@ -4,7 +4,7 @@ use super::*;
 use crate::kinematics::finite::columns;
 
 #[test]
-fn a_umat_is_told_where_and_when_it_is() {
+fn a_umat_receives_place_and_time() {
     for nlgeom in [false, true] {
         let mesh = patch(Variant::new(ElementKind::Q8), PlaneModel::PlaneStrain, 0.1, 0.0);
         let mut solids = Solids::new(&model(mesh.clone(), &linear_elastic(), false, nlgeom)).unwrap();

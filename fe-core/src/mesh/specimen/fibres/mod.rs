@@ -39,7 +39,7 @@ pub struct Fibres {
     pub depth: f64,
     /// Thickness of the block, 3.26 mm: the share of one fibre.
     pub matrix_thickness: f64,
-    /// Whether there is concrete in front of and behind the fibres; no by default.
+    /// Whether there is concrete on both faces of the fibres, out of plane; no by default.
     pub cover: bool,
     /// Growth of the thickness around the exits; none by default.
     pub graded_thickness: Option<GradedThickness>,
@@ -146,8 +146,8 @@ impl Fibre {
         }
     }
 
-    /// [`Self::new`] that leans by an angle inside and bends to the outward normal from the face on, with a radius of its axis
-    /// (`None`: 1.5 φ), and goes on along it for a length, mm (initially bent).
+    /// Makes an initially bent fibre that leans by an angle inside the block. From the face on its axis curves to the
+    /// outward normal with a radius (`None`: 1.5 φ), and continues along the normal for a length, mm.
     pub fn bent(angle: f64, radius: Option<f64>, length: f64) -> Self {
         let fibre = Self::new(angle, Vec::new());
         let bend = Segment::Arc { radius: radius.unwrap_or(1.5 * fibre.diameter), to: 0.0 };
@@ -315,8 +315,8 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
     let mut notes = thickness.notes(parameters.cover);
     notes.extend(sets::name_supports(&mut definition, parameters, &laid, &edges));
     // fibres that are alike have the same notes
-    let mut told = BTreeSet::new();
-    notes.retain(|note| told.insert(note.clone()));
+    let mut printed = BTreeSet::new();
+    notes.retain(|note| printed.insert(note.clone()));
     // nothing holds the end of a fibre at the face but its own section: it may turn
     let hanging = std::iter::zip(&laid, &grids).filter(|(laid, _)| laid.hangs());
     let couplings = hanging.map(|(laid, grid)| sets::hang_on_a_node(&mut definition, laid.fibre, grid)).collect();
@@ -359,7 +359,7 @@ impl Fibres {
     fn size_along(&self, laid: &Laid<'_>, s: f64) -> f64 {
         let Laid { fibre, path, .. } = laid;
         let growth = self.mesh.growth_rate;
-        // the curve behind the exit ends where the fibre is straight from there on
+        // past the exit, the curve ends where the rest of the fibre is straight
         let curved_end = path.curves().map(|([_, to], _)| to).fold(0.0, f64::max);
         let fine_end = curved_end + 2.0 * fibre.diameter;
         let beyond = (-fibre.fine_length() - s).max(s - fine_end).max(0.0);

@@ -300,7 +300,7 @@ impl Outline {
             definition.elements.push(ElementDefinition { kind, part, nodes });
         }
         let is_outer = |edge: ElementEdge| outer_edges.contains(&Some(edge));
-        outer_edges.iter().flatten().for_each(|&outer| bend_beside(definition, outer, &is_outer));
+        outer_edges.iter().flatten().for_each(|&outer| bend_inner_edges(definition, outer, &is_outer));
         Ok(outer_edges)
     }
 
@@ -317,7 +317,7 @@ impl Outline {
 /// Bends the inner edges of a quadratic triangle away from its curved outer edge where that one reaches across them, at a corner
 /// narrower than the outer edge turns. det J at a corner is the product of the tangents of both edges, 4 m − 3 c − e for the
 /// corner c, the edge's middle m and its other end e; it becomes [`WIDENED`] × that of straight edges.
-fn bend_beside(definition: &mut MeshDefinition, outer: ElementEdge, is_outer: &dyn Fn(ElementEdge) -> bool) {
+fn bend_inner_edges(definition: &mut MeshDefinition, outer: ElementEdge, is_outer: &dyn Fn(ElementEdge) -> bool) {
     let ElementEdge { element, edge } = outer;
     let ElementDefinition { kind: ElementKind::T6, nodes, .. } = &definition.elements[element] else { return };
     let turned = |[x, y]: [f64; 2]| [-y, x];

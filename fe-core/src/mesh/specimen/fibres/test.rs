@@ -159,15 +159,18 @@ fn problems(parameters: &Fibres) -> String {
 }
 
 #[test]
-fn what_cannot_be_is_told_at_once() {
+fn impossible_parameters_are_reported_at_once() {
     let bent = Fibre { embedded_length: -1.0, ..Fibre::bent(0.5, Some(0.1), 3.0) };
     let matrix_element = ElementKind::Q8;
-    let told = problems(&Fibres { width: 0.0, matrix_element, ..alone(bent) });
+    let messages = problems(&Fibres { width: 0.0, matrix_element, ..alone(bent) });
     for name in ["width", "embedded_length", "matrix_element", "bend_radius"] {
-        assert!(told.contains(name), "{name} in {told}");
+        assert!(messages.contains(name), "{name} in {messages}");
     }
-    let told = problems(&Fibres { width: 5.0, ..alone(Fibre::bent(1.3, None, 3.0)) });
-    assert!(told.starts_with("embedded_length is 12.2, it must be such that the fibre stays in the block"), "{told}");
+    let messages = problems(&Fibres { width: 5.0, ..alone(Fibre::bent(1.3, None, 3.0)) });
+    assert!(
+        messages.starts_with("embedded_length is 12.2, it must be such that the fibre stays in the block"),
+        "{messages}"
+    );
     assert!(problems(&alone(Fibre::straight(1.5, 1.0))).starts_with("angle_deg is 85.9°"));
 }
 
@@ -273,18 +276,21 @@ fn hooks_waves_and_enlarged_ends_are_meshed_with_their_covers() {
 }
 
 #[test]
-fn paths_that_cannot_be_are_told_with_their_fibre_and_place() {
+fn impossible_paths_are_reported_with_their_fibre_and_place() {
     let two = |a: Fibre, b: Fibre| Fibres { fibres: vec![a, b], ..Fibres::default() };
     // tails that converge cross
-    let told = problems(&pair_of(2.0, -FRAC_PI_6));
-    assert!(told.starts_with("fibre 1: path is -0.3") && told.contains("fibre 'right' (near x ="), "{told}");
-    let told = problems(&two(Fibre::bent(0.0, None, 3.0), Fibre { exit: 3.0, ..Fibre::bent(0.0, None, 3.0) }));
-    assert!(told.contains("name is missing"), "{told}");
+    let messages = problems(&pair_of(2.0, -FRAC_PI_6));
+    assert!(
+        messages.starts_with("fibre 1: path is -0.3") && messages.contains("fibre 'right' (near x ="),
+        "{messages}"
+    );
+    let messages = problems(&two(Fibre::bent(0.0, None, 3.0), Fibre { exit: 3.0, ..Fibre::bent(0.0, None, 3.0) }));
+    assert!(messages.contains("name is missing"), "{messages}");
     let same = named("a", 0.0, Fibre::bent(0.0, None, 3.0));
     assert!(problems(&two(same.clone(), Fibre { exit: 3.0, ..same })).contains("fibre 2: name is a"));
     let straight = |length: f64| Segment::Straight { length };
     let arc = |radius: f64, to: f64| Segment::Arc { radius, to };
-    // out of the face before its end, back into the block behind it, a loop, a corner too tight, a path too short
+    // out of the face before its end, back into the block after it, a loop, a corner too tight, a path too short
     let of =
         |lean: f64, path: Vec<Segment>, embedded: f64| Fibre { embedded_length: embedded, ..Fibre::new(lean, path) };
     for (fibre, words) in [
@@ -300,7 +306,7 @@ fn paths_that_cannot_be_are_told_with_their_fibre_and_place() {
             "clear of the same fibre's other parts",
         ),
     ] {
-        let told = problems(&alone(fibre));
-        assert!(told.contains(words), "{words} in {told}");
+        let messages = problems(&alone(fibre));
+        assert!(messages.contains(words), "{words} in {messages}");
     }
 }

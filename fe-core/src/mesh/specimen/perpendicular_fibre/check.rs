@@ -33,9 +33,9 @@ impl PerpendicularFibre {
         let (half, radius) = (self.half_width(), 0.5 * self.fibre_diameter);
         let requirement =
             format!("such that the block reaches beyond the fibre's radius {radius}: it reaches {half:.4}");
-        // what is not positive is told already
-        let is_told = value.is_nan() || value <= 0.0;
-        required.that(half > radius || is_told, name, value, requirement);
+        // a value that is not positive is reported already
+        let is_reported = value.is_nan() || value <= 0.0;
+        required.that(half > radius || is_reported, name, value, requirement);
         if let Configuration::Axisymmetric { outer_radius: Some(radius) } = self.configuration {
             required.positive([("outer_radius", radius)]);
         }

@@ -65,7 +65,7 @@ fn matrix_x(parameters: &PerpendicularFibre) -> Result<(Vec<f64>, std::ops::Rang
     let mesh = &parameters.mesh;
     let right = capped_through(&parameters.stops(), mesh.interface_size, mesh.growth, mesh.largest_size)
         .map_err(SpecimenError::along("mesh sizes across the matrix"))?;
-    // Below the fibre not coarser than beside the hole, nor than the fibre.
+    // Below the fibre no element is wider than next to the hole, nor than in the fibre.
     let across = if parameters.is_axisymmetric() { mesh.elements_across } else { mesh.elements_across.div_ceil(2) };
     let count = ((radius / mesh.interface_size).ceil() as usize).max(across);
     let mut half = uniform(radius, count, "interface_size below the fibre")?;
@@ -97,7 +97,7 @@ fn subdivided(positions: &[f64], count: usize) -> Vec<f64> {
     fine
 }
 
-/// Depths below the fibre's end: of the gap behind it and of the ligament, each without its start.
+/// Returns the depths below the fibre's end: in the gap at its tail and in the ligament, each without its start.
 fn depths_below(parameters: &PerpendicularFibre, slaves: &[f64]) -> Result<(Vec<f64>, Vec<f64>), SpecimenError> {
     let PerpendicularFibre { depth, embedded_length, tail_gap, ref mesh, .. } = *parameters;
     let size = slaves[slaves.len() - 1] - slaves[slaves.len() - 2];

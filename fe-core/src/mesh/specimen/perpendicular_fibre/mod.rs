@@ -14,7 +14,7 @@ use crate::mesh::structured::{Diagonal, Grid, MeshBlock};
 use crate::mesh::{MeshDefinition, Part};
 use lines::Lines;
 
-/// Support (b) begins so many diameters beside the fibre.
+/// Distance from the fibre to the start of support (b), in diameters.
 pub(crate) const NEAR_CLEARANCE: f64 = 2.0;
 
 /// Support (c) holds so much of the exit face, mm, from each side.
@@ -32,7 +32,7 @@ pub struct PerpendicularFibre {
     pub depth: f64,
     /// Thickness of the block, 3.26 mm: the share of one fibre.
     pub matrix_thickness: f64,
-    /// Whether there is concrete in front of and behind the fibre; no by default; plane only.
+    /// Whether there is concrete on both faces of the fibre, out of plane; no by default; plane only.
     pub cover: bool,
     /// Growth of the thickness around the exit; none by default; plane only.
     pub graded_thickness: Option<GradedThickness>,

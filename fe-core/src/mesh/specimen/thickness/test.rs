@@ -105,7 +105,7 @@ fn graded_volumes_are_those_of_the_closed_form() {
             for (index, element) in mesh.elements().iter().enumerate() {
                 let beyond = element.nodes().iter().all(|&node| mesh.nodes()[node][0].abs() > extent);
                 let full = mesh.parts()[element.part()].thickness;
-                assert!(!beyond || element.thickness() == full, "{name}: element {index} beside the graded part");
+                assert!(!beyond || element.thickness() == full, "{name}: element {index} outside the graded part");
                 let thickness = element.thickness();
                 if element.part() == part(&mesh, "fibre") {
                     assert!((thickness - std::f64::consts::FRAC_PI_4 * DIAMETER).abs() < 1e-12);
@@ -136,7 +136,7 @@ fn the_graded_part_is_as_wide_as_its_cone() {
 }
 
 #[test]
-fn thicknesses_that_cannot_be_are_told() {
+fn impossible_thicknesses_are_reported() {
     let inclined = Fibres {
         fibres: vec![Fibre::bent(0.785, None, 3.0)],
         matrix_thickness: 0.4,

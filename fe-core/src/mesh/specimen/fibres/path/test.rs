@@ -40,7 +40,7 @@ fn a_wave_turns_by_the_curvature_of_its_crests() {
     let path = Path::new(0.0, &[wave], 5.0, 0.0);
     let step = 1e-4;
     let curvature = |s: f64| (path.lean(s + step) - path.lean(s - step)) / (2.0 * step);
-    // half a wave from its beginning the crest lies 2a beside the axis
+    // half a wave from its beginning the crest lies 2a off the axis
     let length = path.end() + 5.0;
     let crest = -5.0 + length / 6.0;
     let ([start, _], [x, _]) = (path.point(-5.0, 0.0), path.point(crest, 0.0));

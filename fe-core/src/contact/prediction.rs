@@ -10,7 +10,7 @@ const UNNOTICED: f64 = 0.05;
 
 /// Gaps of patches along a correction, to first order.
 #[derive(Debug, Default)]
-pub(super) struct Foretold {
+pub(super) struct GapPrediction {
     /// Empty where nothing is predicted.
     patches: Vec<Course>,
     /// Part of the correction that is applied.
@@ -29,12 +29,12 @@ struct Course {
     was_open: bool,
 }
 
-impl Foretold {
+impl GapPrediction {
     /// Returns the gap at which the law of a patch with this gap is to be evaluated.
     pub fn gap(&self, patch: usize, gap: f64) -> f64 {
         let Some(Course { start, change, was_open }) = self.patches.get(patch) else { return gap };
-        let foretold = start + self.part * change;
-        let asked_at = if (gap - foretold).abs() > UNNOTICED * self.scale { foretold } else { gap };
+        let prediction = start + self.part * change;
+        let asked_at = if (gap - prediction).abs() > UNNOTICED * self.scale { prediction } else { gap };
         // what closes in one iteration has no pressure yet that friction could hold on to
         if *was_open { asked_at.max(-self.scale) } else { asked_at }
     }
@@ -42,7 +42,7 @@ impl Foretold {
 
 impl Pair {
     /// Predicts the gaps. `change`: correction of all displacements; `predicts`: laws are evaluated where the increment starts.
-    fn foretell(&mut self, change: &[f64], predicts: bool) {
+    fn predict_gaps(&mut self, change: &[f64], predicts: bool) {
         let pressures = self.state.committed.points.iter().map(|point| point.pressure.abs());
         let scale = pressures.fold(0.0, f64::max) / self.penalty;
         // without any pressure there is nothing that could be noticed
@@ -52,7 +52,7 @@ impl Pair {
             if predicts { Course { change: 0.0, ..course } } else { course }
         };
         let patches = (0..count).map(course).collect();
-        self.foretold = Foretold { patches, part: 1.0, scale, elsewhere: false };
+        self.prediction = GapPrediction { patches, part: 1.0, scale, elsewhere: false };
     }
 
     fn course(&self, number: usize, change: &[f64]) -> Course {
@@ -74,24 +74,24 @@ impl Pair {
 
 impl Contact {
     /// Predicts the gaps along a correction of all displacements from the state of the last evaluation. Until
-    /// [`Self::foretell_nothing`] is called, laws whose gaps differ from the prediction are evaluated at the predicted ones and
+    /// [`Self::end_prediction`] is called, laws whose gaps differ from the prediction are evaluated at the predicted ones and
     /// followed from there along their own tangents; while the drives move (`predicts`), at those of the start of the increment.
-    pub(crate) fn foretell(&mut self, change: &[f64], predicts: bool) {
-        self.pairs.iter_mut().for_each(|pair| pair.foretell(change, predicts));
+    pub(crate) fn predict_gaps(&mut self, change: &[f64], predicts: bool) {
+        self.pairs.iter_mut().for_each(|pair| pair.predict_gaps(change, predicts));
     }
 
     /// Sets the part of the correction that is applied.
-    pub(crate) fn foretell_part(&mut self, part: f64) {
-        self.pairs.iter_mut().for_each(|pair| pair.foretold.part = part);
+    pub(crate) fn set_predicted_part(&mut self, part: f64) {
+        self.pairs.iter_mut().for_each(|pair| pair.prediction.part = part);
     }
 
     /// Ends the prediction: laws are evaluated at the gaps themselves.
-    pub(crate) fn foretell_nothing(&mut self) {
-        self.pairs.iter_mut().for_each(|pair| pair.foretold = Foretold::default());
+    pub(crate) fn end_prediction(&mut self) {
+        self.pairs.iter_mut().for_each(|pair| pair.prediction = GapPrediction::default());
     }
 
     /// Returns whether a law was evaluated elsewhere than at its gap in the last evaluation.
     pub(crate) fn is_elsewhere(&self) -> bool {
-        self.pairs.iter().any(|pair| pair.foretold.elsewhere)
+        self.pairs.iter().any(|pair| pair.prediction.elsewhere)
     }
 }

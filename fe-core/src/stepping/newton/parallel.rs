@@ -1,4 +1,4 @@
-//! An attempt beside one of another run ([`crate::stepping::Trail`]).
+//! An attempt parallel to one of another run ([`crate::stepping::Trail`]).
 
 use super::{Attempt, Equilibrium, IncrementGoal, Leader, RoundEnd, largest, unsolvable};
 use crate::assembly::PointFailure;
@@ -110,9 +110,9 @@ impl Equilibrium<'_> {
         }
     }
 
-    /// Takes an attempt to the beginning of a round beside the other run's, if there is one.
-    pub(super) fn begin_beside(&mut self, attempt: &mut Attempt<'_>, round: usize) -> Result<(), PointFailure> {
-        self.beside = None;
+    /// Takes an attempt to the beginning of a round parallel to the other run's, if there is one.
+    pub(super) fn begin_parallel(&mut self, attempt: &mut Attempt<'_>, round: usize) -> Result<(), PointFailure> {
+        self.parallel = None;
         let Some(lead) = attempt.lead else { return Ok(()) };
         if round == 0
             && let Some(zone) = lead.guide.zone.as_ref().filter(|zone| **zone != self.zone)
@@ -138,7 +138,7 @@ impl Equilibrium<'_> {
             let largest_drive = largest(&attempt.trial.drives).max(largest(&end.drives));
             attempt.is_off = largest(&attempt.lacking()) > ROUNDING * largest_drive;
         }
-        self.beside =
+        self.parallel =
             Some(ParallelRound { residual: end.residual.clone(), growth: end.growth, end: end.end, first: None });
         // the factor is of another state: with it corrections are many, and leave more than rounding
         self.memory.last_reduction = 1.0;
