@@ -75,7 +75,8 @@ impl Composite {
         (average, if total > 0.0 { bins.map(|bin| bin / total) } else { bins })
     }
 
-    /// `visit` is told that a rule begins, then angle and weighted load of each of its nodes.
+    /// Averages over lengths and angles. `visit` receives `None` when a rule begins, then angle and weighted load of
+    /// each node.
     fn average_over(
         &self,
         directions: &Directions,
@@ -169,7 +170,7 @@ impl<'c> Integral<'c> {
         let mut met = 0_u64;
         let mut last = 0;
         let mut note = |angle: f64| {
-            // eight stages are told apart, one in each byte
+            // eight stages can be distinguished, one in each byte
             let stage = 1 + u64::from(self.composite.fibre.respond(&prepared, angle).stage);
             if stage != last {
                 met = met << 8 | stage;
@@ -187,7 +188,7 @@ impl<'c> Integral<'c> {
         met
     }
 
-    /// Sums by the rule of one degree; `visit` is told angle and weighted load of every node.
+    /// Returns the sums by the rule of one degree; `visit` receives angle and weighted load of every node.
     fn sums(&self, level: usize, visit: &mut impl FnMut(f64, f64)) -> Sums {
         let half = 0.5 * self.composite.fibre.fibre.length;
         let mut sums = Sums::default();

@@ -19,7 +19,7 @@ const DEFLECTION: [f64; 2] = [0.85, 0.04];
 const BEYOND: f64 = 1e3;
 /// Compression is elastic up to this part of f_c.
 const ELASTIC_PART: f64 = 0.4;
-/// Lines that stand for the curve of compression.
+/// Number of straight lines that replace the compression curve.
 const COMPRESSION_LINES: usize = 60;
 /// Least strain of a line in compression that goes on beyond the last.
 const CRUSHED: f64 = 0.05;
@@ -267,7 +267,7 @@ impl<'l> Beam<'l> {
         let rotation = if normal(least) <= 0.0 {
             least
         } else if normal(greatest) >= 0.0 {
-            // it is just about to crack, but for rounding
+            // it is just about to crack, up to rounding
             greatest
         } else {
             root(normal, least, greatest)

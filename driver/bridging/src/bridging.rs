@@ -59,7 +59,7 @@ enum Base<'t> {
 }
 
 impl Prepared<'_> {
-    /// Tells apart stages between which the load has a kink.
+    /// Returns the stage: between two stages the load has a kink.
     pub fn stage(&self) -> usize {
         match &self.base {
             Base::Perpendicular(bridged) | Base::Spalling(bridged, _) => usize::from(bridged.stage),
@@ -217,7 +217,7 @@ impl BridgingFibre {
         Response { load: if ruptured { 0.0 } else { load }, ruptured, spalled, stage }
     }
 
-    /// Returns whether the load has kinks over the angle beside those of [`Self::angles`].
+    /// Returns whether the load has kinks over the angle in addition to those of [`Self::angles`].
     pub(crate) fn has_kinks_over_angles(&self) -> bool {
         let simple = matches!(self.inclination, Inclination::Exp { .. } | Inclination::ExpCos { .. });
         self.fibre.strength.is_some() || !simple

@@ -60,7 +60,7 @@ pub struct Inclined {
     pub greatest: f64,
     /// s_f: length along the fibre that has spalled, mm.
     pub spalled: f64,
-    /// Tells apart stages between which the load has a kink.
+    /// Stage: between two stages the load has a kink.
     pub(crate) stage: u8,
 }
 

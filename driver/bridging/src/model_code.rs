@@ -6,7 +6,7 @@ const CMOD_3: f64 = 2.5;
 const CLASSES: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 /// Least f_R3k/f_R1k of the letters.
 const LETTERS: [(f64, char); 5] = [(0.5, 'a'), (0.7, 'b'), (0.9, 'c'), (1.1, 'd'), (1.3, 'e')];
-/// f_R1k/f_Lk must be above, for fibres to stand for bars;
+/// f_R1k/f_Lk must exceed this for fibres to replace bars;
 const LEAST_LIMIT_RATIO: f64 = 0.4;
 /// and f_R3k/f_R1k.
 const LEAST_RESIDUAL_RATIO: f64 = 0.5;
@@ -39,7 +39,7 @@ pub struct StrengthClass {
     pub strength: f64,
     /// The letter of the class, by f_R3k/f_R1k.
     pub letter: char,
-    /// Whether fibres may stand for bars: f_R1k/f_Lk > 0.4 and f_R3k/f_R1k > 0.5.
+    /// Whether fibres may replace bars: f_R1k/f_Lk > 0.4 and f_R3k/f_R1k > 0.5.
     pub structural: bool,
 }
 

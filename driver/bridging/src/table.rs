@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Every interval of lengths is divided into so many when two sides are put together.
 const PARTS: usize = 2;
-/// Slips at which two sides are put together, beside those of the curves.
+/// Number of slips at which two sides are combined, in addition to those of the curves.
 const SLIPS: usize = 60;
 
 /// A curve of one fibre.

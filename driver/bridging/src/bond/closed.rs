@@ -165,8 +165,8 @@ impl Bends {
         }
     }
 
-    /// The load of the hook after sliding by u: from the end on, each bend that is embedded and that wire still passes
-    /// adds its hinge, and friction in proportion to the load before and behind it.
+    /// Returns the load of the hook after sliding by u. From the end on, each embedded bend that wire still passes adds
+    /// its hinge, and friction in proportion to the loads on both of its sides.
     fn load(&self, u: f64, embedded: f64) -> f64 {
         let passed = self.places.iter().filter(|place| **place < embedded && **place > u);
         passed.fold(0.0, |load, place| {

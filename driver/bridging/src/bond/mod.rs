@@ -28,7 +28,7 @@ pub enum Sides {
 pub(crate) trait Side {
     /// The load at a slip, and the greatest so far.
     fn loads(&self, slip: f64, embedded: f64) -> (f64, f64);
-    /// Tells apart stages between which the load has a kink.
+    /// Returns the stage: between two stages the load has a kink.
     fn stage(&self, slip: f64, embedded: f64) -> u8;
     /// The slip of the first maximum of the load.
     fn turning_slip(&self, embedded: f64) -> f64;
@@ -49,7 +49,7 @@ pub(crate) struct Bridged {
     pub stage: u8,
 }
 
-/// The fibre whose short side alone gives way.
+/// A fibre of which only the short side slips.
 pub(crate) fn one_sided(side: &impl Side, opening: f64, embedded: f64) -> Bridged {
     let (load, greatest) = side.loads(opening, embedded);
     Bridged { slip: opening, load, greatest, stage: side.stage(opening, embedded) }

@@ -22,7 +22,7 @@ const LEAST_PEAK: f64 = -30.0;
 const SHORT_PASS: f64 = 2e-3;
 /// The first factor by which a bracket is widened.
 const FIRST_STEP: f64 = 1.05;
-/// Lines that stand for a curved law, per decade of slip.
+/// Number of straight lines per decade of slip that replace a curved law.
 const LINES_PER_DECADE: f64 = 25.0;
 
 /// Straight lines through (slip, traction), constant after the last; the first slip is 0.
@@ -273,7 +273,7 @@ impl ShearLagSide {
             high = (step * high).min(longest);
             step *= FIRST_STEP;
         }
-        // the tail slips less than can be told
+        // the slip of the tail is below what can be resolved
         let v = if high == longest && excess(high) < 0.0 { longest } else { root(excess, low, high) };
         self.stiffness * self.length(slip, v * v).1
     }

@@ -8,7 +8,7 @@ use crate::composite::Matrix;
 use crate::interpolation::{Polyline, monotone_slopes};
 use nalgebra::{Matrix3, Vector3};
 
-/// Openings of the law that is sought of a curve, mm; what the matrix carries beside its strength begins at 0.
+/// Openings at which the law is sought from a curve, mm; what the matrix carries after its strength begins at 0.
 pub const OPENINGS: [f64; 11] = [0.0, 0.01, 0.03, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0];
 /// Below this CMOD the notch's own elastic opening, which the model leaves out, counts, mm.
 const LEAST_CMOD: f64 = 0.01;
@@ -141,9 +141,11 @@ pub struct BridgingFit {
     pub band: Option<Vec<[f64; 2]>>,
 }
 
-/// σ(w), E and f_t whose beam is nearest to the test, and smooth. Of a curve by Levenberg and Marquardt's method with a
-/// penalty on second differences of σ, its weight from the corner of the L-curve. Of strengths in the shape that is
-/// given: they do not tell how the matrix softens, and σ is sought beside the softening that is given.
+/// Finds σ(w), E and f_t whose beam is nearest to the test, and smooth.
+///
+/// For a curve it uses Levenberg and Marquardt's method with a penalty on second differences of σ, whose weight is
+/// taken from the corner of the L-curve. For strengths it uses the given shape. Strengths cannot determine how the
+/// matrix softens, so σ is sought in addition to the given softening.
 ///
 /// # Errors
 /// Data that are not those of a test.

@@ -17,18 +17,18 @@ use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 const STEP: f64 = 1e-5;
 /// The search ends when the sum of squares, or the parameters, would change by less than this part.
 const SMALLEST_GAIN: f64 = 1e-10;
-/// Length of the first step, as a part of the parameters: far off a model may be slow, and tell nothing.
+/// Length of the first step, as a part of the parameters: far off, a model may be slow and give no information.
 const FIRST_STEP: f64 = 1.0;
 /// Directions whose information is below this part of the greatest cannot be determined.
 const LEAST_INFORMATION: f64 = 1e-10;
-/// A standard error above this part of the value: the data do not tell the number.
+/// A standard error above this part of the value: the data do not determine the quantity.
 pub const IDENTIFIABLE: f64 = 0.25;
 
-/// A least-squares problem. Rows beyond the data are penalties: they guide the search and tell nothing.
+/// A least-squares problem. Rows after the data are penalties: they guide the search and carry no information.
 struct LeastSquares<'f> {
     /// Residuals at parameters.
     residuals: &'f dyn Fn(&[f64]) -> Vec<f64>,
-    /// The quantities that parameters stand for.
+    /// The quantities that the parameters represent.
     quantities: &'f dyn Fn(&[f64]) -> Vec<f64>,
     /// Rows that are data, the first ones.
     data: usize,
@@ -56,7 +56,7 @@ impl Estimate {
         self.standard_error / self.value.abs()
     }
 
-    /// Returns whether the data tell it.
+    /// Returns whether the data determine it.
     pub fn is_identifiable(&self) -> bool {
         self.standard_error <= IDENTIFIABLE * self.value.abs()
     }
@@ -126,12 +126,12 @@ pub fn estimates(
     let variance = residuals.iter().map(|row| row * row).sum::<f64>() / freedom as f64;
     let information = SymmetricEigen::new(scaled(1));
     let greatest = information.eigenvalues.max();
-    let is_told = |eigenvalue: f64| eigenvalue > LEAST_INFORMATION * greatest;
-    let inverse = information.eigenvalues.map(|value| if is_told(value) { 1.0 / value } else { 0.0 });
+    let is_determined = |eigenvalue: f64| eigenvalue > LEAST_INFORMATION * greatest;
+    let inverse = information.eigenvalues.map(|value| if is_determined(value) { 1.0 / value } else { 0.0 });
     let inverse = &information.eigenvectors * DMatrix::from_diagonal(&inverse) * information.eigenvectors.transpose();
     let covariance = derivatives * &inverse * scaled(2) * &inverse * derivatives.transpose() * variance;
-    let untold = information.eigenvalues.map(|value| f64::from(!is_told(value)));
-    let lost = derivatives * &information.eigenvectors * DMatrix::from_diagonal(&untold);
+    let undetermined = information.eigenvalues.map(|value| f64::from(!is_determined(value)));
+    let lost = derivatives * &information.eigenvectors * DMatrix::from_diagonal(&undetermined);
     let deviation = |k: usize| covariance[(k, k)].max(0.0).sqrt();
     let estimate = |(k, &value): (usize, &f64)| {
         let unknown = lost.row(k).norm() > LEAST_INFORMATION.sqrt() * derivatives.row(k).norm();

@@ -15,7 +15,7 @@ const KNOTS: [f64; 11] = [0.0, 0.1, 0.2, 0.4, 0.6, 0.9, 1.25, 1.65, 2.1, 2.5, 2.
 const TURNS: (f64, f64, i32) = (0.1, 2.5, 24);
 /// Weights of the penalty among which cross-validation chooses: (∫σ''² dw)^½ in MPa/mm^1.5 against a difference in MPa.
 const WEIGHTS: [f64; 13] = [1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
-/// Weights that foretell this much worse than the best are as good: the smoothest of them counts.
+/// Weights whose predictions are worse than the best by this factor are as good: the smoothest of them counts.
 const AS_GOOD: f64 = 1.05;
 /// Differences that are rounding, as parts of the greatest strength.
 const ROUNDING: f64 = 1e-5;
@@ -24,7 +24,7 @@ const PATIENCE: usize = 24;
 const CHOICES: usize = 3;
 /// The search ends when the law would change by less than this part of the greatest strength.
 const SETTLED: f64 = 1e-7;
-/// Linearisations of a beam beside the mean, and of a place where a bilinear law may turn.
+/// Linearisations of a beam other than the mean, and of a place where the slope of a bilinear law may change.
 const FEW: usize = 4;
 /// Half the distance of differences, as a part of the greatest strength.
 const STEP: f64 = 1e-5;
@@ -100,13 +100,13 @@ pub(super) fn inverse_of_strengths(
     let found = search.find(&mean, PATIENCE);
     let others = match beams {
         [_] => search.without_each(&found, &mean),
-        _ => beams.iter().map(|beam| search.beside(&found, beam)).collect(),
+        _ => beams.iter().map(|beam| search.near(&found, beam)).collect(),
     };
     search.fit(&found, &mean, beams, &others)
 }
 
 impl Search {
-    /// The law beside what the matrix carries.
+    /// Returns the law without the part that the matrix carries.
     fn law(&self, stresses: &DVector<f64>) -> Polyline {
         let stresses = stresses.as_slice();
         match self.shape {
@@ -210,13 +210,13 @@ impl Search {
         best.map(|(stresses, peak, _)| (stresses, peak))
     }
 
-    /// The heaviest of the weights with which three strengths foretell the fourth as well as with any.
+    /// Returns the heaviest of the weights with which three strengths predict the fourth as well as with any.
     fn choose(&self, linear: &Linear, test: &[f64; 4]) -> Choice {
         let missed = |weight: f64| {
             let of = |k: usize| {
                 let (stresses, _) = self.by_peak(linear, test, Some(k), weight)?;
-                let foretold = linear.strengths[k] + (linear.derivatives.row(k) * (stresses - &linear.about))[0];
-                Some((foretold - test[k]).powi(2))
+                let predicted = linear.strengths[k] + (linear.derivatives.row(k) * (stresses - &linear.about))[0];
+                Some((predicted - test[k]).powi(2))
             };
             (0..test.len()).map(|k| of(k).unwrap_or(f64::INFINITY)).sum::<f64>()
         };
@@ -254,8 +254,8 @@ impl Search {
         Found { linear: self.linear(stresses.clone()), stresses, choice, reached }
     }
 
-    /// The stresses of a beam beside the one that was found.
-    fn beside(&self, found: &Found, test: &Residual) -> DVector<f64> {
+    /// Returns the stresses of a beam whose law is near the one that was found.
+    fn near(&self, found: &Found, test: &Residual) -> DVector<f64> {
         let mut linear = Linear { derivatives: found.linear.derivatives.clone(), ..self.of_strengths(&found.stresses) };
         for _ in 0..FEW {
             let Some((next, _)) = self.solved(&linear, &test.residual, None, found.choice) else { break };

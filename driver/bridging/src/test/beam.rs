@@ -115,7 +115,7 @@ fn strength_does_not_depend_on_the_width() {
 }
 
 #[test]
-fn model_code_beside_the_law_it_stands_for() {
+fn model_code_next_to_the_law_it_represents() {
     // the linear law is 1.5 MPa at 0 and 0.5 MPa at 2.5 mm
     let residual = strengths(Polyline::new([(0.0, 1.5), (3.75, 0.0), (5.0, 0.0)])).residual;
     let code = ModelCode2010::new(residual[0], residual[2], 2.5);

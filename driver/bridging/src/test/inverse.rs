@@ -48,7 +48,7 @@ fn laws_come_back_from_noisy_beams() {
         let greatest = exact.iter().map(|row| row[1]).fold(0.0, f64::max);
         let square: f64 = exact.iter().zip(&computed).map(|(a, b)| ((a[1] - b[1]) / greatest).powi(2)).sum();
         assert!((square / exact.len() as f64).sqrt() <= 0.01);
-        // what is told and what is not
+        // what the data determine and what they do not
         assert_eq!(fit.fitted.estimates.len(), 2 + OPENINGS.len());
         assert!(fit.fitted.estimates[2 + 5].is_identifiable(), "{:?}", fit.fitted.estimates[7]);
     }
@@ -68,7 +68,7 @@ fn of_strengths(matrix: &Matrix, beams: Vec<Residual>, shape: Shape) -> Bridging
 }
 
 #[test]
-fn strengths_alone_tell_four_stresses_if_the_matrix_is_known() {
+fn strengths_alone_determine_four_stresses_if_the_matrix_is_known() {
     let softening = Matrix { softening: Softening::Exponential, fracture_energy: 0.04, ..matrix() };
     let rises = softening.added_to(&Polyline::new([(0.0, 0.5), (1.0, 1.5), (2.0, 1.3), (5.0, 0.5)]), 1.0);
     let [constant, linear, pulled_out, _] = laws();
@@ -145,7 +145,7 @@ fn equal_strengths_are_an_even_law() {
     for shape in [Shape::Smooth, Shape::Bilinear] {
         let fit = of_strengths(&matrix, vec![tested], shape);
         println!("equal {shape:?}: weight {}, {:?} {}", fit.weight, fit.fitted.parameters, fit.fitted.rms);
-        // f_R/3 but for a zone of compression
+        // f_R/3, except for a zone of compression
         for opening in [0.4, 1.25, 2.1, 2.9] {
             println!("{opening}: {:.4}", fit.law.at(opening));
             assert_relative_eq!(fit.law.at(opening), 1.0, max_relative = 0.035);
@@ -223,10 +223,10 @@ fn bond_and_snubbing_come_back_where_fibres_break() {
     let breaking = fit(Fibre { strength: Some(500.0), rupture_f: 0.3, ..fibre() });
     assert_relative_eq!(breaking.estimates[0].value, 3.0, max_relative = 1e-4);
     assert_relative_eq!(breaking.estimates[1].value, 0.5, max_relative = 1e-3);
-    // without rupture only g(f) τ is told
+    // without rupture only g(f) τ can be determined
     let whole = fit(fibre());
     let g = |f: f64| 2.0 * (1.0 + (0.5 * std::f64::consts::PI * f).exp()) / (4.0 + f * f);
-    assert_eq!(whole.estimates.len(), 1, "f is not sought where nothing tells it");
+    assert_eq!(whole.estimates.len(), 1, "f is not sought where nothing determines it");
     assert_relative_eq!(whole.estimates[0].value * g(0.3), 3.0 * g(0.5), max_relative = 1e-6);
     assert!(whole.estimates[0].is_identifiable());
 }
