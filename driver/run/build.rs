@@ -1,4 +1,4 @@
-//! Tells the macro `shipped::manifest` where Cargo puts the plugins that are built with the program.
+//! Passes to the macro `shipped::manifest` where Cargo puts the plugins that are built with the program.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 /// CMOD to which a beam is tested, mm (EN 14651).
 const LAST_CMOD: f64 = 4.0;
-/// CMODs of the results beside those of the standard, narrower at the beginning.
+/// Number of CMODs of the results in addition to those of the standard, narrower at the beginning.
 const CMODS: usize = 81;
 /// CMOD up to which f_L is taken, mm (EN 14651).
 const LIMIT_CMOD: f64 = 0.05;
@@ -95,7 +95,7 @@ pub struct Curves {
 pub struct Simulations {
     /// The specimen's case.
     pub base: PathBuf,
-    /// Those that a table needs, but for lengths that are too short to be run.
+    /// Those that a table needs, except for lengths that are too short to be run.
     pub runs: Vec<Simulation>,
     /// Embedded lengths of the table, mm.
     pub lengths: Vec<f64>,
@@ -167,7 +167,7 @@ impl BridgingProgram {
         all
     }
 
-    /// Returns the assumptions where the curves of fibres tell nothing; `simulated` are the curves of
+    /// Returns the assumptions where the curves of fibres give no information; `simulated` are the curves of
     /// [`LoadSource::Simulated`].
     ///
     /// # Errors
@@ -181,8 +181,8 @@ impl BridgingProgram {
         let last = self.last_opening();
         let mut warnings = Vec::from_iter(cut_short(curves, name, last));
         let widest = curves.iter().map(|curve| curve.angle_deg).fold(0.0, f64::max);
-        let is_told = matches!(&self.source, LoadSource::Curves(Curves { inclination: Some(_), .. }));
-        if widest < cut_deg && !is_told {
+        let is_given = matches!(&self.source, LoadSource::Curves(Curves { inclination: Some(_), .. }));
+        if widest < cut_deg && !is_given {
             let share = self.share_beyond(widest, simulated)?;
             if share > NOTICED_SHARE {
                 warnings.push(format!(
@@ -373,7 +373,7 @@ pub struct ScatterFindings {
     pub residual: [Spread; 4],
     /// Class of the fib Model Code 2010 by the characteristic values; none below all of them.
     pub class: Option<String>,
-    /// Whether fibres may stand for bars: f_R1k/f_Lk > 0.4, f_R3k/f_R1k > 0.5.
+    /// Whether fibres may replace bars: f_R1k/f_Lk > 0.4, f_R3k/f_R1k > 0.5.
     pub structural: bool,
 }
 
@@ -421,10 +421,10 @@ fn number(value: f64) -> String {
     significant(value, 4)
 }
 
-/// Runs a case to its end, with the curves of fibres that were simulated for it, if it asks for them.
+/// Runs a case to its end, with the simulated curves of fibres if it asks for them.
 ///
 /// # Errors
-/// In words: numbers without sense, a signal.
+/// A message: numbers without sense, a signal.
 pub fn complete(
     program: &BridgingProgram,
     simulated: Option<(Vec<Curve>, SimulationFindings)>,
@@ -486,7 +486,7 @@ fn first_not_finite(values: impl IntoIterator<Item = f64>) -> Option<f64> {
 }
 
 fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<Results, String> {
-    let told = |error: Invalid| error.to_string();
+    let message = |error: Invalid| error.to_string();
     let openings = &program.openings;
     let (fibres, shares): (Vec<Average>, Vec<[f64; 9]>) = averages_with_shares(composite, openings).into_iter().unzip();
     finite(&fibres)?;
@@ -501,7 +501,7 @@ fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<Results,
             quantiles: [0.0; 3],
         })
         .collect();
-    let findings = findings(program, composite, &fibres).map_err(told)?;
+    let findings = findings(program, composite, &fibres).map_err(message)?;
     let mut results = Results { findings, ..Results::default() };
     if let Some(geometry) = &program.beam {
         let openings = program.openings_of_beam();
@@ -534,7 +534,7 @@ fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<Results,
         });
         if let Some(settings) = &program.scatter {
             let is_stopped = || signals::received().is_some();
-            let beams = scatter(composite, geometry, &openings, &cmods, settings, &is_stopped).map_err(told)?;
+            let beams = scatter(composite, geometry, &openings, &cmods, settings, &is_stopped).map_err(message)?;
             let interrupted = || format!("interrupted by {}", signals::received().map_or("a signal", Interrupt::words));
             let beams = beams.ok_or_else(interrupted)?;
             for row in &mut rows {

@@ -45,9 +45,9 @@ pub enum Group {
     Gradient,
     /// The second tangential direction, where there is one.
     Second,
-    /// Energies of a point: behind its states.
+    /// Energies of a point: after its states.
     Density,
-    /// Heat of a point: behind its energies, where the case asks for it.
+    /// Heat of a point: after its energies, where the case asks for it.
     Coupling,
     /// Parts of the bridging stress.
     Share,
@@ -311,7 +311,7 @@ pub(crate) static SPECIMEN: [Column<Record>; 37] = [
     }),
 ];
 
-/// Columns of each of several fibres of a specimen, behind those of the specimen: `load.NAME`.
+/// Columns of each of several fibres of a specimen, after those of the specimen: `load.NAME`.
 pub static FIBRE: [Column<FibreRecord>; 9] = [
     // Drive of this fibre's grip.
     column("slip", "mm", "slip", Other, |fibre| fibre.slip),
@@ -491,8 +491,8 @@ fn framed<'n>(values: impl Iterator<Item = &'n str>) -> Vec<String> {
     LEADING.into_iter().chain(values).chain([LAST]).map(str::to_owned).collect()
 }
 
-/// The columns of a table but those of some groups: before the states of a plugin, and behind them energies and heat, which stand last
-/// in each table.
+/// Returns the columns of a table without some groups, in two parts: those before the states of a plugin, and those
+/// after them, which are energies and heat.
 fn around_states<'t, R>(table: &'t [Column<R>], left_out: &'t [Group]) -> [impl Iterator<Item = &'t Column<R>>; 2] {
     let is_before = |column: &Column<R>| !matches!(column.group, Density | Coupling);
     let (before, energies) = table.split_at(table.partition_point(is_before));
@@ -501,8 +501,8 @@ fn around_states<'t, R>(table: &'t [Column<R>], left_out: &'t [Group]) -> [impl 
 
 /// The columns of a table, some groups left out, with those of a plugin's states before the energies.
 fn with_states<R>(table: &[Column<R>], left_out: &[Group], states: &[String]) -> Vec<String> {
-    let [before, behind] = around_states(table, left_out).map(|columns| columns.map(|column| column.name));
-    framed(before.chain(states.iter().map(String::as_str)).chain(behind))
+    let [before, after] = around_states(table, left_out).map(|columns| columns.map(|column| column.name));
+    framed(before.chain(states.iter().map(String::as_str)).chain(after))
 }
 
 /// The groups that the history of a material point leaves out.

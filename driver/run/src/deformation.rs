@@ -84,7 +84,7 @@ pub(crate) fn exponential_derivative(strain: &[f64; 6]) -> [[f64; 6]; 6] {
     spectral.tangent(&principal, &[slope(a, b), slope(a, c), slope(b, c)])
 }
 
-/// Returns whether a rotation turns anything, but for rounding.
+/// Returns whether a rotation differs from 1 by more than rounding.
 pub fn turns(rotation: &Matrix3<f64>) -> bool {
     (rotation - Matrix3::identity()).norm() > 1e-9
 }

@@ -1,8 +1,8 @@
 //! The one reader of files that a user or a case names: at once, whole, up to a size that their use may need, and no
 //! longer than something comes.
 //!
-//! A pipe (`<(generate)`, `/dev/stdin`, a FIFO) can be read once. Its content is kept for whoever asks for the
-//! path again, and handed on to the processes that this one starts for isolated plugins ([`streams`], [`supply`]).
+//! A pipe (`<(generate)`, `/dev/stdin`, a FIFO) can be read once. Its content is kept for later readers of the path,
+//! and handed on to the processes that this one starts for isolated plugins ([`streams`], [`supply`]).
 
 use crate::signals;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -51,8 +51,9 @@ pub enum Input {
 }
 
 impl Input {
-    /// The most megabytes, and the kind in words. A case holds numbers that people and scripts wrote, not data: tables and
-    /// meshes have files of their own. A table of the greatest size has some million rows, a mesh some ten million nodes.
+    /// Returns the limit in megabytes, and a description of the kind. A case holds numbers that people and scripts
+    /// wrote, not data: tables and meshes have their own files. A table of the greatest size has some million rows, a
+    /// mesh some ten million nodes.
     const fn most(self) -> (u64, &'static str) {
         match self {
             Self::Case => (32, "a case or study"),

@@ -280,18 +280,18 @@ pub const TURNED: &str = "the material has turned (R of F = R U is not 1), so th
                       stresses along the axes cannot be controlled together: control strains alone or stresses alone, \
                       or take \"measure\": \"nominal\", whose stresses turn with the material";
 
-/// Alternatives where a law does not tell its thickness strain in plane stress.
+/// Alternatives where a law does not report its thickness strain in plane stress.
 const WITH_THICKNESS: &str = "\"as\": \"3d\" calls it with six components and finds the thickness strain, and mode 3d has the same stresses, \
                                   with s33, s13 and s23 free";
 
-/// Message for nominal stresses in plane stress where the law does not tell its thickness strain.
+/// Returns the message for nominal stresses in plane stress where the law does not report its thickness strain.
 pub fn nominal_needs_thickness(law: &str) -> String {
     format!(
         "nominal stresses need the thickness strain, which '{law}' does not report in plane stress: {WITH_THICKNESS}"
     )
 }
 
-/// Warns of plane stress at finite strain where the law does not tell its thickness strain.
+/// Returns the warning for plane stress at finite strain where the law does not report its thickness strain.
 pub fn gradient_needs_thickness(law: &str) -> String {
     format!(
         "F33 and the column e33 are NaN, because '{law}' does not report its thickness strain. As in ABAQUS, DFGRD0 and DFGRD1 have the F33 of constant volume, which is right only for an incompressible material. If the law reads F33, {WITH_THICKNESS}"
@@ -324,8 +324,8 @@ impl PointGoal {
 pub enum PointDrive {
     /// Controlled components.
     Components {
-        /// Controls of each of the six components, with their values at the end of a ramp; those that the mode fixes are
-        /// ignored. Of a table they tell which quantity its rows hold; `FREE` for components without a column.
+        /// Controls of each of the six components, with their values at the end of a ramp; those that the mode fixes
+        /// are ignored. In a table they give the quantities that its rows hold; `FREE` for components without a column.
         controls: [Control; 6],
         /// Values at the end of each row of a table, by component, unused ones 0; none: a linear ramp.
         rows: Vec<[f64; 6]>,
@@ -530,8 +530,8 @@ pub(crate) fn lerp(from: f64, to: f64, fraction: f64) -> f64 {
     }
 }
 
-/// The folder that GETOUTDIR answers: as in ABAQUS the one from which the job is submitted, so that what a UMAT reads lies
-/// beside the case. A replay, which lies elsewhere, names its original's.
+/// Returns the folder that GETOUTDIR answers. As in ABAQUS it is the one from which the job is submitted, so that what
+/// a UMAT reads lies next to the case. A replay, which lies elsewhere, names its original's.
 pub fn job_folder(path: &Path, document: &serde_json::Value) -> PathBuf {
     let mut folder = Path::new(".").join(folder_of(path));
     folder.extend(document["job_folder"].as_str());

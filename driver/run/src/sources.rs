@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use umat_abi::host;
 
-/// Makes a library of a source; why not, in words.
+/// Makes a library of a source, or returns a message why it cannot.
 pub type Builder = fn(&Path) -> Result<PathBuf, String>;
 
 static BUILDER: OnceLock<Builder> = OnceLock::new();
@@ -17,7 +17,7 @@ pub fn build_by(builder: Builder) {
 /// Returns the library of a file that is there: itself, or what is built of a source.
 ///
 /// # Errors
-/// In words, if a source is not built.
+/// A message if a source is not built.
 pub fn library_of(file: PathBuf) -> Result<PathBuf, String> {
     if !host::is_source(&file) {
         return Ok(file);

@@ -45,8 +45,8 @@ impl Child {
         Ok(Self { process: system::spawn(command)?, passage, printed })
     }
 
-    /// Waits for its end, and hears its messages. Where `asked` says so, it is told to end, once; with `patience` also again after
-    /// such a time, and then by force.
+    /// Waits for its end, and receives its messages. If `asked` returns an interrupt, the process is asked to end,
+    /// once. With `patience` it is asked again after such a time, and then ended by force.
     ///
     /// # Errors
     /// It cannot be waited for.
@@ -56,20 +56,20 @@ impl Child {
         patience: Option<Duration>,
         hear: &mut dyn FnMut(Vec<M>),
     ) -> io::Result<ExitStatus> {
-        let mut told: Option<(Instant, u32)> = None;
+        let mut last_asked: Option<(Instant, u32)> = None;
         loop {
             let ended = system::wait_for(&mut self.process, POLL)?;
             hear(self.passage.heard());
             if let Some(status) = ended {
                 return Ok(status);
             }
-            let times = match (told, patience) {
+            let times = match (last_asked, patience) {
                 (None, _) => 1,
                 (Some((last, times)), Some(patience)) if last.elapsed() > patience => times + 1,
                 _ => continue,
             };
             let Some(interrupt) = asked() else { continue };
-            told = Some((Instant::now(), times));
+            last_asked = Some((Instant::now(), times));
             if times > 2 {
                 self.process.kill()?;
             } else {

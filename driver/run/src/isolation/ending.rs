@@ -1,4 +1,4 @@
-//! Causes of a worker's end, and their places, in words.
+//! Messages about causes of a worker's end, and their places.
 
 use super::last_words::explanation;
 use super::spoilt::Spoilt;
@@ -41,7 +41,7 @@ pub struct Report {
     pub is_explained: bool,
 }
 
-/// Information about an ended run that its results give besides the rows; what a process tells another one.
+/// What the results of an ended run hold in addition to the rows; one process sends it to another.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Aftermath {
     /// Reason why the run did not reach its end.
@@ -76,7 +76,7 @@ impl Report {
             Cause::TimeLimit(_) | Cause::Interrupted(_) | Cause::Spoilt(_) => None,
         };
         if let (Cause::Spoilt(_), Some(last)) = (cause, &call) {
-            // found behind the increment: any library may have done it that was not built with the program
+            // found after the increment: any library that was not built with the program may have done it
             let suspects: Vec<_> = need.libraries.keys().filter(|library| !trust::is_shipped(library)).collect();
             if !suspects.contains(&&last.library) || suspects.len() > 1 {
                 let [step, increment] = last.arguments.place();
@@ -149,7 +149,7 @@ fn place(call: &CallRecord, need: &Need) -> String {
     format!("{plugin}, step {step}, increment {increment}{place}")
 }
 
-/// LOP in words.
+/// Returns a description of LOP.
 fn occasion(lop: i32) -> &'static str {
     match lop {
         0 => "at the start of the analysis (LOP = 0)",
@@ -162,9 +162,9 @@ fn occasion(lop: i32) -> &'static str {
     }
 }
 
-/// Returns the message about an end behind the done-mark, `None` if it was the usual one, or hurried by a signal: the results
-/// are complete.
-pub(super) fn behind_the_end(cause: Cause, code: u8, recording: &Recording) -> Option<String> {
+/// Returns the message about an end after the done-mark. `None`: the end was the usual one, or hurried by a signal, and
+/// the results are complete.
+pub(super) fn after_the_end(cause: Cause, code: u8, recording: &Recording) -> Option<String> {
     let is_hurried = matches!(cause, Cause::TimeLimit(_) | Cause::Interrupted(_)) && signals::received().is_some();
     if is_hurried || cause == Cause::Exit(code.into()) {
         return None;

@@ -56,15 +56,15 @@ pub(super) fn work_below(supervisor: u32) -> io::Result<()> {
 fn keep(worker: Pid, supervisor: u32) -> io::Result<WaitStatus> {
     // both know the group before either goes on
     let _ = setpgid(Some(worker), Some(worker));
-    let (mut ended, told) = io::pipe()?;
+    let (mut ended, notifier) = io::pipe()?;
     rustix::io::ioctl_fionbio(&ended, true)?;
-    pipe::register(SIGCHLD, told)?;
+    pipe::register(SIGCHLD, notifier)?;
     let has_supervisor = || getppid().is_some_and(|parent| parent.as_raw_nonzero().get().unsigned_abs() == supervisor);
     let mut status = None;
     while status.is_none() && has_supervisor() {
         status = reap(worker);
         if status.is_none() {
-            sleep_until_told(&mut ended, POLL);
+            sleep_until_notified(&mut ended, POLL);
         }
     }
     let _ = kill_process_group(worker, Signal::KILL);
@@ -102,16 +102,17 @@ fn let_go(traced: Pid, status: WaitStatus) {
     let _ = ptrace::detach(thread, signal.filter(|signal| *signal != signal::Signal::SIGTRAP));
 }
 
-fn sleep_until_told(ended: &mut PipeReader, time: Duration) {
+fn sleep_until_notified(ended: &mut PipeReader, time: Duration) {
     use rustix::event::{PollFd, PollFlags, Timespec, poll};
     let time = Timespec::try_from(time).ok();
     // a signal is no less a reason to look
     let _ = poll(&mut [PollFd::new(&*ended, PollFlags::IN)], time.as_ref());
-    let mut told = [0; 64];
-    while matches!(ended.read(&mut told), Ok(1..)) {}
+    let mut bytes = [0; 64];
+    while matches!(ended.read(&mut bytes), Ok(1..)) {}
 }
 
-/// Children of this process, among them those whose parents have ended; `None` where the kernel does not tell.
+/// Returns the children of this process, among them those whose parents have ended; `None` if the kernel does not list
+/// them.
 fn children() -> Option<Vec<Pid>> {
     let mut children = Vec::new();
     for thread in std::fs::read_dir("/proc/self/task").ok()?.flatten() {

@@ -14,12 +14,12 @@ const KEPT: usize = 16 << 10;
 /// Time for which a pipe is read after its worker has ended: a child of the worker may hold it open.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Lines that workers told, of which each is passed on once.
+/// Lines that workers wrote, of which each is passed on once.
 #[derive(Clone, Debug, Default)]
 pub struct ForwardedLines(Arc<Mutex<BTreeSet<Vec<u8>>>>);
 
 impl ForwardedLines {
-    /// Returns whether nobody told a line before.
+    /// Returns whether no worker wrote this line before.
     pub fn is_new(&self, line: &[u8]) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(line.to_vec())
     }
@@ -98,25 +98,26 @@ pub(super) struct LastWords {
 }
 
 impl LastWords {
-    /// Begins to listen to a worker whose standard error is a pipe; `told`: what others told is not passed on again.
-    pub(super) fn of(child: &mut Child, told: Option<&ForwardedLines>) -> Self {
+    /// Begins to listen to a worker whose standard error is a pipe; `forwarded`: lines of other workers, not passed on
+    /// again.
+    pub(super) fn of(child: &mut Child, forwarded: Option<&ForwardedLines>) -> Self {
         let kept = Arc::<Mutex<Vec<u8>>>::default();
         let backtraces = Arc::<Mutex<Backtraces>>::default();
         let (sender, end) = mpsc::channel();
         if let Some(mut pipe) = child.stderr.take() {
             let (kept, backtraces) = (Arc::clone(&kept), Arc::clone(&backtraces));
-            let told = told.cloned();
+            let forwarded = forwarded.cloned();
             thread::spawn(move || {
                 let _until_the_end = sender;
                 let mut chunk = [0; 4096];
                 let mut waiting = Vec::new();
                 while let Ok(length @ 1..) = pipe.read(&mut chunk) {
                     let passed = backtraces.lock().unwrap_or_else(PoisonError::into_inner).pass(&chunk[..length]);
-                    match &told {
+                    match &forwarded {
                         None => _ = io::stderr().write_all(&passed),
-                        Some(told) => {
+                        Some(forwarded) => {
                             waiting.extend(passed);
-                            told.pass_on(&mut waiting, false);
+                            forwarded.pass_on(&mut waiting, false);
                         }
                     }
                     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
@@ -124,8 +125,8 @@ impl LastWords {
                     let superfluous = kept.len().saturating_sub(KEPT);
                     kept.drain(..superfluous);
                 }
-                if let Some(told) = told {
-                    told.pass_on(&mut waiting, true);
+                if let Some(forwarded) = forwarded {
+                    forwarded.pass_on(&mut waiting, true);
                 }
             });
         }
@@ -144,8 +145,8 @@ impl LastWords {
     }
 }
 
-/// Returns what the last words say of the end: the runtime's error, the line of the source, what was written over, and where the
-/// worker ended by `exit`, the error that it told before.
+/// Returns what the last words say of the end: the runtime's error, the line of the source, what was written over. If
+/// the worker ended by `exit`, that is the error reported before.
 pub(super) fn explanation(words: &str, is_exit: bool) -> Option<String> {
     let found = runtime_error(words).or_else(|| line_of_signal(words)).or_else(|| destroyed_heap(words));
     let found = found.or_else(|| line_of_stop(words));
@@ -184,7 +185,7 @@ fn called_from(callers: &[(String, String)]) -> String {
     callers.iter().map(|(routine, place)| format!(", called from {routine}, {place}")).collect()
 }
 
-/// ERROR STOP, whose backtrace tells where.
+/// ERROR STOP, whose backtrace shows the place.
 fn line_of_stop(words: &str) -> Option<String> {
     let (before, after) = words.rsplit_once("Error termination. Backtrace:")?;
     let frames = frames(after);
@@ -228,7 +229,7 @@ fn own_error(words: &str) -> Option<String> {
     Some(line.trim().to_owned())
 }
 
-/// A Fortran routine without what the compiler puts behind it.
+/// Returns the name of a Fortran routine without the compiler's suffix.
 fn plain(routine: &str) -> &str {
     routine.strip_suffix('_').unwrap_or(routine)
 }

@@ -18,9 +18,9 @@
 //!                           (worker)                       in shared memory (umat_abi::host::recorder)
 //! ```
 //!
-//! The **supervisor** is the program that the user started. It does not even load a library that it does not trust: its
-//! initialisers run at that moment. It starts itself again, by `exec` and not by `fork` alone, so that nothing of it is
-//! shared but the recorder's file, which has no name and so leaves nothing behind.
+//! The **supervisor** is the program that the user started. It does not even load a library that it does not trust,
+//! whose initialisers would run at that moment. It starts itself again, by `exec` and not by `fork` alone. So nothing
+//! of it is shared but the recorder's file, which has no name and so leaves no trace.
 //!
 //! The **worker** does its work as the program does without isolation, and on the same
 //! terminal: rows, progress and messages are its own. Its done-mark carries the exit code. Its end without the mark is a
@@ -48,14 +48,14 @@
 //!   file that is opened takes its number, and what is printed goes there;
 //! - copies of the worker that a plugin makes by `fork`: one that comes back from the call is ended there;
 //! - the folder in which the program works, the mode of new files and the limits of open files, their size, memory and
-//!   processes: restored behind what plugins do. Where the system does not let a limit be restored, or the user was changed,
-//!   the run ends.
+//!   processes: restored after plugins changed them. If the system does not let a limit be restored, or the user was
+//!   changed, the run ends.
 //!
 //! A library whose exit handlers end the worker after its done-mark takes nothing from the results, nor from the exit
 //! code: it is reported.
 //!
-//! Not told apart: a plugin that destroys the host's memory may end the worker later, outside a call; the message then
-//! names the last call. A plugin that sets its own memory apart (SAVE) may fail only after a history that a replay of
+//! Not distinguished: a plugin that destroys the host's memory may end the worker later, outside a call; the message
+//! then names the last call. A plugin that keeps its own memory (SAVE) may fail only after a history that a replay of
 //! one call does not have.
 
 mod child;

@@ -97,6 +97,6 @@ pub fn named_file(plugin: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Opti
 /// Returns the absolute path of a library that a case in a folder names, if it is there.
 pub fn locate(plugin: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBuf> {
     let file = named_file(plugin, folder, plugin_paths).filter(|path| path.is_file())?;
-    // what cannot be built is told where the case is read
+    // what cannot be built is reported where the case is read
     sources::library_of(file).ok().map(|path| absolute(&path))
 }

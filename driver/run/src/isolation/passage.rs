@@ -1,6 +1,6 @@
-//! What two processes of this program tell each other: the work of the one that is started, and its messages, a line of JSON
-//! each. The lines stand in a file without a name: nobody waits for a reader, and what was told stays when a plugin ends the
-//! process that told it.
+//! Communication of two processes of this program: the work of the one that is started, and its messages, a line of
+//! JSON each. The lines are in a file without a name. So nobody waits for a reader, and messages remain when a plugin
+//! ends the process that wrote them.
 
 use super::{system, trust, worker};
 use crate::input;
@@ -58,8 +58,8 @@ pub struct Passage {
     streams: Vec<File>,
 }
 
-/// File to which this process tells its messages, if another one has started it.
-static TOLD: OnceLock<(PathBuf, Mutex<File>)> = OnceLock::new();
+/// File to which this process writes its messages, if another one has started it.
+static MESSAGES: OnceLock<(PathBuf, Mutex<File>)> = OnceLock::new();
 
 impl Passage {
     /// Takes work to hand over.
@@ -82,7 +82,7 @@ impl Passage {
 
     /// Writes the work down.
     pub(super) fn hand_over(&mut self, recorder: Option<&Path>) -> io::Result<&Path> {
-        let to = TOLD
+        let to = MESSAGES
             .get()
             .filter(|_| recorder.is_some() && !self.is_heard_by_starter)
             .map_or(&self.path, |(above, _)| above);
@@ -132,19 +132,19 @@ pub(super) fn taken(path: &Path) -> io::Result<(Head, String)> {
         input::supply(stream.as_ref(), std::fs::read(content)?);
     }
     let file = system::out_of_reach(File::options().append(true).open(&head.to)?);
-    let _ = TOLD.set((head.to.clone(), Mutex::new(file)));
+    let _ = MESSAGES.set((head.to.clone(), Mutex::new(file)));
     Ok((head, work))
 }
 
 /// Sends a message to the process that started this one, if this one is a worker. A worker that cannot send ends.
 pub fn send(message: &impl Serialize) {
-    let Some((_, file)) = TOLD.get() else { return };
+    let Some((_, file)) = MESSAGES.get() else { return };
     let line = serde_json::to_string(message).map_err(io::Error::from);
-    let told = line.and_then(|line| match file.lock() {
+    let written = line.and_then(|line| match file.lock() {
         Ok(mut file) => file.write_all((line + "\n").as_bytes()),
         Err(_) => Ok(()),
     });
-    if told.is_err() {
+    if written.is_err() {
         worker::end_for_closed_output();
     }
 }

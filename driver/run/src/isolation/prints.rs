@@ -3,7 +3,7 @@
 //!
 //! While a [`Prints`] lives, plugins may be called; afterwards the program works again in the folder where it worked
 //! before. The standard output is a file, and this program writes to a duplicate of the former one. Fortran's unit 7
-//! goes to a file beside it where its runtime allows this to be set.
+//! goes to a file next to it if its runtime allows this to be set.
 
 use super::system::out_of_reach;
 use super::worker;
@@ -24,7 +24,7 @@ use umat_abi::host::{flush_prints, write_messages_to};
 pub const FILES: [&str; 2] = ["umat.log", "umat.msg"];
 const NOWHERE: &str = "/dev/null";
 /// Descriptors up to here have a meaning for everybody.
-const BEHIND_STANDARD_STREAMS: i32 = 3;
+const AFTER_STANDARD_STREAMS: i32 = 3;
 
 /// The standard output as this program was given it, while plugins have another.
 static OURS: Mutex<Option<OwnedFd>> = Mutex::new(None);
@@ -66,7 +66,7 @@ impl Surroundings {
     /// Keeps the surroundings as they are.
     fn keep() -> Self {
         MODE_OF_FILES.get_or_init(|| {
-            // it is told only when it is set
+            // the system returns it only when it is set
             let mode = umask(Mode::empty());
             umask(mode);
             mode
@@ -110,7 +110,7 @@ impl Prints {
         Self { folder: None, echo: false, _surroundings: Surroundings::keep() }
     }
 
-    /// Keeps them in [`FILES`] of a folder, behind what is there.
+    /// Appends them to the [`FILES`] of a folder.
     ///
     /// # Errors
     /// A file cannot be made.
@@ -131,7 +131,7 @@ impl Drop for Prints {
         let Some(folder) = &self.folder else { return };
         write_messages_to(Path::new(NOWHERE));
         if self.echo {
-            Echo::of(folder).tell();
+            Echo::of(folder).show();
         }
         remove_empty(folder);
     }
@@ -144,7 +144,7 @@ fn lead_to(log: &Path, messages: &Path) -> io::Result<()> {
     io::stdout().flush()?;
     let mut ours = ours();
     if ours.is_none() {
-        let copy = fcntl_dupfd_cloexec(stdout(), BEHIND_STANDARD_STREAMS)?;
+        let copy = fcntl_dupfd_cloexec(stdout(), AFTER_STANDARD_STREAMS)?;
         *ours = Some(out_of_reach(copy.into()).into());
     }
     dup2_stdout(&file)?;
@@ -179,26 +179,26 @@ pub fn remove_empty(folder: &Path) {
 #[derive(Debug)]
 pub struct Echo {
     files: [PathBuf; FILES.len()],
-    told: [u64; FILES.len()],
+    shown: [u64; FILES.len()],
 }
 
 impl Echo {
     /// Makes an echo of a run into this folder.
     pub fn of(folder: &Path) -> Self {
-        Self { files: FILES.map(|name| folder.join(name)), told: [0; FILES.len()] }
+        Self { files: FILES.map(|name| folder.join(name)), shown: [0; FILES.len()] }
     }
 
     /// Shows what is new.
-    pub fn tell(&mut self) {
-        for (file, told) in self.files.iter().zip(&mut self.told) {
+    pub fn show(&mut self) {
+        for (file, shown) in self.files.iter().zip(&mut self.shown) {
             let mut text = Vec::new();
             let read = |text: &mut Vec<u8>| {
                 let mut file = File::open(file)?;
-                file.seek(SeekFrom::Start(*told))?;
+                file.seek(SeekFrom::Start(*shown))?;
                 file.read_to_end(text)
             };
             if read(&mut text).is_ok() {
-                *told += text.len() as u64;
+                *shown += text.len() as u64;
                 let _ = io::stdout().write_all(&text);
             }
         }

@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 use umat_abi::host::recorder::{CallRecord, FricRecord, RecordedArguments, UinterRecord, UmatRecord};
 use umat_abi::law::StressState;
 
-/// A case that makes this call of a process that ended, and no other before it; `None` if an argument is no number, which JSON
-/// cannot tell, and for the routines beside the entry points, which every run calls.
+/// Returns a case that makes this call of a process that ended, and no other before it. `None`: an argument is not a
+/// number, which JSON cannot express, or the call is of a routine other than the entry points, which every run calls.
 pub(super) fn of(call: &CallRecord, need: &Need) -> Option<Value> {
     let mut case = of_call(call)?;
     let material = &mut case["material"];
@@ -24,7 +24,8 @@ pub(super) fn of(call: &CallRecord, need: &Need) -> Option<Value> {
     (!has_null(&case)).then_some(case)
 }
 
-/// A case that makes this call, and no other before it, without its title; `None` for the routines beside the entry points.
+/// Returns a case that makes this call, and no other before it, without its title; `None` for routines other than the
+/// entry points.
 pub(crate) fn of_call(call: &CallRecord) -> Option<Value> {
     let (mut case, props, statev, entry) = match &call.arguments {
         RecordedArguments::Umat(umat) => (point(umat, call.wants_tangent), &umat.props, &umat.statev, "umat"),
@@ -75,8 +76,8 @@ fn duration(time_increment: f64) -> f64 {
     if time_increment > 0.0 { time_increment } else { 1.0 }
 }
 
-/// Returns what a case of kind "point" says of the arguments that its path leaves open, and of the increments, which its ends tell
-/// but for rounding.
+/// Returns the arguments that the path of a case of kind "point" leaves open, and the increments, which its ends give
+/// only up to rounding.
 fn umat_arguments(call: &UmatRecord, wants_tangent: bool) -> Value {
     let mut arguments = json!({
         "dstran": first(&call.dstran, &call.stress),
@@ -187,7 +188,7 @@ fn interface(time: [f64; 2], dtime: f64, statev: &[f64], mut arguments: Value, [
     })
 }
 
-/// Sets temperature and field variables, of which a call tells the ends and the increments, the same at both surfaces.
+/// Sets temperature and field variables from the ends and the increments of a call, the same at both surfaces.
 fn set_contact_fields(case: &mut Value, temp: &[f64], predef: &[f64], dpred: &[f64]) {
     let [end, increment] = array(temp);
     let ends = || predef.iter().copied().step_by(2);

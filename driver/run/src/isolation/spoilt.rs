@@ -3,7 +3,7 @@
 use rustix::process::{Gid, Resource, Rlimit, Uid, getegid, geteuid, getgid, getrlimit, getuid, setrlimit};
 use std::sync::OnceLock;
 
-/// Change of the process behind which a run cannot go on.
+/// Change of the process after which a run cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub(super) enum Spoilt {

@@ -1,6 +1,6 @@
 //! Starts a worker and watches it.
 
-use super::ending::{Cause, Report, behind_the_end};
+use super::ending::{Cause, Report, after_the_end};
 use super::last_words::{ForwardedLines, LastWords};
 use super::passage::Passage;
 use super::prints::{self, Echo};
@@ -39,7 +39,7 @@ pub struct Watch<'a> {
     pub time_limit: Option<Duration>,
     /// Receives the processor time charged to the worker.
     pub spent: Option<&'a Cell<Duration>>,
-    /// Lines that other workers told, which are not told again.
+    /// Lines that other workers wrote, which are not printed again.
     pub told: Option<&'a ForwardedLines>,
 }
 
@@ -80,7 +80,7 @@ pub fn supervise(passage: &mut Passage, wishes: &Watch<'_>, need: &Need) -> io::
     if std::env::var_os(UNBUFFERED).is_none() {
         command.env(UNBUFFERED, "y");
     }
-    // a runtime error tells the routine as well
+    // a runtime error shows the routine as well
     command.env("GFORTRAN_ERROR_BACKTRACE", "y");
     // signals of the terminal are passed on
     command.stdout(prints::for_child()).stderr(Stdio::piped()).process_group(0);
@@ -88,12 +88,12 @@ pub fn supervise(passage: &mut Passage, wishes: &Watch<'_>, need: &Need) -> io::
     let last_words = LastWords::of(&mut child, wishes.told);
     let mut echo = wishes.echo.map(Echo::of);
     // before the run has begun, the files are an earlier one's
-    let mut tell = || match &mut echo {
-        Some(echo) if recording.note(Note::Running as usize) == 1 => echo.tell(),
+    let mut show = || match &mut echo {
+        Some(echo) if recording.note(Note::Running as usize) == 1 => echo.show(),
         _ => {}
     };
-    let ended = watch(&mut child, &recording, need, wishes, &mut tell);
-    tell();
+    let ended = watch(&mut child, &recording, need, wishes, &mut show);
+    show();
     if ended.is_err() {
         // nothing watches it any more
         let _ = end(&mut child, &recording);
@@ -107,7 +107,7 @@ pub fn supervise(passage: &mut Passage, wishes: &Watch<'_>, need: &Need) -> io::
         Watched::Interrupted => Cause::Interrupted(GRACE.as_secs_f64()),
     };
     if let Some(code) = recording.done() {
-        if let Some(words) = behind_the_end(cause, code, &recording) {
+        if let Some(words) = after_the_end(cause, code, &recording) {
             let _ = writeln!(io::stderr(), "{words}");
         }
         last_words.pass_on_all();
@@ -213,8 +213,8 @@ fn watch(
 #[derive(Default)]
 pub(super) struct Clock {
     counted: Duration,
-    /// Time that the worker waited for a processor so far, and the part of it that is still to be taken off: the kernel tells it
-    /// when the waiting is over.
+    /// Time that the worker waited for a processor so far, and the part of it that is still to be subtracted: the
+    /// kernel reports it when the waiting is over.
     waited: Duration,
     owed: Duration,
 }
@@ -232,7 +232,7 @@ impl Clock {
     }
 }
 
-/// Tells how long each pending call has been pending.
+/// Measures how long each pending call has been pending.
 #[derive(Default)]
 struct Heartbeat {
     pending: Vec<(Beat, Duration)>,

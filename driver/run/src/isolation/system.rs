@@ -12,7 +12,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 use umat_abi::host;
 
-/// Time between two looks at a child where the system does not tell of its end.
+/// Time between two looks at a child if the system does not report its end.
 const MOMENT: Duration = Duration::from_millis(1);
 
 /// Whether this system has the means that isolation needs.
@@ -120,7 +120,7 @@ pub fn wait_for(child: &mut Child, time: Duration) -> io::Result<Option<ExitStat
     }
 }
 
-/// Waits for the end of a process, or where the system does not tell, a moment.
+/// Waits for the end of a process, or for a moment if the system does not report it.
 #[cfg(target_os = "linux")]
 fn wait_a_while(process: u32, time: Duration) {
     use rustix::process::{Pid, PidfdFlags, pidfd_open};
@@ -139,7 +139,8 @@ fn wait_a_while(_process: u32, time: Duration) {
     std::thread::sleep(time.min(MOMENT));
 }
 
-/// Returns how long the thread of a process that waited most for a processor has done so; zero where the kernel does not tell.
+/// Returns how long the thread of a process that waited most for a processor has done so; zero if the kernel does not
+/// report it.
 pub fn waiting_time(process: u64) -> Duration {
     let of_thread = |thread: DirEntry| {
         let times = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;

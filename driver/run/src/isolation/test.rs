@@ -23,7 +23,8 @@ fn need_of(case: &Value) -> Option<Need> {
     })
 }
 
-/// The kernel tells of waiting when it is over: what was counted before is taken off then, and a hanging call still ends.
+/// The kernel reports waiting when it is over: what was counted before is subtracted then, and a hanging call still
+/// ends.
 #[test]
 fn time_of_a_worker_that_waits_for_a_processor_does_not_count() {
     let milliseconds = Duration::from_millis;

@@ -65,7 +65,7 @@ pub fn is_this_process() -> bool {
     recorder::installed().is_some()
 }
 
-/// The terminal behind the standard error, which is a pipe to the supervisor: for what moves, such as a bar.
+/// The terminal of the supervisor's standard error, to which this one is a pipe: for what moves, such as a bar.
 static TERMINAL: OnceLock<Term> = OnceLock::new();
 
 /// Terminal to which progress is shown, if there is one.
@@ -137,7 +137,7 @@ pub fn note_start() {
     }
 }
 
-/// Lets calls come back that wrote behind an array: a check of a plugin goes on behind such an error.
+/// Lets calls come back that wrote past an array: a check of a plugin goes on after such an error.
 pub fn let_calls_come_back() {
     if let Some(recorder) = recorder::installed() {
         recorder.fence_arrays(false);

@@ -24,7 +24,7 @@ pub(super) struct Finite {
     plane_stress: bool,
     /// R.
     rotation: Matrix3<f64>,
-    /// The case's strain, as far as F tells it.
+    /// The case's strain, as far as F determines it.
     pub(super) strain: [f64; 6],
     /// The case's stress.
     pub(super) stress: [f64; 6],
@@ -46,7 +46,7 @@ struct Call {
     turned_stress: [f64; 6],
 }
 
-/// Strain, stress and increment that UMAT is given beside DROT, DFGRD0 and DFGRD1.
+/// Strain, stress and increment that UMAT receives in addition to DROT, DFGRD0 and DFGRD1.
 pub(super) struct FiniteStrainInput {
     pub(super) strain: [f64; 6],
     pub(super) stress: [f64; 6],
@@ -91,7 +91,7 @@ impl Finite {
         gradient
     }
 
-    /// The case's strain, as far as F tells it.
+    /// Returns the case's strain, as far as F determines it.
     pub(super) fn strain_of_case(&self, gradient: &Matrix3<f64>) -> [f64; 6] {
         let polar = Polar::new(gradient);
         match self.measure {

@@ -210,7 +210,7 @@ impl<'p> Runner<'p> {
         Ok(runner)
     }
 
-    /// Tells the plugin temperature and field variables at two fractions of the increment.
+    /// Passes temperature and field variables at two fractions of the increment to the plugin.
     fn set_fields(&mut self, from: f64, to: f64) {
         let [start, end] = &self.fields;
         let trial = &mut self.trial.fields;
@@ -237,8 +237,9 @@ impl<'p> Runner<'p> {
         Ok(())
     }
 
-    /// One call from the committed state; `place` is \[slip, slip2, penetration\] (UINTER) or \[slip, slip2,
-    /// pressure\] (FRIC) at the end. `is_first`: the case may tell the increments, as sums and differences round.
+    /// Makes one call from the committed state; `place` is \[slip, slip2, penetration\] (UINTER) or
+    /// \[slip, slip2, pressure\] (FRIC) at the end. `is_first`: the case may give the increments, as sums and
+    /// differences round.
     fn evaluate(
         &mut self,
         place: [f64; 3],

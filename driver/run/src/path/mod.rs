@@ -1,5 +1,5 @@
-//! Driving a point along a path: [`crate::program`] says where to, [`run`] goes there and tells an
-//! [`Observer`] about each increment.
+//! Driving a point along a path: [`crate::program`] gives the goals, [`run`] reaches them and reports each increment to
+//! an [`Observer`].
 
 mod finite;
 mod interface;
@@ -47,17 +47,17 @@ impl Row<'_> {
         until.greater_than.is_some_and(|bound| value > bound) || until.less_than.is_some_and(|bound| value < bound)
     }
 
-    /// Returns how a run goes on behind the increment; `repeats`: another run, so that no bound ends it; `is_told_to_end`: by its
-    /// observer.
+    /// Returns how a run goes on after the increment. `repeats`: it repeats another run, so that no bound ends it;
+    /// `is_ended_by_observer`: its observer asks for the end.
     pub(crate) fn directive(
         &self,
         until: Option<&Until>,
         step_until: Option<&Until>,
         repeats: bool,
-        is_told_to_end: bool,
+        is_ended_by_observer: bool,
     ) -> Directive {
         let is_passed = |until: Option<&Until>| !repeats && until.is_some_and(|until| self.passes(until));
-        if is_told_to_end || is_passed(until) {
+        if is_ended_by_observer || is_passed(until) {
             Directive::EndRun
         } else if is_passed(step_until) {
             Directive::EndStep
@@ -92,10 +92,11 @@ pub trait Observer {
     /// A plugin has answered an increment, or a piece of one that was cut back, and the point is about to go there.
     fn accepted(&mut self, _increment: Accepted<'_>) {}
 
-    /// A specimen has reached a state with this slip and load; `is_last`: it is the last of the run, told before or not.
+    /// A specimen has reached a state with this slip and load; `is_last`: it is the last of the run, reported before or
+    /// not.
     fn state_reached(&mut self, _slip: f64, _load: f64, _snapshot: &Snapshot<'_>, _is_last: bool) {}
 
-    /// A run that fails has reached this state in the increment that it fails at, behind the last whole one.
+    /// A run that fails has reached this state in the increment that it fails at, after the last whole one.
     fn reached(&mut self, _row: Row<'_>) {}
 
     /// Returns whether the run shall end with the present increment.
@@ -209,7 +210,7 @@ impl From<io::Error> for Stop {
 /// Runs a program to its end, to an `until`, or to a failure. Rows that were observed stay valid.
 ///
 /// # Errors
-/// [`Stop`]; the statistics tell how far it came.
+/// [`Stop`]; the statistics show how far it came.
 pub fn run(program: &Program, observer: &mut dyn Observer) -> (Statistics, Result<(), Stop>) {
     let mut databases = ExternalDatabases::begin([&program.plugin.library]);
     run_within(program, &mut databases, observer)
@@ -263,7 +264,7 @@ impl<'a> Recorder<'a> {
         self.observer.row(Row { step: 0, increment: 0, values: &self.values, iterations: 0 })
     }
 
-    /// Tells the state in which an increment is given up.
+    /// Reports the state in which an increment is given up.
     fn reached(&mut self, IncrementPosition { step, increment, .. }: IncrementPosition, fill: impl FnOnce(&mut [f64])) {
         fill(&mut self.values);
         self.observer.reached(Row { step, increment, values: &self.values, iterations: 0 });

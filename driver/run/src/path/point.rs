@@ -168,7 +168,7 @@ struct Runner<'p> {
     finite: Option<Finite>,
     arguments: &'p UmatArguments,
     plane_stress: bool,
-    /// State that tells ε33, if the law has one.
+    /// State variable that holds ε33, if the law has one.
     strain_33: Option<usize>,
     max_iterations: u32,
     derived: &'p [Derived],
@@ -330,7 +330,7 @@ impl<'p> Runner<'p> {
 
     /// Judges what the law makes of the stress that it begins with: a note, or why it cannot begin.
     fn initial_stress_found(&mut self) -> Result<Option<String>, String> {
-        // a call that the case tells argument by argument is made once
+        // a call whose arguments the case gives one by one is made once
         if self.committed.stress == [0.0; 6] || *self.arguments != UmatArguments::default() {
             return Ok(None);
         }
@@ -498,13 +498,13 @@ impl<'p> Runner<'p> {
     }
 }
 
-/// ε33 of plane stress: `found` where calls go through six components, else the law's in STATEV with the `free` part that it does
-/// not see; NaN where that does not tell.
+/// Returns ε33 of plane stress: `found` where calls go through six components, else the law's value in STATEV plus the
+/// `free` part that the law does not see; NaN if the law has no such value.
 fn thickness_at(call: &UmatCall, found: f64, state: Option<usize>, statev: &[f64], free: f64) -> f64 {
     if call.is_through_solid() { found } else { state.map_or(f64::NAN, |k| statev[k] + free) }
 }
 
-/// The point of a call as SDVINI and SIGINI are told of it.
+/// Returns the point of a call as SDVINI and SIGINI receive it.
 fn initial_point(call: &UmatCall) -> InitialPoint {
     InitialPoint { coordinates: call.coords, element: call.noel, point: call.npt }
 }
@@ -522,7 +522,7 @@ fn initial_stress(program: &Program, point: &PointProgram, call: &UmatCall) -> R
     Ok(call.stress_state().six(&values))
 }
 
-/// Returns what UEXTERNALDB is told of the increment of a call.
+/// Returns the clock that UEXTERNALDB receives for the increment of a call.
 fn clock(call: &UmatCall, time: [f64; 2]) -> Clock {
     Clock { time, time_increment: call.dtime, step: call.jstep[0], increment: call.kinc }
 }
@@ -813,7 +813,7 @@ impl Divisible for Runner<'_> {
             strain[2] = self.finite.as_ref().map_or(thickness, |finite| finite.strain_33(thickness));
         }
         if !self.components.contains(&1) {
-            // no law tells the strains across
+            // no law returns the strains across
             [strain[1], strain[2]] = [f64::NAN; 2];
         }
         let gradient = self.finite.as_ref().map(|finite| finite.gradient(state, self.thickness())).unwrap_or_default();
@@ -1068,7 +1068,7 @@ fn take_over(
     state.heat = Heat { rpl, ddsddt, drplde, drpldt };
 }
 
-/// Makes other calls, and leaves arguments and results as they were but for DDSDDE.
+/// Makes other calls, and leaves arguments and results as they were, except for DDSDDE.
 fn aside<T>(call: &mut UmatCall, work: impl FnOnce(&mut UmatCall) -> T) -> T {
     let (strain, increment, dtime) = (call.stran, call.dstran, call.dtime);
     let (stress, statev) = (call.stress().to_vec(), call.statev().to_vec());

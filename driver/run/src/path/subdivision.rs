@@ -44,7 +44,7 @@ pub(super) trait Divisible {
     /// Sets where increment `index` (from 0) of the step leads.
     fn aim(&mut self, step: &Step<Self::Goal>, number: u32, index: usize);
 
-    /// Tells the observer of the point before the first increment, which is aimed at.
+    /// Reports to the observer the point before the first increment, whose goal is set.
     ///
     /// # Errors
     /// The observer's.
@@ -57,10 +57,11 @@ pub(super) trait Divisible {
     /// Returns the number of iterations.
     fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, AttemptFailure>;
 
-    /// Looks again at an increment that is given up behind a fraction of it; returns what is behind that, where it shows.
+    /// Looks again at an increment that is given up after a fraction of it; returns what follows that fraction, if it
+    /// shows.
     fn look_again(&mut self, from: f64, statistics: &mut Statistics) -> Option<String>;
 
-    /// Makes the state of the last attempt the committed one, after the observer was told of both.
+    /// Makes the state of the last attempt the committed one, after both were reported to the observer.
     fn commit(&mut self, observer: &mut dyn Observer);
 
     /// The history's columns from `time` to before `iterations`, at the committed state.

@@ -22,7 +22,7 @@ impl Observer for Rows {
 }
 
 fn plugin(name: &str, props: &[f64]) -> Plugin {
-    let found = Found::by_name(name, &search_paths(&[])).expect("plugins are built beside the tests");
+    let found = Found::by_name(name, &search_paths(&[])).expect("plugins are built next to the tests");
     let library = crate::isolation::load(&found.path).expect("a library");
     Plugin { props: props.to_vec(), ..Plugin::with_defaults(&library, &library.laws()[0]) }
 }
@@ -181,7 +181,7 @@ fn a_table_is_followed_row_by_row_and_until_ends_it() {
     assert_eq!(rows.len(), 4, "the row that passes the bound is kept, the rest is not run");
     assert_eq!([rows[1][2], rows[2][2], rows[3][2]], [0.5, 0.75, 1.75]);
     assert!((rows[3][STRESS] + 2e-4 * 31800.0).abs() < 1e-9);
-    assert!((rows[3][STRAIN + 2] - 0.18 * 2e-4).abs() < 1e-15, "plane stress tells e33");
+    assert!((rows[3][STRAIN + 2] - 0.18 * 2e-4).abs() < 1e-15, "plane stress determines e33");
 }
 
 /// A stretched point is spun rigidly: the stress rotates, nothing else changes.
@@ -281,7 +281,8 @@ fn hypoelastic_stress_converges_to_the_logarithmic_law() {
     assert!(errors[2] < 2e-6, "{errors:?}");
 }
 
-/// Torn matter is free of stress at any large strain, to all digits that count: that is not the equilibrium beside the last one.
+/// Torn matter is free of stress at any large strain, to all digits that count, but that is not the equilibrium next to
+/// the last one.
 #[test]
 fn free_sides_do_not_jump_to_where_all_is_torn() {
     let props = [31_800.0, 0.18, 5e3, 1.3, 1.905_077e-4, 31.474_79, 1.05, 3e-4, 0.172_27, 0.0, 0.0, 0.0, 0.0, 0.0];

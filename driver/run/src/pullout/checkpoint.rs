@@ -4,9 +4,10 @@
 //! checkpoint.bin   "pullout checkpoint\n" │ version, fingerprint of the case, increments between checkpoints, SHA-256 │ state
 //! ```
 //!
-//! in postcard's encoding, which keeps every bit of a number. The file is written beside its place and moved there: a killed
-//! run leaves a whole one. The fingerprint covers all that the case was resolved to, and the plugins' files. The SHA-256 covers all
-//! else: a file that has it is believed. It is no signature, so that a checkpoint from an unknown source is not read at all.
+//! The state is in postcard's encoding, which keeps every bit of a number. The file is written next to its place and
+//! moved there: a killed run leaves a whole one. The fingerprint covers all that the case was resolved to, and the
+//! plugins' files. The SHA-256 covers all else: a file with the right one is trusted. It is no signature, so a
+//! checkpoint from an unknown source is not read at all.
 
 use super::PulloutProgram;
 use super::recorder::RecorderState;

@@ -1,5 +1,5 @@
-//! Checks whether the cracks of a run are of the kind that a crack band serves: along the edges of their elements, open all
-//! over them, and as wide as the law is told.
+//! Checks whether a crack band is valid for the cracks of a run: they must run along the edges of their elements, be
+//! open all over them, and be as wide as CELENT, which the law receives.
 
 use crate::number::significant;
 use fe_core::assembly::Solids;
@@ -12,7 +12,7 @@ const ALONG: f64 = 10.0;
 /// Below this share an element counts as open in part: one of two columns of points gives ½, strain that falls to a third
 /// across an element ¾.
 const OPEN_IN_PART: f64 = 0.7;
-/// Widths of a band, over that which the law is told, that count as right.
+/// Widths of a band, relative to that which the law receives, that count as right.
 const RIGHT_WIDTHS: std::ops::RangeInclusive<f64> = 0.75..=1.25;
 /// Share of the damage up to which there is no warning.
 const SMALL_SHARE: f64 = 0.2;
@@ -29,7 +29,7 @@ struct Crack {
     angle: f64,
     /// (∫ε dV)²/(V ∫ε² dV) of the greatest principal strain ε ≥ 0: the share of the element that opens.
     open: f64,
-    /// The element's extent across the crack, of T6 the part that opens, over the width that the law is told.
+    /// The element's extent across the crack, of T6 the part that opens, relative to the width that the law receives.
     width: f64,
 }
 
@@ -60,13 +60,13 @@ pub fn warnings(model: &Model, solids: &Solids, work: f64) -> Vec<String> {
         let held = cracks.iter().filter(|crack| holds(crack));
         held.map(|crack| crack.damage).sum::<f64>() / all
     };
-    let told = |share: f64| (share > SMALL_SHARE).then(|| significant(100.0 * share, 2));
-    let across = told(share(&|crack| crack.angle > ALONG)).map(|share| {
+    let reported = |share: f64| (share > SMALL_SHARE).then(|| significant(100.0 * share, 2));
+    let across = reported(share(&|crack| crack.angle > ALONG)).map(|share| {
         format!(
             "crack band: cracks take {of_work} % of the work. Cracks lock in elements that they cross at more than {ALONG}° to the edges, which have {share} % of the damage: T6 dissipate up to 1.5 times the fracture energy, others up to twice. Put edges along the crack, or use T6 with concrete_damage_fixed (within 15 %)"
         )
     });
-    let in_part = told(share(&Crack::is_in_part)).map(|share| {
+    let in_part = reported(share(&Crack::is_in_part)).map(|share| {
         format!(
             "crack band: cracks take {of_work} % of the work. Q8 elements with {share} % of the damage are only partly open, usually at one of two columns of points: they dissipate as little as 0.6 times the fracture energy. T6 and Q4 do not have this error"
         )
@@ -76,7 +76,7 @@ pub fn warnings(model: &Model, solids: &Solids, work: f64) -> Vec<String> {
     let straight = || cracks.iter().filter(|crack| is_straight(crack));
     let times = straight().map(|crack| crack.damage).sum::<f64>()
         / straight().map(|crack| crack.damage / crack.width).sum::<f64>();
-    let wide = told(share(&is_straight)).filter(|_| !RIGHT_WIDTHS.contains(&times)).map(|share| {
+    let wide = reported(share(&is_straight)).filter(|_| !RIGHT_WIDTHS.contains(&times)).map(|share| {
         let times = significant(times, 2);
         format!(
             "crack band: cracks take {of_work} % of the work. Cracks along edges, with {share} % of the damage, dissipate about {times} times the fracture energy, because the band is not as wide as CELENT (flat elements, or T6 that open all over): make elements as wide as long, or use Q4 where a whole column cracks"

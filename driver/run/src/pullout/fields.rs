@@ -10,7 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Writes the fields of increments beside the history.
+/// Writes the fields of increments, in addition to the history.
 #[derive(Debug)]
 pub struct FieldWriter {
     series: Series,

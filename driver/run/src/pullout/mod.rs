@@ -1,5 +1,5 @@
-//! Specimens in two dimensions: what a case asks for, checked and resolved, its run, and what it leaves behind besides
-//! the history.
+//! Specimens in two dimensions: what a case asks for, checked and resolved, its run, and its results in addition to the
+//! history.
 
 pub mod checkpoint;
 mod crack_band;

@@ -1,4 +1,4 @@
-//! The states that a case asks pictures of, beside those of the greatest load and of the end.
+//! The states that a case asks pictures of, in addition to those of the greatest load and of the end.
 
 use super::{PictureAt, SavedState};
 use fe_core::output::Fields;

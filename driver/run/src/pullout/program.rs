@@ -44,7 +44,7 @@ pub struct PulloutProgram {
     pub step_untils: Vec<Option<Until>>,
     /// Every n-th increment (and the last of each step) is written as fields; `None`: no fields.
     pub fields_every: Option<usize>,
-    /// Moments at which fields are kept for pictures, beside the greatest load and the end.
+    /// Moments at which fields are kept for pictures, in addition to the greatest load and the end.
     pub pictures_at: Vec<PictureAt>,
     /// The plastic strain beyond which a fibre counts as ruptured.
     pub rupture_strain: f64,

@@ -215,7 +215,7 @@ struct Recorder<'p, 'o> {
     settings: &'p Settings<'p>,
     observer: &'o mut dyn path::Observer,
     fields: Option<FieldWriter>,
-    /// State with which a resumed run goes on, but for the fields.
+    /// State with which a resumed run goes on, except for the fields.
     state: RecorderState,
 }
 

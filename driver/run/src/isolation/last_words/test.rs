@@ -1,6 +1,6 @@
 use super::{Backtraces, explanation};
 
-/// What gfortran's runtime writes, with frames of this program behind the plugin's.
+/// What gfortran's runtime writes, with frames of this program after the plugin's.
 const REPORT: &str = "At line 7 of file /w/rt.f90\nFortran runtime error: Attempting to allocate already allocated variable 'a'\n\nError \
                       termination. Backtrace:\n#0  0x7fd1 in ???\n#1  0x7fd2 in umat_\n\tat /w/rt.f90:7\n#2  0x560c in call\n\tat \
                       umat-abi/src/umat.rs:29\n#3  0x560d in ???\n";
@@ -22,7 +22,7 @@ fn backtraces_are_kept_and_all_else_is_passed_on_as_it_comes() {
 }
 
 #[test]
-fn a_runtime_error_is_told_with_its_way_and_without_our_frames() {
+fn a_runtime_error_is_reported_with_its_way_and_without_our_frames() {
     assert_eq!(
         explanation(REPORT, true).as_deref(),
         Some("umat, rt.f90:7: Fortran runtime error: Attempting to allocate already allocated variable 'a'")

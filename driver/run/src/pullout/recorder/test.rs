@@ -190,8 +190,8 @@ fn bounds_end_a_step_or_the_run() {
 /// A relaxation time that is not given cannot be made shorter.
 #[test]
 fn advice_on_stabilisation_names_what_there_is() {
-    let told = |share, relaxes| stabilisation_warning(share, relaxes).unwrap_or_default();
-    assert_eq!(told(0.009, true), "");
-    assert!(told(0.03, true).ends_with("(a shorter relaxation_time or smaller increments take less)"));
-    assert!(told(0.03, false).ends_with("(smaller increments take less)"));
+    let warning = |share, relaxes| stabilisation_warning(share, relaxes).unwrap_or_default();
+    assert_eq!(warning(0.009, true), "");
+    assert!(warning(0.03, true).ends_with("(a shorter relaxation_time or smaller increments take less)"));
+    assert!(warning(0.03, false).ends_with("(smaller increments take less)"));
 }
