@@ -9,11 +9,11 @@ use umat_abi::metadata::{flags, kinds};
 /// Values on a data line of `*USER MATERIAL`, `*FRICTION, USER` and `*SURFACE INTERACTION, USER`.
 pub const VALUES_A_LINE: usize = 8;
 
-/// The keywords that give a law with its default parameters to ABAQUS, one block for each entry point: lines, the last one
-/// ended as well.
+/// Returns the keywords that give a law with its default parameters to ABAQUS, one block for each entry point. Every
+/// line ends with a line break, also the last.
 ///
 /// # Errors
-/// In words, if the defaults of its metadata make no PROPS.
+/// A message if the defaults of its metadata make no PROPS.
 pub fn input(law: &LawDescription) -> Result<String, String> {
     Ok(written(law, &defaults(law)?, " Default values: put in your own."))
 }

@@ -94,7 +94,7 @@ pub fn resolve(
     if scatter.is_some() && beam.is_none() {
         reader.problem(&root.key("scatter"), "is of beams: give \"beam\" too ({} is that of EN 14651)");
     }
-    // each on its own, so that all is told at once
+    // each on its own, so that all problems are reported at once
     let length = fibre.as_ref().map(|(fibre, _)| fibre.length);
     let checks = [
         Some(matrix.check()),
@@ -229,7 +229,7 @@ fn openings(given: Openings) -> Vec<f64> {
     (0..=intervals).map(place).collect()
 }
 
-/// Tells what the numbers themselves say is wrong with them.
+/// Reports a problem of the numbers themselves.
 fn report_invalid(reader: &mut Reader<'_>, checked: Result<(), Invalid>) {
     if let Err(Invalid { place, rule }) = checked {
         reader.problem(&Place::path(&place), rule);
@@ -252,7 +252,7 @@ fn counted(reader: &mut Reader<'_>, orientation: Orientation) -> Option<Orientat
     let Orientation::Histogram { edges_deg, counts, file: Some(file) } = &orientation else { return Some(orientation) };
     let place = Place::root().key("orientation").key("file");
     if !edges_deg.is_empty() || !counts.is_empty() {
-        reader.problem(&place, "is given beside edges_deg or counts: it has both");
+        reader.problem(&place, "is given together with edges_deg or counts: the file has both");
         return None;
     }
     let path = reader.file(file, &place)?;
@@ -361,7 +361,7 @@ fn sampled(reader: &mut Reader<'_>, others: &ReferencedCases, lag: &ShearLagFibr
     }
 }
 
-/// Returns whether a slip, but for rounding, is one of those that rise.
+/// Returns whether a slip is, up to rounding, one of those that rise.
 fn is_among(slips: &[f64], slip: f64) -> bool {
     let first = slips.partition_point(|one| *one < slip * (1.0 - ROUNDING));
     slips.get(first).is_some_and(|one| *one <= slip * (1.0 + ROUNDING))
@@ -421,8 +421,8 @@ fn stand_in() -> LoadSource {
     LoadSource::Bond(Bond::Closed(closed), Default::default())
 }
 
-/// Runs of a specimen at all pairs of angles and lengths. Those at the corners are read, so that what is wrong with the
-/// base is told here.
+/// Returns the runs of a specimen at all pairs of angles and lengths. Those at the corners are read, so that problems
+/// of the base case are reported here.
 fn simulations(reader: &mut Reader<'_>, others: &ReferencedCases, fe: &FeFibre) -> Option<LoadSource> {
     let place = Place::root().key("fibre");
     let angles = fe.angles_deg.clone().unwrap_or(ANGLES_DEG.into());

@@ -1,5 +1,5 @@
-//! The host's normal law in the parameters of a law that is called as FRIC. The law takes the pressure that rubs nothing (that
-//! of a soft normal law at gap 0) from parameters of its own, and FRIC is told no other.
+//! The host's normal law in the parameters of a law that is called as FRIC. The law takes the pressure that rubs
+//! nothing (that of a soft normal law at gap 0) from its own parameters, since FRIC receives no other.
 
 use crate::document::{PropValue, Props};
 use crate::problem::Place;
@@ -64,7 +64,8 @@ pub fn beside(
     Some(Props::Named(named))
 }
 
-/// The value that a case gives a parameter, and where; `None` as well for what is wrong, which is told with the other parameters.
+/// Returns the value that a case gives a parameter, and its place; `None` also if it is wrong, which is reported with
+/// the other parameters.
 fn given(law: &LawDescription, props: Option<&Props>, at: usize, place: &Place) -> Option<(f64, Place)> {
     let parameter = &law.parameters[at];
     let named = match props? {

@@ -1,4 +1,4 @@
-//! JSON text to a value, with what no value tells: keys that were given twice; and `--set`.
+//! Conversion of JSON text to a value, `--set`, and what a value cannot show: keys that were given twice.
 
 use crate::problem::{Place, Problem};
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
@@ -22,7 +22,7 @@ pub fn parse(text: &str) -> Result<(Value, Vec<Problem>), Problem> {
         let position = format!(" at line {} column {}", error.line(), error.column());
         let what = message.strip_suffix(&position).unwrap_or(&message);
         let kind = if error.is_data() { "" } else { "not valid JSON: " };
-        // the error is told where a value or a name is missed: at the comment, or behind its first character
+        // the error is reported where a value or a name is missed: at the comment, or after its first character
         let line = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default().as_bytes();
         let from = error.column().saturating_sub(2).min(line.len());
         let here = line[from..].trim_ascii_start();

@@ -38,7 +38,7 @@ pub struct Use {
     pub length: Length,
     /// The case's temperature at the start.
     pub initial_temperature: f64,
-    /// The host's normal law beside FRIC, if it is known, and where the case gives it.
+    /// The host's normal law that goes with FRIC, if it is known, and its place in the case.
     pub normal: Option<(NormalLaw, Place)>,
 }
 
@@ -164,7 +164,7 @@ pub fn report_initial_values(reader: &mut Reader<'_>, library: &Library, given: 
 }
 
 /// Warns of routines of heat in a library that are not called where the case is as it is: HETVAL, UMATHT; `reasons`: why not.
-pub fn tell_heat_routines(reader: &mut Reader<'_>, library: &Library, reasons: [(&str, Option<&str>); 2]) {
+pub fn report_heat_routines(reader: &mut Reader<'_>, library: &Library, reasons: [(&str, Option<&str>); 2]) {
     for (symbol, reason) in reasons {
         let routine = library.routines().iter().find(|routine| routine.symbol == symbol);
         if let (Some(routine), Some(reason)) = (routine, reason) {

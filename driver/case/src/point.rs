@@ -70,7 +70,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     if let Some(plugin) = &plugin {
         let silent = (!heat).then_some("\"output\": {\"heat\": true} shows what it adds to RPL");
         let reasons = [("hetval", silent), ("umatht", Some("a point has no gradient of the temperature"))];
-        plugin::tell_heat_routines(reader, &plugin.library, reasons);
+        plugin::report_heat_routines(reader, &plugin.library, reasons);
     }
     let columns = plugin.as_ref().map(|plugin| columns::of_point(nlgeom, heat, &plugin.state_names()));
     if case.measure.is_some() && !nlgeom {
@@ -257,7 +257,8 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
     Some(PointStep { pace: Pace::Rows(table.time_increments.clone()), goal, until, fields })
 }
 
-/// The steps at finite strain tell what turns; the increments of the first call must be as many as the mode and the case have.
+/// Checks the arguments of the first call. At finite strain the steps determine the kinematic ones. Increments must be
+/// as many as the mode and the case have.
 fn check_arguments(
     reader: &mut Reader<'_>,
     given: &document::UmatArguments,

@@ -6,8 +6,8 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use umat_abi::host::{LawDescription, Parameter};
 
-/// The PROPS that a case's `props` (an object by name or an array) stand for under a law; `null` stands for all
-/// defaults. Places in problems begin with `$.material.props`. The law's own validation is not asked.
+/// Returns the PROPS of a law for a case's `props` (an object by name or an array); `null` means all defaults. Places
+/// in problems begin with `$.material.props`. The law's own validation is not called.
 ///
 /// # Errors
 /// Everything that is wrong.

@@ -37,7 +37,7 @@ impl Case {
         }
     }
 
-    /// Tells what GETJOBNAME and GETOUTDIR answer from now on, after others may have been read.
+    /// Sets the answers of GETJOBNAME and GETOUTDIR from now on, as other cases may have been read since.
     pub fn announce(&self) {
         match self {
             Self::Path(program) => announce(&program.about.case_file, &program.document),
@@ -45,8 +45,8 @@ impl Case {
         }
     }
 
-    /// Calls laws that reading the case has not called, because their UEXTERNALDB must be told of one analysis only: here
-    /// of one that ends at once.
+    /// Calls laws that reading the case has not called, because their UEXTERNALDB must see one analysis only: here one
+    /// that ends at once.
     ///
     /// # Errors
     /// Problems that the laws report.
@@ -76,7 +76,7 @@ impl Case {
         }
     }
 
-    /// The columns that hold numbers of the run, behind step and increment.
+    /// Returns the columns that hold numbers of the run, which follow step and increment.
     pub fn columns_of_numbers(&self) -> Vec<String> {
         if let Self::Bridging(program) = self { program.columns() } else { self.columns().split_off(2) }
     }
@@ -170,8 +170,8 @@ pub fn read_text(path: &Path) -> Result<Value, CaseErrors> {
     }
 }
 
-/// Tells whether a case needs a process of its own. One that cannot be read does not: reading it again tells what is
-/// wrong.
+/// Returns why a case needs its own process, if it does. A case that cannot be read does not: reading it again reports
+/// what is wrong.
 pub fn need(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Option<Need> {
     isolation::need(&document(path, overrides)?, path, plugin_paths)
 }
@@ -219,7 +219,7 @@ fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> 
     Some(document)
 }
 
-/// Tells what GETJOBNAME and GETOUTDIR answer from now on.
+/// Sets the answers of GETJOBNAME and GETOUTDIR from now on.
 fn announce(path: &Path, document: &Value) {
     announce_job(&path.file_stem().unwrap_or_default().to_string_lossy(), &job_folder(path, document));
 }
@@ -283,7 +283,7 @@ fn read_family<D: DeserializeOwned, T>(
     resolve(reader, document)
 }
 
-/// Structure first, then meaning: of a document of another structure it cannot be told what it means.
+/// Checks first the structure, then the meaning: a document of another structure has none.
 fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) -> Option<Case> {
     match kind {
         "interface" => {
@@ -310,7 +310,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
 
 /// A specimen that another case takes curves of; `None`: its plugins must not be loaded here, its own run checks them.
 fn specimen(reader: &Reader<'_>, file: &Path, overrides: &[String]) -> bridging::ReadSpecimen {
-    let told = |problems: Vec<Problem>| {
+    let error_of = |problems: Vec<Problem>| {
         let first = problems.into_iter().next().unwrap_or_else(|| Problem::unreadable("it is wrong".to_owned()));
         let message = format!("{}: {first}", file.display());
         bridging::WrongSpecimen { place: first.place, message }
@@ -319,18 +319,18 @@ fn specimen(reader: &Reader<'_>, file: &Path, overrides: &[String]) -> bridging:
     let mut problems = Vec::new();
     let document = text_with(file, overrides, &mut problems);
     // a case that is its own base would be read without end
-    let Some(document) = document.filter(|_| problems.is_empty()) else { return Err(told(problems)) };
+    let Some(document) = document.filter(|_| problems.is_empty()) else { return Err(error_of(problems)) };
     if document["kind"] != "pullout" {
         return Err(no_specimen());
     }
     if need(file, overrides, reader.plugin_paths).is_some() {
         let problems = structure::check("pullout", &document);
-        return if problems.is_empty() { Ok(None) } else { Err(told(problems)) };
+        return if problems.is_empty() { Ok(None) } else { Err(error_of(problems)) };
     }
     match read_by(Reader::new(folder_of(file), reader.plugin_paths, reader.is_untrusted), file, None, overrides) {
         Ok(Case::Pullout(program)) => Ok(Some(program)),
         Ok(_) => Err(no_specimen()),
-        Err(errors) => Err(told(errors.problems)),
+        Err(errors) => Err(error_of(errors.problems)),
     }
 }
 

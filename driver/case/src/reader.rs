@@ -101,7 +101,7 @@ impl<'a> Reader<'a> {
         self.warn(outside_usual(what, value, unit, range));
     }
 
-    /// Warns of something, once: what several places have in common is told at each of them.
+    /// Adds a warning, once: what several places have in common is found at each of them.
     pub(crate) fn warn(&mut self, warning: String) {
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
@@ -144,12 +144,12 @@ impl<'a> Reader<'a> {
         self.problems.push(Problem::new(place.clone(), message));
     }
 
-    /// A value, unless there is a message why not, which is told at a place.
+    /// Returns a value, or reports at a place why there is none.
     pub(crate) fn without_problem<T, E: ToString>(&mut self, value: Result<T, E>, place: &Place) -> Option<T> {
         value.map_err(|error| self.problem(place, error.to_string())).ok()
     }
 
-    /// A value, unless there are messages why not, which are told at a place.
+    /// Returns a value, or reports all reasons at a place why there is none.
     pub(crate) fn without_problems<T>(&mut self, value: Result<T, Vec<String>>, place: &Place) -> Option<T> {
         value.map_err(|messages| messages.into_iter().for_each(|message| self.problem(place, message))).ok()
     }
@@ -199,7 +199,7 @@ pub fn outside_usual(what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2
     )
 }
 
-/// A file in a folder, links followed; `whose`: the folder in words.
+/// Returns a file in a folder, links followed; `whose`: description of the folder.
 fn within(folder: &Path, name: &str, whose: &str) -> Result<PathBuf, String> {
     use std::path::Component;
     let leads_out = || format!("{name} leads out of the {whose} folder, which --untrusted does not allow");

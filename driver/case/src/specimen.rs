@@ -32,8 +32,8 @@ mod steps;
 const FIELDS_EVERY: usize = 10;
 /// Elongation over the gauge length beyond which a steel fibre counts as ruptured, unless the case says otherwise (an assumption).
 const RUPTURE_STRAIN: f64 = 0.03;
-/// Slip over which torn matter bears nothing before it is released, and over which its forces fade, where a case does not
-/// say, mm.
+/// Slip over which torn matter carries nothing before it is released, and over which its forces fade, mm, if a case
+/// does not give them.
 const USUAL_SLIP: f64 = 0.02;
 
 /// Resolves a case; what is wrong with it goes to the reader.
@@ -120,11 +120,11 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     }
     if field.is_none() {
         let reason = Some("the case has no \"field\"");
-        let mut told = Vec::new();
+        let mut reported = Vec::new();
         for law in &parts.laws {
-            if !told.contains(&law.library.path()) {
-                plugin::tell_heat_routines(reader, &law.library, [("hetval", reason), ("umatht", reason)]);
-                told.push(law.library.path());
+            if !reported.contains(&law.library.path()) {
+                plugin::report_heat_routines(reader, &law.library, [("hetval", reason), ("umatht", reason)]);
+                reported.push(law.library.path());
             }
         }
     }

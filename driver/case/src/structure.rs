@@ -1,7 +1,7 @@
-//! The schema of the case format, and what a document disagrees with it in, in words.
+//! The schema of the case format, and messages about what a document violates.
 //!
-//! [`crate::validation`] decides; this module chooses among the branches of a union the one that was meant,
-//! so that "neither this nor that nor that" does not reach the user.
+//! [`crate::validation`] decides; this module chooses among the branches of a union the one that was meant, so that
+//! "neither this nor that nor that" does not reach the user.
 
 use crate::document::bridging::BridgingCase;
 use crate::document::study::StudyFile;

@@ -138,7 +138,7 @@ impl CsvFile {
         self.lines.get(row).copied().unwrap_or_default()
     }
 
-    /// Tells what is wrong in a line.
+    /// Returns a message about a line, with file and line number.
     pub fn fault(&self, line: u64, message: impl Display) -> Vec<String> {
         vec![format!("{}, line {line}: {message}", self.path.display())]
     }

@@ -36,10 +36,11 @@ const PENALTY_FACTOR: f64 = 1.0;
 /// A contact pair of the case with its name, without one if it is all of them, what it says of bearing, and the place of that.
 type Given<'c> = (Option<&'c str>, &'c document::Pair, Option<document::Bearing>, Place);
 
-/// Gives the lines of round fibres what the concrete under them bears: those of hooked fibres, and those of which the case says so.
+/// Sets what the concrete under round fibres carries: for the lines of hooked fibres, and for those where the case says
+/// so.
 ///
-/// The force per length of a cylinder that is pressed into concrete by u grows as φ f_c √(E u/(f_c φ)) up to `factor` φ f_c, where the
-/// concrete is crushed.
+/// The force per length of a cylinder that is pressed into concrete by u grows as φ f_c √(E u/(f_c φ)) up to `factor` φ
+/// f_c, where the concrete is crushed.
 pub fn fill(
     reader: &mut Reader<'_>,
     case: &PulloutCase,
@@ -149,8 +150,8 @@ struct Concrete {
     modulus: f64,
 }
 
-/// Compresses a cube of the law along 1 with free sides, on which an isotropic one bears nothing; `None`: it has no strength, or
-/// cannot be asked.
+/// Compresses a cube of the law along 1 with free sides, where an isotropic law carries nothing; `None`: it has no
+/// strength, or cannot be asked.
 fn compressed(law: &PluginLaw, mesh: &Mesh, part: usize) -> Option<Concrete> {
     let description = law.plugin.law.as_ref().filter(|_| law.plugin.frame.is_none())?;
     if description.stress_states & stress_states::THREE_D == 0 {

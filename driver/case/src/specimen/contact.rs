@@ -25,7 +25,7 @@ const PENALTY_FACTOR: f64 = 100.0;
 const UZAWA_TOLERANCE: f64 = 1e-6;
 /// Updates of the multiplier in an increment.
 const UZAWA_UPDATES: usize = 4;
-/// Tension that a bonded surface bears where it separates at the exit, MPa (6.27).
+/// Tension that a bonded surface carries where it separates at the exit, MPa (6.27).
 const SEPARATION_TENSION: f64 = 2.0;
 /// The law's parameter for it.
 const SEPARATION_PARAMETER: &str = "p_0";
@@ -95,7 +95,7 @@ fn is_on_request(pair: &ContactSurfaces) -> bool {
     pair.role == SurfaceRole::End
 }
 
-/// Tells the widths of the lines of contact of round fibres in the plane.
+/// Notes the widths of the contact lines of round fibres in the plane.
 fn note_widths(reader: &mut Reader<'_>, pairs: &[ContactPair], defaults: &[ContactSurfaces], scene: KnownMesh<'_>) {
     let mut parts = scene.mesh.into_iter().flat_map(|mesh| mesh.parts());
     let Some(matrix) = parts.find(|part| part.name == MATRIX) else { return };
@@ -200,7 +200,7 @@ fn law_of_role(
     };
     let other = match (given, default.filter(|default| has_default(bonded, default))) {
         (Some(given), _) => given.clone(),
-        // beside FRIC the tension is the host's
+        // with FRIC the tension is the host's
         (None, Some((SEPARATION_PARAMETER, _))) if matches!(bonded, ContactLaw::Fric { .. }) => {
             return Some(bonded.clone());
         }
@@ -379,10 +379,10 @@ fn surface(
     reader.without_problem(chain, place)
 }
 
-/// The edges in the order in which they follow each other.
+/// Returns the edges in the order in which they follow each other.
 ///
 /// # Errors
-/// In words, why they are no chain.
+/// The reason why they are no chain.
 fn chain(mesh: &Mesh, edges: &[ElementEdge]) -> Result<Vec<ElementEdge>, String> {
     let start = |edge: ElementEdge| {
         let [x, y] = mesh.nodes()[mesh.edge_nodes(edge).nodes()[0]];

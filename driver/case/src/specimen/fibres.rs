@@ -296,7 +296,7 @@ fn hooked_path(
     let free_length = taken.real(&of("path.free_length"), given.free_length, FREE_LENGTH_AFTER_BEND);
     // what an arc takes of the lines on both sides of its corner
     let cut = radius * (0.5 * angle).tan();
-    // from the shaft: aslant, along it, aslant to the other side, along it
+    // from the shaft: oblique, along it, oblique to the other side, along it
     let lean = |from_shaft: usize| rotation + [0.0, angle, 0.0, -angle][from_shaft % 4];
     let mut path = Vec::new();
     let mut hook_length = 0.0;
@@ -390,7 +390,7 @@ fn matrix_thickness(
     of_part.unwrap_or_else(|| taken.real("matrix_thickness", given, default))
 }
 
-/// The thickness of the block beside that of its part, which counts.
+/// Returns what is wrong if the block's thickness is given in addition to that of its part, which counts.
 fn matrix_thickness_twice(of_part: Option<Thickness>, given: Option<Positive>) -> (&'static str, bool, &'static str) {
     let is_twice = of_part.is_some() && given.is_some();
     ("matrix_thickness", is_twice, "a specimen whose parts.matrix has a thickness")

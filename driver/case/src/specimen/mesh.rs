@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 /// The part around a fibre.
 pub const MATRIX: &str = "matrix";
-/// The part of a specimen that is of the same matter in front of and behind the fibre.
+/// The part of a specimen that consists of matrix concrete on both faces of the fibre.
 pub const COVER: &str = "cover";
 
 /// A mesh as its maker gave it, and what the specimen says where the case says nothing.
@@ -103,7 +103,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<MeshAndSet
                 }
                 Err(SpecimenError::Parameters { problems }) => {
                     for problem in problems {
-                        // a sum of parameters is told at its first
+                        // a sum of parameters is reported at its first
                         let key = problem.name.split_whitespace().next().unwrap_or(problem.name);
                         let of_fibre = problem.fibre.map(|index| place.key("fibres").index(index));
                         let of = of_fibre.unwrap_or_else(|| place.clone());

@@ -20,15 +20,15 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
             reader.warn(format!("mesh: {finding}"));
         }
     }
-    let mut told: Vec<&str> = Vec::new();
+    let mut reported: Vec<&str> = Vec::new();
     for support in &model.supports {
         let is_graded = |element: &&Element| {
             let part = &model.mesh.parts()[element.part()];
             [MATRIX, COVER].contains(&part.name.as_str()) && element.thickness() < part.thickness
         };
         let mut graded = model.mesh.elements().iter().filter(is_graded).flat_map(Element::nodes);
-        if !told.contains(&support.name.as_str()) && graded.any(|node| support.nodes.contains(node)) {
-            told.push(&support.name);
+        if !reported.contains(&support.name.as_str()) && graded.any(|node| support.nodes.contains(node)) {
+            reported.push(&support.name);
             let message =
                 "holds elements of graded thickness: they are thinner than what it stands on; give a smaller extent";
             reader.warn(format!("support '{}' {message}", support.name));

@@ -148,7 +148,7 @@ pub fn with_routines(reader: &mut Reader<'_>, case: &PulloutCase, field: &mut Sc
         for (key, is_given) in [("conductivity", given.conductivity.is_some()), ("capacity", given.capacity.is_some())]
         {
             if is_given {
-                let advice = "UMATHT tells what flows and what is stored; \"umatht\" has its props and density";
+                let advice = "UMATHT determines what flows and what is stored; \"umatht\" has its props and density";
                 reader.warn_no_effect(&root.key(key), advice);
             }
         }

@@ -121,7 +121,7 @@ fn one_step(
     let mut taken = UsedDefaults::default();
     let time = taken.real("time", ramp.time, 1.0);
     let control = control(reader, ramp.increments, &place.key("increments"), &mut taken);
-    // told once, not for each of many steps
+    // reported once, not for each of many steps
     reader.note_defaults(&Place::root().key("steps"), &taken.0);
     let step = Step { time, targets, control };
     ResolvedStep { step, until, temperature: ramp.end.temperature, predef: ramp.end.predef.clone() }

@@ -63,7 +63,7 @@ const MALFORMED: &[Sample] = &[
         ByMeaning,
     ),
     (&[COUNTED, "orientation.file=nothing-counted.csv"], "$.orientation.file", "nor all 0", ByMeaning),
-    (&[COUNTED, "orientation.counts=[1]"], "$.orientation.file", "beside edges_deg or counts", ByMeaning),
+    (&[COUNTED, "orientation.counts=[1]"], "$.orientation.file", "together with edges_deg or counts", ByMeaning),
     (&[r#"orientation={"type": "number", "eta": 0.999}"#], "$.orientation.eta", "must lie between", ByMeaning),
     (&["openings={\"points\": 1}"], "$.openings.points", "must be >= 3", BySchema),
     (&["openings={\"to\": -1}"], "$.openings.to", "must be > 0", BySchema),
@@ -132,7 +132,7 @@ fn malformed_cases_of_bridging_are_explained() {
 }
 
 #[test]
-fn one_mistake_is_told_once() {
+fn one_mistake_is_reported_once() {
     let bench = Bench::new();
     for (overrides, place, ..) in MALFORMED {
         let errors = bench.read(&case(), overrides).expect_err("malformed");
@@ -141,7 +141,7 @@ fn one_mistake_is_told_once() {
 }
 
 #[test]
-fn mistakes_in_several_parts_are_told_at_once() {
+fn mistakes_in_several_parts_are_reported_at_once() {
     let overrides = ["fibre.tau=0", "matrix.ft=0", "beam.width=0", r#"orientation={"type": "beta", "r": 0, "q": 1}"#];
     let errors = Bench::new().read(&case(), &overrides).expect_err("malformed");
     let places: Vec<&str> = errors.problems.iter().filter_map(|p| p.place.as_ref()).map(|p| p.as_str()).collect();
@@ -177,7 +177,7 @@ fn runs_of_a_hooked_fibre_turn_its_path() {
     assert_eq!(last[..], ["mesh.specimen.fibres.0.rotate_deg=20", "mesh.specimen.fibres.0.embedded=30"]);
 }
 
-/// Tests at 0° with an angle's effect beside them, and a factor: twice the loads are twice the stress.
+/// Tests at 0° with an angle's effect in addition, and a factor: twice the loads are twice the stress.
 #[test]
 fn curves_at_right_angles_take_an_inclination() {
     let bench = Bench::new();
@@ -186,8 +186,12 @@ fn curves_at_right_angles_take_an_inclination() {
     let stress = |more: &[&str]| {
         let all = [&[TABLE, "fibre.file=zero.csv"], more].concat();
         let Ok(Case::Bridging(program)) = bench.read(&case(), &all) else { panic!("a case") };
-        let told = program.assumptions(&[]).expect("curves");
-        assert_eq!(told.iter().any(|told| told.contains("largest angle")), more[0].contains("cut_deg"), "{told:?}");
+        let messages = program.assumptions(&[]).expect("curves");
+        assert_eq!(
+            messages.iter().any(|message| message.contains("largest angle")),
+            more[0].contains("cut_deg"),
+            "{messages:?}"
+        );
         program.composite(&[]).expect("a composite").average(1.0).stress
     };
     let plain = stress(&["fibre.cut_deg=90"]);
@@ -244,7 +248,7 @@ fn a_law_of_contact_keeps_its_corners() {
     }
 }
 
-/// The slope at slip 0 is found however small the traction of the corner is beside the greatest.
+/// The slope at slip 0 is found however small the traction of the corner is compared with the greatest.
 #[test]
 fn a_law_of_contact_begins_with_its_stiffness() {
     let program = of_law(&[[1e-5, 1e-4], [1.0, 5.0], [100.0, 5.0]]);
@@ -253,7 +257,7 @@ fn a_law_of_contact_begins_with_its_stiffness() {
     assert!((traction / slip / 10.0 - 1.0).abs() < 0.02, "{}", traction / slip);
 }
 
-/// σ = V_f/A_f (2/L_f) g π d τ(w) (L_f/2 − w)²/2 of stiff fibres, g = 1/2 without snubbing, beside a corner of τ.
+/// σ = V_f/A_f (2/L_f) g π d τ(w) (L_f/2 − w)²/2 of stiff fibres, g = 1/2 without snubbing, near a corner of τ.
 #[test]
 fn stiff_fibres_follow_the_corners_of_their_law() {
     let program = of_law(&[[0.02, 3.0], [3.0, 3.0], [3.001, 0.5], [100.0, 0.5]]);
@@ -347,15 +351,15 @@ fn numbers_that_are_hardly_meant_are_warned_of() {
             "fibre.inclination.f = 20 is outside the usual range, 0 to 2: is",
         ),
     ] {
-        let told = warnings(&[entry]);
-        let [warning] = &told[..] else { panic!("{entry}: {told:?}") };
+        let messages = warnings(&[entry]);
+        let [warning] = &messages[..] else { panic!("{entry}: {messages:?}") };
         assert!(warning.starts_with(what) && warning.ends_with("is it in units of N, mm, MPa?"), "{warning}");
     }
 }
 
 /// Numbers that nothing asks for.
 #[test]
-fn numbers_without_effect_are_told() {
+fn numbers_without_effect_are_reported() {
     for (overrides, what) in [
         (&["fibre.rupture_f=0.3"][..], "$.fibre.rupture_f"),
         (&[r#"scatter={"strength_cv": 0.1}"#], "$.scatter.strength_cv"),
@@ -365,8 +369,8 @@ fn numbers_without_effect_are_told() {
             let Ok(Case::Bridging(program)) = Bench::new().read(&case(), overrides) else { panic!("a case") };
             program.about.warnings
         };
-        let told = warnings(overrides);
-        assert!(told.len() == 1 && told[0].starts_with(&format!("{what}: has no effect")), "{told:?}");
+        let messages = warnings(overrides);
+        assert!(messages.len() == 1 && messages[0].starts_with(&format!("{what}: has no effect")), "{messages:?}");
         let used = [overrides, &["fibre.strength=1000", "beam={}"]].concat();
         assert_eq!(warnings(&used), Vec::<String>::new(), "{used:?}");
     }
@@ -374,22 +378,22 @@ fn numbers_without_effect_are_told() {
 
 /// Random fibres whose curves end at 60° and at a slip of 2 mm: both is said, with what is assumed.
 #[test]
-fn what_curves_do_not_tell_is_said() {
+fn what_curves_do_not_determine_is_reported() {
     let assumed = |entry: &str| {
         let Ok(Case::Bridging(program)) = Bench::new().read(&case(), &[TABLE, "fibre.file=to-60.csv", entry]) else {
             panic!("a case")
         };
         program.assumptions(&[]).expect("curves")
     };
-    let told = assumed("openings={\"to\": 1}");
-    let [first, beyond] = &told[..] else { panic!("{told:?}") };
+    let messages = assumed("openings={\"to\": 1}");
+    let [first, beyond] = &messages[..] else { panic!("{messages:?}") };
     assert!(first.starts_with("fibre at 0°, 15 mm (and 1 more): its curve ends at a slip of 2 mm with 5 N"), "{first}");
     // the beam opens the crack by more than 2 mm; without it 1 mm is all
-    let told = assumed("beam=null");
-    assert_eq!(told.len(), 2);
+    let messages = assumed("beam=null");
+    assert_eq!(messages.len(), 2);
     // sin² 80° − sin² 60° over sin² 80° of equal loads
     let share = 1.0 - 0.75 / 80.0_f64.to_radians().sin().powi(2);
     let of_all = format!("carry up to {:.0} %", 100.0 * share);
     assert!(beyond.contains("at more than 60°") && beyond.contains(&of_all), "{beyond} {of_all}");
-    assert!(assumed("fibre.cut_deg=60").iter().all(|told| !told.contains("largest angle")));
+    assert!(assumed("fibre.cut_deg=60").iter().all(|message| !message.contains("largest angle")));
 }

@@ -11,7 +11,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-/// The cases that are shipped, with their places: data lie beside them.
+/// The cases that are shipped, with their places: data lie next to them.
 static SHIPPED: LazyLock<Vec<(PathBuf, Vec<u8>)>> = LazyLock::new(|| {
     fn collect(folder: &Path, files: &mut Vec<(PathBuf, Vec<u8>)>) {
         let entries = std::fs::read_dir(folder).expect("a folder of cases");
@@ -32,7 +32,7 @@ static SHIPPED: LazyLock<Vec<(PathBuf, Vec<u8>)>> = LazyLock::new(|| {
     files
 });
 
-/// Some problem at least, each in words, and the exit code of bad input.
+/// Expects at least one problem, each with a message, and the exit code of bad input.
 fn expect_words(outcome: Result<Case, CaseErrors>) {
     if let Err(errors) = outcome {
         assert!(!errors.problems.is_empty() && [2, 3].contains(&errors.exit_code()));
@@ -164,7 +164,7 @@ fn wild_parameter() -> impl Strategy<Value = Value> {
     ]
 }
 
-/// A case of a specimen that is complete but for what its type asks for beyond parts of these names.
+/// A case of a specimen that is complete, except for what its type asks for in addition to parts of these names.
 fn specimen_case(specimen: Value) -> Value {
     let parts = [
         "fibre", "matrix", "plate", "cylinder", "membrane", "beam", "lower", "upper", "base", "strip", "block",
@@ -219,7 +219,7 @@ fn wild_path() -> impl Strategy<Value = String> {
 }
 
 #[test]
-fn of_very_many_problems_the_first_are_told_and_the_others_counted() {
+fn of_very_many_problems_the_first_are_reported_and_the_others_counted() {
     let mut case = point_case();
     for k in 0..100_000 {
         case[format!("unknown {k}")] = k.into();

@@ -370,12 +370,12 @@ fn failure(case: &Value, overrides: &[&str]) -> (u8, String) {
 
 /// Not read as if its elements were the members.
 #[test]
-fn an_array_in_place_of_an_object_is_told_once() {
+fn an_array_in_place_of_an_object_is_reported_once() {
     let mut case = super::specimen::pullout_case();
     case["mesh"] = json!([{ "s22": 1 }]);
     let errors = Bench::new().read(&case, &[]).expect_err("no mesh");
-    let told: Vec<String> = errors.problems.iter().map(ToString::to_string).collect();
-    assert_eq!(told, [r#"$.mesh: expected an object, found [{"s22":1}]"#]);
+    let messages: Vec<String> = errors.problems.iter().map(ToString::to_string).collect();
+    assert_eq!(messages, [r#"$.mesh: expected an object, found [{"s22":1}]"#]);
 }
 
 #[test]
@@ -399,7 +399,7 @@ fn a_plugin_that_cannot_be_loaded_is_exit_code_3() {
 }
 
 #[test]
-fn a_missing_plugin_beside_wrong_input_is_exit_code_2() {
+fn a_missing_plugin_and_wrong_input_are_exit_code_2() {
     let (code, text) = failure(&point_case(), &["material.plugin=zzz", "steps.0.target.s11=1"]);
     assert_eq!((code, text.lines().count()), (2, 2), "{text}");
 }
@@ -529,7 +529,7 @@ fn a_missing_or_unreadable_case_file_is_an_error() {
 }
 
 #[test]
-fn a_plugin_that_is_not_found_is_told_with_what_to_do() {
+fn a_plugin_that_is_not_found_is_reported_with_what_to_do() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let nowhere = super::super::not_found("linear_elastic", &[folder.path().to_path_buf()]);
     for expected in ["--plugin-path", "PULLOUT_PLUGIN_PATH", "cargo xtask install", &folder.path().to_string_lossy()] {

@@ -32,12 +32,12 @@ fn value(program: &Program, name: &str) -> f64 {
 }
 
 #[test]
-fn arguments_of_the_other_entry_point_are_told() {
+fn arguments_of_the_other_entry_point_are_reported() {
     let mut case = bond(json!({ "normal_law": "hard", "normal_stiffness": 4e4 }));
     case["arguments"] = json!({ "lm": 1, "dpress": 0.1, "slip": [0, 0], "flags": [1, 1], "area": 2 });
     let warnings = accepted(&case).about.warnings;
-    let told: Vec<&str> = warnings.iter().filter_map(|warning| warning.split(": has no effect").next()).collect();
-    assert_eq!(told, ["$.arguments.lm", "$.arguments.slip", "$.arguments.dpress"]);
+    let places: Vec<&str> = warnings.iter().filter_map(|warning| warning.split(": has no effect").next()).collect();
+    assert_eq!(places, ["$.arguments.lm", "$.arguments.slip", "$.arguments.dpress"]);
 }
 
 #[test]
@@ -188,26 +188,27 @@ fn the_shipped_cases_are_read() {
 }
 
 #[test]
-fn what_a_slip_of_units_makes_is_told_with_the_usual_range() {
-    let told = |plugin: &str, props: Value| {
+fn a_slip_of_units_is_reported_with_the_usual_range() {
+    let warnings = |plugin: &str, props: Value| {
         let mut case = point_case();
         case["material"] = json!({ "plugin": plugin, "props": props });
         accepted(&case).about.warnings
     };
     // GPa; thresholds of 3.5 MPa in kPa; J/m²
-    let in_gpa = told("linear_elastic", json!({ "E": 31.8 }));
+    let in_gpa = warnings("linear_elastic", json!({ "E": 31.8 }));
     let expected = "material.props.E = 31.8 MPa is outside the usual range, 500 to 1.2·10⁶ MPa";
     assert!(in_gpa.len() == 1 && in_gpa[0].starts_with(expected), "{in_gpa:?}");
-    let listed = told("linear_elastic", json!([31.8, 0.18]));
+    let listed = warnings("linear_elastic", json!([31.8, 0.18]));
     assert_eq!(listed, in_gpa);
-    let threshold = told("concrete_damage", json!({ "Y_t0": 192.6 }));
+    let threshold = warnings("concrete_damage", json!({ "Y_t0": 192.6 }));
     assert!(threshold.len() == 1 && threshold[0].starts_with("material.props.Y_t0 = 192.6 MPa"), "{threshold:?}");
     assert!(
-        told("concrete_damage", json!({})).is_empty() && told("concrete_damage", json!({ "E": 31_800 })).is_empty()
+        warnings("concrete_damage", json!({})).is_empty()
+            && warnings("concrete_damage", json!({ "E": 31_800 })).is_empty()
     );
-    assert!(told("drucker_prager", json!({ "E": 31.8 })).is_empty(), "a soft soil");
+    assert!(warnings("drucker_prager", json!({ "E": 31.8 })).is_empty(), "a soft soil");
     // Pa; 1/GPa
-    let damage = told("pure_damage", json!({ "A": 5e6, "Y_0": 3500 }));
+    let damage = warnings("pure_damage", json!({ "A": 5e6, "Y_0": 3500 }));
     assert!(damage.len() == 2 && damage[0].starts_with("material.props.A = 5·10⁶ 1/MPa is outside"), "{damage:?}");
     let bond = accepted(&bond(json!({ "law": "none", "p_0": 2e6, "k_e": 0.001, "delta_N": 0 }))).about.warnings;
     let unusual: Vec<&String> = bond.iter().filter(|warning| warning.contains("usual range")).collect();

@@ -140,7 +140,7 @@ fn accepted(case: &Value, overrides: &[&str]) -> PulloutProgram {
 
 /// A mesh has an axis of rotation for all its parts, or for none.
 #[test]
-fn plane_parts_beside_round_ones_are_refused() {
+fn plane_parts_next_to_round_ones_are_refused() {
     for overrides in [
         ["mesh.specimen.axisymmetric=true", "parts.fibre.model=plane_stress"],
         ["mesh.specimen.axisymmetric=false", "parts.matrix.model=axisymmetric"],
@@ -341,8 +341,8 @@ fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
     // over a matrix of 3.26 mm; the slave is the wall of the hole
     for (width, words) in [("0.5", ["0.5000 mm wide", "0.153 of"]), ("part", ["3.2600 mm wide", "1.000 of"])] {
         let notes = accepted(&case, &[&format!("contact.width={width}")]).about.notes;
-        let told: Vec<&String> = notes.iter().filter(|note| note.starts_with("each contact line")).collect();
-        assert!(told.len() == 1 && words.iter().all(|word| told[0].contains(word)), "{notes:?}");
+        let messages: Vec<&String> = notes.iter().filter(|note| note.starts_with("each contact line")).collect();
+        assert!(messages.len() == 1 && words.iter().all(|word| messages[0].contains(word)), "{notes:?}");
     }
     let inertia = accepted(&case, &["parts.fibre.thickness=equal_inertia"]);
     let warnings = &inertia.about.warnings;
@@ -357,7 +357,7 @@ fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
 }
 
 #[test]
-fn what_contact_leaves_to_defaults_is_told_once() {
+fn what_contact_leaves_to_defaults_is_reported_once() {
     let defaults = accepted(&inclined_case(), &[]).about.defaults;
     let of_contact: Vec<&String> = defaults.iter().filter(|line| line.starts_with("contact.law.props")).collect();
     let different: std::collections::BTreeSet<&&String> = of_contact.iter().collect();
@@ -365,7 +365,7 @@ fn what_contact_leaves_to_defaults_is_told_once() {
 }
 
 #[test]
-fn notes_on_fibres_and_lines_tell_each_of_them() {
+fn notes_on_fibres_and_lines_name_each_of_them() {
     let fibre = |name: &str, diameter: f64, exit: f64| json!({ "name": name, "diameter": diameter, "exit": exit, "embedded": 6, "path": [{ "straight": 9 }] });
     let unlike = json!({ "type": "fibres", "mesh_size": 2, "cover": false,
                          "fibres": [fibre("a", 0.4, -3.0), fibre("b", 0.5, 3.0)] });
@@ -515,10 +515,9 @@ fn impossible_inclined_fibres_are_explained() {
     }
 }
 
-/// Keys that another key or the kind of the model makes meaningless are refused, or told where a study may come to
-/// them.
+/// Keys that another key or the kind of the model makes meaningless are refused, or reported if a study may reach them.
 #[test]
-fn keys_without_effect_are_told() {
+fn keys_without_effect_are_reported() {
     let fibre = |kind: &str, axisymmetric: bool| {
         let mut case = specimen_case(json!({ "type": kind }), &["fibre", "matrix"]);
         if axisymmetric {
@@ -559,7 +558,7 @@ fn keys_without_effect_are_told() {
         let errors =
             Bench::new().read(case, overrides).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
         assert!(errors.contains(place) && errors.lines().count() == 1, "{overrides:?}: {errors}");
-        // what it stands beside may be there
+        // the keys that it conflicts with are accepted
         accepted(case, &overrides[..overrides.len() - 1]);
     }
     for (case, overrides, place) in [
@@ -577,22 +576,22 @@ fn keys_without_effect_are_told() {
         (&plane, &["contact.law.call_time_limit_s=5"], "$.contact.law.call_time_limit_s"),
     ] {
         let warnings = accepted(case, overrides).about.warnings;
-        let told = warnings.iter().filter(|warning| warning.contains("has no effect")).collect::<Vec<_>>();
-        assert!(told.len() == 1 && told[0].starts_with(place), "{overrides:?}: {warnings:?}");
+        let messages = warnings.iter().filter(|warning| warning.contains("has no effect")).collect::<Vec<_>>();
+        assert!(messages.len() == 1 && messages[0].starts_with(place), "{overrides:?}: {warnings:?}");
     }
 }
 
 #[test]
-fn a_body_that_only_its_drive_holds_is_told() {
+fn a_body_that_only_its_drive_holds_is_reported() {
     let mut case = pullout_case();
-    let told = |case: &Value| -> Vec<String> {
+    let messages = |case: &Value| -> Vec<String> {
         let warnings = accepted(case, &[]).about.warnings;
         warnings.into_iter().filter(|warning| warning.contains("nothing holds it back")).collect()
     };
-    assert_eq!(told(&case), Vec::<String>::new());
+    assert_eq!(messages(&case), Vec::<String>::new());
     case["supports"] = json!({});
-    let told = told(&case);
-    assert!(told.len() == 1 && told[0].contains("can move along y with the drive 'slip'"), "{told:?}");
+    let messages = messages(&case);
+    assert!(messages.len() == 1 && messages[0].contains("can move along y with the drive 'slip'"), "{messages:?}");
 }
 
 #[test]
@@ -661,7 +660,7 @@ fn couplings_by_terms_and_ties() {
 }
 
 #[test]
-fn a_drive_that_nothing_moves_is_told() {
+fn a_drive_that_nothing_moves_is_reported() {
     let program = program(&["loads={\"side\": {\"pressure\": 1}}"]);
     assert_eq!(program.about.warnings, ["loads.side: no step moves the drive 'side': it stays 0"]);
 }
@@ -981,7 +980,7 @@ fn a_load_may_say_that_the_grip_drives_it() {
 }
 
 #[test]
-fn consequences_of_what_is_wrong_are_not_told() {
+fn consequences_of_what_is_wrong_are_not_reported() {
     for (overrides, count) in [
         (&[r#"loads={"side": {"force": [1]}}"#, r#"steps.0.drives={"side": 1}"#][..], 1),
         (&[r#"loads={"side": {"pressure": 1}}"#, r#"steps.0.drives={"sied": 1}"#], 1),
@@ -993,9 +992,9 @@ fn consequences_of_what_is_wrong_are_not_told() {
         ),
         (&["measure.load=nothing"], 1),
     ] {
-        let told = problems_of(&pullout_case(), overrides);
-        assert_eq!(told.lines().count(), count, "{told}");
-        assert!(!told.contains("side, side"), "{told}");
+        let messages = problems_of(&pullout_case(), overrides);
+        assert_eq!(messages.lines().count(), count, "{messages}");
+        assert!(!messages.contains("side, side"), "{messages}");
     }
 }
 
@@ -1009,8 +1008,8 @@ fn a_node_set_that_is_called_like_a_part_is_not_taken_for_the_part() {
         Err(errors) => errors.to_string(),
     };
     assert_eq!(set(&[]), "");
-    let told = set(&["supports.fibre={}"]);
-    assert!(told.contains("$.supports.fibre: 'fibre' is a part and a node set of the mesh"), "{told}");
+    let messages = set(&["supports.fibre={}"]);
+    assert!(messages.contains("$.supports.fibre: 'fibre' is a part and a node set of the mesh"), "{messages}");
 }
 
 /// Warnings on two bodies with these numbers of columns, of which the upper follows the lower unless overrides say otherwise.
@@ -1047,11 +1046,11 @@ fn warnings_of_tie(columns: [usize; 2], overrides: &[&str]) -> Vec<String> {
 }
 
 #[test]
-fn a_tie_of_the_coarser_side_to_the_finer_one_is_told() {
+fn a_tie_of_the_coarser_side_to_the_finer_one_is_reported() {
     for columns in [[12, 4], [2, 1], [6, 4]] {
         let warnings = warnings_of_tie(columns, &[]);
         let expected = "$.couplings[0]: 'above' is coarser than 'below', which it follows: an edge near (";
-        assert!(matches!(&warnings[..], [told] if told.starts_with(expected)), "{columns:?}: {warnings:?}");
+        assert!(matches!(&warnings[..], [warning] if warning.starts_with(expected)), "{columns:?}: {warnings:?}");
         let swapped = r#"couplings=[{"tie": "below", "to": "above"}]"#;
         assert_eq!(warnings_of_tie(columns, &[swapped]), [""; 0], "{columns:?}");
     }
@@ -1075,9 +1074,12 @@ fn columns_that_stay_nan_end_nothing() {
         ("slip_tail", "$.measure.tail names no node"),
     ] {
         for place in ["until", "steps.0.until"] {
-            let told = problems_of(&case, &[&format!("{place}={}", until(column))]);
+            let messages = problems_of(&case, &[&format!("{place}={}", until(column))]);
             let place = place.replace("steps.0", "steps[0]");
-            assert!(told.contains(&format!("$.{place}.quantity: '{column}' is nan throughout: {why}")), "{told}");
+            assert!(
+                messages.contains(&format!("$.{place}.quantity: '{column}' is nan throughout: {why}")),
+                "{messages}"
+            );
         }
     }
     accepted(&case, &["measure.load=side", &format!("until={}", until("load"))]);
@@ -1118,8 +1120,9 @@ fn a_law_called_as_fric_has_the_normal_law_of_its_host() {
     assert_eq!(read(r#"{"normal_law": "soft", "p_0": 3}"#, SOFT).0, [1.0, 3.0]);
     let (values, warnings) = read(r#"{"p_0": 2}"#, HARD);
     assert_eq!(values, [0.0, 2.0]);
-    let told = "$.contact.law.props.p_0: has no effect: under FRIC the tension that opens is $.contact.normal.hard.p_0";
-    assert!(warnings.iter().any(|warning| warning == told), "{warnings:?}");
+    let message =
+        "$.contact.law.props.p_0: has no effect: under FRIC the tension that opens is $.contact.normal.hard.p_0";
+    assert!(warnings.iter().any(|warning| warning == message), "{warnings:?}");
     for (props, normal, expected) in [
         (
             r#"{"normal_law": "soft"}"#,
@@ -1139,8 +1142,8 @@ fn a_law_called_as_fric_has_the_normal_law_of_its_host() {
         ),
     ] {
         let (case, overrides) = fric(props, normal);
-        let told = problems_of(&case, &overrides.each_ref().map(String::as_str));
-        assert!(told.contains(expected), "{told}");
+        let messages = problems_of(&case, &overrides.each_ref().map(String::as_str));
+        assert!(messages.contains(expected), "{messages}");
     }
 }
 
@@ -1237,7 +1240,7 @@ fn parts_of_fibres_are_named_one_by_one_or_all_at_once() {
 }
 
 #[test]
-fn impossible_fibres_are_told_with_their_place() {
+fn impossible_fibres_are_reported_with_their_place() {
     let path = "mesh.specimen.fibres.0.path";
     let set = |key: &str, value: &str| format!("{key}={value}");
     let fibre = |key: &str, value: &str| format!("mesh.specimen.fibres.0.{key}={value}");
@@ -1448,7 +1451,7 @@ fn a_layered_fibre_has_the_area_and_the_plastic_moment_of_the_round_one() {
 }
 
 #[test]
-fn clockwise_elements_of_a_file_are_turned_round_and_told_of() {
+fn clockwise_elements_of_a_file_are_reversed_and_reported() {
     let bench = Bench::new();
     let text = two_bodies();
     assert!(program(&[]).about.warnings.is_empty());
@@ -1466,7 +1469,7 @@ fn clockwise_elements_of_a_file_are_turned_round_and_told_of() {
 
 /// Consequences of a mesh that cannot be made, or of a misspelt key, are not reported: only the cause is.
 #[test]
-fn of_a_specimen_that_cannot_be_read_only_the_cause_is_told() {
+fn of_a_specimen_that_cannot_be_read_only_the_cause_is_reported() {
     let mut case = pullout_case();
     for key in ["grip", "supports", "measure"] {
         case.as_object_mut().expect("an object").remove(key);
@@ -1529,11 +1532,11 @@ fn all_problems_of_a_specimen_are_reported_at_once() {
 }
 
 #[test]
-fn a_thickness_that_nobody_means_is_told() {
-    let told = |thickness: &str| program(&[&format!("parts.fibre.thickness={thickness}")]).about.warnings;
+fn a_thickness_that_nobody_means_is_reported() {
+    let warnings = |thickness: &str| program(&[&format!("parts.fibre.thickness={thickness}")]).about.warnings;
     let expected = "the thickness of the part 'fibre' = 1·10⁻¹² mm is outside the usual range, 0.001 to 100000 mm";
-    assert!(told("1e-12").iter().any(|warning| warning.starts_with(expected)), "{:?}", told("1e-12"));
-    assert!(!told("0.3").iter().any(|warning| warning.contains("usual range")));
+    assert!(warnings("1e-12").iter().any(|warning| warning.starts_with(expected)), "{:?}", warnings("1e-12"));
+    assert!(!warnings("0.3").iter().any(|warning| warning.contains("usual range")));
 }
 
 #[test]

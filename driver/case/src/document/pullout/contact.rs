@@ -49,10 +49,10 @@ pub struct Pair {
     /// "penalty", where `bearing` crushes the concrete and the case gives neither). From 1e5 on the rounding of positions
     /// can show in the pressure.
     pub penalty_factor: Option<Positive>,
-    /// Sideways pressure that the concrete under a round fibre bears, in plane specimens: "crushing", at most 5.07 f_c on the
-    /// diameter (the dowel formula of Model Code 1990), a number in place of 5.07, or "rigid": any pressure. f_c is the
-    /// uniaxial compressive strength of the matrix's law (default "crushing" for fibres with a hooked path, where that
-    /// law has a strength, else "rigid").
+    /// Sideways pressure that the concrete under a round fibre can carry, in plane specimens. "crushing": at most 5.07
+    /// f_c on the diameter (the dowel formula of Model Code 1990); a number replaces 5.07; "rigid": any pressure. f_c
+    /// is the uniaxial compressive strength of the matrix's law (default "crushing" for fibres with a hooked path, if
+    /// that law has a strength, else "rigid").
     pub bearing: Option<Bearing>,
     /// Enforcement of the hard normal law (default uzawa).
     pub enforcement: Option<Enforcement>,

@@ -18,8 +18,8 @@ pub struct ScalarField {
     pub capacity: Option<Positive>,
     /// Value at the start (default 0).
     pub initial: Option<f64>,
-    /// Routines beside UMAT that are called: HETVAL adds FLUX(1) to RPL and FLUX(2) to DRPLDT, UMATHT takes the place of conductivity
-    /// and capacity (default: those that the libraries of its parts have).
+    /// Routines that are called in addition to UMAT. HETVAL adds FLUX(1) to RPL and FLUX(2) to DRPLDT; UMATHT replaces
+    /// conductivity and capacity (default: those that the libraries of its parts have).
     pub routines: Option<Vec<HeatRoutine>>,
     /// Parameters and density that UMATHT gets, the same for all parts.
     pub umatht: Option<Umatht>,

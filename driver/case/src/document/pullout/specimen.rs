@@ -79,7 +79,7 @@ pub struct PerpendicularFibre {
     pub depth: Option<Positive>,
     /// Thickness of the block (default 3.26).
     pub matrix_thickness: Option<Positive>,
-    /// Concrete of the matrix in front of and behind the fibre, which joins both halves of the block: part cover (default
+    /// Matrix concrete on both faces of the fibre, out of plane. It joins both halves of the block: part cover (default
     /// false; plane only).
     pub cover: Option<bool>,
     /// Make the block as thick as the fibre at the exit face, and thicker with the depth below it: min(t, φ + 2 slope ·
@@ -136,7 +136,7 @@ pub struct InclinedFibre {
     pub depth: Option<Positive>,
     /// Thickness of the block (default 3.26).
     pub matrix_thickness: Option<Positive>,
-    /// Concrete of the matrix in front of and behind the fibre, which joins both halves of the block: part cover (default
+    /// Matrix concrete on both faces of the fibre, out of plane. It joins both halves of the block: part cover (default
     /// true where the block is thicker than the fibre; false is the plane model of the thesis).
     pub cover: Option<bool>,
     /// Make the block as thick as the fibre at the exit face, and thicker with the depth below it: min(t, φ + 2 slope ·
@@ -188,7 +188,7 @@ pub struct Fibres {
     pub depth: Option<Positive>,
     /// Thickness of the block (default 3.26).
     pub matrix_thickness: Option<Positive>,
-    /// Concrete of the matrix in front of and behind the fibres, which joins the pieces of the block: part cover (default
+    /// Matrix concrete on both faces of the fibres, out of plane. It joins the pieces of the block: part cover (default
     /// true where the block is thicker than the fibres).
     pub cover: Option<bool>,
     /// Make the block as thick as the fibres at the exit face, and thicker with the depth below it: min(t, φ + 2 slope ·
@@ -237,8 +237,8 @@ pub struct Fibre {
     /// ends; or a hooked end with the dimensions of a data sheet.
     pub path: FibrePath,
     /// Rotation of the axis inside the block to the right, degrees (default 0). It is added to the tilt of the first
-    /// piece and to all to_deg there. The axis outside the block stays: a hooked fibre bends to the normal of the face
-    /// there.
+    /// piece and to all to_deg there. The axis outside the block does not rotate: a hooked fibre follows the normal of
+    /// the face there.
     pub rotate_deg: Option<f64>,
     /// Length of the axis from the embedded end to the exit face (default 12.2).
     pub embedded: Option<Positive>,
@@ -284,7 +284,7 @@ pub enum HookedWord {
 pub struct HookedPath {
     /// The word "hooked".
     #[serde(rename = "type")]
-    #[expect(dead_code, reason = "it tells this path from pieces")]
+    #[expect(dead_code, reason = "it distinguishes this path from pieces")]
     pub kind: HookedWord,
     /// Lengths of the hook's pieces from the tip to the shaft, mm, measured between the corners where their lines meet:
     /// two for a 3D end, three for 4D, four for 5D.
@@ -359,7 +359,7 @@ pub struct GradedThickness {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum FibreShape {
-    /// The fibre bends to the normal of the exit face (initially bent).
+    /// The fibre curves at the exit face to the face's normal (initially bent).
     Bent,
     /// The fibre goes on along its axis (initially straight).
     Straight,
