@@ -428,8 +428,8 @@ pub type Validate = unsafe extern "C" fn(
     capacity: usize,
 ) -> i32;
 
-/// Symbol of the function that updates many points in one call, in libraries of one law of solids: `UmatBatch`. Under the unique name
-/// `<law>_umat_batch_v1` it is in these and in the library of all laws.
+/// Symbol of `UmatBatch`, the function that updates many points in one call, in libraries with one law for solids.
+/// Under the unique name `<law>_umat_batch_v1` it is exported by these and by the library of all laws.
 pub const BATCH_SYMBOL: &str = "pullout_umat_batch_v1";
 
 /// Outcomes of the update of one point of a batch.

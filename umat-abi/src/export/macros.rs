@@ -95,7 +95,7 @@ macro_rules! assert_law_name {
     };
 }
 
-/// The symbols of one law that bear its name: programs may link several of them.
+/// The symbols with the name of one law: programs may link several of them.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! own_umat_symbols {
@@ -127,7 +127,7 @@ macro_rules! kratos_symbol {
     };
 }
 
-/// The symbols of one interface law that bear its name.
+/// The symbols with the name of one interface law.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! own_interface_symbols {
@@ -159,8 +159,9 @@ macro_rules! export_umat {
     };
 }
 
-/// Turns a [`Law`](crate::law::Law) into a cdylib for Kratos, which looks for `umat_` and orders shears 12, 23, 13. There is no
-/// `umat`, which Kratos would call for rows of DDSDDE, and no description: other hosts are to take the other library.
+/// Turns a [`Law`](crate::law::Law) into a cdylib for Kratos, which looks for `umat_` and orders shears 12, 23, 13.
+/// There is no `umat`, which Kratos would call for rows of DDSDDE, and no description: other hosts need the other
+/// library.
 ///
 /// ```ignore
 /// umat_abi::export_umat_for_kratos!(MyLaw, "my_law");
@@ -233,8 +234,9 @@ macro_rules! run_by_name {
     };
 }
 
-/// Several laws in one cdylib: UMAT, UINTER and FRIC dispatch on the material name (CMNAME, CINAME); the symbols that bear the name of a
-/// law are those of its own library. With no interface law (`interface: []`) the library has neither UINTER nor FRIC.
+/// Several laws in one cdylib: UMAT, UINTER and FRIC dispatch on the material name (CMNAME, CINAME). The symbols with
+/// the name of a law are those of its own library. With no interface law (`interface: []`) the library has neither
+/// UINTER nor FRIC.
 ///
 /// ```ignore
 /// umat_abi::export_library!(umat: [Elastic => "elastic", Damage => "damage"], interface: [Bond => "bond"]);

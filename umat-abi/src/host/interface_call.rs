@@ -306,7 +306,8 @@ impl UinterCall {
         self.calls = other.calls;
     }
 
-    /// Returns a result of the last call that a host cannot go on with, DDSDDR aside, which not every host needs.
+    /// Returns a result of the last call that is not finite, so that a host cannot go on. DDSDDR is not checked, as not
+    /// every host needs it.
     pub fn not_finite(&self) -> Option<NotFinite> {
         let energies = ["SED", "SFD", "SPD", "SVD", "SCD"].into_iter().zip(self.energies.chunks(1));
         NotFinite::among([("STRESS", self.stress()), ("STATEV", self.statev())].into_iter().chain(energies))

@@ -1,8 +1,8 @@
 //! Output that plugins print: Fortran's unit 7, and lines that their runtimes still hold in buffers.
 //!
-//! Unit 6, `WRITE(*,…)` and C's `printf` end in the standard output, which the host can lead elsewhere. Unit 7, the message
-//! file of ABAQUS, is no stream of the operating system: gfortran makes a file `fort.7` in the current folder of it unless
-//! the unit is connected to another one before, which only its own runtime can do.
+//! Unit 6, `WRITE(*,…)` and C's `printf` write to the standard output, which the host can redirect. Unit 7, the message
+//! file of ABAQUS, is not a stream of the operating system: gfortran writes it to a file `fort.7` in the current
+//! folder, unless the unit was connected to another file before. Only gfortran's own runtime can connect it.
 
 use super::library::each_loaded;
 use std::ffi::c_void;

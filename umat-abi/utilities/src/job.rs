@@ -88,10 +88,11 @@ extern "C" fn getcommunicator_() -> i32 {
     0
 }
 
-/// GETPARTINFO(INTNUM,JTYP,CPNAME,LOCNUM,JRCD): part instance and number in it of a node (JTYP 0) or element (1).
+/// GETPARTINFO(INTNUM,JTYP,CPNAME,LOCNUM,JRCD): the part instance of a node (JTYP 0) or an element (1), and its number
+/// there.
 ///
-/// Our models have no part instances: the name is blank, and the number is the one that was given. JRCD 1: no such
-/// node or element can be.
+/// Our models have no part instances: the name is blank, and the number is the given one. JRCD 1: such a node or
+/// element cannot exist.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn getpartinfo_(
     intnum: *const i32,

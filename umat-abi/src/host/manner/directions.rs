@@ -34,7 +34,8 @@ macro_rules! wide {
                 self.wide.as_ref().map(|wide| &wide.call)
             }
 
-            /// Makes the last call again in child processes, as it is prepared; returns where it leaves an array, if it does.
+            /// Repeats the last call, as it was prepared, in child processes; returns where it accesses memory outside
+            /// an array, if it does.
             pub fn trespass_again(&mut self) -> Option<Trespass> {
                 let Some(mut wide) = self.wide.take() else { return self.trespass() };
                 self.hand_over(&mut wide.call);

@@ -1,7 +1,8 @@
-//! Calls that differ from a plain one: in a frame, of a UMAT that knows six components only, and with a tangent by differences.
+//! Calls that differ from a plain one: in a local frame, of a UMAT that knows only six components, or with a tangent by
+//! differences.
 //!
-//! Callers do not see the difference: [`UmatCall::call`] takes the way that [`UmatCall::set_frame`], [`UmatCall::set_tangent_source`]
-//! and [`UmatCall::go_through`] have set.
+//! Callers do not see the difference: [`UmatCall::call`] follows the settings of [`UmatCall::set_frame`],
+//! [`UmatCall::set_tangent_source`] and [`UmatCall::go_through`].
 
 mod components;
 mod differences;
@@ -149,11 +150,11 @@ impl UmatCall {
         detour.solid.as_ref().map_or(detour.tangent, |solid| solid.tangent_source())
     }
 
-    /// Makes calls through one of the same plugin with six components: the plane's other components are 0, in plane stress
-    /// ε33 is found for which σ33 = 0 ([`Self::strain_33`]).
+    /// Makes calls through a call of the same plugin with six components. The components that the plane lacks are 0; in
+    /// plane stress the ε33 with σ33 = 0 is sought ([`Self::strain_33`]).
     ///
     /// # Panics
-    /// If `solid` has not six components, or the call has as many.
+    /// If `solid` has not six components, or this call has as many.
     pub fn go_through(&mut self, solid: Self) {
         assert!(solid.ntens() == 6 && self.ntens() < 6, "a plane call goes through a solid one");
         let (tangent, framed) = (self.tangent_source(), self.take_framed());

@@ -37,7 +37,8 @@ macro_rules! probed {
                 })
             }
 
-            /// Makes the call, as it is prepared, in child processes; returns where it leaves an array, if it does.
+            /// Makes the call, as it is prepared, in child processes; returns where it accesses memory outside an
+            /// array, if it does.
             pub fn trespass(&mut self) -> Option<Trespass> {
                 [Alignment::End, Alignment::Start].into_iter().find_map(|alignment| match self.probe(alignment) {
                     Ok(Probed::Trespass(trespass)) => Some(trespass),

@@ -70,7 +70,7 @@ impl Recording {
         done.checked_sub(1).and_then(|code| u8::try_from(code).ok())
     }
 
-    /// A number that the worker left; 0 before, and for others than [`NOTES`].
+    /// Returns a number that the worker noted; 0 before it did, and for an index of [`NOTES`] or more.
     pub fn note(&self, index: usize) -> u64 {
         if index < NOTES { self.map.word(word::NOTES + WORD * index).load(Ordering::Acquire) } else { 0 }
     }
