@@ -1,6 +1,8 @@
-//! The least root m ≥ 1 of M(m) − m (doc.md): M is continuous but neither monotone nor smooth,
-//! so the pieces between its kinks are scanned for the first change of sign, and the valleys between nodes for their bottoms:
-//! two roots near to each other leave no change of sign between nodes.
+//! The least root m ≥ 1 of M(m) − m (doc.md).
+//!
+//! M is continuous but neither monotone nor smooth. So the pieces between its kinks are scanned for the first change of
+//! sign. The valleys between nodes are searched for their bottoms as well, since two close roots leave no change of
+//! sign between nodes.
 
 /// Cells of each piece, equal in ln m.
 const CELLS: u32 = 16;
@@ -11,8 +13,8 @@ const TOUCHING: f64 = 64.0 * f64::EPSILON;
 const SECTION: f64 = 0.381_966_011_250_105_1;
 /// Width, relative to m, below which the residual can no longer locate the bottom of a valley.
 const BOTTOM: f64 = 1.5e-8;
-/// Three times what bisection needs from neighbouring powers of two down to neighbouring numbers, and
-/// what it needs in ln m before.
+/// Three times the iterations that bisection needs: from neighbouring powers of two down to neighbouring numbers, and
+/// before that in ln m.
 const MAX_ITERATIONS: u32 = 256;
 /// Every so many steps of a bracketing bisect, whatever the interpolation says.
 const FORCED_BISECTION: u32 = 4;

@@ -125,7 +125,7 @@ fn compression(poisson_ratio: f64, exponent: f64) -> Option<(f64, f64)> {
     Some((rate(beta)?, beta))
 }
 
-/// The law for E = 1 with the compressive parameters given (tension takes no part).
+/// Returns the law for E = 1 with the given compressive parameters; tension has no influence.
 fn solid(poisson_ratio: f64, exponent: f64, rate: f64, beta: f64) -> Parameters {
     let law = DamageLaw { a: rate, b: exponent, threshold: COMPRESSIVE_THRESHOLD };
     Parameters {

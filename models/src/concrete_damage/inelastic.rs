@@ -29,7 +29,7 @@ pub(super) struct Flow {
     pub thresholds: [f64; 2],
     /// c_t t⁺, the inelastic strain of this increment that cracks leave.
     pub tension: [f64; 3],
-    /// c_c t⁻, the inelastic strain of this increment that crushing leaves.
+    /// c_c t⁻: the inelastic strain that crushing causes in this increment.
     pub compression: [f64; 3],
     /// ε_e = ε_tr − c_t t⁺ − c_c t⁻.
     pub elastic_strain: [f64; 3],

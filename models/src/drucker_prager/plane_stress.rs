@@ -62,8 +62,7 @@ pub(super) fn plane_stress_return(parameters: &Parameters, trial: &[f64; 6]) -> 
     Err(Failure::CutBack { fraction: 0.25, reason: "no strain 33 makes stress 33 zero" })
 }
 
-/// A root so ill conditioned that σ33 is not 0 (strains far beyond yielding, ν → ½ and a steep cone
-/// together) is no answer.
+/// Rejects a root so ill conditioned that σ33 is not 0: strains far beyond yielding, ν → ½ and a steep cone together.
 fn checked(returned: Returned) -> Result<Returned, Failure> {
     if returned.stress_33().abs() <= RESIDUAL * (returned.root_j2 + returned.mean_stress.abs()) {
         Ok(returned)
