@@ -244,8 +244,8 @@ impl Kinematics {
         (0..self.freedom_count()).map(|i| gradient[i] * change[freedoms[i]]).sum()
     }
 
-    /// `by_pull` ∂v_i/∂x_j + `by_slip` ∂²s/∂x_i∂x_j; the same to the last bit when i and j change places, unless
-    /// normals are smoothed.
+    /// Returns `by_pull` ∂v_i/∂x_j + `by_slip` ∂²s/∂x_i∂x_j. It is the same to the last bit when i and j change places,
+    /// unless normals are smoothed.
     pub fn second_derivative(&self, by_pull: f64, by_slip: f64, i: usize, j: usize) -> f64 {
         let Second { arm, turn, a, b, b_edge, c, coordinate, pull, slip } = &self.second;
         let of_pull = (pull[0] * (a[i] * b[j]) + pull[1] * (b_edge[i] * a[j]))

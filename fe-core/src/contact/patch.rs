@@ -1,4 +1,4 @@
-//! Points of one slave edge that share a gap: from their tractions to forces and one block.
+//! Points of one slave edge that share a gap: their tractions become forces and one block.
 
 use super::kinematics::Kinematics;
 use super::pair::{Output, Pair, PairState};

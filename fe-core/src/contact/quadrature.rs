@@ -43,7 +43,7 @@ pub(super) struct ContactPoint {
     pub direction: [f64; 2],
     /// The elements of its slave edge, or of the two that meet at a node.
     pub elements: [usize; 2],
-    /// Slave edge, if the points of that share a gap: those inside a quadratic edge.
+    /// Slave edge if its points share a gap, as those inside a quadratic edge do.
     pub patch: Option<usize>,
 }
 

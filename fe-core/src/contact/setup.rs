@@ -257,8 +257,8 @@ fn check_numbers(pair: &ContactPair) -> Result<(), ModelError> {
     }
 }
 
-/// ε_N = f min(E t/h)/width over the edges of both surfaces, MPa/mm: t the depth, h the element's size across the edge.
-/// A slave without a width of its own has that of its part, so that t/width is 1 there.
+/// Returns the penalty ε_N = f min(E t/h)/width over the edges of both surfaces, MPa/mm, where t is the depth and h the
+/// element's size across the edge. A slave without its own width has that of its part, so that t/width is 1 there.
 fn penalty(mesh: &Mesh, pair: &ContactPair, moduli: &[f64], points: &[ContactPoint]) -> f64 {
     let sum = |of: fn(&ContactPoint) -> f64| points.iter().map(of).sum::<f64>();
     let width = sum(|point| point.area) / sum(|point| point.length);

@@ -141,8 +141,8 @@ pub struct Measured {
     pub bearing_factor: f64,
 }
 
-/// The wire of a fibre: its sections, and what they bear along the axis. Bending is no rupture: a wire breaks by the mean stress of a
-/// section, or by its elongation without bending over a gauge length.
+/// The wire of a fibre: its sections, and what they carry along the axis. Bending does not rupture a wire: it breaks by
+/// the mean stress of a section, or by its elongation without bending over a gauge length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wire {
     /// Sections from the embedded end to the grip.

@@ -55,8 +55,8 @@ const CRAWLING: f64 = 1e-5;
 /// better.
 const NUDGE: f64 = 0.1;
 const LARGER_NUDGE: f64 = 4.0;
-/// First resistance of drag, as part of the load over the nudge: with some hundred freedoms of contact, drag adds a hundredth to the
-/// load.
+/// First resistance of drag, as part of the load over the nudge. With some hundred freedoms of contact, drag adds a
+/// hundredth to the load.
 const RESISTANCE: f64 = 1e-5;
 /// Greatest resistance, as a multiple of the first.
 const GREATEST_RESISTANCE: f64 = 1e8;

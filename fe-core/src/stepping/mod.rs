@@ -286,7 +286,7 @@ impl<'m> Analysis<'m> {
         }
     }
 
-    /// Equilibrium at the drives of the start: contact that repels at gap 0 finds its place.
+    /// Finds the equilibrium at the initial drives: contact that repels at gap 0 finds its position.
     fn find_datum(&mut self) -> Result<(), RunError> {
         let target = IncrementGoal::Drives(self.present.committed.drives.clone());
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };

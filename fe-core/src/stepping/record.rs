@@ -88,7 +88,7 @@ pub struct FibreRecord {
     pub principal_stress: f64,
 }
 
-/// What the sections of a wire bear along its axis.
+/// What the sections of a wire carry along its axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WireRecord {
     /// The greatest elongation over the gauge length; bending has none.

@@ -1,4 +1,4 @@
-//! Torn matter: which elements bear nothing any more, and what holds on to nothing once they are gone.
+//! Torn matter: the elements that no longer carry load, and those that nothing holds once these are gone.
 
 use super::Analysis;
 use crate::mesh::{ElementEdge, Mesh, preflight};

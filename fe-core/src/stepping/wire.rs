@@ -1,4 +1,4 @@
-//! What the wires of fibres bear along their axes.
+//! What the wires of fibres carry along their axes.
 
 use super::{Snapshot, WireRecord};
 use crate::model::{Model, Wire, WireSection};

@@ -26,7 +26,7 @@ mod test;
 const RULE: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
-/// Elements that bear loads.
+/// Elements that carry loads.
 pub struct Bearers<'a> {
     /// The present thickness of an element with large displacements, mm.
     pub thickness: &'a dyn Fn(usize) -> Option<f64>,

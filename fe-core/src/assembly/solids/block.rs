@@ -156,7 +156,7 @@ impl ElementBlock {
         Ok(())
     }
 
-    /// Evaluates the forces left of a released element at the end displacements of its nodes.
+    /// Evaluates the remaining forces of a released element at the end displacements of its nodes.
     fn evaluate_spalled<const N: usize>(&mut self, local: usize, end: &Nodal<N>, evaluation: &Evaluation<'_>) {
         if self.records[local].built.moduli_changed {
             self.build_stiffness::<N>(local, None, evaluation);

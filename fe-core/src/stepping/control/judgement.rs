@@ -72,7 +72,7 @@ pub(in crate::stepping) struct Findings {
 }
 
 impl Findings {
-    /// Returns how much the increment adds to the imbalance of the energies, as a multiple of what it may.
+    /// Returns how much the increment adds to the imbalance of energies, relative to the allowed amount.
     fn imbalance_excess(&self) -> f64 {
         let spent = self.energy_error_before * self.energy_error.signum() / ENERGY_BUDGET;
         self.energy_error.abs() / (ENERGY_TOLERANCE * share_left(spent))

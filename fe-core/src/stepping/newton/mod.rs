@@ -425,8 +425,8 @@ impl<'m> Equilibrium<'m> {
         self.memory.at_committed_state = self.memory.drag.largest() == 0.0;
     }
 
-    /// Releases torn elements after an increment was accepted, and the points of contact on them: contact moves to the surface
-    /// that is left. Its nodes are those of released elements, which iterate.
+    /// Releases torn elements and their contact points after an accepted increment. Contact moves to the remaining
+    /// surface, whose nodes belong to released elements and therefore iterate.
     pub(super) fn release(&mut self, elements: &[usize], displacements: &[f64]) {
         self.solids.release(elements);
         self.contact.release(self.model, displacements, |element| self.solids.is_spalled(element));

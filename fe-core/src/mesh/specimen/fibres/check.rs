@@ -9,7 +9,7 @@ use crate::mesh::specimen::requirement::Requirements;
 const LARGEST_ANGLE: f64 = 80.0;
 /// Free lengths up to this share of the diameter count as 0.
 pub(super) const SHORTEST: f64 = 1e-6;
-/// The inner side of a curve has at least this share of the diameter as radius.
+/// Least radius of the inner side of a curve, as a part of the diameter.
 const INNER_RADIUS: f64 = 1e-3;
 /// Between the walls of fibres there is at least this share of the smaller diameter.
 const LEAST_GAP: f64 = 0.05;
