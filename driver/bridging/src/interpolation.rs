@@ -25,7 +25,7 @@ impl Polyline {
         line
     }
 
-    /// The monotone cubic through (x, y), x increasing, by straight lines.
+    /// Returns the monotone cubic through (x, y), x increasing, as straight lines.
     pub(crate) fn smooth(x: &[f64], y: &[f64]) -> Self {
         let slopes = monotone_slopes(x, y);
         let between = x.windows(2).flat_map(|ends| {
@@ -134,7 +134,8 @@ fn cubic(x: f64, nodes: [f64; 2], values: [f64; 2], slopes: [f64; 2]) -> f64 {
         + step * t * u * (slopes[0] * u - slopes[1] * t)
 }
 
-/// The monotone cubic through (nodes, values) at x, constant beyond both ends; `slopes` are [`monotone_slopes`].
+/// Returns the monotone cubic through (nodes, values) at x, constant beyond both ends; `slopes` are
+/// [`monotone_slopes`].
 pub fn monotone(x: f64, nodes: &[f64], values: &[f64], slopes: &[f64]) -> f64 {
     let right = nodes.partition_point(|&node| node < x);
     if right == 0 {

@@ -157,7 +157,7 @@ fn uniform(random: &mut Pcg64) -> f64 {
     StandardUniform.sample(random)
 }
 
-/// Loads of all fibres that there may be, unbroken, and the distribution of their angles.
+/// Unbroken loads of all possible fibres, and the distribution of their angles.
 struct Population {
     /// Loads at (length, angle), over the openings.
     loads: Vec<Vec<f64>>,

@@ -46,14 +46,14 @@ const LEAST_DEPTH: f64 = 2.0;
 const LARGEST_COMPRESSION: f64 = 0.2;
 /// Diameters that differ by this part are the same,
 const SAME_DIAMETER: f64 = 1e-6;
-/// and lengths, the chords of bends being shorter than their arcs, and angles, degrees.
+/// lengths that differ by this part (the chords of bends are shorter than their arcs), and angles, degrees.
 const SAME_LENGTH: f64 = 0.02;
 const SAME_ANGLE: f64 = 0.01;
 /// Keys of a specimen that are angle and embedded length, and those where a fibre has a path.
 const KEYS: [&str; 2] = ["mesh.specimen.angle_deg", "mesh.specimen.embedded_length"];
 const KEYS_OF_PATH: [&str; 2] = ["mesh.specimen.fibres.0.rotate_deg", "mesh.specimen.fibres.0.embedded"];
 
-/// Ranges that are usual of several numbers; what lies beyond is hardly meant.
+/// Usual ranges of some numbers; values outside are probably mistakes.
 const USUAL_SNUBBING: [f64; 2] = [0.0, 2.0];
 const USUAL_TENSILE_STRENGTH: [f64; 2] = [0.1, 30.0];
 

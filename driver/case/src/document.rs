@@ -413,7 +413,7 @@ pub struct Compare {
 pub enum Plots {
     /// All, or none.
     Switch(bool),
-    /// All, and words of some by the names of their files: "load_slip".
+    /// All, some of them with captions, by the names of their files: "load_slip".
     Captions(BTreeMap<String, Caption>),
 }
 

@@ -137,7 +137,7 @@ fn directions_of(reader: &mut Reader<'_>, documents: &[StepDocument]) -> usize {
 
 const GAP_OF_FRIC: &str = "FRIC has no normal law: prescribe the pressure 'p' instead of the gap";
 
-/// Returns what the normal value means; problems for a gap under FRIC, and for gap and pressure at once.
+/// Returns the meaning of the normal value. A gap under FRIC, and gap and pressure at once, are problems.
 fn normal_control(
     reader: &mut Reader<'_>,
     gap: bool,

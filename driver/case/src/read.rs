@@ -146,7 +146,7 @@ pub fn is_study(path: &Path) -> bool {
 /// Applies overrides to a document as to a file.
 ///
 /// # Errors
-/// Those that cannot be applied, and texts that no page can show.
+/// Overrides that cannot be applied, and texts that no page can show.
 pub fn overridden(mut document: Value, overrides: &[String]) -> Result<Value, Vec<Problem>> {
     let mut problems: Vec<Problem> = overrides.iter().filter_map(|text| json::set(&mut document, text).err()).collect();
     json::check_texts(&document, &Place::root(), &mut problems);

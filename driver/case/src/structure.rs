@@ -222,7 +222,7 @@ fn tag<'e, 'v>(branch: &'e [Violation<'v>], here: &Place) -> Option<(&'e Violati
     })
 }
 
-/// The problem of a word that no branch has, if every branch expects another one in the same member.
+/// Returns the problem of a word that no branch has, if every branch expects another word in the same member.
 fn wrong_tag(context: &[Vec<Violation<'_>>], here: &Place) -> Option<Problem> {
     let (first, _) = tag(context.first()?, here)?;
     let tags = context.iter().map(|branch| tag(branch, here));

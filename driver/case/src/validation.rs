@@ -26,7 +26,7 @@ pub enum Keyword<'v> {
     Type(Vec<JsonType>),
     /// `const`: the one value.
     Constant(&'v Value),
-    /// `anyOf`, or `oneOf` where no branch fits: what each branch finds.
+    /// `anyOf`, or `oneOf` where no branch fits: the violations of each branch.
     Union(Vec<Vec<Violation<'v>>>),
     /// `oneOf` where several branches fit.
     Ambiguous,

@@ -455,7 +455,7 @@ fn is_in<R>(table: &[Column<R>], name: &str) -> bool {
     table.iter().any(|column| column.name == name)
 }
 
-/// Returns whether of columns that a case of kind "bridging" knows two stand in two files.
+/// Returns whether two columns of a case of kind "bridging" are in two files.
 pub fn are_of_two_files(known: &[String], one: &str, other: &str) -> bool {
     // a specimen has a load too
     known.iter().any(|name| name == "cmod") && is_in(&BEAM, one) != is_in(&BEAM, other)
@@ -530,7 +530,7 @@ pub fn of_contact(tangential_directions: usize, states: &[String]) -> Vec<String
     with_states(&CONTACT, left_out_of_contact(tangential_directions), states)
 }
 
-/// The history's columns of a specimen, of each of several fibres too.
+/// Returns the history's columns of a specimen, including those of each of several fibres.
 pub fn of_specimen(fibres: &[MeasuredFibre]) -> Vec<String> {
     let of = |fibre: &MeasuredFibre| FIBRE.each_ref().map(|column| format!("{}.{}", column.name, fibre.name));
     let each: Vec<String> = fibres.iter().flat_map(of).collect();

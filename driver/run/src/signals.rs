@@ -1,5 +1,5 @@
-//! Ctrl-C and SIGTERM: a run ends with its present increment, keeps what it has, and says so. And SIGXFSZ, which becomes
-//! an error of the write that met the limit.
+//! Ctrl-C and SIGTERM: a run ends with its present increment, keeps its results, and says so. SIGXFSZ becomes an error
+//! of the write that reached the limit.
 
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use signal_hook::consts::{SIGINT, SIGTERM, SIGTSTP, SIGXFSZ};
@@ -40,7 +40,7 @@ impl Interrupt {
         }
     }
 
-    /// Sends it to a child, which may have met it already: to hear of it twice is all the same to a child.
+    /// Sends it to a child. The child may have received it already; a second one does no harm.
     pub fn pass_on_to(self, child: &Child) {
         if let Some(pid) = i32::try_from(child.id()).ok().and_then(Pid::from_raw) {
             self.send(pid);

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// Slip of the tail, as a part of that of the exit, below which its part in the load is below rounding.
 const STUCK_TAIL: f64 = 1e-12;
-/// Lengths at which the greatest load is sought beforehand, closer where they are short.
+/// Number of lengths at which the greatest load is searched beforehand, closer where they are short.
 const PEAK_LENGTHS: usize = 160;
 /// Steps of golden section over the logarithm of the slip.
 const PEAK_STEPS: usize = 60;
@@ -34,7 +34,8 @@ pub struct BondLaw {
 }
 
 impl BondLaw {
-    /// Lines for a law τ(s) that is linear up to its first joint and smooth between joints, to its value at `end`.
+    /// Returns lines that approximate a law τ(s), which is linear up to its first joint and smooth between joints,
+    /// until `end`.
     pub fn sampled(traction: impl Fn(f64) -> f64, joints: &[f64], end: f64) -> Self {
         let mut points = vec![[0.0, traction(0.0)]];
         let mut ends = joints.to_vec();

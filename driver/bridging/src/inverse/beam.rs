@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Openings at which the law is sought from a curve, mm; what the matrix carries after its strength begins at 0.
 pub const OPENINGS: [f64; 11] = [0.0, 0.01, 0.03, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0];
-/// Below this CMOD the notch's own elastic opening, which the model leaves out, counts, mm.
+/// Least CMOD that counts, mm: below it the notch's own elastic opening matters, which the model leaves out.
 const LEAST_CMOD: f64 = 0.01;
 /// Fewer points than this have their derivative from the monotone cubic through them.
 const FEW_POINTS: usize = 12;
@@ -184,7 +184,8 @@ pub fn full_inverse(
     Ok(BridgingFit { fitted, openings: OPENINGS.to_vec(), law, matrix, weight, band: None })
 }
 
-/// The monotone cubic through stresses at openings, straight on to half as far again: the end of the test.
+/// Returns the monotone cubic through stresses at openings. It continues straight on to 1.5 times the last opening,
+/// where the test ends.
 pub(super) fn smooth_through(nodes: &[f64], stresses: &[f64]) -> Polyline {
     let last = nodes.len() - 1;
     let slope = monotone_slopes(nodes, stresses)[last];

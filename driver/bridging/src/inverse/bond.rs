@@ -27,7 +27,8 @@ pub struct SoughtBond<'c> {
 }
 
 impl SoughtBond<'_> {
-    /// The quantities whose differences, of so many rows as parts of the greatest value, are least.
+    /// Returns the quantities with the least differences. There are `rows` differences, each relative to the greatest
+    /// value.
     fn find(&self, rows: usize, differences: &dyn Fn(&Composite) -> Vec<f64>) -> Result<Fitted, Invalid> {
         (self.composite)(self.start)?;
         let begin: Vec<f64> = self.start.iter().map(|start| start.ln()).collect();
@@ -68,7 +69,8 @@ pub fn bond_from_bridging(sought: &SoughtBond<'_>, target: &[[f64; 2]]) -> Resul
     })
 }
 
-/// Finds them from the mean of the strengths f_R1–4 of beams, by the beam's own: no σ(w) stands between.
+/// Finds the quantities from the mean of the strengths f_R1–4 of beams. They are compared with the strengths of the
+/// computed beam, without a σ(w) in between.
 ///
 /// # Errors
 /// Numbers without sense.

@@ -79,7 +79,7 @@ pub struct Fitted {
     pub reached: bool,
 }
 
-/// Levenberg and Marquardt's method (the crate `levenberg-marquardt`, after MINPACK) from `start`.
+/// Minimises by Levenberg and Marquardt's method (the crate `levenberg-marquardt`, after MINPACK) from `start`.
 fn least_squares(problem: &LeastSquares<'_>, start: &[f64]) -> Fitted {
     let search = Search { problem, parameters: DVector::from_column_slice(start) };
     let method = LevenbergMarquardt::new().with_ftol(SMALLEST_GAIN).with_xtol(SMALLEST_GAIN);

@@ -11,13 +11,14 @@ use nalgebra::{DMatrix, DVector};
 
 /// Openings of the smooth law, mm, the last that of f_R4.
 const KNOTS: [f64; 11] = [0.0, 0.1, 0.2, 0.4, 0.6, 0.9, 1.25, 1.65, 2.1, 2.5, 2.9];
-/// Openings at which a bilinear law may turn, mm: from, to, how many, with a constant factor between.
+/// Openings at which the slope of a bilinear law may change, mm: from, to, and how many, with a constant factor
+/// between.
 const TURNS: (f64, f64, i32) = (0.1, 2.5, 24);
 /// Weights of the penalty among which cross-validation chooses: (∫σ''² dw)^½ in MPa/mm^1.5 against a difference in MPa.
 const WEIGHTS: [f64; 13] = [1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
 /// Weights whose predictions are worse than the best by this factor are as good: the smoothest of them counts.
 const AS_GOOD: f64 = 1.05;
-/// Differences that are rounding, as parts of the greatest strength.
+/// Differences that count as rounding, as parts of the greatest strength.
 const ROUNDING: f64 = 1e-5;
 /// Linearisations; the weight is chosen on the first of them.
 const PATIENCE: usize = 24;
@@ -72,8 +73,8 @@ struct Found {
     reached: bool,
 }
 
-/// σ(w) whose beam has the strengths f_R1–4, of several beams the means of theirs. E and f_t are the matrix's: f_L belongs
-/// to the matrix and to fibres that have hardly begun to carry, and does not determine the law.
+/// Finds the σ(w) whose beam has the strengths f_R1–4; of several beams it has their means. E and f_t are the matrix's:
+/// f_L belongs to the matrix and to fibres that have hardly begun to carry, and does not determine the law.
 pub(super) fn inverse_of_strengths(
     geometry: &NotchedBeam,
     matrix: &Matrix,

@@ -85,7 +85,7 @@ fn usual_spread() -> f64 {
 enum Density {
     Random,
     Planar,
-    /// Normal distribution, cut off, with the part of it that is kept.
+    /// Truncated normal distribution, with the part of it that is kept.
     Normal(Normal, f64),
     Beta {
         r: f64,

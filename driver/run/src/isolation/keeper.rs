@@ -83,7 +83,7 @@ fn keep(worker: Pid, supervisor: u32) -> io::Result<WaitStatus> {
     status.ok_or_else(|| io::Error::other("the process that calls plugins does not end"))
 }
 
-/// Takes note of children that have ended; the status of the worker, if it is among them.
+/// Reaps children that have ended; returns the status of the worker, if it is among them.
 fn reap(worker: Pid) -> Option<WaitStatus> {
     loop {
         match wait(ALL_KINDS | WaitOptions::NOHANG) {

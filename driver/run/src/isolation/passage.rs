@@ -119,7 +119,8 @@ impl Passage {
     }
 }
 
-/// Takes the work that another process has written down: its name, and itself as JSON. From here on messages go to that one.
+/// Reads the work that another process has written: its name, and the work as JSON. From here on messages go to that
+/// process.
 pub(super) fn taken(path: &Path) -> io::Result<(Head, String)> {
     let text = std::fs::read_to_string(path)?;
     let mut lines = text.lines();

@@ -182,7 +182,7 @@ fn end_if_a_stream_is_closed() {
     }
 }
 
-/// Ends this worker because a plugin closed what it writes to; does nothing elsewhere.
+/// Ends this worker because a plugin closed a stream that it writes to; does nothing in other processes.
 pub fn end_for_closed_output() {
     end_for(Some(Spoilt::ClosedOutput));
 }

@@ -18,7 +18,8 @@ use umat_abi::host::{Plugin, UmatCall};
 #[derive(Clone)]
 pub(super) struct Finite {
     pub(super) measure: Measure,
-    /// DDSDDE is ∂σ/∂DSTRAN, as laws for small strains give it; else that of Jaumann's rate of J σ, over J.
+    /// DDSDDE is ∂σ/∂DSTRAN, as laws for small strains return it; otherwise it is the tangent of the Jaumann rate of J
+    /// σ, divided by J.
     incremental_tangent: bool,
     /// Whether it is plane stress: F₃₃ is 1 then, the thickness is the law's.
     plane_stress: bool,

@@ -18,8 +18,8 @@ const STRAIN_TOLERANCE: f64 = 1e-10;
 /// A strain that is sought changes in an increment by at most so many times the largest strain there: what changes more is looked
 /// at closely, since it may be another equilibrium, as that of torn matter, whose stresses vanish however large its strains are.
 pub(super) const LARGEST_CHANGE: f64 = 3.0;
-/// Residuals that count as zero change the strains of an equilibrium by less than this share of the increment; those of torn matter
-/// leave it anywhere.
+/// A residual that counts as zero changes the strains of an equilibrium by less than this share of the increment. In
+/// torn matter it determines no strain.
 const DETERMINED: f64 = 1e-3;
 /// A full step should at least halve the residual, else the tangent is called poor.
 const POOR_REDUCTION: f64 = 0.5;

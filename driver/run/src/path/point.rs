@@ -888,9 +888,11 @@ impl Runner<'_> {
         })
     }
 
-    /// Returns whether the matter at the end of the last call resists: taking the sought strains of the step back at once leads to
-    /// stresses such as it has borne in the step, and the way back begins with some stiffness. What is elastic comes back to them; what creeps, flows or swells is pressed the
-    /// other way; what is torn comes back with little.
+    /// Returns whether the matter at the end of the last call resists.
+    ///
+    /// The sought strains of the step are taken back at once. Resisting matter then reaches stresses such as it has
+    /// carried in the step, and the way back begins with some stiffness. What is elastic returns to these stresses;
+    /// what creeps, flows or swells is pressed the other way; what is torn returns with little.
     fn resists(&mut self, controls: &[Control; 6], statistics: &mut Statistics) -> bool {
         let (mut end, mut finite) = (self.committed.clone(), self.finite.clone());
         take_over(&self.call, self.components, &self.trial.strain, self.strain_33, &mut end, finite.as_mut());

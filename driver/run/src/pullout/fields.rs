@@ -18,7 +18,7 @@ pub struct FieldWriter {
     last: Option<f64>,
     /// Time that the writing took.
     pub(super) spent: Duration,
-    /// Directory, and SHA-256 of each file that was written, if checkpoints shall know it.
+    /// Directory, and SHA-256 of each file that was written, if checkpoints must record it.
     hashed: Option<(PathBuf, Vec<String>)>,
 }
 

@@ -6,7 +6,7 @@ use fe_core::mesh::ElementEdge;
 use fe_core::model::Model;
 use serde::{Deserialize, Serialize};
 
-/// A part of the length that overlaps are compared with, up to which there is no warning.
+/// Largest overlap without a warning, as a part of the length that overlaps are compared with.
 const LARGE_OVERLAP: f64 = 0.01;
 
 /// The deepest overlap of one state.

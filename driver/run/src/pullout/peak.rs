@@ -20,7 +20,8 @@ pub struct PeakLoad {
     pub time: f64,
 }
 
-/// Keeps the greatest load with the displacements and the released elements there, and the fields if pictures are wanted.
+/// Keeps the greatest load, with displacements and released elements at that load, and the fields if pictures are
+/// wanted.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PeakKeeper {
     /// The greatest load; `None`: there was none.

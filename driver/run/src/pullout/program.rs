@@ -94,7 +94,8 @@ impl PulloutProgram {
         columns::of_specimen(&self.model.measured.fibres)
     }
 
-    /// All laws with what they are of, those of contact first; pairs of the same law stand together.
+    /// Returns all laws with the names of their parts or pairs, those of contact first. Pairs with the same law are
+    /// joined.
     pub fn laws(&self) -> Vec<(String, &PluginLaw)> {
         let mut laws: Vec<(String, &PluginLaw)> = Vec::new();
         for pair in &self.model.contacts {

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 /// Thickness of a plane fibre over its height, the diameter, for the area of the circle.
 pub const EQUAL_AREA: f64 = PI / 4.0;
-/// Thickness of a plane fibre over its height, the diameter, for the bending inertia of the circle.
+/// Thickness of a plane fibre relative to its height, the diameter, that gives the bending inertia of the circle.
 pub const EQUAL_INERTIA: f64 = 3.0 * PI / 16.0;
 
 /// Share of the work that the fibre's yielding takes up to which its section does not matter.
