@@ -111,7 +111,7 @@ impl Equation for Update<'_> {
         Some(Trial { m, weights, energy_release_rate: y, eta_t, eta_c, ratio, a, b })
     }
 
-    /// NaN where the stress has no direction: that is at zero strain only, which comes with fixed weights.
+    /// Returns NaN if the stress has no direction; that occurs only at zero strain, which comes with fixed weights.
     #[inline]
     fn residual(sample: &Option<Trial>) -> f64 {
         sample.as_ref().map_or(f64::NAN, |trial| trial.excess() - (trial.m - 1.0))

@@ -9,7 +9,7 @@ use umat_abi::table::Field;
 const BLEND_RATIO: f64 = 0.2;
 /// Principal stresses below this are a zero state: their ratios would be made of subnormal numbers.
 const LEAST_STRESS: f64 = 1e-290;
-/// Cells in which the least root of β = g(a + βb) is looked for where it may not be unique.
+/// Number of cells in which the least root of β = g(a + βb) is searched where it may not be unique.
 const BETA_CELLS: u32 = 64;
 /// Bisection alone takes 53; Newton, which leads, takes 3.
 const BETA_ITERATIONS: u32 = 80;

@@ -60,8 +60,8 @@ impl Criteria {
         energy / (divisor * divisor)
     }
 
-    /// Returns what rounding of the strain does to Y_t and Y_c: δY = √(2 Y/E) δs with a few units in the last
-    /// place of the terms of s.
+    /// Returns the effect of rounding of the strain on Y_t and Y_c: δY = √(2 Y/E) δs, where δs is a few units in the
+    /// last place of the terms of s.
     #[inline]
     pub fn rounding(&self, parameters: &Parameters) -> [f64; 2] {
         let elasticity = &parameters.elasticity;

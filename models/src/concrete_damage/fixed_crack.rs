@@ -1,8 +1,8 @@
-//! Solid with cracks across three fixed axes (implex.md): ε⁻ = ε − ε⁺ minimises ½ (ε − ε⁺) : K : (ε − ε⁺) over what opens
-//! and slides at them.
+//! Solid with cracks across three fixed axes (implex.md): ε⁻ = ε − ε⁺ minimises ½ (ε − ε⁺) : K : (ε − ε⁺) over the
+//! openings and slips of the cracks.
 //!
-//! In the axes of the cracks, in components 11, 22, 33, 12, 13, 23, everything is linear in pieces: a piece is known by the cracks
-//! that are open, and the pairs of them that slide freely.
+//! In the axes of the cracks, in components 11, 22, 33, 12, 13, 23, everything is piecewise linear. The open cracks,
+//! and the pairs of cracks that slide freely, identify a piece.
 
 use super::Parameters;
 use super::criteria::times;

@@ -376,7 +376,7 @@ fn extrapolated(eta_reached: f64, rate: f64, time_increment: f64) -> f64 {
     (eta_reached + rate * time_increment).min(eta_reached.max(LARGEST_EXTRAPOLATED_ETA))
 }
 
-/// Returns the η whose integrity 1/(1 + η) lies at a share of the way from that of `from` to that of `to`.
+/// Returns the η whose integrity 1/(1 + η) is interpolated at a share between those of `from` and `to`.
 #[inline(always)]
 fn approached(from: f64, to: f64, share: f64) -> f64 {
     let [from, to] = [from, to].map(|eta| 1.0 / (1.0 + eta));

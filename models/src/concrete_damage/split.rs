@@ -1,7 +1,7 @@
 //! The no-tension split in principal strains (doc.md).
 //!
-//! ε⁻ = ε − ε⁺ minimises ½ (ε − ε⁺) : K : (ε − ε⁺) over ε⁺ ≥ 0: what is left when cracks open freely.
-//! Four regions by how many principal directions are open; the stress K : ε⁻ ≤ 0 does no work on ε⁺.
+//! ε⁻ = ε − ε⁺ minimises ½ (ε − ε⁺) : K : (ε − ε⁺) over ε⁺ ≥ 0: what remains when cracks open freely. There are four
+//! regions, by the number of open principal directions; the stress K : ε⁻ ≤ 0 does no work on ε⁺.
 
 use crate::tensor::Elasticity;
 

@@ -126,8 +126,8 @@ const SERIES_TERMS: u32 = 64;
 /// The complement of the integral loses digits (it is the difference of two poles) as p comes this close to an integer.
 const POLE_DISTANCE: f64 = 0.02;
 
-/// ∫₀^η t^p/(1 + t)² dt = ∫₀^D (d/(1−d))^p dd, p > 0: the incomplete beta function B_D(1+p, 1−p). Of several η at once;
-/// `powers` = η^p.
+/// Returns ∫₀^η t^p/(1 + t)² dt = ∫₀^D (d/(1−d))^p dd, p > 0, the incomplete beta function B_D(1+p, 1−p), for several η
+/// at once; `powers` = η^p.
 #[inline]
 pub(crate) fn excess_integrals<const N: usize>(etas: [f64; N], p: f64, powers: [f64; N]) -> [f64; N] {
     if etas.iter().all(|&eta| eta <= 1.0) {
@@ -178,8 +178,8 @@ fn upper_integral(eta: f64, p: f64) -> f64 {
     upper
 }
 
-/// Number of pairs of levels of the continued fraction that bring gain^levels below rounding (58 bits), by the number of bits
-/// that a level gains: from D = 1/2, where it is 2.54, on.
+/// Number of pairs of levels of the continued fraction that bring gain^levels below rounding (58 bits), by the number
+/// of bits that a level gains: from D = 1/2, where it is 2.54, on.
 const PAIRS: [u8; 30] = {
     let mut pairs = [12; 30];
     let mut bits = 3;

@@ -7,8 +7,8 @@ use umat_abi::metadata::{Parameter, StateVariable, flags};
 #[cfg(test)]
 mod test;
 
-/// Young's modulus, the first parameter of every law of a solid; usual are those from polymers to diamond: most in GPa or kPa
-/// are others.
+/// Young's modulus, the first parameter of every law of a solid. Its usual range is from polymers to diamond, so that
+/// most values in GPa or kPa are outside.
 pub(crate) const fn youngs_modulus(default_value: f64) -> Parameter {
     Parameter::new(c"E", c"MPa", default_value, c"Young's modulus").above(0.0).typically(500.0, 1.2e6)
 }

@@ -102,7 +102,7 @@ impl Elasticity {
         -nu / (1.0 - nu) * (strain[0] + strain[1])
     }
 
-    /// Total strain 33 at the end of an increment of a solid that is elastic, or damaged alike in all directions.
+    /// Returns the total strain 33 at the end of an increment of a solid that is elastic or isotropically damaged.
     #[inline(always)]
     pub fn strain_33(&self, increment: &Increment) -> f64 {
         match increment.stress_state {
@@ -111,7 +111,7 @@ impl Elasticity {
         }
     }
 
-    /// The stiffness between the plane-stress components 11, 22, 12 (rows and columns 0, 1, 3).
+    /// Returns the stiffness between the plane-stress components 11, 22, 12 (rows and columns 0, 1, 3).
     #[inline(always)]
     pub fn plane_stress_stiffness(&self) -> [[f64; 6]; 6] {
         let nu = self.poisson_ratio;

@@ -140,7 +140,8 @@ impl EntryArguments for UmatArguments {
     }
 }
 
-/// Refuses a call. Takes the few arguments that it needs: all of them together would have to lie in memory before each call.
+/// Refuses a call. It takes only the arguments that it needs, as all of them would have to be in memory before each
+/// call.
 ///
 /// # Safety
 /// As for [`umat`].

@@ -114,7 +114,7 @@ impl Found {
             .map(|path| Self { name: name.to_owned(), path })
     }
 
-    /// Every library file in the folders, sorted by name; of several with one name, the first found.
+    /// Returns every library file in the folders, sorted by name; of several with the same name, the first found.
     pub fn all(paths: &[PathBuf]) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
         for folder in paths {

@@ -1,5 +1,5 @@
 //! Arrays that a plugin writes, with canaries on both sides of each: an overrun is reported by name instead of crashing
-//! something later. In the arrays of a worker a write outside ends the process at the very store.
+//! something later. In a worker's arrays, a write outside ends the process at once.
 
 use super::fence::{Fenced, Outside, Watched, watch};
 use super::probe::Alignment;

@@ -6,7 +6,7 @@ use crate::law::{Heat, Request, StressState};
 
 /// Tolerance of σ33 in plane stress, relative to the largest stress, or to the stiffness times the largest strain.
 const STRESS_TOLERANCE: f64 = 1e-13;
-/// Tolerance of σ33 in plane stress that is accepted where no iteration comes nearer.
+/// Tolerance of σ33 in plane stress that is accepted if no iteration comes closer.
 const LARGEST_STRESS: f64 = 1e-9;
 /// Iterations on ε33.
 const MAX_ITERATIONS: usize = 50;

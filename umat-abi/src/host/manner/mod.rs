@@ -104,7 +104,7 @@ struct Point {
 }
 
 impl UmatCall {
-    /// Sets the source of DDSDDE. What comparisons have found so far is kept as long as DDSDDE is not the plugin's alone.
+    /// Sets the source of DDSDDE. Results of earlier comparisons are kept unless DDSDDE comes from the plugin alone.
     pub fn set_tangent_source(&mut self, tangent: TangentSource) {
         if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid.as_mut()) {
             solid.set_tangent_source(tangent);

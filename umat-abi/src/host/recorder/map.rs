@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io;
 use std::sync::atomic::AtomicU64;
 
-/// Room of a recorder. The file is sparse: only pages that were written take memory.
+/// Size of a recorder's file. The file is sparse: only pages that were written take memory.
 pub(super) const CAPACITY: usize = 1 << 28;
 /// The least room, where the system limits the size of files: some slots.
 pub(super) const LEAST_CAPACITY: usize = 1 << 17;
