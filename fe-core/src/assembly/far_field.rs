@@ -82,7 +82,8 @@ impl FarField {
     }
 }
 
-/// Returns which elements may be condensed: their freedoms are each an equation of their own or held still, and carry no load.
+/// Returns which elements may be condensed: each of their freedoms is its own equation or held still, and carries no
+/// load.
 pub(crate) fn may_be_condensed(mesh: &Mesh, equations: &Equations, loaded: &[usize]) -> Vec<bool> {
     let mut has_load = vec![false; equations.freedom_count()];
     loaded.iter().for_each(|&freedom| has_load[freedom] = true);

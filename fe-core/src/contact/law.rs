@@ -91,7 +91,7 @@ impl PointLaw {
         Ok(made)
     }
 
-    /// Passes temperature and field variables at the start and at the end of the increment to it.
+    /// Passes temperature and field variables at the start and at the end of the increment to the law.
     pub fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
         let fields: &mut SurfaceFields = match self {
             Self::Uinter { call, .. } => &mut call.fields,

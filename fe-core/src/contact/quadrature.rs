@@ -172,7 +172,7 @@ pub(super) fn contact_points(
     Ok(points)
 }
 
-/// Points in a row that share a gap, in order: those of a patch, any other by itself.
+/// Returns the ranges of points that share a gap, in order: those of a patch; any other point is on its own.
 pub(super) fn patches(points: &[ContactPoint]) -> Vec<Range<usize>> {
     let mut patches: Vec<Range<usize>> = Vec::new();
     for (index, point) in points.iter().enumerate() {

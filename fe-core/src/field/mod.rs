@@ -1,22 +1,22 @@
-//! A scalar field on the nodes next to the displacements: temperature, or the phase field of a law.
+//! A scalar field on the nodes, in addition to the displacements: temperature, or the phase field of a law.
 //!
 //! ```text
 //! R_i = ∫ N_i (r − c (θ − θ_n)/Δt) − k ∇N_i·∇θ dV + ∫ N_i q dA = 0
 //! K_ij = ∫ k ∇N_i·∇N_j + (c/Δt − ∂r/∂θ) N_i N_j dV
 //! ```
 //!
-//! with RPL and DRPLDT of the laws, and FLUX of HETVAL, at the last displacements for r and ∂r/∂θ, integrated at the points of the
-//! laws; UMATHT gives ∫ N_i ρ (U − U_n)/Δt and ∫ ∇N_i·f in the place of c and k. The law gets Σ N_i θ_i at its point as TEMP +
-//! DTEMP. Displacements and field are found in turn. A [`Field`] predicts θ, does one Newton iteration a pass, and says when it no
-//! longer changes ([`crate::model::FieldCoupling`]):
+//! r and ∂r/∂θ are RPL and DRPLDT of the laws, and FLUX of HETVAL, at the last displacements, integrated at the points
+//! of the laws. UMATHT gives ∫ N_i ρ (U − U_n)/Δt and ∫ ∇N_i·f in place of c and k. The law gets Σ N_i θ_i at its point
+//! as TEMP + DTEMP. Displacements and field are found in turn. A [`Field`] predicts θ, does one Newton iteration a
+//! pass, and reports when it no longer changes ([`crate::model::FieldCoupling`]):
 //!
 //! ```text
 //! θ ← θ_n + 0.9 Δt/Δt_n (θ_n − θ_{n−1}),   then in each pass   θ ← θ + 1.4 K⁻¹R,   until max |K⁻¹R| ≤ tolerance
 //! ```
 //!
-//! Prediction and over-relaxation are for phase fields: they save two of three passes where cracks grow steadily. Where a pass
-//! changes more than the one before, the rest of the increment does without. Slow passes whose corrections form a geometric series
-//! are summed up at once.
+//! Prediction and over-relaxation are for phase fields: they save two of three passes where cracks grow steadily. If a
+//! pass changes more than the one before, the rest of the increment does without them. Slow passes whose corrections
+//! form a geometric series are summed up at once.
 
 mod element;
 

@@ -16,8 +16,8 @@ pub(super) struct Cut {
     pub(super) between: Vec<usize>,
 }
 
-/// Returns where the fewest nodes separate two halves of about equal size; `None` if there are not two. `positions` has the
-/// place of each node, mm.
+/// Returns where the fewest nodes separate two halves of about equal size; `None` if there are no two halves.
+/// `positions`: those of the nodes, mm.
 pub(super) fn cut(graph: &Graph, positions: &[[f64; 2]]) -> Option<Cut> {
     let count = graph.len();
     let first = (LEAST_SHARE * count as f64).ceil() as usize;

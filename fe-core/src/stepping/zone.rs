@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 const MARGIN: usize = 1;
 /// Rings added around elements that stopped being elastic.
 const GROWTH: usize = 3;
-/// A far field of fewer elements than this part of all is not worth a condensation.
+/// Least share of all elements for which a far field is worth a condensation.
 const LEAST_FAR_FIELD: f64 = 0.3;
 
 /// The elements that iterate.

@@ -151,8 +151,8 @@ impl Points {
         self.acting[point] = self.committed.stress[point];
     }
 
-    /// Finds out how the UMAT is to be called, unless the user has set it, and DDSDDE at zero strain with the initial states and
-    /// the initial stress, those of the first point. Returns notes for users.
+    /// Determines how the UMAT is called, unless the user has set it, and DDSDDE at zero strain with the initial states
+    /// and the initial stress of the first point. Returns notes for users.
     pub(super) fn prepare(&mut self, law: &PluginLaw, part: &str, nlgeom: bool) -> Result<Vec<String>, ModelError> {
         self.set_virgin();
         let error = |error| ModelError::of_part(part, law.error(error));
@@ -419,7 +419,7 @@ impl Points {
         self.trial.viscous_stress[point] = end;
     }
 
-    /// The tangent of the trial state where nothing grows: of an increment of zero from it.
+    /// Returns the tangent of the trial state if nothing grows: that of a zero increment from it.
     fn frozen(&mut self, point: usize) -> Result<Moduli, Setback> {
         self.call.drot = columns(IDENTITY);
         self.call.dfgrd0 = self.call.dfgrd1;

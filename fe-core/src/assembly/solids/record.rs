@@ -95,7 +95,7 @@ impl Spalled {
         self.share
     }
 
-    /// Sets the part of its forces that acts, and returns the part of the virgin stiffness that it then has.
+    /// Sets the share of its forces that acts, and returns the share of the virgin stiffness that it then has.
     pub(super) fn set_share(&mut self, share: f64) -> f64 {
         self.share = share;
         (Self::SOFT * share).max(Self::GHOST)

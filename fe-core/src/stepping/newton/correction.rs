@@ -236,9 +236,9 @@ impl Equilibrium<'_> {
         self.evaluate(attempt)
     }
 
-    /// Applies as much of a correction as minimises the energy along it, from the full one, which passes the minimum: with
-    /// extrapolating laws the energy is convex, with kinks where cracks close. Beyond these the next tangent is the right
-    /// one, short of them the same correction would be found again.
+    /// Applies the part of a correction that minimises the energy along it, starting from the full one, which passes
+    /// the minimum. With extrapolating laws the energy is convex, with kinks where cracks close. Beyond these kinks the
+    /// next tangent is the right one; short of them the same correction would be found again.
     fn least_work(
         &mut self,
         attempt: &mut Attempt<'_>,

@@ -286,8 +286,8 @@ impl<'m> Equilibrium<'m> {
         self.threads = threads;
     }
 
-    /// Finds equilibrium for a target from the committed state: rounds of iterations, between which multipliers are updated, until contact has
-    /// settled and the far field is elastic.
+    /// Finds equilibrium for a target from the committed state, in rounds of iterations. Multipliers are updated
+    /// between rounds, until contact has settled and the far field is elastic.
     pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, PointFailure> {
         self.contact.end_prediction();
         attempt.kept.zone = self.keeps_rounds.then(|| self.zone.clone());

@@ -214,7 +214,8 @@ impl Fibre {
 struct Laid<'a> {
     fibre: &'a Fibre,
     path: Path,
-    /// Distances to the nearest wall of another fibre at arc lengths of the embedded axis, mm; empty: it is alone.
+    /// Distances to the nearest wall of another fibre at arc lengths of the embedded axis, mm; empty for a single
+    /// fibre.
     gaps: Vec<[f64; 2]>,
 }
 
@@ -349,7 +350,8 @@ impl Fibres {
         self.mesh.size * self.mesh.exit_size.unwrap_or(0.25 * fibre.diameter)
     }
 
-    /// Twice an equilateral triangle of the largest size: refinement is asked for where the outline's sizes do not do it.
+    /// Returns twice the area of an equilateral triangle of the largest size. Refinement is requested where the sizes
+    /// of the outline do not enforce it.
     fn largest_area(&self) -> f64 {
         let size = self.mesh.size * self.mesh.largest_size;
         0.866 * size * size
