@@ -246,8 +246,8 @@ impl<'l> Beam<'l> {
         forces
     }
 
-    /// Equilibrium at a CMOD: w(h_sp) = CMOD − φ·notch gives the elongation at the notch, and with φ the neutral axis;
-    /// N = 0 gives φ.
+    /// Returns the equilibrium at a CMOD. w(h_sp) = CMOD − φ·notch gives the elongation at the notch and, with φ, the
+    /// neutral axis; N = 0 gives φ.
     pub fn at(&self, cmod: f64) -> Load {
         let NotchedBeam { width, notch, span, .. } = self.geometry;
         let ligament = self.geometry.ligament();

@@ -112,7 +112,8 @@ impl BridgingFibre {
         Ok(bridging)
     }
 
-    /// Makes a bridging fibre of curves at angles; what angles do is in them, or, of curves at 0° alone, the inclination.
+    /// Makes a bridging fibre from curves at angles. The curves include the effect of the angle; curves at 0° alone use
+    /// the inclination.
     ///
     /// # Errors
     /// Numbers without sense.

@@ -219,7 +219,7 @@ impl Spalling {
         root(excess, 0.0, self.embedded)
     }
 
-    /// Returns the load at an opening, the greatest spall being reached at another: spalls do not heal.
+    /// Returns the load at an opening after the greatest spall was reached at another: spalls do not heal.
     fn after(&self, opening: f64, [peak, largest, highest]: [f64; 3], at: impl Fn(f64) -> Bridged) -> Inclined {
         let is_largest = opening >= peak;
         let spalled = if is_largest { largest } else { self.alone(opening, &at).min(largest) };

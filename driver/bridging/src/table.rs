@@ -1,4 +1,4 @@
-//! Curves of tests or of simulations at angles and lengths, and what lies between them.
+//! Curves of tests or of simulations at angles and lengths, and interpolation between them.
 
 use crate::Invalid;
 use crate::bond::opening;
@@ -170,8 +170,8 @@ impl Table {
         Row { table: self, loads, slopes, greatest, greatest_slopes, cell: self.cell(embedded) }
     }
 
-    /// Makes a table of openings instead of slips, both sides of the crack giving way. The long side follows the loading branch of
-    /// the longest curve.
+    /// Makes a table of openings instead of slips, where both sides of the crack slip. The long side follows the
+    /// loading branch of the longest curve.
     pub(crate) fn of_two_sides(&self) -> Self {
         let mut lengths = Vec::new();
         let mut below = 0.0;

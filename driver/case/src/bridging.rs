@@ -49,7 +49,7 @@ const SAME_DIAMETER: f64 = 1e-6;
 /// lengths that differ by this part (the chords of bends are shorter than their arcs), and angles, degrees.
 const SAME_LENGTH: f64 = 0.02;
 const SAME_ANGLE: f64 = 0.01;
-/// Keys of a specimen that are angle and embedded length, and those where a fibre has a path.
+/// Keys of a specimen for angle and embedded length, and those for a fibre with a path.
 const KEYS: [&str; 2] = ["mesh.specimen.angle_deg", "mesh.specimen.embedded_length"];
 const KEYS_OF_PATH: [&str; 2] = ["mesh.specimen.fibres.0.rotate_deg", "mesh.specimen.fibres.0.embedded"];
 

@@ -94,8 +94,8 @@ fn members(set: u32) -> impl Iterator<Item = usize> {
     (0..6).filter(move |i| set >> i & 1 == 1)
 }
 
-/// The sets of free components (as bits) that can be matched one to one with the relations, each with a component
-/// of which it has a coefficient.
+/// Returns the sets of free components (as bits) that can be matched one to one with the relations. Each relation has a
+/// coefficient of its component.
 fn matching_sets(constraints: &[Constraint], free: &[usize]) -> Vec<u32> {
     let touches = |constraint: &Constraint, i: usize| constraint.strain[i] != 0.0 || constraint.stress[i] != 0.0;
     let mut sets = vec![0_u32];

@@ -8,8 +8,8 @@ use pullout_run::input::{self, Input};
 use serde_json::Value;
 use std::sync::Arc;
 
-/// The recorded increments that a case gives. `steps`: the most increments of each of its steps; `None`: as many as it likes,
-/// of a specimen. `may_end_early`: it can end before its last step.
+/// Returns the recorded increments that a case gives. `steps`: the largest number of increments of each step; `None`:
+/// any number, for a specimen. `may_end_early`: the case can end before its last step.
 pub fn recorded(
     reader: &mut Reader<'_>,
     given: Option<&RunIncrements>,

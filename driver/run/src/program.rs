@@ -64,7 +64,7 @@ impl Mode {
         }
     }
 
-    /// Returns whether the direct stresses across are 0 and nobody knows the strains there.
+    /// Returns whether the direct stresses across the line are 0 and the strains there unknown.
     pub fn is_of_line(self) -> bool {
         matches!(self, Self::OneD | Self::Beam)
     }
@@ -92,8 +92,8 @@ impl Mode {
     }
 }
 
-/// The strain and stress of steps and history with nlgeom, where F = R U and P = J s F^-T is the first Piola-Kirchhoff
-/// stress, s Cauchy's.
+/// The strain and stress of steps and history with nlgeom. F = R U; P = J s F^-T is the first Piola-Kirchhoff stress, s
+/// Cauchy's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Measure {

@@ -1,4 +1,4 @@
-//! Parts that replay cases have in common: cases that repeat a call of a plugin, or an increment that failed.
+//! Parts common to replay cases: those that repeat a call of a plugin, and those that repeat an increment that failed.
 
 use crate::program::FieldValues;
 use serde_json::{Value, json};

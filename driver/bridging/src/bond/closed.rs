@@ -264,8 +264,8 @@ impl ClosedSide {
         self.sliding_load(u, embedded) + hook
     }
 
-    /// Slips by which the load after sliding has kinks or is greatest between them, in order; `first`: up to the first
-    /// maximum alone.
+    /// Returns the slips at which the load after sliding has kinks, or is greatest between them, in order. `first`:
+    /// only up to the first maximum.
     fn turns(&self, bends: &Bends, embedded: f64, first: bool) -> Vec<f64> {
         let mut kinks = bends.kinks(embedded);
         let end = bends.places.iter().copied().fold(embedded, f64::max);

@@ -212,7 +212,8 @@ impl ShearLagSide {
         (end, 2.0 * part * series)
     }
 
-    /// The length of fibre between a tail that slips by `exit − stretch` and the exit, and the strain at the exit.
+    /// Returns the length of fibre between the exit and a tail that slips by `exit − stretch`, and the strain at the
+    /// exit.
     fn length(&self, exit: f64, stretch: f64) -> (f64, f64) {
         let (first, last) = (self.line(exit - stretch), self.line(exit));
         if first == last {
@@ -236,7 +237,8 @@ impl ShearLagSide {
         if self.lines[0].traction > 0.0 { slip } else { slip * (1.0 - STUCK_TAIL) }
     }
 
-    /// Returns whether the tail is at rest: at no slip the bond resists, and the length that the slip takes is there.
+    /// Returns whether the tail does not move: the bond resists at no slip, and the fibre is as long as the slip
+    /// requires.
     fn is_anchored(&self, slip: f64, embedded: f64) -> bool {
         let line = &self.lines[self.line(slip)];
         let [strain, length] = line.anchored;

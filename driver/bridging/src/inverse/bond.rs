@@ -6,8 +6,8 @@ use crate::beam::{Beam, NotchedBeam, Residual, SectionLaw};
 use crate::interpolation::Polyline;
 use crate::{Composite, Invalid};
 
-/// Largest correlation of τ and f with which both are reported. Beyond it only g(f) τ is; a search in an undetermined
-/// direction takes a minute.
+/// Largest correlation of τ and f for which both are reported. Above it only g(f) τ can be determined, and a search in
+/// an undetermined direction takes a minute.
 const LARGEST_CORRELATION: f64 = 0.9999;
 /// Evaluations per parameter.
 const PATIENCE: usize = 12;

@@ -156,7 +156,7 @@ const LEAST_SPREAD_DEG: f64 = 0.1;
 const EFFICIENCY_ROUNDING: f64 = 1e-12;
 
 impl Orientation {
-    /// p(θ), with all integrals over it prepared. `breaks` are angles at which loads have kinks.
+    /// Returns p(θ), with all integrals over it prepared. `breaks` are angles at which loads have kinks.
     ///
     /// # Errors
     /// Parameters outside their admissible range.

@@ -157,8 +157,8 @@ fn note_section(reader: &mut Reader<'_>, diameter: f64, thickness: f64) {
     }
 }
 
-/// Thicknesses of the inner and the outer half of a layered fibre's height over its diameter, t and T: its area t φ/2 + T φ/2 = πφ²/4 and
-/// its plastic moment (t + 3 T) φ²/16 = φ³/6 are the circle's.
+/// Thicknesses of the inner and the outer half of a layered fibre's height, t and T, relative to its diameter. Its area
+/// t φ/2 + T φ/2 = πφ²/4 and its plastic moment (t + 3 T) φ²/16 = φ³/6 are those of the circle.
 const LAYERS: [f64; 2] = [0.75 * PI - 4.0 / 3.0, 4.0 / 3.0 - 0.25 * PI];
 
 /// The name under which the case describes a part, and its thickness there.

@@ -39,7 +39,8 @@ pub(super) fn run(
     take_steps(&mut runner, &interface.steps, program, &mut recorder, statistics)
 }
 
-/// Finds the tangential directions that the contact law of a program is called with, and why these are two in a plane.
+/// Returns the number of tangential directions with which the contact law of a program is called, and why there are two
+/// in a plane.
 ///
 /// # Errors
 /// The law cannot be called at all.
@@ -220,8 +221,8 @@ impl<'p> Runner<'p> {
         self.call.fields().set([before.temperature, trial.temperature], [&before.variables, &trial.variables]);
     }
 
-    /// A soft contact carries pressure at gap 0: the history's first line shows the traction at the initial place, and the energy
-    /// that is stored with it.
+    /// Finds the traction at the initial position. A soft contact carries pressure at gap 0: the history's first line
+    /// shows that traction, and the energy stored with it.
     fn find_initial_traction(&mut self) -> Result<(), String> {
         if matches!(self.call, Call::Uinter(_)) && self.arguments.traction.is_none() {
             let place = [self.committed.slip[0], self.committed.slip[1], -self.committed.gap];

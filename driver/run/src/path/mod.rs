@@ -81,7 +81,8 @@ pub trait Observer {
     /// Receives the attempts that led to a finished increment.
     fn tried(&mut self, _step: u32, _attempts: &[Tried]) {}
 
-    /// The first increment is about to be tried: the point before it, with the call's times, temperatures and fields.
+    /// The first increment is about to be tried. `_start`: the point before it, with the call's times, temperatures and
+    /// fields.
     ///
     /// # Errors
     /// Whatever must keep the plugin from being called; the run stops.

@@ -36,7 +36,7 @@ const SMALL_SHARE: f64 = 1e-4;
 const INSTANT: f64 = 1e-3;
 /// Growth of such strains until they are tried again.
 const GROWN: f64 = 1.5;
-/// The part of DDSDDE times the strain that rounding makes of a stress that does not answer.
+/// Largest rounding error of a stress that does not respond, as a part of DDSDDE times the strain.
 const ROUNDING: f64 = 1e-9;
 
 const INVERTED: &str = "the deformation gradient inverts the volume (det F <= 0)";
@@ -237,7 +237,8 @@ struct Trial {
 }
 
 impl<'p> Runner<'p> {
-    /// A point at its initial state, and why its calls go through six components, if the UMAT needs them.
+    /// Makes a point at its initial state; also returns why its calls go through six components, if the UMAT needs
+    /// them.
     fn new(
         program: &'p Program,
         point: &'p PointProgram,
@@ -538,7 +539,7 @@ struct Point<'r> {
 }
 
 impl Point<'_> {
-    /// Stress and tangent of the case after an increment of its strain, or at its `end`.
+    /// Computes stress and tangent of the case after an increment of its strain, or at its `end`.
     #[inline]
     fn evaluate(
         &mut self,

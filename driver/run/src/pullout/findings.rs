@@ -154,7 +154,7 @@ pub fn energies(values: &[f64], unaccounted: f64) -> IndexMap<String, f64> {
     named.chain(unaccounted).map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-/// Returns where the time went, s: of the analysis also to its parts, which do not add up to the whole of it.
+/// Returns the time spent, s. The analysis also has the times of its parts, which do not add up to its whole.
 pub fn times(set_up: Duration, analysis: Duration, parts: &Times, fields: Duration) -> IndexMap<String, f64> {
     let named = [
         ("set_up", set_up),

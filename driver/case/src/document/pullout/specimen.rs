@@ -513,7 +513,7 @@ pub struct DragOutStrip {
     pub element: Option<ElementKind>,
 }
 
-/// A fibre that lies on a curved channel, straight before and after it: a capstan.
+/// A fibre on a curved channel, straight before and after it: a capstan.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CurvedChannel {
