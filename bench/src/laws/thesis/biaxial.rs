@@ -3,7 +3,7 @@
 use super::{Components, DamageSurface, Point};
 use models::tensor::{Elasticity, Spectral, deviator, strain_norm_squared, trace};
 
-/// Ratio at which the uniaxial β gives way to the biaxial one: the text leaves it open. |σ|₂/|σ|₁ of `biaxial_damage`.
+/// Ratio |σ|₂/|σ|₁, as in `biaxial_damage`, at which the biaxial β replaces the uniaxial one. The text leaves it open.
 const BLEND_RATIO: f64 = 0.2;
 
 /// Damage, energy release rates and weights of the last step.
