@@ -32,7 +32,7 @@ impl Key {
         self.with(text)
     }
 
-    /// Adds a case but for its words, which change no row.
+    /// Adds a case without its descriptive texts, which change no row.
     #[must_use]
     pub fn with_case(self, mut document: Value) -> Self {
         if let Some(members) = document.as_object_mut() {

@@ -85,9 +85,9 @@ pub struct Settings {
 /// Results of a run.
 #[derive(Debug)]
 pub struct Outcome {
-    /// All rows by columns; of a case of kind "bridging", its tables beside each other.
+    /// All rows by columns; for a case of kind "bridging", its tables side by side.
     pub history: History,
-    /// Contents of `summary.json`. [`Status::Interrupted`]: the run was told to end.
+    /// Contents of `summary.json`. [`Status::Interrupted`]: the run was asked to end.
     pub summary: Summary,
     /// A case that repeats the increment that failed, or the call that ended the child.
     pub replay: Option<Value>,
@@ -124,7 +124,7 @@ pub enum Error {
     /// Processes or files that the system does not give; a child that said why it did not run.
     #[error(transparent)]
     System(#[from] io::Error),
-    /// A child was told to end and had to be ended by force.
+    /// A child was asked to end and had to be ended by force.
     #[error("the run was ended before it had results")]
     Stopped,
 }
@@ -188,7 +188,7 @@ impl CaseSource {
         pullout_case::read_by(self.reader(), &self.file, self.document.clone(), &self.overrides)
     }
 
-    /// Makes a reader for the file, or for what stands beside it.
+    /// Makes a reader for the file, or for the document that replaces it.
     pub fn reader(&self) -> Reader<'_> {
         Reader::new(input::folder_of(&self.file), &self.plugin_paths, self.is_untrusted)
     }
@@ -201,14 +201,14 @@ impl CaseSource {
         files.extend(libraries.unwrap_or_else(of_need));
         files.sort();
         files.dedup();
-        // one that cannot be read is told of by the run
+        // the run reports a file that cannot be read
         let hash = |file: &PathBuf| input::hash(file, Input::Mesh).unwrap_or_default();
         let key = Key::new(identity().unwrap_or_default());
         files.iter().fold(key, |key, file| key.with(hash(file))).with_case(document).digits()
     }
 
-    /// Checks the case, in the process that its run takes place in, and returns the columns of its rows behind step and
-    /// increment; `None`: the plugin ended the process, as it would the run.
+    /// Checks the case in the process in which it will run, and returns the columns of its rows after step and
+    /// increment. `None`: the plugin ended the process, as it would end the run.
     ///
     /// # Errors
     /// Everything that is wrong with it.

@@ -89,7 +89,7 @@ impl Evolution {
                         (*quantity, (course.at(time, step.time, start, &amplitudes), &course.change))
                     })
                     .collect();
-                // a quotient that is a whole number but for rounding
+                // a quotient that is a whole number up to rounding
                 let increments = ((time - before) / step.increment - SAME).ceil().max(1.0);
                 let mut ramp = json!({ "increments": increments as u64, "time": time - before });
                 evolution.target(&values, brick, model, &mut ramp)?;
@@ -133,9 +133,9 @@ impl Evolution {
             if let Some(place) = partly_driven(values, brick, model, axis, &gradient[axis]) {
                 let message =
                     "a displacement of only some nodes of a face: the case has uniform strain, as if all nodes had it";
-                let told = format!("{place}: {message}");
-                if !self.left_out.contains(&told) {
-                    self.left_out.push(told);
+                let omission = format!("{place}: {message}");
+                if !self.left_out.contains(&omission) {
+                    self.left_out.push(omission);
                 }
             }
         }

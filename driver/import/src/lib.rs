@@ -63,7 +63,7 @@ pub fn import(job: &Path, options: ImportOptions<'_>) -> Result<Imported, String
         }
     }
     case["characteristic_length"] = json!(brick.characteristic_length());
-    // a shipped law tells its thickness strain
+    // a shipped law reports its thickness strain
     let has_thickness = brick.shape.mode != "plane_stress" || case["material"]["nstatv"].is_null();
     let evolution = Evolution::of(&model, &brick, has_thickness)?;
     left_out.extend(evolution.left_out);
