@@ -3,7 +3,7 @@
 use pullout_case::CsvFile;
 use std::path::Path;
 
-/// Fewer rows than this cannot tell a bond law from noise.
+/// Smallest number of rows from which a bond law can be distinguished from noise.
 const FEWEST_ROWS: usize = 12;
 /// A slip that falls back by more than this part of the greatest is no scatter: it is unloading.
 const LARGEST_RETURN: f64 = 0.05;

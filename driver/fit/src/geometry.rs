@@ -72,10 +72,10 @@ impl TestFibre {
             let slip = self.exit_slip(slip, load, at) - load * length / (3.0 * self.axial_stiffness());
             BondPoint { slip, traction: load / (PI * self.diameter * (length - slip)) }
         };
-        let tells = |point: &BondPoint| {
+        let is_usable = |point: &BondPoint| {
             point.slip > 0.0 && point.traction > 0.0 && point.slip < (1.0 - LEAST_EMBEDDED) * length
         };
-        let mut points: Vec<BondPoint> = curve.slips.iter().zip(&curve.loads).map(point).filter(tells).collect();
+        let mut points: Vec<BondPoint> = curve.slips.iter().zip(&curve.loads).map(point).filter(is_usable).collect();
         points.sort_by(|a, b| a.slip.total_cmp(&b.slip));
         points
     }

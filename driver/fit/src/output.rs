@@ -110,14 +110,14 @@ fn numbers(law: &FittedLaw) -> Vec<(Quantity, Option<&Estimate>)> {
     quantities.map(|(k, quantity)| (quantity, estimate(k))).collect()
 }
 
-/// Names of the numbers that the curve does not tell.
-fn untold(law: &FittedLaw) -> Vec<String> {
-    let untold = |(quantity, estimate): (Quantity, Option<&Estimate>)| {
+/// Returns the names of the parameters that the curve does not determine.
+fn unidentifiable(law: &FittedLaw) -> Vec<String> {
+    let described = |(quantity, estimate): (Quantity, Option<&Estimate>)| {
         estimate
             .filter(|estimate| !estimate.is_identifiable())
             .map(|estimate| format!("{} (standard error {} of its value)", quantity.name, percent(estimate.relative())))
     };
-    numbers(law).into_iter().filter_map(untold).collect()
+    numbers(law).into_iter().filter_map(described).collect()
 }
 
 pub(crate) fn percent(part: f64) -> String {
@@ -169,7 +169,7 @@ fn form(law: &FittedLaw) -> Value {
     })
 }
 
-/// The standard error in words: nothing may be known of it.
+/// Returns the text of a standard error, which may be unknown.
 pub(crate) fn standard_error(estimate: &Estimate) -> String {
     if estimate.standard_error.is_finite() { significant(estimate.standard_error, 2) } else { "unknown".into() }
 }

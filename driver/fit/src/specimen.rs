@@ -39,7 +39,7 @@ const FRACTURE_ENERGIES: [f64; 2] = [0.06, 15.0];
 /// factor further.
 const FIRST_STEP: f64 = 1.5;
 const LATER_STEPS: u32 = 3;
-/// The greatest increment as a part of its step: chords of the rising branch, whose knee tells k_e, are shorter.
+/// Largest increment as a fraction of its step. On the rising branch, whose knee determines k_e, increments are smaller.
 const RISING_INCREMENT: f64 = 0.02;
 const FALLING_INCREMENT: f64 = 0.05;
 /// The first increment over the greatest.
