@@ -32,7 +32,7 @@ pub use names::Kind;
 
 /// File that says what the program wrote.
 pub(crate) const MANIFEST: &str = "manifest.json";
-/// A file while it is written, beside its place.
+/// Name of a file while it is written, next to its final place.
 const PARTIAL: &str = ".pullout.partial";
 /// Names of files that a message lists.
 const MOST_NAMES: usize = 10;
@@ -194,7 +194,7 @@ impl ResultDirectory {
         Ok(())
     }
 
-    /// Sets earlier results aside, but for those whose names fit one of `kept`, and claims what the new ones need.
+    /// Sets earlier results aside, except those whose names match one of `kept`, and claims the names that the new ones need.
     ///
     /// # Errors
     /// A file that cannot be written or moved.
@@ -305,7 +305,7 @@ impl Drop for ResultDirectory {
     }
 }
 
-/// Writes a file beside its place and moves it there; what a failure leaves of it is removed.
+/// Writes a file next to its final place and moves it there. If that fails, the partial file is removed.
 pub(super) fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
     let partial = path.with_file_name(PARTIAL);
     let write = || {

@@ -43,7 +43,7 @@ impl HistoryWriter {
         Ok(Self::of(file, path, values, header.len() as u64, is_hashed.then(|| Sha256::new_with_prefix(&header))))
     }
 
-    /// Goes on with a file after so many bytes; what is behind them is dropped.
+    /// Continues a file after so many bytes. The rest is dropped.
     ///
     /// # Errors
     /// The file cannot be opened, or is shorter.
@@ -158,7 +158,7 @@ impl History {
     }
 
     /// Returns what a run left in its folder, each table read by `read`: `history.csv`, or else the tables of a case of kind
-    /// "bridging", whose columns stand beside each other and are of different lengths.
+    /// "bridging", whose columns stand side by side and have different lengths.
     ///
     /// # Errors
     /// A file cannot be read.
@@ -231,7 +231,7 @@ impl HistoryFile {
         Ok(csv::ReaderBuilder::new().buffer_capacity(1 << 16).from_reader(file.take(self.finished)))
     }
 
-    /// Hands on the numbers in some columns, row by row, until told to stop.
+    /// Passes the numbers in some columns to `row`, row by row, until it returns [`ControlFlow::Break`].
     fn each(&self, wanted: &[usize], row: &mut dyn FnMut(&[f64]) -> ControlFlow<()>) -> io::Result<()> {
         let mut reader = self.reader()?;
         let mut record = csv::StringRecord::new();
@@ -384,7 +384,7 @@ pub trait Rows {
     /// Names of the columns.
     fn columns(&self) -> &[String];
 
-    /// Hands on x and y of each row until told to stop; nothing if there are no such columns.
+    /// Passes x and y of each row to `each` until it returns [`ControlFlow::Break`]; nothing if there are no such columns.
     ///
     /// # Errors
     /// They cannot be read.

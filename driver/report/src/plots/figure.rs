@@ -95,14 +95,14 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
     /// The history's columns it comes from.
     pub columns: (String, String),
-    /// Colour and dash that tell it from the others.
+    /// Colour and dash that distinguish it from the others.
     pub style: Style,
     /// Whether its points have marks: few points, each a result.
     pub marked: bool,
 }
 
 impl Line {
-    /// A curve that is of no history, told from others by its number.
+    /// Makes a curve that belongs to no history. Its number distinguishes it from others.
     pub fn numbered(label: impl Into<String>, points: Vec<(f64, f64)>, number: usize) -> Self {
         let style = Style { color: number, dash: number };
         Self { label: label.into(), points, columns: Default::default(), style, marked: false }
@@ -303,7 +303,7 @@ impl Figure {
         shades.map_or(PALETTE[style.color % PALETTE.len()], |count| shade(style.color, count))
     }
 
-    /// Measured points are as dark as text beside a single line; among several they take their line's colour.
+    /// Returns the colour of measured points: that of text next to a single line, that of their line among several.
     pub(super) fn mark_color(&self, marks: &Marks) -> RGBColor {
         let owner = marks.line.filter(|_| self.lines.len() > 1).and_then(|line| self.lines.get(line));
         owner.map_or(INK, |line| self.color(line.style))
@@ -510,13 +510,13 @@ pub(super) fn draw_mark<'a>(root: &Root<'a>, shape: usize, (x, y): (i32, i32), c
 }
 
 impl Style {
-    /// Two px wide; the few units more stand for the dash.
+    /// Makes a pen two px wide. The few extra units encode the dash.
     pub(super) fn pen(self, color: RGBColor) -> ShapeStyle {
         color.stroke_width((2 * UNIT) as u32 + (self.dash % (DASHES.len() + 1)) as u32)
     }
 }
 
-/// Gives lines whose width says so their dashes.
+/// Gives lines whose width encodes a dash their dashes.
 fn dash(svg: &str) -> String {
     DASHES.iter().zip(2 * UNIT + 1..).fold(svg.to_owned(), |svg, (dash, width)| {
         let lengths: Vec<String> = dash.iter().map(|length| (length * UNIT).to_string()).collect();
@@ -534,8 +534,8 @@ pub(super) fn centered(size: i32) -> TextStyle<'static> {
     font(size).pos(Pos::new(HPos::Center, VPos::Center))
 }
 
-/// The font of text that begins here, at half its height.
-pub(super) fn beside(size: i32) -> TextStyle<'static> {
+/// Returns the font of text that begins at the given point, at half its height.
+pub(super) fn left_aligned(size: i32) -> TextStyle<'static> {
     font(size).pos(Pos::new(HPos::Left, VPos::Center))
 }
 

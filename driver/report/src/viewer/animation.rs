@@ -1,4 +1,4 @@
-//! A specimen in motion: the states of a report's viewer as a looping GIF, beside the curve with the place on it.
+//! Animates a specimen: the states of a report's viewer as a looping GIF, next to the curve with the current point.
 
 use super::{NO_VALUE, STEPS};
 use flate2::read::DeflateDecoder;
@@ -35,7 +35,7 @@ struct Scenes {
     view: [f64; 4],
 }
 
-/// What stands in the report beside the numbers.
+/// The data of a report other than its numbers.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct AnimationHeader {
@@ -63,7 +63,7 @@ struct AnimationFrame {
     slip: f64,
     load: f64,
     contacts: usize,
-    /// Triangles and edges that are left, behind and in front.
+    /// Triangles and edges that remain, in the background and in the foreground.
     left: [[usize; 2]; 2],
 }
 
@@ -136,7 +136,7 @@ impl Scenes {
         Some(scenes)
     }
 
-    /// The number between the ends of a range that a step of it stands for.
+    /// Returns the number between the ends of a range that one of its steps encodes.
     fn between([low, high]: [f64; 2], step: f64) -> f64 {
         low + (high - low) * step / STEPS
     }

@@ -22,7 +22,7 @@ pub(super) struct Surface<'a> {
     patches: Vec<(usize, Vec<GridPoint>)>,
     /// Mean size of an element, px.
     pub element_size: f64,
-    /// `Some(true)`: only elements behind; `Some(false)`: only the others; `None`: all.
+    /// `Some(true)`: only elements in the background; `Some(false)`: only the others; `None`: all.
     behind: Option<bool>,
 }
 
@@ -56,7 +56,7 @@ impl<'a> Surface<'a> {
         Self { mesh, positions, lattices, patches, element_size, behind: None }
     }
 
-    /// Splits it into layers, each to be drawn over the one before: the elements that lie behind, and the rest.
+    /// Splits it into layers, each to be drawn over the previous one: the elements in the background, and the rest.
     pub fn layers(self) -> Vec<Self> {
         if self.mesh.behind.is_empty() {
             return vec![self];
