@@ -145,7 +145,7 @@ fn names(study: &Study) -> Vec<String> {
 
 /// Characters that have room along the x axis.
 const CHARACTERS: usize = 70;
-/// Colours that are told apart.
+/// Number of colours that are easy to distinguish.
 const PALETTE: usize = 7;
 
 /// A number of the runs that are done along x: a line for each series.

@@ -158,7 +158,7 @@ fn resolve(reader: &mut Reader<'_>, of_file: &SweepFile, file: &Path, how: Plann
     let first = values.of(0);
     overridden(reader, &base, &parameters, &first, &root)?;
     let keep = keep(reader, of_file, &base);
-    // the first run tells what is wrong with all
+    // the first run shows what is wrong with all
     let first = CaseSource {
         plugin_paths: how.plugin_paths.to_vec(),
         is_untrusted: how.is_untrusted,
@@ -282,7 +282,7 @@ fn demands(of_file: &SweepFile, keep: &Keep) -> Vec<Demand> {
     for (index, column) in keep.curves.iter().enumerate() {
         let place = root.key("curves").index(index);
         demands.push(match keep.grid {
-            Some(_) => Demand::beside(column, &keep.curve.x, place),
+            Some(_) => Demand::in_rows_of(column, &keep.curve.x, place),
             None => Demand::of_column(column, place),
         });
     }
