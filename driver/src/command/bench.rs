@@ -7,7 +7,7 @@ use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::Command;
 
-/// The program, beside this one.
+/// The program, next to this one.
 const PROGRAM: &str = "pullout-bench";
 
 /// Arguments that are handed over.

@@ -11,7 +11,7 @@ const OF_A_DESKTOP: [&str; 3] = ["DISPLAY", "WAYLAND_DISPLAY", "BROWSER"];
 /// Has the desktop's browser show an address or a file.
 ///
 /// # Errors
-/// In words, if there is none.
+/// A message, if there is none.
 pub(super) fn show(what: impl AsRef<OsStr>) -> Result<(), String> {
     let is_mac = cfg!(target_os = "macos");
     let program = if is_mac { "open" } else { "xdg-open" };

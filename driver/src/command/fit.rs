@@ -1,4 +1,4 @@
-//! `pullout fit`: numbers of a case, and laws, from experiments.
+//! `pullout fit`: identifies parameters of a case, and laws, from experiments.
 
 use super::{DONE, FAILED, Isolation, Refusal, complain, folder_of, isolated, run, say};
 use clap::{Args, Subcommand, ValueEnum};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 mod beam;
 mod case;
 
-/// Fit of numbers of a case, or of a law.
+/// Fit of parameters of a case, or of a law.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(super) struct Fit {

@@ -18,17 +18,17 @@ pub(super) fn check(inspection: &Inspection, need: &Need) -> u8 {
     carry_out(inspection, need, &inspection.case.file, inspection.quiet)
 }
 
-/// Validates a case that is to be run: what ends the process now will end the run, and be reported then. The second result is
-/// the columns of the rows, where this process is told. `told`: what was told of other cases, and is not told again.
+/// Validates a case that will be run. If a plugin ends the process now, it will end the run too, which reports it. The second
+/// result is the columns of the rows, if the worker sent them. `reported`: lines about other cases, which are not repeated.
 pub(super) fn check_before_run(
     case: &CaseSource,
     need: &Need,
-    told: Option<&ForwardedLines>,
+    reported: Option<&ForwardedLines>,
 ) -> (u8, Option<Vec<String>>) {
     let inspection = Inspection { case: case.clone(), quiet: true, before_run: true };
     let mut columns = None;
     let ended = Passage::new(&inspection).and_then(|mut passage| {
-        let ended = isolation::supervise(&mut passage, &Watch { told, ..Watch::default() }, need)?;
+        let ended = isolation::supervise(&mut passage, &Watch { told: reported, ..Watch::default() }, need)?;
         columns = passage.heard().into_iter().find_map(|message| match message {
             Message::Columns(names) => Some(names),
             Message::Row(_) | Message::Refused(_) => None,
@@ -38,7 +38,7 @@ pub(super) fn check_before_run(
     let code = match ended {
         Ok(End::Done(code)) => code,
         Ok(End::Failed(failure)) if failure.report.at_loading => {
-            let is_new = told.is_none_or(|told| told.is_new(failure.report.message.as_bytes()));
+            let is_new = reported.is_none_or(|lines| lines.is_new(failure.report.message.as_bytes()));
             if is_new { fail(&case.file, &failure, &failure.report.message) } else { NO_PLUGIN }
         }
         Ok(End::Failed(_)) => DONE,
@@ -156,7 +156,7 @@ fn conclude(
     };
     if failure.has_rows {
         let rest = Job { aftermath: Some(aftermath.clone()), folder: directory.path().to_owned(), ..job.clone() };
-        // the worker hears of the signal too, before it tells of its end or after
+        // the worker receives the signal too, before or after it reports its end
         let own = signals::received().map_or(FAILED, signals::Interrupt::exit_code);
         match supervise(&rest, &Watch::default(), need)? {
             End::Done(code) if code == FAILED || code == own => return Ok(own),

@@ -344,7 +344,7 @@ fn work(name: &str, work: &str) -> u8 {
         }),
         description::Subject::NAME => done(work, |subject: description::Subject| {
             compile_sources(false);
-            subject.tell().map(|()| DONE).map_err(Refusal::failed)
+            subject.send().map(|()| DONE).map_err(Refusal::failed)
         }),
         Examination::NAME => done(work, |asked: Examination| {
             compile_sources(asked.case.is_untrusted);

@@ -118,12 +118,12 @@ impl Page {
     }
 }
 
-/// What stands before a file's content on a page.
+/// Returns the mark that precedes a file's content on a page.
 fn mark(file: &str) -> String {
     format!("<!-- file: {file} -->\n")
 }
 
-/// The commands of a page behind a mark, to the end of the first script that runs something.
+/// Returns the commands of a page after a mark, to the end of the first script that runs something.
 fn next<'t>(text: &'t str, mark: &str) -> Vec<&'t str> {
     const RUNS: [&str; 4] = ["pullout run ", "pullout fit ", "pullout study ", "pullout sweep "];
     let mut commands = Vec::new();

@@ -1,4 +1,4 @@
-//! `pullout pages SHARE`, hidden: what an installation tells of the command line.
+//! `pullout pages SHARE`, hidden: writes the manual pages and shell completions of an installation.
 
 use super::{CommandLine, DONE, Refusal};
 use clap::CommandFactory;

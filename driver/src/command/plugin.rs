@@ -126,7 +126,7 @@ fn list(plugin_paths: &[PathBuf], json: bool) -> u8 {
     for Found { path, .. } in Found::all(&paths) {
         let rows_or_error = match pullout_check::build::defines(&path, PLUGIN_SYMBOL) {
             Ok(true) => rows_of(&path),
-            // other libraries (compiler plugins beside the executable) are not even loaded
+            // other libraries (compiler plugins next to the executable) are not even loaded
             Ok(false) => Ok(Vec::new()),
             Err(error) => Err(format!("{}: cannot be read as a library: {error}", path.display())),
         };

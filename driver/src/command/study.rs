@@ -44,7 +44,7 @@ pub(super) struct StudyArguments {
 }
 
 impl StudyArguments {
-    /// Returns whether only errors are told.
+    /// Returns whether only errors are reported.
     fn is_quiet(&self) -> bool {
         self.quiet || self.json
     }
@@ -122,7 +122,7 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     drop(prints);
     let own = read.as_ref().map_or_else(|errors| Refusal::from(errors.clone()).report(), |_| DONE);
     let lines = ForwardedLines::default();
-    let mut told: Option<Vec<CaseProblem>> = None;
+    let mut reported: Option<Vec<CaseProblem>> = None;
     let theirs = apart.iter().map(|(own, need)| {
         let (code, known) = isolated::check_before_run(own, need, Some(&lines));
         let Ok(study) = &read else { return code };
@@ -136,8 +136,8 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
         if code != DONE || unmet.is_empty() {
             return code;
         }
-        // of all cases alike
-        if told.replace(unmet.clone()).is_none_or(|before| before != unmet) {
+        // problems that all cases share are reported once
+        if reported.replace(unmet.clone()).is_none_or(|before| before != unmet) {
             Refusal::from(CaseErrors { file: file.into(), problems: unmet }).report();
         }
         BAD_INPUT

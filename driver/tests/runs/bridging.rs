@@ -248,7 +248,7 @@ fn strengths_of_a_case_give_its_law_and_its_friction() {
     for (more, message) in [
         (&["none.csv"][..], "none.csv, line 3: f_R2 is 0: strengths are above 0"),
         (&["curve.csv"], "curve.csv, line 4: the CMOD 0.15 mm follows 0.2 mm"),
-        (&["out/beam.csv", "--shape", "bilinear"], "--shape: a curve tells"),
+        (&["out/beam.csv", "--shape", "bilinear"], "--shape: needs strengths"),
     ] {
         let outcome = fit(more, 2);
         assert!(outcome.stderr.contains(message), "{more:?}: {}", outcome.stderr);

@@ -122,8 +122,8 @@ impl Refusals {
     fn report(self, ledger: &mut Ledger<'_>, all: &str, wrong: Verdict) {
         let figure = format!("{}/{} refused", self.tried - self.accepted.len(), self.tried);
         match self.accepted.first() {
-            None => ledger.add(Verdict::Pass, figure, self.said.told(all)),
-            Some(first) => ledger.add(wrong, figure, self.said.told(first)),
+            None => ledger.add(Verdict::Pass, figure, self.said.appended_to(all)),
+            Some(first) => ledger.add(wrong, figure, self.said.appended_to(first)),
         }
     }
 }
@@ -222,5 +222,5 @@ pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[Sampled
             }
         }
     }
-    ledger.add(Verdict::Pass, "", said.told("0, NaN, negative, infinite and NULL alike"));
+    ledger.add(Verdict::Pass, "", said.appended_to("0, NaN, negative, infinite and NULL alike"));
 }

@@ -129,7 +129,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: 
         if irreversible > 0 || !has_histories {
             None
         } else {
-            // what only tells something does not make the law irreversible
+            // a state variable that is output alone does not make the law irreversible
             influential(subject).map(|state| {
                 format!(
                     "no state yielded: the stress depends on {state}, and every sampled step is undone by the way back"

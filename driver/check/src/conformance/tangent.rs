@@ -57,7 +57,7 @@ pub(super) struct Findings<'s> {
 }
 
 impl<'s> Findings<'s> {
-    /// Looks at a matrix of derivatives at all states; differences of what is smaller than `least` tell nothing.
+    /// Examines a matrix of derivatives at all states. Differences of values smaller than `least` carry no information.
     pub(super) fn of(
         subject: &mut Subject<'_>,
         states: impl Iterator<Item = &'s SampledState>,
@@ -83,7 +83,7 @@ impl<'s> Findings<'s> {
         this
     }
 
-    /// Returns how many there are of each kind, in words.
+    /// Returns a text with the number of each kind.
     fn counts(&self) -> String {
         let Self { count, kinks, undecided, .. } = self;
         let mut counts = format!("{count} states, {kinks} at kinks, {undecided} undecided");
@@ -98,8 +98,8 @@ impl<'s> Findings<'s> {
         self.wrong.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error))
     }
 
-    /// Adds the row: consistent in the words of `with`, or what the wrong ones are, which may be a choice.
-    pub(super) fn tell(
+    /// Adds the row: consistent, with the text `with`, or a description of the errors. `is_choice`: they may be intended.
+    pub(super) fn report(
         &self,
         subject: &Subject<'_>,
         measure: Measure,
@@ -147,9 +147,9 @@ enum Kind {
     Unloading,
     /// The derivative with rows and columns exchanged.
     Transposed,
-    /// The derivative, but for shears that are twice what they should be.
+    /// The derivative, except for shear components that are twice too large.
     DoubledShear,
-    /// Right, but for a factor on what loading adds to the unloading stiffness.
+    /// Correct except for a factor on the part that loading adds to the unloading stiffness.
     Scaled(f64),
     Wrong,
 }
@@ -197,7 +197,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: 
         findings.wrong.iter().take(CLASSIFIED).map(|(state, m)| classify(subject, state, m)).collect();
     let is_choice =
         kinds.iter().all(|kind| matches!(kind, Kind::Elastic | Kind::Cauchy | Kind::Secant | Kind::Unloading));
-    findings.tell(subject, measure, with, (&summary(&kinds), is_choice), ledger);
+    findings.report(subject, measure, with, (&summary(&kinds), is_choice), ledger);
 }
 
 /// States of the case's path as they are, and how many of the sample, that are looked at in so many calls each.
@@ -330,7 +330,7 @@ impl Measure {
 
     /// The magnitude of each input at a state.
     pub(super) fn sizes(self, subject: &Subject<'_>, from: &Committed, step: &[f64]) -> Vec<f64> {
-        /// Of a temperature that is told to be 0.
+        /// Size of a temperature that is given as 0.
         const DEGREE: f64 = 1.0;
         if !self.is_by_temperature() {
             return local_sizes(subject, from, step);
@@ -340,8 +340,8 @@ impl Measure {
     }
 }
 
-/// The answer beside the end of a step, where one input, or the temperature, is greater.
-fn beside(
+/// Returns the answer near the end of a step, with one input, or the temperature, increased.
+fn perturbed(
     subject: &mut Subject<'_>,
     from: &Committed,
     step: &[f64],
@@ -379,7 +379,7 @@ fn differences(
         let mut shifted = |factor: f64| {
             let by = factor * h * sizes[j];
             if !deforms {
-                return Some(measure.value(beside(subject, from, step, (j, by), measure)?));
+                return Some(measure.value(perturbed(subject, from, step, (j, by), measure)?));
             }
             // F₁ + ½ ε (eᵢ⊗eⱼ + eⱼ⊗eᵢ) F₁
             let mut unit = vec![0.0; m];
@@ -448,7 +448,7 @@ fn near_kink(
     for j in 0..columns {
         for h in [1e-6, 1e-4] {
             let sides =
-                [-1.0, 1.0].map(|sign| beside(subject, &state.from, &state.step, (j, sign * h * sizes[j]), measure));
+                [-1.0, 1.0].map(|sign| perturbed(subject, &state.from, &state.step, (j, sign * h * sizes[j]), measure));
             let [Some(before), Some(after)] = sides else { return true };
             let jump = |there: &Answer| scale.difference(&measure.reported(there), &reported).0 > TANGENT_JUMP;
             let jumps = jump(&before) || jump(&after);

@@ -58,7 +58,7 @@ impl Beam {
             Shapes::Bilinear => Shape::Bilinear,
         };
         if shape != Shape::Smooth && matches!(test, Measured::Curve(_)) {
-            let message = "--shape: a curve tells σ at its openings; give it with strengths f_L, f_R1 … f_R4";
+            let message = "--shape: needs strengths f_L, f_R1 … f_R4; a curve gives σ at its openings by itself";
             return Err(Refusal::input(format!("{}: {message}", self.test.display())));
         }
         let source = self.reading.source(&self.case);

@@ -122,7 +122,7 @@ impl Checks {
         Self { of, case, group: None, skip: Vec::new(), longest_path: None, seconds: None }
     }
 
-    /// Makes the checks of a group for another process, which is told of each event.
+    /// Makes the checks of a group for another process, which receives each event.
     pub(in crate::command) fn carry_out(&self) -> Result<u8, Refusal> {
         with_library(self, &file_of(&self.of.plugin, &self.of.plugin_paths)?, false).map(|_| DONE)
     }
@@ -159,7 +159,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<u8, Refusal> {
     Ok(judged.map_or_else(|code| code, |judgement| code_of(&judgement)))
 }
 
-/// Makes checks for another process, which is told of the judgement alone.
+/// Makes checks for another process, which receives the judgement alone.
 pub(in crate::command) fn examine(asked: Examination) -> Result<u8, Refusal> {
     let Examination { case, plugin, states } = asked;
     let of = Subject { plugin, props: None, mode: None, states, plugin_paths: case.plugin_paths.clone() };
@@ -171,25 +171,26 @@ pub(in crate::command) fn examine(asked: Examination) -> Result<u8, Refusal> {
     Ok(judged.map_or_else(|code| code, |judgement| code_of(&judgement)))
 }
 
-/// Makes all checks; the exit code where nothing can be judged, which was said. `is_told`: the user is told of rows as they come.
-fn judge(checks: Checks, file: &Path, is_told: bool) -> Result<Result<Judgement, u8>, Refusal> {
+/// Makes all checks. If nothing can be judged, the error has been printed and the exit code is returned. `prints_rows`: whether
+/// rows are printed as they come.
+fn judge(checks: Checks, file: &Path, prints_rows: bool) -> Result<Result<Judgement, u8>, Refusal> {
     let of_case = || checks.case.as_ref()?.need();
     if let Some(need) = of_case().or_else(|| Need::of_library(file, TIME_LIMIT)) {
-        return children::run(checks, file, need, is_told);
+        return children::run(checks, file, need, prints_rows);
     }
-    Ok(Ok(Judgement::of(with_library(&checks, file, is_told)?)))
+    Ok(Ok(Judgement::of(with_library(&checks, file, prints_rows)?)))
 }
 
 /// Loads a library and checks it.
-fn with_library(checks: &Checks, file: &Path, is_told: bool) -> Result<Vec<Judged>, Refusal> {
+fn with_library(checks: &Checks, file: &Path, prints_rows: bool) -> Result<Vec<Judged>, Refusal> {
     worker::let_calls_come_back();
     // what it prints in thousands of calls is nobody's
     let _prints = Prints::discard();
-    here(checks, &isolation::load(file).map_err(no_plugin)?, is_told)
+    here(checks, &isolation::load(file).map_err(no_plugin)?, prints_rows)
 }
 
-/// Checks a library in this process. `is_told`: the user is told of rows as they come.
-fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>, Refusal> {
+/// Checks a library in this process. `prints_rows`: whether rows are printed as they come.
+fn here(checks: &Checks, library: &Library, prints_rows: bool) -> Result<Vec<Judged>, Refusal> {
     let mut options = Options {
         states: checks.of.states,
         group: checks.group,
@@ -199,7 +200,7 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
         ..Options::default()
     };
     let plugins = plugins(checks, library, &mut options)?;
-    options.listener = match is_told {
+    options.listener = match prints_rows {
         false => Some(|event| isolation::send(&event)),
         true => Some(|event| {
             if let Event::Row(row) = event {
@@ -211,11 +212,11 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
     for plugin in plugins {
         let path = plugin.library.path();
         isolation::send(&Event::Law(plugin.name.clone(), path.to_owned()));
-        if is_told {
+        if prints_rows {
             say(&header(&plugin.name, path));
         }
         let report = conformance::check(&plugin, &options);
-        if is_told {
+        if prints_rows {
             say(&format!("{}\n\n", report.conclusion()));
         }
         let library = path.display().to_string();
