@@ -1,4 +1,4 @@
-//! The analysis that a library is told of: UEXTERNALDB, and the number of the increment.
+//! The analysis as a library sees it: calls of UEXTERNALDB, and the number of the increment.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError, Weak};

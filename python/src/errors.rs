@@ -13,7 +13,7 @@ pub enum Exception {
     Case,
     /// A library that cannot be used.
     Plugin,
-    /// A run that was told to end, and has no results.
+    /// A run that was asked to end, and has no results.
     Stopped,
     /// Anything else that the engine cannot go on with.
     Pullout,

@@ -79,7 +79,7 @@ pub struct Plugin {
     /// Whether every thread that calls it has the stack that plugins may want.
     has_stack: bool,
     analysis: Arc<Mutex<Analysis>>,
-    /// Why calls with the components of a plane go through six instead, once trial calls have told.
+    /// Why calls with the components of a plane go through six instead, once trial calls have shown it.
     planes: Mutex<Vec<(StressState, Option<String>)>>,
     /// The frame that was read last, with the text and the mode that it is of.
     frame: Mutex<Option<LastFrame>>,
@@ -112,7 +112,7 @@ impl Plugin {
         })
     }
 
-    /// Returns what the library says of its law, `null` if it says nothing, and the routines beside its laws that it has, as JSON.
+    /// Returns the library's description of its law (`null` if there is none) and its other routines, as JSON.
     fn describe(&self) -> String {
         let routines: Vec<_> = self.library.routines().iter().map(|routine| routine.symbol).collect();
         json!({ "law": self.law.as_ref().map(description), "routines": routines }).to_string()
@@ -396,8 +396,8 @@ impl Plugin {
         }
     }
 
-    /// Returns why calls in a plane go through six components, if the library, which says nothing of them, needs that: trial calls tell, once
-    /// for each stress state, as those of a run do.
+    /// Returns why calls in a plane go through six components, if a library without metadata needs that. Trial calls show it, once
+    /// for each stress state, as in a run.
     fn through_six(&self, state: StressState, inputs: &Inputs<'_>, nstatv: usize) -> Result<Option<String>, LoadError> {
         if self.law.is_some() || state == StressState::ThreeD {
             return Ok(None);

@@ -44,7 +44,7 @@ pub struct Inputs<'a> {
     pub time: [f64; 2],
     /// KINC.
     pub increment: i32,
-    /// Points of an element, which are behind each other.
+    /// Number of points of an element; they follow one another.
     pub per_element: usize,
     /// PROPS.
     pub props: Given<'a>,

@@ -21,9 +21,9 @@ use std::time::{Duration, Instant};
 
 /// Time between two looks at signals and progress.
 const LOOK: Duration = Duration::from_millis(50);
-/// A run that was told to end has so long before it is left alone with that.
+/// Time that a run has after it was asked to end, before it is left to end on its own.
 const PATIENCE: Duration = Duration::from_millis(300);
-/// A run that another thread told to end is left alone after so long: a call of a library in this process may not come back.
+/// Time after which a run that another thread asked to end is abandoned: a call of a library in this process may never return.
 const LONGEST: Duration = Duration::from_secs(10);
 
 /// A case as Python has it: a file or a document or both, then what the file had; the folder, changes, folders of plugins.
@@ -240,27 +240,28 @@ pub fn run<'py>(
             let _ = answer.send(work());
         })?;
         let mut names = Vec::new();
-        let mut told_to_end = None;
+        let mut asked_to_end = None;
         let outcome = loop {
             let heard = py.detach(|| wait(LOOK));
             if heard.is_err()
                 && stop.load(Ordering::Relaxed)
-                && told_to_end.get_or_insert_with(Instant::now).elapsed() > LONGEST
+                && asked_to_end.get_or_insert_with(Instant::now).elapsed() > LONGEST
             {
                 return Err(
                     Exception::Stopped.with("the run did not stop when asked to; it continues in the background")
                 );
             }
-            let told = py.check_signals().and_then(|()| {
+            let notified = py.check_signals().and_then(|()| {
                 let Some(listener) = &listener else { return Ok(()) };
                 if names.is_empty() {
                     names = named.try_recv().unwrap_or_default();
                 }
                 let present = state.lock().unwrap_or_else(PoisonError::into_inner).take();
                 let is_done = matches!(&heard, Ok(Ok(outcome)) if outcome.is_done());
-                present.map_or(Ok(()), |(part, row)| tell(py, listener, &names, if is_done { 1.0 } else { part }, &row))
+                present
+                    .map_or(Ok(()), |(part, row)| notify(py, listener, &names, if is_done { 1.0 } else { part }, &row))
             });
-            match (heard, told) {
+            match (heard, notified) {
                 (Ok(Ok(_)) | Err(RecvTimeoutError::Timeout), Err(error)) => {
                     stop.store(true, Ordering::Relaxed);
                     let _ = py.detach(|| wait(PATIENCE));
@@ -285,7 +286,7 @@ pub fn run<'py>(
     })
 }
 
-fn tell(py: Python<'_>, listener: &Py<PyAny>, names: &[String], part: f64, row: &[f64]) -> PyResult<()> {
+fn notify(py: Python<'_>, listener: &Py<PyAny>, names: &[String], part: f64, row: &[f64]) -> PyResult<()> {
     let columns = PyDict::new(py);
     for (name, value) in names.iter().zip(row) {
         columns.set_item(name, value)?;
