@@ -43,7 +43,7 @@ pub struct Products {
 /// machine's.
 ///
 /// # Errors
-/// In words: Cargo cannot be started, or the build fails (it has said why), or makes no program.
+/// A message: Cargo cannot be started, or the build fails (Cargo has printed why), or makes no program.
 pub fn build(workspace: &Path, profile: &str, wheel: bool, linker: Option<&Path>) -> Result<Products, String> {
     let [package, name] = if wheel { EXTENSION } else { PROGRAM };
     products(&messages(workspace, profile, package, linker)?, name)

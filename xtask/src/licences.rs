@@ -21,10 +21,10 @@ pub struct Package {
     texts: Vec<String>,
 }
 
-/// Returns the packages of others that are part of what is built, by name.
+/// Returns the third-party packages that are part of the build, by name.
 ///
 /// # Errors
-/// In words: Cargo's graph cannot be read, or a package has a licence that `deny.toml` does not allow.
+/// A message: Cargo's graph cannot be read, or a package has a licence that `deny.toml` does not allow.
 pub fn packages(workspace: &Path) -> Result<Vec<Package>, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
@@ -78,7 +78,7 @@ fn linked(metadata: &Value) -> Vec<Package> {
     found
 }
 
-/// The texts of licences and notices beside a manifest.
+/// Returns the texts of licences and notices next to a manifest.
 fn texts_in(folder: &Path) -> Vec<String> {
     let mut files: Vec<_> = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     files.sort();

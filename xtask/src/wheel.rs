@@ -26,7 +26,7 @@ const BYTES: u64 = 12_000_000;
 /// `maturin build`.
 ///
 /// # Errors
-/// In words; what a tool has said about it is on the standard error.
+/// A message; the output of a tool is on the standard error.
 pub fn make(workspace: &Path, how: &Build, maturin: &[String]) -> Result<PathBuf, String> {
     let Build { profile, python, .. } = how;
     if !has(python, "maturin") {
@@ -40,7 +40,7 @@ pub fn make(workspace: &Path, how: &Build, maturin: &[String]) -> Result<PathBuf
     let linker = how.linker(workspace)?;
     let products = build::build(workspace, profile, true, linker.as_deref())?;
     let data = folder.join(DATA).join("data");
-    install::beside_the_program(workspace, &products, &data)?;
+    install::all_but_the_program(workspace, &products, &data)?;
     let (program, modules) = (folder.join(DATA).join("scripts/pullout"), folder.join("modules"));
     install::copy(&workspace.join(PROGRAM), &program)?;
     install::copy(&products.program, &modules.join(EXTENSION))?;
@@ -85,7 +85,7 @@ fn audit(wheel: &Path, python: &Path) -> Result<(), String> {
         eprintln!("warning: that is more than {:.0} MB", BYTES as f64 / 1e6);
     }
     if has(python, "auditwheel") {
-        // "is consistent with the following platform tag: manylinux_…"; maturin does not look at the libraries beside
+        // "is consistent with the following platform tag: manylinux_…"; maturin does not check the libraries next to
         let output = Command::new(python).args(["-m", "auditwheel", "show"]).arg(wheel).output();
         let output = output.map_err(|error| format!("auditwheel: {error}"))?;
         let words = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -119,16 +119,16 @@ fn tag_is_kept(name: &str, words: &str) -> Result<(), String> {
 /// --zig` calls it, which names another linker than `cargo zigbuild`: each would build everything again.
 ///
 /// # Errors
-/// In words: the Python has no zig, or the file cannot be written.
+/// A message: the Python has no zig, or the file cannot be written.
 pub fn linker(workspace: &Path, python: &Path) -> Result<PathBuf, String> {
     let scripts = "import ziglang, sysconfig; print(sysconfig.get_path('scripts'), end='')";
-    let told = Command::new(python).args(["-c", scripts]).stderr(Stdio::null()).output();
-    let told = told.map_err(|error| format!("{}: {error}", python.display()))?;
-    if !told.status.success() {
+    let output = Command::new(python).args(["-c", scripts]).stderr(Stdio::null()).output();
+    let output = output.map_err(|error| format!("{}: {error}", python.display()))?;
+    if !output.status.success() {
         return Err(format!("{} has no zig: pip install ziglang", python.display()));
     }
     // maturin looks for the Python that has zig there
-    let scripts = String::from_utf8_lossy(&told.stdout);
+    let scripts = String::from_utf8_lossy(&output.stdout);
     let text = format!(
         "#!/bin/sh\nPATH='{scripts}':$PATH\nexec maturin zig cc -- -g -fno-sanitize=all -target {}-linux-gnu.2.17 \"$@\"\n",
         std::env::consts::ARCH
