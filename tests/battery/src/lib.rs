@@ -14,7 +14,7 @@ mod promises;
 mod proportional;
 pub mod reference;
 mod rotation;
-#[allow(missing_docs, reason = "sets of parameters, which stand beside their names")]
+#[allow(missing_docs, reason = "sets of parameters, next to their names")]
 pub mod samples;
 pub mod stability;
 mod tangent;

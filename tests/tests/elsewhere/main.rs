@@ -71,10 +71,10 @@ fn numbers(output: &[u8]) -> Vec<Vec<f64>> {
 fn the_program_knows_the_plugins_that_are_installed_with_it() {
     let Some(installation) = Installation::find() else { return };
     for law in shipped_laws().iter().map(String::as_str).chain(["pullout_laws"]) {
-        let told = installation.program().args(["plugin", "info", law]).output().expect("the program starts");
-        let told = String::from_utf8_lossy(&told.stdout).into_owned();
-        assert!(told.contains(&*installation.library(law).to_string_lossy()), "{told}");
-        assert!(told.contains("Process: pullout's own"), "{law}: {told}");
+        let info = installation.program().args(["plugin", "info", law]).output().expect("the program starts");
+        let info = String::from_utf8_lossy(&info.stdout).into_owned();
+        assert!(info.contains(&*installation.library(law).to_string_lossy()), "{info}");
+        assert!(info.contains("Process: pullout's own"), "{law}: {info}");
     }
 }
 

@@ -83,8 +83,8 @@ fn terminate(child: &Child) {
 }
 
 impl Outcome {
-    /// Checks that it ended in an allowed way: with a code, in words that name one of these files where something is
-    /// wrong.
+    /// Checks that it ended in an allowed way: with an exit code and, if something is wrong, a message that names one of these
+    /// files.
     pub fn judge(&self, names: &[&str]) -> Result<i32, String> {
         let wrong = |what: &str| Err(format!("{what}; stderr:\n{}", shortened(&self.stderr)));
         let Some(code) = self.status.code() else {
@@ -118,7 +118,7 @@ pub fn peak_of_children() -> u64 {
     u64::try_from(usage.max_rss()).unwrap_or_default() << 10
 }
 
-/// Every file below a folder with its size and time, but for those within `left_out`.
+/// Returns every file below a folder with its size and time, except those within `left_out`.
 pub fn inventory(folder: &Path, left_out: &Path) -> Vec<(PathBuf, u64, std::time::SystemTime)> {
     let mut files = Vec::new();
     let mut folders = vec![folder.to_owned()];
