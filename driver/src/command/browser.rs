@@ -5,10 +5,10 @@ use std::ffi::OsStr;
 use std::os::unix::process::CommandExt;
 use std::process::{Command, Stdio};
 
-/// Variables one of which a desktop sets, or the user who has named a browser.
+/// Environment variables: a desktop sets one of them, or a user who has named a browser.
 const OF_A_DESKTOP: [&str; 3] = ["DISPLAY", "WAYLAND_DISPLAY", "BROWSER"];
 
-/// Has the desktop's browser show an address or a file.
+/// Shows an address or a file in the desktop's browser.
 ///
 /// # Errors
 /// A message, if there is none.

@@ -55,7 +55,7 @@ pub(super) fn warn_about_in_process(file: &Path, need: &Need, quiet: bool) {
     }
 }
 
-/// Does work in a worker; the exit code. `file` is what messages begin with; `quiet`: only errors are reported.
+/// Executes work in a worker and returns the exit code. Messages begin with `file`; `quiet`: only errors are reported.
 pub(super) fn carry_out(work: &impl Work, need: &Need, file: &Path, quiet: bool) -> u8 {
     warn_about_in_process(file, need, quiet);
     match supervise(work, &Watch::default(), need) {
@@ -65,7 +65,7 @@ pub(super) fn carry_out(work: &impl Work, need: &Need, file: &Path, quiet: bool)
     }
 }
 
-/// Hands work over to a worker, and watches it.
+/// Passes work to a worker and supervises it.
 fn supervise(work: &impl Work, wishes: &Watch<'_>, need: &Need) -> io::Result<End> {
     isolation::supervise(&mut Passage::new(work)?, wishes, need)
 }
@@ -107,7 +107,7 @@ pub(super) fn run(job: &Job, directory: ResultDirectory, need: &Need) -> u8 {
     }
 }
 
-/// The case that repeats the call that ended a worker.
+/// Returns the case that repeats the call that ended a worker.
 pub(super) fn replay(failure: &Failure, case: &CaseSource) -> Option<Value> {
     let mut replay = failure.replay.clone()?;
     let (document, file) = (case.text().unwrap_or_default(), &case.file);
@@ -170,7 +170,7 @@ fn conclude(
     Ok(fail(&job.case.file, failure, &message))
 }
 
-/// Returns what can be said of a run without its case.
+/// Returns the summary of a run whose case could not be read here.
 fn summary(file: &Path, failure: &Failure, aftermath: Aftermath) -> io::Result<Summary> {
     let plugin = failure.report.library().map(|library| PluginFile::identify(library, "")).transpose()?;
     Ok(Summary {

@@ -40,7 +40,7 @@ fn write_all(share: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A command without what it hides: completions would offer it.
+/// Returns a command without its hidden parts, which completions would offer.
 fn shown(command: &clap::Command) -> clap::Command {
     // names live as long as the program, which ends here
     let bare = clap::Command::new(&*command.get_name().to_owned().leak());

@@ -50,7 +50,7 @@ impl StudyArguments {
     }
 }
 
-/// Runs studies, after all of them were read without an error.
+/// Runs studies, once all of them have been read without an error.
 pub(super) fn run_all(arguments: &StudyArguments) -> u8 {
     let StudyArguments { studies, out, reading, .. } = arguments;
     let mut folders = BTreeSet::new();
@@ -109,7 +109,7 @@ pub(super) fn check(file: &Path, reading: &Reading, quiet: bool) -> u8 {
     }
 }
 
-/// A study whose cases are all in order, or the exit code.
+/// Returns a study whose cases are all correct, or the exit code.
 fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     let mut apart = Vec::new();
     let prints = Prints::discard();
@@ -163,7 +163,7 @@ fn execution<'a>(folder: &'a Path, arguments: &'a StudyArguments) -> Execution<'
     }
 }
 
-/// Refuses an `--only` that leaves nothing to run.
+/// Refuses an `--only` that matches no run.
 fn check_selection(study: &Study, folder: &Path, arguments: &StudyArguments) -> u8 {
     let mut code = DONE;
     for wanted in &arguments.only {
@@ -179,7 +179,7 @@ fn check_selection(study: &Study, folder: &Path, arguments: &StudyArguments) -> 
     code
 }
 
-/// Opens the directory of a study, or says why not; those of the runs that are due must be in order as well.
+/// Opens the directory of a study, or returns why it cannot. The directories of the pending runs must be usable as well.
 fn open(study: &Study, folder: &Path, arguments: &StudyArguments) -> Result<ResultDirectory, u8> {
     let execution = execution(folder, arguments);
     let mut inputs = vec![study.file.clone()];

@@ -14,7 +14,7 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::time::Instant;
 
-/// Runs a case, and writes its results. The second result is what could not be written.
+/// Runs a case and writes its results. The second result is the error if something could not be written.
 pub(super) fn run_case(
     case: &Case,
     program: &BridgingProgram,
