@@ -32,7 +32,7 @@ pub struct Options {
     pub echo: bool,
 }
 
-/// Number of threads.
+/// Parses a number of threads.
 fn at_least_one(text: &str) -> Result<NonZeroUsize, String> {
     text.parse().map_err(|_| "a number from 1 on is needed".into())
 }
@@ -57,7 +57,7 @@ pub struct Job {
     /// The result directory.
     #[serde(with = "isolation::path")]
     pub folder: PathBuf,
-    /// Results that are wanted.
+    /// Results to write.
     pub keep: Keep,
     /// Options.
     pub options: Options,

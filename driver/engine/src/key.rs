@@ -8,12 +8,12 @@ use std::collections::BTreeMap;
 /// Members of a case that no number depends on.
 const WORDS: [&str; 3] = ["title", "description", "$schema"];
 
-/// A key in the making.
+/// A key under construction.
 #[derive(Clone, Debug)]
 pub struct Key(Sha256);
 
 impl Key {
-    /// Begins the key of a run by the file that computes ([`super::identity`]).
+    /// Begins the key of a run with the identity of the executable ([`super::identity`]).
     pub fn new(engine: [u8; 32]) -> Self {
         Self(Sha256::new().chain_update(engine))
     }
@@ -41,7 +41,7 @@ impl Key {
         self.with_value(&document)
     }
 
-    /// The key in hexadecimal digits.
+    /// Returns the key in hexadecimal digits.
     pub fn digits(self) -> String {
         input::hexadecimal(self.0)
     }

@@ -87,7 +87,7 @@ pub struct CaseFit {
     pub estimates: Vec<Estimate>,
     /// Correlation of the numbers.
     pub correlation: DMatrix<f64>,
-    /// Root mean square of the differences: of one test in the unit of the curve, of several as a part of their greatest values.
+    /// Root mean square of the differences: for one test in the unit of the curve, for several as a fraction of their largest values.
     pub rms: f64,
     /// Places that it was searched from, and how many of these searches ended here.
     pub searches: [usize; 2],
@@ -101,7 +101,7 @@ pub struct CaseFit {
     pub tests: Vec<FittedTest>,
 }
 
-/// A test with the numbers that fit best.
+/// A test with the best parameters.
 #[derive(Clone, Debug)]
 pub struct FittedTest {
     /// The case.
@@ -505,7 +505,7 @@ impl Simulation for Fitted {
     }
 }
 
-/// Values at the points of the data, and what is to be said of these.
+/// Values at the points of the data, and a warning about them.
 type AtData = (Vec<f64>, Option<String>);
 
 /// The second column where the first passes the data's values for the first time, on its way to the farthest of them; of data

@@ -36,7 +36,7 @@ pub struct TestFibre {
     pub youngs_modulus: f64,
 }
 
-/// Slips at which less than this part of L is left in the matrix say nothing of the bond.
+/// Smallest fraction of L that must still be in the matrix: points at larger slips do not determine the bond.
 const LEAST_EMBEDDED: f64 = 0.02;
 
 /// A mean bond traction at a mean slip.

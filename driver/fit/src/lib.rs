@@ -125,11 +125,11 @@ pub struct Quality {
     pub r_squared: f64,
 }
 
-/// The search ends when the sum of squares would fall by less than this part,
+/// The search ends when the sum of squares would fall by less than this fraction.
 const SMALLEST_GAIN: f64 = 1e-4;
-/// or the coordinates would move by less than this part.
+/// The search ends when the coordinates would move by less than this fraction.
 const SMALLEST_MOVE: f64 = 1e-4;
-/// The first step is at most this part of the coordinates: the regressions are near.
+/// Largest first step, as a fraction of the coordinates: the regressions are close.
 const FIRST_STEP: f64 = 1.0;
 
 /// Name of the copy of the measured curve next to the cases.
@@ -138,7 +138,7 @@ pub(crate) const CURVE_FILE: &str = "curve.csv";
 /// Fits a curve. `progress` receives the form, the number of runs so far, and the RMS difference of each law that is tried.
 ///
 /// # Errors
-/// [`FitError`]; a search that does not come to its end is none: see [`FittedLaw::trouble`].
+/// [`FitError`]. A search that stops early is no error: see [`FittedLaw::trouble`].
 pub fn fit(
     curve: &LoadSlipCurve,
     request: &Request,

@@ -23,7 +23,7 @@ mod report;
 
 /// Measured points in a picture: more would be a band.
 pub(crate) const MOST_MARKS: usize = 150;
-/// The picture of the peak ends at so many times its slip.
+/// End of the picture of the peak, as a multiple of the slip at the peak.
 const PEAK_VIEW: f64 = 4.0;
 /// Points of a law's curve.
 const LAW_POINTS: usize = 400;
@@ -76,7 +76,7 @@ pub(crate) fn table<const N: usize>(header: &str, rows: impl IntoIterator<Item =
     std::iter::once(format!("{header}\n")).chain(lines).collect()
 }
 
-/// A law in a few lines for the terminal.
+/// Describes a law in a few lines for the terminal.
 pub fn describe(law: &FittedLaw) -> String {
     let mut text = format!(
         "{}: RMS {} % of the peak (regression alone: {} %), R² {:.5}, {} runs\n",
@@ -179,7 +179,7 @@ pub(crate) fn rows_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
-/// The curves, those around the peak once more, and the laws.
+/// Returns the figures of the curves, of the curves around the peak, and of the laws.
 fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<Figure> {
     let units = BTreeMap::new();
     let column = request.slip_at.column();

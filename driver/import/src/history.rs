@@ -1,4 +1,4 @@
-//! Steps of a case from what the steps of a job prescribe.
+//! Makes the steps of a case from the prescribed quantities in the steps of a job.
 
 use super::element::Brick;
 use super::keywords::LinePosition;
@@ -185,7 +185,7 @@ impl Evolution {
 }
 
 impl Course {
-    /// The value at a time of a step that takes so long and starts at a total time.
+    /// Returns the value at a time within a step, given the step's duration and its start in total time.
     fn at(&self, time: f64, duration: f64, start: f64, amplitudes: &BTreeMap<String, &Amplitude>) -> f64 {
         match self.change.amplitude.as_ref().and_then(|name| amplitudes.get(name)) {
             Some(amplitude) => {

@@ -20,9 +20,9 @@ use std::time::Instant;
 
 /// Runs that are kept, so that ghosts are not run again.
 const MOST_KEPT: usize = 32;
-/// Rows of a run that is kept at most.
+/// Largest number of rows of a run that is kept.
 const LONGEST_KEPT: usize = 100_000;
-/// Kinds of requests of pages of which the newest ends the older one.
+/// Largest number of pages and kinds of requests for which the newest request ends the older one.
 const MOST_PAGES: usize = 32;
 /// States in which a verdict looks at a law.
 const STATES: usize = 20;
@@ -31,7 +31,7 @@ const STATES: usize = 20;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Wanted {
-    /// Page that asks: its newer request ends the older one.
+    /// Page that sent the request: a newer request of the page ends the older one.
     page: String,
     /// Case.
     document: Value,

@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Double precision, as ABAQUS/Standard has it; good in both forms of source, as all of these.
 const ABA_PARAM: &str = "      implicit real*8 (a-h,o-z)\n      parameter (nprecd=2)\n";
-/// Text of `vaba_param.inc`: double precision, as ABAQUS/Explicit has it.
+/// Text of `vaba_param.inc`: double precision, as in ABAQUS/Explicit.
 const VABA_PARAM: &str = "      implicit real*8 (a-h,o-z)
       parameter (j_sys_Dimension=2, n_vec_Length=136, maxblk=n_vec_Length)
 ";
@@ -34,7 +34,7 @@ const OURS: [(&str, &str); 5] = [
     ("smaaspuserutilities.hdr", ""),
     ("smaaspuserarrays.hdr", HEADER),
 ];
-/// C's.
+/// Include files for C sources.
 const FOR_C_SOURCES: [(&str, &str); 6] = [
     ("omi_for_c.h", FOR_C),
     ("aba_for_c.h", FOR_C),

@@ -39,7 +39,7 @@ const DEBUG: &str = include_str!("debug.c");
 pub struct Request {
     /// Sources; `.o` files are linked as they are.
     pub sources: Vec<PathBuf>,
-    /// The library; `None`: `lib<first source>.so` in the present folder.
+    /// The library; `None`: `lib<first source>.so` in the current folder.
     pub output: Option<PathBuf>,
     /// Form of all Fortran sources; `None`: as each suffix says.
     pub form: Option<Form>,

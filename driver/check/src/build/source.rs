@@ -60,7 +60,7 @@ impl Language {
         })
     }
 
-    /// The program; `None` where there is nothing to compile.
+    /// Returns the compiler; `None` if there is nothing to compile.
     pub(super) fn compiler(self) -> Option<&'static str> {
         match self {
             Self::Fortran(_) => Some("gfortran"),
@@ -151,7 +151,7 @@ impl PluginSource {
         self.form_is_guessed.then(|| Self { language, ..self.clone() })
     }
 
-    /// Folders of libraries of headers alone that a source includes: Eigen's, which Debian keeps below a folder of its own.
+    /// Returns the folders of header-only libraries that a source includes: Eigen, which Debian installs in its own subfolder.
     pub(super) fn header_folders(&self) -> Vec<PathBuf> {
         const EIGEN: [&str; 3] = ["/usr/include/eigen3", "/usr/local/include/eigen3", "/opt/homebrew/include/eigen3"];
         let includes = |line: &str| {

@@ -193,7 +193,8 @@ pub(super) fn counts(subject: &mut Subject<'_>, sample: &[SampledState], ledger:
     refusals.report(ledger, "", Verdict::Fail);
 }
 
-/// CELENT 0, NaN, negative and NULL: all alike, by a law that does not need it now or by a refusal; no division by it.
+/// Checks CELENT 0, NaN, negative and NULL. All must give the same answer, by a law that does not need CELENT here, or a refusal.
+/// The law must not divide by it.
 pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("CELENT unusable");
     if !matches!(subject.entry, CheckedEntryPoint::Umat(_)) {

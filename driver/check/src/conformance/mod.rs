@@ -1,12 +1,12 @@
-//! `pullout plugin check`: a plugin against what its metadata claims, through the ABI.
+//! `pullout plugin check`: tests a plugin against the claims of its metadata, through the ABI.
 //!
 //! Every check drives the plugin itself, as a host does, on a sample of random histories, and compares the
 //! answers with each other: differences of the stress with the tangent, a call with its repetition, a path
 //! with the rotated path, work with energy. A law that breaks a claim fails; a plain UMAT, which claims
 //! nothing, gets warnings and information.
 //!
-//! The checks call the plugin in this process; only those for accesses outside its arrays do so in child processes. What
-//! takes the process down is the business of the workers around it, one for each [`Group`]: each finds the same sample.
+//! The checks call the plugin in this process; only those for accesses outside its arrays use child processes. Crashes of the
+//! process are handled by workers around it, one for each [`Group`]; all groups use the same sample.
 
 mod bad_input;
 mod bounds;

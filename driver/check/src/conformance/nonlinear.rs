@@ -177,8 +177,8 @@ fn nonlinear_beyond(subject: &mut Subject<'_>, sample: &[SampledState]) -> Optio
     None
 }
 
-/// A state variable on which the stress depends, other than those that are known. Asked in a process of its own first: values that
-/// the law never gives may end it.
+/// Returns a state variable on which the stress depends, other than the known ones. A separate process tries first: values that
+/// the law never produces may end it.
 fn influential_state(
     subject: &mut Subject<'_>,
     sample: &[SampledState],

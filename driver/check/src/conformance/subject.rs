@@ -75,7 +75,7 @@ impl CheckedEntryPoint {
         if let Self::Umat(stress_state) = self { stress_state.six(values) } else { [0.0; 6] }
     }
 
-    /// The components that a UMAT has of a tensor; none for contact.
+    /// Returns the components of a tensor that a UMAT has; none for contact.
     pub(super) fn of_six(self, six: &[f64; 6]) -> Vec<f64> {
         let Self::Umat(stress_state) = self else { return Vec::new() };
         stress_state.components().iter().map(|&i| six[i]).collect()
@@ -475,7 +475,7 @@ impl<'p> Subject<'p> {
         start.cloned().unwrap_or_else(|| Committed::zero(self.entry, self.nstatv))
     }
 
-    /// The point before the first increment, about to make one with the DTIME, DTEMP and DPRED of another.
+    /// Returns the point before the first increment, with the DTIME, DTEMP and DPRED of another increment.
     pub(super) fn virgin_during(&self, other: &Committed) -> Committed {
         let mut virgin = self.virgin();
         let Setting { time_increment, temperature, fields } = &other.setting;
@@ -506,7 +506,7 @@ impl<'p> Subject<'p> {
         self.path.as_ref().map_or(1.0, |path| path.taken.max(1) as f64)
     }
 
-    /// The point after an accepted step.
+    /// Returns the point after an accepted step.
     pub(super) fn advanced(&self, from: &Committed, step: &[f64], answer: &Answer) -> Committed {
         let mut setting = from.setting.clone();
         setting.temperature[0] += self.share * setting.temperature[1];

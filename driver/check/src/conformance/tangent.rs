@@ -13,7 +13,7 @@ const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 const TIME: f64 = 4.0;
 /// Increments of the case's path that are looked at as they are.
 const ALONG_THE_PATH: usize = 20;
-/// Wrong states that are looked at to find out what the tangent is.
+/// Largest number of wrong states that are examined to identify the tangent.
 const CLASSIFIED: usize = 12;
 
 /// Findings at one state.
@@ -235,9 +235,9 @@ struct Scale {
 }
 
 impl Scale {
-    /// Solids: the largest entry. Interfaces: each row times the inputs' sizes, against the row's largest or the
-    /// virgin one, because a normal stiffness says nothing of a shear. A row of zeros in all matrices is right, and so are entries
-    /// of less than `least` times the tolerance.
+    /// Determines the scale of errors. Solids: the largest entry. Interfaces: the largest entry of each row (times the inputs'
+    /// sizes) or its virgin value, because a normal stiffness does not scale a shear. A row of zeros in all matrices is correct, and
+    /// so are entries smaller than `least` times the tolerance.
     fn new(subject: &Subject<'_>, measure: Measure, matrices: &[&[f64]], least: f64) -> Self {
         let columns = measure.columns(subject.entry);
         let entries = columns * measure.rows(subject.entry);

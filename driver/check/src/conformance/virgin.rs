@@ -18,7 +18,8 @@ pub(super) fn answers(subject: &mut Subject<'_>) -> bool {
     answer.is_ok()
 }
 
-/// Zero step from the start: no stress but an initial one. (Contact in a soft layer begins before the gap closes: there the shear.)
+/// Checks a zero step from the start: there must be no stress except an initial one. (Contact in a soft layer begins before the
+/// gap closes; there the shear must be zero.)
 pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     ledger.begin("virgin state");
     let virgin = subject.virgin();
