@@ -41,7 +41,7 @@ impl Verdict {
         }
     }
 
-    /// Joins several answers that all must be yes.
+    /// Joins several answers, all of which must be yes.
     fn of(answers: impl IntoIterator<Item = Option<bool>>) -> Self {
         answers.into_iter().fold(Self::Holds, |verdict, answer| match (verdict, answer) {
             (Self::Fails, _) | (_, Some(false)) => Self::Fails,

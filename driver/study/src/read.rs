@@ -15,7 +15,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Name of the only series of a study that has none.
+/// Name of the only series of a study without series.
 const ONLY_SERIES: &str = "runs";
 /// Names in the study's directory that are no series.
 const RESERVED: [&str; 8] = [
@@ -449,7 +449,7 @@ fn texts(set: &Map<String, Value>) -> impl Iterator<Item = String> + '_ {
     set.iter().map(|(path, value)| format!("{path}={value}"))
 }
 
-/// Load against slip, τ against slip, σ11 against ε11, σ against w, as the kind of a case has it.
+/// Returns the default curve for the kind of a case: load against slip, τ against slip, σ11 against ε11, or σ against w.
 pub fn default_curve(case: &Value) -> Columns {
     let kind = &case["kind"];
     let (x, y) = match kind.as_str() {

@@ -88,7 +88,7 @@ pub(crate) fn state(row: &Measured) -> &'static str {
 
 const DONE: &str = "done";
 const LOST: &str = "lost";
-/// The word for a run that has no row yet.
+/// Status of a run that has no row yet.
 const LEFT: &str = "left";
 
 /// A run that was lost so often is over: it may be what ends its workers.

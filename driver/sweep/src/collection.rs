@@ -10,7 +10,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-/// A file that a table may be written into.
+/// A file for a table.
 #[derive(Debug)]
 pub struct Collection<'s> {
     store: &'s Store,

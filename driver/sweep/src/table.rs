@@ -228,7 +228,7 @@ impl Serialize for Row<'_> {
     }
 }
 
-/// What a row has of a column.
+/// Cell of a row.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Cell {
@@ -265,7 +265,7 @@ impl Column {
     }
 }
 
-/// Reads the cells of a row that are wanted by their names.
+/// Reads the cells of a row with the wanted names.
 struct Wanted<'w, W>(&'w W);
 
 impl<'de, W: Fn(&str) -> bool> DeserializeSeed<'de> for Wanted<'_, W> {

@@ -284,7 +284,7 @@ impl JobQueue<'_> {
         Ok(())
     }
 
-    /// Takes blocks of runs until nothing is left; `is_apart`: in children.
+    /// Takes blocks of runs until none remain. `is_apart`: runs them in children.
     fn run_worker(&self, is_apart: bool) -> io::Result<()> {
         while let Some((mut claim, mut block)) = self.take()? {
             let (mut rows, start) = (Vec::new(), Instant::now());
@@ -416,7 +416,7 @@ fn lost(host: &str, attempt: u32, keep: &Keep) -> Measured {
     }
 }
 
-/// The row of a run that a child did not survive.
+/// Returns the row of a run that ended its child.
 fn crash(failure: &Failure, document: &Value, office: &JobQueue<'_>, run: usize) -> Measured {
     let case = failure.replay.clone().map(|mut case| {
         let title = document["title"].as_str().unwrap_or(&office.sweep.title);

@@ -270,8 +270,8 @@ impl Branch {
         })
     }
 
-    /// Follows the branch. Of its rows stay the first one, the first at the end, and both ends of each stretch from one
-    /// row to the next that `wants` says yes to, given the direction and both x along it.
+    /// Follows the branch. It keeps the first row, the first row at the end, and both ends of each interval between rows for which
+    /// `wants` returns true, given the direction and both x along it.
     fn traced(pairs: &Pairs<'_>, wants: &mut dyn FnMut(f64, [f64; 2]) -> bool) -> io::Result<Self> {
         let (mut start, mut least, mut greatest) = (None, f64::INFINITY, f64::NEG_INFINITY);
         pairs(&mut |x, _| {

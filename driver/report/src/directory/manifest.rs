@@ -122,7 +122,7 @@ impl Manifest {
         self.files.keys().flat_map(|pattern| names::present(pattern, directory)).collect()
     }
 
-    /// Returns whether the program wrote what has this name.
+    /// Returns whether pullout wrote the file of this name.
     pub(super) fn owns(&self, name: &str, directory: &Path) -> bool {
         match self.files.get(name) {
             Some(Some(content)) => content.is_in(&directory.join(name)),

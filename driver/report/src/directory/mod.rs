@@ -1,18 +1,18 @@
-//! The result directory: who may write in it, and which of its files are the program's.
+//! The result directory: who may write in it, and which of its files belong to pullout.
 //!
 //! ```text
-//! DIR/manifest.json      what the program wrote here, each file with its content (manifest)
+//! DIR/manifest.json      what pullout wrote here, each file with its content (manifest)
 //! DIR/.pullout.lock      while something writes here: process and host (lock)
 //! DIR/previous/          earlier results, from when a run begins until the new summary stands
 //! DIR/history.csv, …     results
 //! ```
 //!
-//! Only what the manifest lists, with the content that it lists, is ever replaced or removed; the rest is the user's. What
-//! of the user's has a name that results may need stands in the way: the directory is refused before anything runs, or
-//! `--overwrite` treats these files like results. What a case is read from is never touched.
+//! Only files in the manifest whose content matches the manifest are ever replaced or removed; all others belong to the user. If
+//! a user's file has a name that results may need, the directory is refused before anything runs, or `--overwrite` treats the
+//! file like a result. Input files of a case are never touched.
 //!
-//! A run that is killed leaves its manifest open: what it claimed is the program's with any content. The next run sets that
-//! aside as well, so that nothing is removed before a new summary stands.
+//! A killed run leaves its manifest open: the names that it claimed belong to pullout with any content. The next run sets these
+//! files aside as well, so that nothing is removed before a new summary is complete.
 
 use super::at;
 use manifest::Manifest;

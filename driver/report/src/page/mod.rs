@@ -192,7 +192,7 @@ pub fn description(text: &str) -> Markup {
     }
 }
 
-/// Program, machine and the files of the plugins.
+/// Returns program, machine and the files of the plugins.
 fn provenance(account: &Account, summary: &Summary) -> Markup {
     let row = |key: &str, value: Markup| html! { tr { td.key { (key) } td { (value) } } };
     let machine = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);

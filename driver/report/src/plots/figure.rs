@@ -270,7 +270,7 @@ impl Figure {
         self.lines.iter().map(scaled).collect()
     }
 
-    /// Lines and single points that a legend must not cover.
+    /// Returns the lines and single points that a legend must not cover.
     fn occupied(&self, x: &Axis, y: &Axis) -> Vec<Vec<(f64, f64)>> {
         let points = self.marks.iter().flat_map(|marks| drawable_stretches(&marks.points).flatten());
         let points = points.map(|&(across, up)| vec![(x.scaled(across), y.scaled(up))]);

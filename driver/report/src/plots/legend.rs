@@ -1,4 +1,4 @@
-//! The legend: in a corner where nothing is drawn, else below the picture.
+//! Draws the legend in a corner where nothing is drawn, or below the picture.
 
 use super::axis::Axis;
 use super::figure::{CHARACTER, Corners, Drawn, Root, Style, UNIT, WIDTH, draw_mark, left_aligned, shade};

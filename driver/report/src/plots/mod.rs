@@ -154,7 +154,7 @@ fn guarded<T>(draw: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     })
 }
 
-/// Draws a run into a folder of a result directory and leaves the spec there.
+/// Draws a run into a folder of a result directory and writes the spec there.
 ///
 /// # Errors
 /// A file that cannot be written.

@@ -1,4 +1,4 @@
-//! Choice of the pictures of a run, and their contents.
+//! Chooses the pictures of a run and their contents.
 
 use super::figure::{Figure, Key, Line, Marks, PALETTE, Style};
 use super::quantity::{Quantity, capital, group_of};

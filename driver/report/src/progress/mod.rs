@@ -201,8 +201,8 @@ impl Pace {
     }
 }
 
-/// Schedule of progress lines: about every tenth of the run, not sooner than a least pause after the last, not later
-/// than a greatest one. A run of under two seconds prints none.
+/// Schedule of progress lines: about every tenth of the run, but with a smallest and a largest pause between lines. A run of
+/// less than two seconds prints none.
 #[derive(Default)]
 pub struct Schedule {
     last: Duration,

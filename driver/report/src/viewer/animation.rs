@@ -210,7 +210,7 @@ impl Scenes {
     }
 }
 
-/// The text of a script of a page.
+/// Returns the text of a script of a page.
 fn script<'a>(page: &'a str, tag: &str) -> Option<&'a str> {
     page.split_once(tag)?.1.split_once("</script>").map(|(text, _)| text)
 }

@@ -46,7 +46,7 @@ impl Levels {
         Self { range: (least, greatest), between, label: quantity.label(exponent), scale, decimals }
     }
 
-    /// Returns how many bands.
+    /// Returns the number of bands.
     pub fn count(&self) -> usize {
         self.between.len() + 1
     }

@@ -206,7 +206,7 @@ struct Shown {
     /// Positions of all nodes as drawn, mm.
     positions: Vec<[f64; 2]>,
     view: View,
-    /// Indices of the elements in the view, of which there are some.
+    /// Indices of the elements in the view, at least one.
     seen: Vec<usize>,
 }
 

@@ -175,7 +175,7 @@ pub(super) fn extent(element: &PictureElement, positions: &[[f64; 2]]) -> f64 {
     side(0).max(side(1))
 }
 
-/// The part of a triangle where the value is not less than the level.
+/// Returns the part of a triangle where the value is at least the level.
 fn clipped(triangle: [(GridPoint, f64); 3], level: f64) -> Vec<GridPoint> {
     let mut polygon = Vec::with_capacity(4);
     for k in 0..3 {
