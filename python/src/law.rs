@@ -66,7 +66,7 @@ pub fn is_shipped(path: PathBuf) -> bool {
     isolation::is_shipped(&path)
 }
 
-/// Axes and free strains of the last call: what was asked for, the mode, and what came of it.
+/// Axes and free strains of the last call: the request, the mode, and the result.
 type LastFrame = (String, Mode, Option<Arc<Frame>>);
 
 /// A loaded library, and the law of it that is called.
@@ -87,8 +87,8 @@ pub struct Plugin {
 
 #[pymethods]
 impl Plugin {
-    /// Loads a library that may run here, or that the user answers for. `law` chooses among several; `has_stack`: the threads that
-    /// call have the stack that plugins may want.
+    /// Loads a library that may run here, or that the user trusts. `law` chooses among several; `has_stack`: the calling threads
+    /// have the stack that plugins may need.
     #[new]
     #[pyo3(signature = (path, law=None, in_process=false, has_stack=false))]
     fn new(py: Python<'_>, path: PathBuf, law: Option<&str>, in_process: bool, has_stack: bool) -> PyResult<Self> {
@@ -143,8 +143,8 @@ impl Plugin {
         })
     }
 
-    /// Fills stresses and states, a row a point, with what the library's SIGINI and SDVINI say of points at the start; one that the
-    /// library has not leaves its array as it is. `coords`: a row a point, or one for all. `frame`: as of [`Self::evaluate`].
+    /// Fills stresses and states, one row per point, with the initial values of the library's SIGINI and SDVINI. If the library lacks
+    /// one of them, its array is unchanged. `coords`: one row per point, or one for all. `frame`: as in [`Self::evaluate`].
     #[allow(clippy::too_many_arguments, reason = "Python names them")]
     #[pyo3(signature = (mode, coords, per_element, stress, state, frame=""))]
     fn initial(

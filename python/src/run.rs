@@ -54,7 +54,7 @@ impl Trail {
     }
 }
 
-/// Flag that ends runs from another thread than theirs, which receives no signals.
+/// Flag by which another thread ends runs, whose own threads receive no signals.
 #[pyclass(frozen, module = "pullout_fe._core")]
 #[derive(Default)]
 pub struct Stop(Arc<AtomicBool>);
@@ -94,7 +94,7 @@ fn source((file, document, folder, overrides, plugin_paths): Parts) -> PyResult<
     Ok(source)
 }
 
-/// Returns what is wrong with a case, or with its plugins alone.
+/// Returns the exception for the errors of a case, or of its plugins alone.
 fn refusal(errors: &CaseErrors) -> PyErr {
     let is_plugin = |problem: &pullout_case::CaseProblem| problem.kind == pullout_case::ProblemKind::PluginNotLoadable;
     match errors.problems.as_slice() {
@@ -103,7 +103,7 @@ fn refusal(errors: &CaseErrors) -> PyErr {
     }
 }
 
-/// The case with its changes, as JSON.
+/// Returns the case with its changes, as JSON.
 #[pyfunction]
 pub fn document(case: Parts) -> PyResult<String> {
     without_panic(|| {
@@ -122,7 +122,7 @@ pub fn document(case: Parts) -> PyResult<String> {
     })
 }
 
-/// A place as changes name it, `steps.0.increments`, also of `$.steps[0].increments`.
+/// Returns a place as a dotted path, `steps.0.increments`, also from `$.steps[0].increments`.
 #[pyfunction]
 pub fn dotted(path: &str) -> String {
     pullout_case::dotted(path)
@@ -316,7 +316,7 @@ fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
     ))
 }
 
-/// Does something that may call plugins on a thread with the stack that they may want.
+/// Runs work that may call plugins on a thread with the stack that they may need.
 pub fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> PyResult<R> {
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work)?;
@@ -324,13 +324,13 @@ pub fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> PyResult<R> {
     })
 }
 
-/// Says which file is the program `pullout`, and which this module is.
+/// Sets the files of the program `pullout` and of this module.
 #[pyfunction]
 pub fn set_program(file: PathBuf, module: PathBuf) {
     pullout_engine::set_program(&file, &module);
 }
 
-/// Runs the program with these arguments, the first of which is its name; the result is its exit code.
+/// Runs the program with these arguments, the first of which is its name. Returns its exit code.
 #[pyfunction]
 pub fn main(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
     without_panic(|| Ok(py.detach(|| driver::command::main(arguments))))
@@ -349,7 +349,7 @@ pub fn examples(words: Vec<String>) -> PyResult<Vec<(PathBuf, String, String)>> 
     Ok(found.into_iter().map(|Example { path, kind, title }| (path, kind, title)).collect())
 }
 
-/// The unit of a column; empty for numbers and for columns that no history has.
+/// Returns the unit of a column; empty for numbers and for unknown columns.
 #[pyfunction]
 pub fn unit(column: &str) -> &'static str {
     Outcome::unit(column)
