@@ -57,7 +57,7 @@ impl Timing {
     }
 }
 
-/// Time that the processors spent on this thread.
+/// Returns the CPU time of this thread.
 pub(super) fn thread_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::try_from(time).unwrap_or_default()

@@ -30,7 +30,7 @@ const SOURCES: [(&str, &str); 4] = [
     ("share/doc/pullout/LICENSE-APACHE", "LICENSE-APACHE"),
 ];
 
-/// Where the workspace's cases are put: `pullout examples` looks there.
+/// Folder for the cases of the workspace: `pullout examples` searches it.
 const CASES: &str = "share/pullout/cases";
 
 /// Third-party licences, and the list of third-party packages.
@@ -61,7 +61,7 @@ pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<V
     Ok(files)
 }
 
-/// Where laws are put.
+/// Returns the folder for laws.
 fn plugins(prefix: &Path) -> PathBuf {
     prefix.join("lib").join("pullout")
 }

@@ -9,13 +9,13 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Where the wheel is made, in the workspace; `python/pyproject.toml` takes the files to be installed from there.
+/// Folder in the workspace where the wheel is made. `python/pyproject.toml` takes the files to install from there.
 const FOLDER: &str = "target/wheel";
 /// Folder of files that Python's installers put under the prefix, and with the programs.
 const DATA: &str = "pullout_fe.data";
 /// The program, in the workspace.
 const PROGRAM: &str = "python/pullout";
-/// The extension, below a folder where Python looks for modules.
+/// Path of the extension below a folder that Python searches for modules.
 const EXTENSION: &str = "pullout_fe/_core.abi3.so";
 /// A wheel should have no more: it is refused by nobody, but waited for by everybody.
 const BYTES: u64 = 12_000_000;
@@ -100,7 +100,7 @@ fn audit(wheel: &Path, python: &Path) -> Result<(), String> {
 
 /// Compares the platform in a wheel's name with what auditwheel says of its libraries.
 fn tag_is_kept(name: &str, words: &str) -> Result<(), String> {
-    /// The C library's version of the first tag.
+    /// Returns the version of the C library in the first tag.
     fn glibc(text: &str) -> Option<[u32; 2]> {
         let (_, behind) = text.split_once("manylinux_")?;
         let mut numbers = behind.split('_').map(|number| number.parse().ok());
@@ -147,7 +147,7 @@ fn has(python: &Path, module: &str) -> bool {
     found.is_ok_and(|status| status.success())
 }
 
-/// Runs a tool that prints to the standard error: the standard output is the wheel's name.
+/// Runs a tool with its output on the standard error, because the standard output is the wheel's name.
 fn run(command: &mut Command, name: &str) -> Result<(), String> {
     let ended =
         command.stdout(std::io::stderr()).status().map_err(|error| format!("{name} does not start: {error}"))?;

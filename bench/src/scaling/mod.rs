@@ -103,7 +103,7 @@ struct Job {
     family: Family,
     setting: String,
     seconds: Vec<f64>,
-    /// The run that the clock found the fastest: its split is disturbed the least.
+    /// The fastest run by the clock: its breakdown is disturbed the least.
     best: Option<Ran>,
     peak_memory: Option<f64>,
 }

@@ -25,7 +25,7 @@ struct Weights {
     tensile: f64,
     /// β.
     beta: f64,
-    /// The β of eq. 5.31, which its own energy release rate Y_E = a + β b has in it.
+    /// The β of eq. 5.31, in which its own energy release rate Y_E = a + β b occurs.
     biaxial: f64,
 }
 
