@@ -82,7 +82,7 @@ impl PointMemory {
         }
     }
 
-    /// Pointers to everything.
+    /// Returns pointers to all arguments.
     pub fn arguments(&mut self) -> UmatArguments {
         let [sse, spd, scd, rpl] = self.energies.each_mut().map(std::ptr::from_mut);
         let [temp, dtemp, predef, dpred] = self.fields.each_ref().map(std::ptr::from_ref);
@@ -130,7 +130,7 @@ impl PointMemory {
         }
     }
 
-    /// Calls a UMAT with all of it.
+    /// Calls a UMAT with these arguments.
     pub fn call(&mut self, function: UmatFunction) {
         // SAFETY: every pointer is valid for the sizes that the counts give, as long as the test keeps counts within
         // the arrays; STRESS, STRAN and DSTRAN have 6 values and DDSDDE 36 whatever NTENS says.

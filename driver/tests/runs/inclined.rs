@@ -112,7 +112,8 @@ fn slide_around_their_exit_in_balance(fibres: &[(&str, &str, f64)]) {
     }
 }
 
-/// Without viscosity the control once took the elastic branch back at a slip of 0.176 mm: damage stood still while the load fell through 0.
+/// Without viscosity the control once followed the elastic branch back at a slip of 0.176 mm: damage stayed constant while the load
+/// fell through 0.
 #[test]
 fn the_path_does_not_turn_back_where_concrete_cracks() {
     let mut case = fibre(json!({ "type": "inclined_fibre", "angle_deg": 33, "mesh_size": 2, "cover": false }), 0.3);

@@ -14,7 +14,7 @@ fn text(text: Text) -> String {
     unsafe { CStr::from_ptr(text.as_ptr()) }.to_string_lossy().replace('|', "\\|")
 }
 
-/// `2e18` rather than nineteen digits.
+/// Formats a number, large ones as `2e18`.
 fn number(value: f64) -> String {
     let (plain, exponential) = (format!("{value}"), format!("{value:e}"));
     if exponential.len() < plain.len() { exponential } else { plain }

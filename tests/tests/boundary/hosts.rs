@@ -79,7 +79,7 @@ fn a_null_tangent_means_stress_only() {
     });
 }
 
-/// TIME of length 1 lies right before memory that must not be read as a number: nothing reads it at all.
+/// TIME of length 1 lies right before memory that must not be read as a number. The law does not read it.
 #[test]
 fn time_of_length_one_and_names_of_length_one_are_enough() {
     for_each_law(|loaded, stress_state| {

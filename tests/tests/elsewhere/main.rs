@@ -1,4 +1,4 @@
-//! Our laws in the programs of others, from an installation: `cargo xtask install --prefix P`, then
+//! Our laws in third-party programs, from an installation: `cargo xtask install --prefix P`, then
 //! `PULLOUT_PREFIX=P cargo test -p end-to-end-tests --test elsewhere`. The Python programs need `PULLOUT_PYTHON`, a
 //! Python with what `examples/requirements.txt` lists. Without these variables the checks are skipped; without a `ccx` on the PATH those
 //! with CalculiX.

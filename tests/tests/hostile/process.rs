@@ -146,7 +146,7 @@ pub fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Variable by which all processes of an attempt are known: what it starts has it in its environment.
+/// Environment variable that marks all processes of an attempt: child processes inherit it.
 pub const MARK: &str = "HOSTILE_ATTEMPT";
 /// Time in which everything that a plugin started must have ended.
 const LEFT_FOR: Duration = Duration::from_secs(2);
