@@ -363,7 +363,7 @@ def test_a_curve_that_goes_backwards_and_a_grid_beyond_it() -> None:
     assert np.allclose(made([100.0]), [np.nan, 0.0, -0.3, -1.0, np.nan], equal_nan=True)
 
 
-def test_a_fit_refuses_what_tells_nothing() -> None:
+def test_a_fit_refuses_data_without_information() -> None:
     pytest.importorskip("scipy")
     one = po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), GRID)
     target = oedometer(80.0, 0.25)

@@ -147,7 +147,7 @@ def test_a_design_that_grows_keeps_the_place_of_each_value(tmp_path: Path) -> No
     assert not np.isnan(grown.table["q.peak"]).any()
 
 
-def test_a_case_that_is_wrong_is_told(tmp_path: Path) -> None:
+def test_a_case_that_is_wrong_is_reported(tmp_path: Path) -> None:
     with pytest.raises(po.CaseError, match="nearest valid name"):
         po.sweep(BASE, {"material.props.EE": [1.0]}, out=tmp_path / "sweep")
     with pytest.raises(po.CaseError, match="no folder of a sweep"):

@@ -98,7 +98,7 @@ fn fric_at_a_point() {
 
 /// LM by what the point did in the increment before: 1 at first, 0 where it slipped, 2 where nothing pressed.
 #[test]
-fn fric_is_told_whether_it_was_open() {
+fn fric_is_given_whether_it_was_open() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "print.c", &[]) else { return };
     let step = |slip: f64, p: f64| json!({ "increments": 1, "target": { "slip": slip, "p": p } });
