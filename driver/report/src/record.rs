@@ -43,7 +43,7 @@ pub struct RunRecorder {
     /// Whether the run was asked to end.
     ended: Cell<bool>,
     start: Instant,
-    /// The processors' time of the process, or of the thread that runs.
+    /// Clock of the CPU time of the process, or of the running thread.
     clock: ClockId,
     cpu_start: Duration,
     /// Times that the run took before it was interrupted, of the clock and of the processors, s.

@@ -270,7 +270,8 @@ impl States {
         Ok((head, data))
     }
 
-    /// The names of the states, and which is shown at first: that of the greatest load, or the last without a load.
+    /// Returns the names of the states, and the index of the first one shown: the state of the largest load, or the last one if there
+    /// is no load.
     fn names(&self, states: &[&ViewerState]) -> (Vec<Vec<&'static str>>, usize) {
         let last = states.len().saturating_sub(1);
         let loaded = (0..states.len()).filter(|&k| states[k].load.abs() > 0.0);

@@ -35,7 +35,7 @@ pub fn kept(file: &Path, notify: &dyn Fn(String)) -> Result<PathBuf, Refusal> {
     Ok(built.library)
 }
 
-/// `pullout/libraries` in the user's cache, or where there is none among temporary files.
+/// Returns `pullout/libraries` in the user's cache or, if there is none, in the folder for temporary files.
 fn cache() -> PathBuf {
     let absolute = |name: &str| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let folder = absolute("XDG_CACHE_HOME").or_else(|| absolute("HOME").map(|home| home.join(".cache")));

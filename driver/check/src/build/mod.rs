@@ -41,7 +41,7 @@ pub struct Request {
     pub sources: Vec<PathBuf>,
     /// The library; `None`: `lib<first source>.so` in the current folder.
     pub output: Option<PathBuf>,
-    /// Form of all Fortran sources; `None`: as each suffix says.
+    /// Form of all Fortran sources; `None`: according to each suffix.
     pub form: Option<Form>,
     /// Further flags for every compiler.
     pub flags: Vec<String>,
@@ -56,7 +56,7 @@ pub struct Built {
     pub library: PathBuf,
     /// The entry points that it exports: `umat_`, `uinter_`, …
     pub entry_points: Vec<String>,
-    /// Names of utility routines of ABAQUS that it calls and this program does not offer.
+    /// Names of ABAQUS utility routines that it calls and pullout does not offer.
     pub not_offered: Vec<String>,
     /// Names of its routines that ABAQUS calls and this program does not: UEL, HETVAL, …
     pub not_called: Vec<String>,
@@ -377,7 +377,7 @@ fn compile_own(name: &str, text: &str, folder: &Path) -> Result<PathBuf, Refusal
     if done { Ok(object) } else { Err(refused("gcc", &file, &output, "")) }
 }
 
-/// A path that no compiler takes for an option.
+/// Returns a path that no compiler mistakes for an option.
 fn absolute(file: &Path) -> PathBuf {
     std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf())
 }

@@ -152,7 +152,7 @@ impl CasePath {
         these.zip(others)
     }
 
-    /// The largest magnitude of each input, at the ends of the increments.
+    /// Returns the largest magnitude of each input at the ends of the increments.
     pub(super) fn sizes(&self) -> Vec<f64> {
         let largest = |k: usize| {
             let ends = self.increments.iter().map(|increment| (increment.from.input[k] + increment.step[k]).abs());

@@ -214,7 +214,7 @@ fn stays(errors: &[f64]) -> bool {
     errors.last_chunk::<4>().is_some_and(|last| last.windows(2).all(|pair| (pair[1] / pair[0]).log2().abs() < SAME))
 }
 
-/// The slope of log₂(error) over the number of halvings, by least squares.
+/// Returns the slope of log₂(error) over the number of halvings, by least squares.
 fn order(errors: &[f64]) -> f64 {
     let middle = 0.5 * (errors.len() as f64 - 1.0);
     let (mut product, mut square) = (0.0, 0.0);

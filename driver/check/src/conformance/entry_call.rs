@@ -39,7 +39,7 @@ fn set_fields(fields: &mut SurfaceFields, setting: &Setting, share: f64) {
     fields.set(temperature, [&starts, &ends]);
 }
 
-/// The answer that all three give alike.
+/// Makes the answer in the form common to all three entry points.
 fn answer<I, O>(call: &PluginCall<I, O>, [rows, columns]: [usize; 2], not_finite: Option<NotFinite>) -> Answer {
     Answer {
         outcome: call.outcome(),

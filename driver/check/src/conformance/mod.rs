@@ -92,7 +92,7 @@ impl Default for Options {
     }
 }
 
-/// Checks that are made in one process, where a plugin may end it.
+/// Checks that share one process, which the plugin may end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 pub enum Group {
     /// The metadata, the case's path and the sample around it.

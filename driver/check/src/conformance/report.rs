@@ -167,7 +167,7 @@ pub struct Judged {
 /// Checks of the laws of a library, as `pullout plugin check --json` prints them and as one process sends them to another.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Judgement {
-    /// That of a law that failed, before that of one that was not tested.
+    /// Verdict of a law that failed; otherwise of one that was not tested; otherwise passed.
     pub verdict: Verdict,
     /// Laws.
     pub laws: Vec<Judged>,

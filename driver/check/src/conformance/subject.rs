@@ -596,7 +596,7 @@ impl<'p> Subject<'p> {
         });
     }
 
-    /// The stress that an elastic material would have at this input: what rounding is measured by.
+    /// Returns the stress of an elastic material at this input: the scale for rounding errors.
     pub(super) fn elastic_size(&self, input: &[f64]) -> f64 {
         let sizes = input.iter().zip(&self.size).fold(0.0_f64, |m, (x, size)| m.max((x / size).abs()));
         largest(&self.output_size) * sizes
@@ -678,7 +678,7 @@ impl<'p> Subject<'p> {
         }
     }
 
-    /// One call, whatever it returns: the tangents filled with `filling` before, with something wrong or not.
+    /// Makes one call, whatever it returns. The tangents are filled with `filling` before; `alteration` may spoil an input.
     pub(super) fn call(&mut self, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Answer {
         self.calls += 1;
         worker::note_call();

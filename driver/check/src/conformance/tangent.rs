@@ -270,7 +270,7 @@ impl Scale {
 pub(super) enum Measure {
     /// The output itself by the inputs.
     Output,
-    /// (1/J) ∂(Jσ)/∂D by symmetric changes of F₁: the Jaumann rate of the Kirchhoff stress, as ABAQUS wants it.
+    /// (1/J) ∂(Jσ)/∂D by symmetric changes of F₁: the Jaumann rate of the Kirchhoff stress, as ABAQUS requires.
     Kirchhoff,
     /// ∂σ/∂D by the same.
     Cauchy,
@@ -565,8 +565,8 @@ pub(super) fn shear_stiffness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>
     }
 }
 
-/// The factor α with DDSDDE = unloading + α (derivative − unloading), if there is one that explains how DDSDDE differs from
-/// the derivative.
+/// Returns the factor α with DDSDDE = unloading + α (derivative − unloading), if such a factor explains the difference between
+/// DDSDDE and the derivative.
 fn loading_factor(tangent: &[f64], unloading: &[f64], derivative: &[f64]) -> Option<f64> {
     let loading: Vec<f64> = derivative.iter().zip(unloading).map(|(d, u)| d - u).collect();
     let found: Vec<f64> = tangent.iter().zip(unloading).map(|(t, u)| t - u).collect();

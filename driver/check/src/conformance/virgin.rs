@@ -202,7 +202,7 @@ pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     }
 }
 
-/// Plane strain, and plane stress with the ε33 that it found, give the stresses of the 3D response.
+/// Checks that plane strain, and plane stress with the ε33 that it returned, give the stresses of the 3D response.
 pub(super) fn agreement_with_three_d(subjects: &mut [Subject<'_>], report: &mut Report) {
     let Some(solid) = subjects.iter().position(|s| s.entry == CheckedEntryPoint::Umat(StressState::ThreeD)) else {
         return;

@@ -58,7 +58,7 @@ struct Turning {
     threshold: f64,
     /// 0 before it is known.
     direction: f64,
-    /// Index and value of the last extremes since the last turn.
+    /// Index and value of the extremes since the last reversal.
     extremes: Option<[(usize, f64); 2]>,
     found: Vec<(usize, f64)>,
 }

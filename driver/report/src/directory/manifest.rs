@@ -163,7 +163,7 @@ impl Manifest {
         self.earlier.clear();
     }
 
-    /// Notes the content of everything that is being written.
+    /// Records the content of all files that were being written.
     pub(super) fn close(&mut self, directory: &Path) -> io::Result<()> {
         let (written, known): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.files).into_iter().partition(|(_, content)| content.is_none());

@@ -34,7 +34,7 @@ pub use names::Kind;
 pub(crate) const MANIFEST: &str = "manifest.json";
 /// Name of a file while it is written, next to its final place.
 const PARTIAL: &str = ".pullout.partial";
-/// Names of files that a message lists.
+/// Largest number of file names in a message.
 const MOST_NAMES: usize = 10;
 
 /// Manner of opening a directory.

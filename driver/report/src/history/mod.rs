@@ -292,8 +292,8 @@ impl HistoryFile {
         Ok(History { columns: wanted.into_iter().map(|k| self.columns[k].clone()).collect(), data })
     }
 
-    /// Returns what pictures need of it: all rows of a history of usual length; of a longer one, of each of many stretches the
-    /// first and last row and those where a column is greatest, least, or no number. Peaks, loops and gaps stay.
+    /// Returns the rows that pictures need: all rows of a history of usual length. A longer history is cut into many sections, and
+    /// each keeps its first and last row and the rows where a column is largest, smallest or NaN. Peaks, loops and gaps remain.
     ///
     /// # Errors
     /// The file cannot be read, or holds something else.
@@ -301,7 +301,7 @@ impl HistoryFile {
         self.thinned(MOST_VALUES)
     }
 
-    /// See [`HistoryFile::for_pictures`]; at most about so many values are kept.
+    /// Thins the rows as for [`HistoryFile::for_pictures`]. It keeps about `most` values.
     fn thinned(&self, most: usize) -> io::Result<History> {
         let columns = self.columns.len().max(1);
         let rows = self.rows()?;
@@ -379,7 +379,7 @@ fn whole_lines(path: &Path) -> io::Result<u64> {
     Ok(0)
 }
 
-/// A source of rows, of which two columns can be gone through again and again.
+/// A source of rows in which two columns can be traversed repeatedly.
 pub trait Rows {
     /// Names of the columns.
     fn columns(&self) -> &[String];

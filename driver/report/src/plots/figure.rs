@@ -252,7 +252,7 @@ impl Figure {
         lines.iter().enumerate().map(of_line).collect()
     }
 
-    /// The drawn points of each line, in the axes' numbers, by uninterrupted stretches.
+    /// Returns the drawn points of each line, in the units of the axes, by uninterrupted sections.
     fn scaled_lines(&self, x: &Axis, y: &Axis) -> Vec<Vec<Vec<(f64, f64)>>> {
         let scaled = |line: &Line| {
             if self.has_bars() && line.marked {
@@ -363,7 +363,7 @@ impl Figure {
 }
 
 impl Key {
-    /// Rows of colours (or their bar), then rows of dashes.
+    /// Returns the rows of the legend: colours (or their bar), then dashes.
     fn entries(&self, color: impl Fn(Style) -> RGBColor) -> Vec<LegendEntry> {
         let line =
             |style, color, label: &String| LegendEntry { sample: Sample::Line(style), color, label: label.clone() };

@@ -247,7 +247,7 @@ impl Curve {
     }
 }
 
-/// Law, subject and units of a material or contact point.
+/// Returns law, subject and units of a material or contact point.
 fn of_point(program: &Program) -> (String, CaseKind, BTreeMap<String, String>) {
     let law = program.plugin.law.as_ref();
     let units = law.map(|law| law.states.iter().map(|state| (state.name.clone(), state.unit.clone())).collect());

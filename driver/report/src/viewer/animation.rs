@@ -141,7 +141,7 @@ impl Scenes {
         low + (high - low) * step / STEPS
     }
 
-    /// Where all nodes are in the first and the last state, and a little around.
+    /// Returns the box around all nodes in the first and the last state, with a margin.
     fn extent(&self) -> [f64; 4] {
         let mut extent = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
         let last = &self.displacements[self.displacements.len() - 1];

@@ -1,4 +1,4 @@
-//! The frames of an animation, and the file of them.
+//! Draws the frames of an animation and writes their file.
 
 use super::Scenes;
 use crate::plots::export::draw_upon;
