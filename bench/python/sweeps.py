@@ -254,7 +254,7 @@ def main() -> None:
     notes.insert(0, f"Names are to be right, and at most 10 s more: {most:.2g} s at most: {reached}.")
     method = f"""
 {wishes.runs} runs of a point with a library of another's (a linear law in C, 50 increments), of which one ends its process (`abort`), one gives up every increment, one never comes back; calls
-may take {LIMIT:g} s. By the clock, once each, beside the same sweep without the three. Names: the statuses of all rows are those that they should be ("crashed", "failed", "timeout", else "done")."""
+may take {LIMIT:g} s. Wall time, once each, compared with the same sweep without the three. Names: the statuses of all rows are correct ("crashed", "failed", "timeout", otherwise "done")."""
     header = ["worked off by", "runs", "clean s", "with the three s", "more s", "names"]
     pages.write("python-sweeps", "What crashes cost a sweep", method, header, rows, notes, wishes.out)
 

@@ -16,7 +16,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::time::Instant;
 
-/// Factor by which two threads are to be faster than one on the plate.
+/// Target speed-up of two threads over one on the plate.
 const TARGET: f64 = 1.6;
 const ROUNDS: usize = 5;
 

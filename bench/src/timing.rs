@@ -57,7 +57,7 @@ impl Timing {
     }
 }
 
-/// Time that the processors spent on this thread.
+/// Returns the CPU time of this thread.
 pub(super) fn thread_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::try_from(time).unwrap_or_default()
@@ -121,7 +121,7 @@ mod test {
             })
         };
         let times = Timing { rounds: 9, turn: Duration::from_micros(500) }.take_turns(vec![work(10_000), work(1_000)]);
-        // the factor tells calls from repeats, not a fast machine from a slow one
+        // the factor distinguishes calls from repeats, not a fast machine from a slow one
         assert!((3.0..30.0).contains(&times.ratio(0, 1)), "{}", times.ratio(0, 1));
         assert!(times.seconds(0) > times.seconds(1));
     }

@@ -10,9 +10,9 @@ fn measure(arguments: &[&str], code: i32) -> (TempDir, Output) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pullout-bench"));
     command.current_dir(&folder).env_remove("PULLOUT_PLUGIN_PATH").stdin(Stdio::null());
     let output = command.args(arguments).output().expect("the program starts");
-    let told = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
-    assert_eq!(output.status.code(), Some(code), "{told:?}");
-    assert!(!told[1].contains("panicked at"), "{told:?}");
+    let texts = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
+    assert_eq!(output.status.code(), Some(code), "{texts:?}");
+    assert!(!texts[1].contains("panicked at"), "{texts:?}");
     (folder, output)
 }
 

@@ -171,9 +171,9 @@ fn stopped(source: CaseSource, after: Duration) -> (Outcome, Duration) {
         let run = scope.spawn(|| prepared.run(settings));
         std::thread::sleep(after);
         stop.store(true, Ordering::Relaxed);
-        let told = Instant::now();
+        let asked = Instant::now();
         let outcome = run.join().expect("no panic").unwrap_or_else(|error| panic!("{error}"));
-        (outcome, told.elapsed())
+        (outcome, asked.elapsed())
     })
 }
 

@@ -23,7 +23,7 @@ TRIANGLE = 5
 
 
 def arrays(file):
-    """Arrays of a VTU file by name: each is appended as a block of zlib, behind four counts of 8 bytes."""
+    """Return the arrays of a VTU file by name: each is appended as a zlib block after four counts of 8 bytes."""
     head, _, tail = pathlib.Path(file).read_bytes().partition(b'<AppendedData encoding="raw">')
     appended = tail.partition(b"_")[2]
     found = {}

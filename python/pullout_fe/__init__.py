@@ -72,7 +72,7 @@ __version__: str = _core.VERSION
 
 def program() -> Path:
     """Path of the program ``pullout`` installed with this package."""
-    # lib/python3.*/site-packages/pullout_fe, or a folder that pip was told to install into
+    # lib/python3.*/site-packages/pullout_fe, or the target folder of pip
     package = Path(__file__).resolve().parent
     for prefix in (*package.parents[3:4], Path(sys.prefix), package.parent):
         if _core.is_shipped(prefix / "lib" / "pullout" / _core.UTILITIES):
@@ -83,5 +83,5 @@ def program() -> Path:
 try:
     _core.set_program(program(), _core.__file__)
 except PulloutError:
-    # laws are called and runs made without it
+    # laws and runs work without it
     pass

@@ -1,4 +1,4 @@
-"""Calls of libraries that nobody vouches for: in a process of their own, which they may end."""
+"""Call untrusted libraries in a process of their own, which they may end."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from .errors import PluginCrashed, TimeLimit
 Array = NDArray[np.float64]
 Connection = multiprocessing.connection.Connection
 
-#: helpers that no law refers to any more and that are kept, since the next law of a library may come soon
+#: number of unused helpers that are kept, since the next law of a library may come soon
 MOST_IDLE = 4
-#: arrays begin at multiples of so many bytes
+#: alignment of arrays, bytes
 ALIGNMENT = 64
-#: a helper that is told to end has so long for what its library does at the end of an analysis, s
+#: time that the library of a helper has to finish its analysis after the helper was asked to end, s
 PATIENCE = 1.0
 
 
@@ -80,17 +80,17 @@ class RemotePlugin:
 
 
 class _Helper:
-    """A process that calls a library for all laws of it in this process. One that ended is started again by the next call."""
+    """A process that calls a library for all its laws in this process. If it ended, the next call starts it again."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         #: laws that refer to it
         self.users = 0
-        #: whether the next call is the first of an analysis: those of its laws before are gone
+        #: whether the next call is the first of an analysis: the earlier laws are gone
         self.is_fresh = False
         self._child: subprocess.Popen[bytes] | None = None
         self._connection: Connection | None = None
-        #: arrays go through it, those that a call changes in both directions
+        #: shared memory for arrays; those that a call changes go in both directions
         self._memory: mmap.mmap | None = None
         self._descriptor = -1
         # a message and its answer belong together
@@ -99,7 +99,7 @@ class _Helper:
     def ask(
         self, law: str | None, time_limit: float, call: tuple[Any, ...], inputs: Mapping[str, Array], results: Mapping[str, Array]
     ) -> Any:
-        """The answer to a call; ``results`` are written if there is one."""
+        """Return the answer to a call. If there is one, ``results`` are written."""
         with self._turn:
             try:
                 if self.is_fresh and self._connection is not None:
@@ -152,7 +152,7 @@ class _Helper:
         self._connection.recv()
 
     def _ending(self) -> str:
-        """Why the child is gone, in words."""
+        """Return a text with the reason why the child ended."""
         assert self._child is not None
         try:
             code = self._child.wait(5.0)
@@ -167,7 +167,7 @@ class _Helper:
             return f"by signal {-code}"
 
     def end(self, is_kind: bool = False) -> None:
-        """Ends the process; kindly: what the library does at the end of an analysis is done."""
+        """End the process. ``is_kind``: the library may finish its analysis first."""
         child, self._child = self._child, None
         if child is not None and is_kind:
             try:
@@ -183,7 +183,7 @@ class _Helper:
             child.wait()
 
     def forget(self) -> None:
-        """Leaves the process alone: after a fork it is another one's."""
+        """Release the process without ending it: after a fork it belongs to the parent."""
         if self._connection is not None:
             self._connection.close()
         if self._descriptor >= 0:
@@ -191,9 +191,9 @@ class _Helper:
         self._child, self._connection, self._memory, self._descriptor = None, None, None, -1
 
 
-#: by the library's file and what it held, the one that was asked for last behind the others
+#: helpers by the library's file and its content; the one that was used last comes last
 _HELPERS: dict[tuple[Any, ...], _Helper] = {}
-#: also taken by a law that is collected while it is held
+#: reentrant: a law may be collected while the lock is held
 _LOCK = threading.RLock()
 
 
@@ -209,7 +209,7 @@ def _helper_of(path: Path) -> _Helper:
 
 
 def _leave(helper: _Helper) -> None:
-    """A law is gone."""
+    """Release a helper of a law that is gone."""
     with _LOCK:
         helper.users -= 1
         idle = [key for key, other in _HELPERS.items() if other.users == 0]
@@ -236,7 +236,7 @@ os.register_at_fork(after_in_child=_after_fork)
 
 
 def _memory_file() -> int:
-    """A file without a name, in memory where the system has that."""
+    """Open a file without a name, in memory if the system supports that."""
     if hasattr(os, "memfd_create"):
         return os.memfd_create("pullout")
     with tempfile.TemporaryFile() as file:
@@ -244,7 +244,7 @@ def _memory_file() -> int:
 
 
 def _places(arrays: Mapping[str, Array]) -> tuple[dict[str, tuple[int, tuple[int, ...]]], int]:
-    """Where arrays lie behind each other, with their shapes; and how long all are, in bytes."""
+    """Return offsets and shapes of arrays that follow one another, and the total length in bytes."""
     places, offset = {}, 0
     for name, array in arrays.items():
         places[name] = (offset, array.shape)
@@ -258,7 +258,7 @@ def _view(memory: mmap.mmap, place: tuple[int, tuple[int, ...]]) -> Array:
 
 
 def _serve(connection: Connection, descriptor: int) -> None:
-    """Answers until it is told to end, or the other end is closed."""
+    """Answer calls until asked to end, or until the other end is closed."""
     from . import _core
 
     path = connection.recv()
@@ -289,7 +289,7 @@ def _serve(connection: Connection, descriptor: int) -> None:
 
 
 def main() -> None:
-    """What the helper does."""
+    """Run the helper."""
     from . import _core
 
     # Ctrl-C is for the parent, which ends this process
@@ -298,13 +298,13 @@ def main() -> None:
     connection = Connection(descriptor)
 
     def watch() -> None:
-        """Ends this process with its parent, also in a call that does not come back."""
+        """End this process with its parent, even during a call that never returns."""
         hangup = select.poll()
         hangup.register(descriptor, 0)
         hangup.poll()
         os._exit(1)
 
-    def serve() -> None:
+    def answer_calls() -> None:
         try:
             _serve(connection, memory)
         except (EOFError, ConnectionError):
@@ -313,6 +313,6 @@ def main() -> None:
     threading.Thread(target=watch, daemon=True).start()
     # the library is called on this thread, with the stack that it may want
     threading.stack_size(_core.STACK)
-    server = threading.Thread(target=serve)
+    server = threading.Thread(target=answer_calls)
     server.start()
     server.join()

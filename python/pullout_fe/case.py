@@ -1,4 +1,4 @@
-"""Cases: what is to be run."""
+"""Cases: descriptions of runs."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .errors import CaseError
 __all__ = ["Case", "CaseLike", "Example", "examples", "schema"]
 
 
-#: what arrays hold, as they have it
+#: type of array elements, as arrays hold it
 FLOAT = np.dtype(np.float64)
 
 
 def schema() -> dict[str, Any]:
-    """The JSON schema of cases and studies."""
+    """Return the JSON schema of cases and studies."""
     made: dict[str, Any] = json.loads(_core.schema())
     return made
 
@@ -38,15 +38,15 @@ class Example(NamedTuple):
 
 
 def examples(*words: str) -> list[Example]:
-    """List the cases that came with the package and have all these words in path, title or description.
+    """List the cases of the package that have all these words in path, title or description.
 
-    ``po.run(example.path)`` runs one; those of kind "study" are for the command ``pullout study``.
+    ``po.run(example.path)`` runs one. Those of kind "study" are for the command ``pullout study``.
     """
     return [Example(*found) for found in _core.examples(list(words))]
 
 
 def array_of(values: Any, name: str) -> NDArray[np.float64]:
-    """Numbers as an array. What would lose something on the way is refused: masks, imaginary parts, texts."""
+    """Return numbers as an array. Values that would lose information are refused: masks, imaginary parts, texts."""
     if type(values) is np.ndarray and values.dtype is FLOAT:
         return values
     if np.ma.isMaskedArray(values):
@@ -62,7 +62,7 @@ def array_of(values: Any, name: str) -> NDArray[np.float64]:
 
 
 def whole(value: Any, name: str, least: int = 1) -> int:
-    """A count: an integer that is not less."""
+    """Return a count: an integer of at least ``least``."""
     try:
         number = operator.index(value)
     except TypeError:
@@ -73,7 +73,7 @@ def whole(value: Any, name: str, least: int = 1) -> int:
 
 
 def _wrong_numbers(value: Any, place: str) -> Iterator[tuple[str, str]]:
-    """What JSON has no words for, by its place."""
+    """Find the numbers that JSON cannot express, with their places."""
     if isinstance(value, Mapping):
         for key, entry in value.items():
             yield from _wrong_numbers(entry, f"{place}.{key}")
@@ -85,7 +85,7 @@ def _wrong_numbers(value: Any, place: str) -> Iterator[tuple[str, str]]:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON does not know by itself: arrays and numbers of NumPy, paths."""
+    """Convert values that JSON does not know: arrays and numbers of NumPy, paths."""
     if np.ma.isMaskedArray(value):
         raise TypeError("a masked array has no place in a case: give what counts, by compressed()")
     if isinstance(value, (np.ndarray, np.generic)):
@@ -106,7 +106,7 @@ class Case:
     """A case: a file, or a dictionary in `the case format <case-format>`. A case file is read once, here; each run reads
     the files that the case names.
 
-    ``folder`` is the one that file names in a dictionary are relative to (default: the working directory). Plugins are looked
+    ``folder``: file names in a dictionary are relative to it (default: the working directory). Plugins are searched
     for in ``plugin_paths`` first.
     """
 
@@ -132,7 +132,7 @@ class Case:
         else:
             self._file = Path(source).absolute()
             self._folder = self._file.parent
-            # what is written into the file from now on changes nothing
+            # later changes of the file have no effect
             try:
                 self._document = _core.document((self._file, None, self._folder, [], []))
             except CaseError as error:
@@ -154,8 +154,8 @@ class Case:
     def check(self) -> list[str]:
         """Check the whole case, and return its warnings.
 
-        Raises :class:`CaseError` with everything that is wrong, or :class:`PluginError`. A case whose plugins run in a process
-        of their own is checked in one, which tells no more than what is wrong.
+        Raises :class:`CaseError` with all errors, or :class:`PluginError`. A case whose plugins run in a separate process is
+        checked in one, which reports errors but no warnings.
         """
         return list(_core.check(self._parts()))
 

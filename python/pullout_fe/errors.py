@@ -1,4 +1,4 @@
-"""What goes wrong, by type. Everything is a :class:`PulloutError`, and also the builtin exception that fits."""
+"""Errors. Every error is a :class:`PulloutError`, and also the builtin exception that fits."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class PulloutError(Exception):
 class CaseError(PulloutError, ValueError):
     """A case or an argument is wrong.
 
-    ``problems`` has everything that is wrong with it: pairs of the place in the case (``$.steps[0].target``) and what. ``kinds`` has for
-    each "input": another value may be right there; "structure": the case has no such place, or wants something else at it; or "plugin":
-    a library cannot be loaded.
+    ``problems`` lists all errors as pairs of the place in the case (``$.steps[0].target``) and the message. ``kinds`` has one entry
+    for each: "input" (another value may be right at this place), "structure" (the case has no such place, or needs something else
+    there) or "plugin" (a library cannot be loaded).
     """
 
     problems: list[tuple[str, str]]
@@ -52,7 +52,7 @@ class PluginError(PulloutError, OSError):
 class RunFailed(PulloutError, RuntimeError):
     """A run failed.
 
-    ``run`` has what was reached, and is ``None`` where there is no run, in errors of :meth:`Law.evaluate` alone; ``replay`` is a case that
+    ``run`` has the results so far. It is ``None`` in errors of :meth:`Law.evaluate`, which has no run. ``replay`` is a case that
     repeats the failed increment or call, if it can be repeated.
     """
 
@@ -82,7 +82,7 @@ class TimeLimit(RunFailed):
 class UpdateFailed(RunFailed):
     """Points of :meth:`Law.evaluate` that the law did not update.
 
-    ``points`` has the index of each, why, and the fraction of the increment that is worth a try (``None``: none is).
+    ``points`` has for each the index, the reason, and the fraction of the increment to try next (``None``: no fraction helps).
     """
 
     points: list[tuple[int, str, float | None]]

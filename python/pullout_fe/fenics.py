@@ -1,4 +1,4 @@
-"""Laws in dolfinx: models of the protocol of fenics-constitutive (``IncrSmallStrainModel``). dolfinx is not needed here."""
+"""Laws in dolfinx: models with the interface of fenics-constitutive (``IncrSmallStrainModel``). They do not need dolfinx themselves."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 class Constraint(NamedTuple):
-    """A stand-in for fenics-constitutive's ``StressStrainConstraint`` where that is not installed."""
+    """A stand-in for fenics-constitutive's ``StressStrainConstraint`` if that is not installed."""
 
     name: str
     stress_strain_dim: int
@@ -36,12 +36,13 @@ _MODES: dict[str, tuple[Mode, list[int]]] = {
 class SmallStrainModel:
     """A law for all integration points of a mesh.
 
-    Stresses, strains and tangents are in Mandel notation, points one behind the other in flat arrays. The history has the
-    total strains and the law's states: ``history_dim`` says how many, and begins as zeros. A law whose library sets states or stresses of points at the
-    start (SDVINI, SIGINI) has ``begun`` there too, which says that it has done so. ``length`` is the characteristic length of the
-    elements, one number or one a point; laws with a crack band (``G_f``) need it. ``coords``: where the points lie, (n, 3).
+    Stresses, strains and tangents are in Mandel notation, in flat arrays with one point after the other. The history has the
+    total strains and the law's states. ``history_dim`` gives their numbers, and they begin as zeros. If the library sets initial
+    states or stresses (SDVINI, SIGINI), the history also has ``begun``, a mark that it has done so. ``length`` is the
+    characteristic length of the elements, one number or one per point; laws with a crack band (``G_f``) need it. ``coords``:
+    positions of the points, (n, 3).
 
-    A point that the law refuses raises :class:`~pullout_fe.UpdateFailed`: the caller takes a smaller increment.
+    If the law refuses a point, :class:`~pullout_fe.UpdateFailed` is raised; the caller then tries a smaller increment.
     """
 
     def __init__(
@@ -58,7 +59,7 @@ class SmallStrainModel:
         self.props = self.law.props(props)
         self.law._check_length(self.props, length)
         self.length, self.coords, self.threads = length, coords, threads
-        # the solver compares enumerators: the one that was given is given back
+        # the solver compares enumerators: return the one that was given
         self._constraint = None if isinstance(constraint, str) else constraint
         name = constraint if isinstance(constraint, str) else constraint.name
         if name not in _MODES:
@@ -70,7 +71,7 @@ class SmallStrainModel:
 
     @property
     def constraint(self) -> Any:
-        """The enumerator that was given; of a name fenics-constitutive's, or a :class:`Constraint`."""
+        """The given enumerator; for a name, that of fenics-constitutive, or a :class:`Constraint`."""
         if self._constraint is not None:
             return self._constraint
         # up to 0.1.2 the package itself has it, later its models
@@ -93,7 +94,7 @@ class SmallStrainModel:
 
     @property
     def history_dim(self) -> dict[str, int | tuple[int, int]]:
-        """Values of each point that the caller keeps."""
+        """Number of values per point that the caller keeps, by name."""
         dimensions: dict[str, int | tuple[int, int]] = {"strain": len(self._components)}
         if self.law.nstatv > 0:
             dimensions["state"] = self.law.nstatv
@@ -155,14 +156,14 @@ class SmallStrainModel:
     def evaluate_without_tangent(
         self, t: float, del_t: float, grad_del_u: Array, stress: Array, history: dict[str, Array] | None
     ) -> None:
-        """As :meth:`evaluate`, faster."""
+        """Like :meth:`evaluate`, without the tangent; faster."""
         self.evaluate(t, del_t, grad_del_u, stress, None, history)
 
     def update(self) -> None:
-        """Nothing: all that a point has is in its history."""
+        """Do nothing: the history holds the whole state of a point."""
 
     def _strain(self, gradient: Array) -> Array:
-        """Strains with engineering shear, in our order, of gradients row by row."""
+        """Return strains with engineering shear, in our order, from gradients row by row."""
         size = self.geometric_dim
         gradient = gradient.reshape(-1, size, size)
         strain = np.zeros((len(gradient), 6))

@@ -1,4 +1,4 @@
-"""Meshes and fields that a run left in its result folder."""
+"""Meshes and fields in the result folder of a run."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ class Mesh(NamedTuple):
     """The mesh at one time, with its fields. Nodes are numbered from 0."""
 
     time: float
-    #: (n, 3), where they were before the run
+    #: (n, 3), positions before the run
     points: NDArray[np.float64]
-    #: nodes of all cells one behind the other, where each cell ends in them, and VTK's types
+    #: nodes of all cells one after the other, the end of each cell in them, and VTK's cell types
     connectivity: NDArray[np.int64]
     offsets: NDArray[np.int64]
     types: NDArray[np.uint8]
-    #: by name, a row a node
+    #: by name, one row per node
     point_data: dict[str, NDArray[Any]]
-    #: by name, a row a cell
+    #: by name, one row per cell
     cell_data: dict[str, NDArray[Any]]
 
     def __repr__(self) -> str:
@@ -41,11 +41,11 @@ class Mesh(NamedTuple):
         return f"<Mesh at time {self.time:g}: {len(self.points)} nodes, {len(self.types)} cells, {fields}>"
 
     def cells(self) -> list[NDArray[np.int64]]:
-        """The nodes of each cell."""
+        """Return the nodes of each cell."""
         return np.split(self.connectivity, self.offsets[:-1])
 
     def to_pyvista(self) -> pyvista.UnstructuredGrid:
-        """The mesh for pyvista, which must be installed."""
+        """Return the mesh for pyvista, which must be installed."""
         import pyvista
 
         sizes = np.diff(self.offsets, prepend=0)
@@ -57,7 +57,7 @@ class Mesh(NamedTuple):
 
 
 class Series:
-    """The meshes of a run: what is in the file ``fields.pvd`` of its folder."""
+    """The meshes of a run, listed in the file ``fields.pvd`` of its folder."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -73,20 +73,20 @@ class Series:
         return f"<Series of {len(self.times)} meshes in {self._folder}>"
 
     def mesh(self, frame: int = -1) -> Mesh:
-        """The solids."""
+        """Return the mesh of the solids."""
         return _read(self._folder / self._files[0][frame])
 
     def contact(self, frame: int = -1) -> Mesh:
-        """The contact points, where they are then."""
+        """Return the contact points at their positions at that time."""
         if not self._files[1]:
             raise PulloutError(f"{self._folder}: the specimen has no contact")
         return _read(self._folder / self._files[1][frame])
 
 
 def _values(array: ElementTree.Element, appended: bytes) -> bytes:
-    """The numbers of an array, as bytes: of ours, one block of zlib among what is appended."""
+    """Return the numbers of an array as bytes. pullout writes one zlib block per array into the appended data."""
     if array.attrib["format"] != "appended":
-        # as earlier versions wrote them: the number of bytes stands in front
+        # format of earlier versions: the number of bytes comes first
         return base64.b64decode(array.text or "")[8:]
     start = int(array.attrib["offset"])
     blocks, _, _ = np.frombuffer(appended, "<u8", 3, start)

@@ -22,7 +22,7 @@ from .law import Law
 
 __all__ = ["Lab", "Subject", "lab"]
 
-#: what a lab is opened with
+#: subject of a lab
 Subject = Union[Law, Case, Mapping[str, Any], str, "os.PathLike[str]", None]
 
 
@@ -34,7 +34,7 @@ class Lab:
         self._child, self._owner = child, os.getpid()
         #: the page's address for a browser on this machine, with the token
         self.address = address
-        #: of the page in a notebook, in pixels
+        #: height of the page in a notebook, in pixels
         self.height = height
         atexit.register(self.close)
 
@@ -66,7 +66,7 @@ class Lab:
     def _repr_html_(self) -> str:
         if not self.is_open:
             return html.escape(repr(self))
-        # a frame of another site gets no cookies: there the token is a part of the path
+        # a frame of another site gets no cookies: the path contains the token
         origin, token = self.address.split("?token=")
         return f'<iframe src="{origin}{token}/" style="width: 100%; height: {self.height}px; border: 0"></iframe>'
 
@@ -81,10 +81,10 @@ def lab(
     """Open a lab, like ``pullout lab``: sliders for a law's parameters, its curves, and the verdict of the checks.
 
     ``subject``: a law's name, a :class:`Law`, a source (Fortran, C, C++) or library, or a case as a file, a dictionary or a
-    :class:`Case`; a source is built again whenever it is saved. ``port``: 0 takes any that is free. ``height``: of the page in a
-    notebook, in pixels.
+    :class:`Case`. A source is built again whenever it is saved. ``port``: 0 chooses any free port. ``height``: height of the page
+    in a notebook, in pixels.
 
-    The lab listens on 127.0.0.1 of the machine on which Python runs. If the browser is on another one, forward the port.
+    The lab listens on 127.0.0.1 of the machine that runs Python. If the browser is on another machine, forward the port.
     """
     command: list[str | Path] = [_core.program(), "lab", "--no-open", f"--port={port}", f"--parent={os.getpid()}"]
     folder, text = Path().absolute(), ""
@@ -112,13 +112,13 @@ def lab(
             code = child.wait()
             complaints.seek(0)
             words = complaints.read().strip() or f"the lab ended with exit code {code}"
-            # what the program takes for bad input
+            # exit code 2 means bad input
             raise CaseError(words) if code == 2 else PulloutError(words)
     return Lab(child, address, height)
 
 
 def _case_of(law: Law) -> dict[str, Any] | str:
-    """What a lab of a law is opened with: its name, or of a library of the user's own a case without steps."""
+    """Return the subject for the lab of a law: its name or, for the user's own library, a case without steps."""
     if _core.is_shipped(law.path):
         return law.name
     material: dict[str, Any] = {"plugin": os.fspath(law.path), "nstatv": law.nstatv, "props": []}
@@ -128,7 +128,8 @@ def _case_of(law: Law) -> dict[str, Any] | str:
 
 
 def _started(command: list[str | Path], folder: Path, complaints: IO[str]) -> subprocess.Popen[str]:
-    """A child that ends with this process, however that ends. The system ends it with the thread that has started it, so that one stays."""
+    """Start a child that ends with this process, however that ends. The system ends the child with the thread that started it, so the
+    thread stays."""
     made: queue.SimpleQueue[subprocess.Popen[str] | OSError] = queue.SimpleQueue()
 
     def start() -> None:

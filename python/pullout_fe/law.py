@@ -1,4 +1,4 @@
-"""Laws: what they say of themselves, and updates of many points at once."""
+"""Laws: their metadata, and updates of many points at once."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ __all__ = ["Heat", "Law", "Parameter", "State", "Update", "plugins"]
 
 Array = NDArray[np.float64]
 Props = Union[Mapping[str, Any], Sequence[float], Array, None]
-#: as the material of a case has them
+#: as in the material of a case
 Expansion = Union[float, Mapping[str, Any], None]
 Orientation = Union[float, Sequence[Sequence[float]], None]
 Mode = Literal["3d", "plane_strain", "axisymmetric", "plane_stress", "1d", "beam"]
 
-#: Components of each mode, in the order 11, 22, 33, 12, 13, 23 (plane stress: 11, 22, 12; beam: 11, 12); shear strains are engineering's.
+#: Components of each mode, in the order 11, 22, 33, 12, 13, 23 (plane stress: 11, 22, 12; beam: 11, 12). Shear strains are engineering strains.
 COMPONENTS: dict[str, int] = {"3d": 6, "plane_strain": 4, "axisymmetric": 4, "plane_stress": 3, "1d": 1, "beam": 2}
 
 
-#: what a point may be given beside its strains, and a row of it; -1: as long as there are
+#: inputs of a point besides its strains, and the shape of a row; -1: any length
 OTHERS: list[tuple[str, tuple[int, ...]]] = [
     ("length", ()),
     ("temperature", ()),
@@ -50,7 +50,7 @@ NOTHING = partial(operator.is_, None)
 
 
 def plugins() -> list[str]:
-    """Names of all plugins in this package and in ``PULLOUT_PLUGIN_PATH``."""
+    """Return the names of all plugins in this package and in ``PULLOUT_PLUGIN_PATH``."""
     return _core.plugins()
 
 
@@ -61,14 +61,14 @@ class Parameter(NamedTuple):
     unit: str
     default: float | None
     doc: str
-    #: ``None`` where there is no bound
+    #: ``None`` if there is no bound
     lower: float | None
     upper: float | None
-    #: in words, such as "> 0"
+    #: as text, such as "> 0"
     bounds: str
-    #: the least and the greatest usual value, if the law says them
+    #: smallest and largest usual value, if the law gives them
     typical: tuple[float, float] | None
-    #: numbers by name, where it selects
+    #: numbers by name, if it selects among options
     choices: dict[str, float]
 
 
@@ -81,15 +81,15 @@ class State(NamedTuple):
 
 
 class Heat(NamedTuple):
-    """The thermal terms that points return (RPL and its derivatives, DDSDDT). Terms that the law does not set are 0."""
+    """Thermal terms that points return (RPL and its derivatives, DDSDDT). Terms that the law does not set are 0."""
 
     #: (…): heat generated per volume and time
     rpl: Array
-    #: (…, components): derivative of the stress by the temperature
+    #: (…, components): derivative of the stress with respect to the temperature
     ddsddt: Array
-    #: (…, components): derivative of RPL by the strain increment, by engineering shear
+    #: (…, components): derivative of RPL with respect to the strain increment, with engineering shear
     drplde: Array
-    #: (…): derivative of RPL by the temperature
+    #: (…): derivative of RPL with respect to the temperature
     drpldt: Array
 
 
@@ -122,19 +122,19 @@ class Update(tuple[Array, Array, T]):
 
     @property
     def tangent(self) -> T:
-        """(…, components, components), if it was asked for"""
+        """(…, components, components), if requested"""
         return self[2]
 
     @property
     def energies(self) -> Array:
-        """(…, 3): stored, plastic and creep energy; an error if they were not asked for"""
+        """(…, 3): stored, plastic and creep energy. Raises an error if they were not requested."""
         if self._energies is None:
             raise PulloutError("the energies were not asked for: energies=True, or those at the start")
         return self._energies
 
     @property
     def heat(self) -> Heat:
-        """RPL, DDSDDT, DRPLDE and DRPLDT; an error if they were not asked for"""
+        """RPL, DDSDDT, DRPLDE and DRPLDT. Raises an error if they were not requested."""
         if self._heat is None:
             raise PulloutError("the heat was not asked for: heat=True")
         return self._heat
@@ -149,10 +149,10 @@ class Update(tuple[Array, Array, T]):
 class Law:
     """A law: a plugin by name, or any UMAT by file.
 
-    A library that was built with this package is called here. Any other one is called in a process of its own, which it may
-    end without harm; ``in_process=True`` says that you answer for it, and calls it here.
+    A library built with this package is called in this process. Any other library is called in its own process, so that a
+    crash does no harm. ``in_process=True`` calls it in this process; use it only for libraries that you trust.
 
-    ``nstatv`` is the number of state variables where the library does not tell. ``law`` chooses among several laws of a
+    ``nstatv`` is the number of state variables, needed if the library has no metadata. ``law`` chooses among several laws of a
     library. ``time_limit``: seconds that an evaluation in another process may take.
     """
 
@@ -164,7 +164,7 @@ class Law:
         law: str | None = None,
         in_process: bool = False,
         time_limit: float = 60.0,
-        _told: str | None = None,
+        _description: str | None = None,
     ) -> None:
         if nstatv is not None:
             nstatv = whole(nstatv, "nstatv", 0)
@@ -174,17 +174,17 @@ class Law:
         if _core.is_shipped(self.path) or in_process:
             self._plugin = _core.Plugin(self.path, law, in_process)
         else:
-            self._plugin = RemotePlugin(self.path, law, time_limit, _told)
-        told = json.loads(self._plugin.describe())
-        about: dict[str, Any] | None = told["law"]
+            self._plugin = RemotePlugin(self.path, law, time_limit, _description)
+            description = json.loads(self._plugin.describe())
+            about: dict[str, Any] | None = description["law"]
         self._about = about or {}
-        #: whether the library sets states or stresses of points at the start
-        self._sets_start = not {"sdvini", "sigini"}.isdisjoint(told["routines"])
+        #: whether the library sets initial states or stresses of points
+        self._sets_start = not {"sdvini", "sigini"}.isdisjoint(description["routines"])
         stem = self.path.stem
-        #: the law's name, or the file's where the library says nothing
+        #: the law's name, or that of the file if the library has no metadata
         self.name: str = self._about.get("name", stem[3:] if stem.startswith("lib") else stem)
         self.description: str = self._about.get("description", "")
-        #: stress states that it has
+        #: stress states that it supports
         self.modes: list[str] = self._about.get("modes", list(COMPONENTS))
         self.parameters: dict[str, Parameter] = {
             row["name"]: Parameter(**{**row, "typical": tuple(row["typical"]) if row["typical"] else None})
@@ -222,10 +222,10 @@ class Law:
         coords: ArrayLike | None = None,
         orientation: Orientation = None,
     ) -> tuple[Array, Array]:
-        """Initial stress and state of points: the values that the library's SIGINI and SDVINI set, or zeros.
+        """Return initial stress and state of points: the values that the library's SIGINI and SDVINI set, or zeros.
 
-        ``points``: their number, or their shape, such as (elements, points of each). ``coords``: where they lie (COORDS).
-        ``orientation``: local axes in which SIGINI speaks, as of :meth:`evaluate`.
+        ``points``: their number, or their shape, such as (elements, points per element). ``coords``: their positions (COORDS).
+        ``orientation``: local axes of SIGINI's stresses, as in :meth:`evaluate`.
         """
         shape = (points,) if not isinstance(points, tuple) else points
         shape = tuple(whole(count, "points", 0) for count in shape)
@@ -239,7 +239,7 @@ class Law:
 
     @staticmethod
     def _frame(**given: Any) -> str:
-        """What the material of a case would say of the frame in which a law sees its points, as text; nothing where it has none."""
+        """The keys of a material that define the frame in which a law sees its points, as text; empty if there are none."""
         said = {name: value for name, value in given.items() if value is not None}
         return _text(said) if said else ""
 
@@ -343,34 +343,35 @@ class Law:
         shrinkage: Mapping[str, Any] | None = None,
         orientation: Orientation = None,
     ) -> Update[Array | None]:
-        """Update n points at once: rows of ``strain`` at the start and of its increment ``dstrain``.
+        """Update n points at once, from rows of ``strain`` at the start and of its increment ``dstrain``.
 
-        The points may have any shape in front of the components, such as (elements, points of each, 6): results have it too, NOEL and
-        NPT count along it. A single row is that of all points, and 0 stands for zeros; other single numbers do not, where a point has
-        several.
+        The dimensions before the components may have any shape, such as (elements, points per element, 6). Results have the same
+        shape, and NOEL and NPT count along it. A single row applies to all points. The number 0 means zeros; no other single number
+        is accepted if a point has several values.
 
-        ``state`` and ``stress`` are those at the start; without them :meth:`initial` tells. ``props`` are as in :meth:`props`; an array
-        may have a row a point. ``length`` is the characteristic length (CELENT), one number or one a point; laws with a crack band
-        (``G_f``) need it. In the same way ``temperature`` and ``fields`` are those at the start (TEMP, PREDEF), ``dtemperature`` and
-        ``dfields`` their increments, and ``coords`` the places. Deformations are small unless there are gradients, ``dfgrd0`` at the
-        start and ``dfgrd1`` at the end, and the increment's rotation ``drot``: 3 × 3, row i, column j.
+        ``state`` and ``stress`` are the values at the start (default: those of :meth:`initial`). ``props`` are as in :meth:`props`;
+        an array may have one row per point. ``length`` is the characteristic length (CELENT), one number or one per point; laws with
+        a crack band (``G_f``) need it. Likewise ``temperature`` and ``fields`` are the values at the start (TEMP, PREDEF),
+        ``dtemperature`` and ``dfields`` their increments, and ``coords`` the positions. Deformations are small unless you pass the
+        gradients ``dfgrd0`` at the start and ``dfgrd1`` at the end, and the rotation ``drot`` of the increment: 3 × 3, row i,
+        column j.
 
-        ``expansion``, ``shrinkage`` and ``orientation`` are what the material of a case says under these keys, for all points: thermal
-        expansion beside the law, a strain over ``time``, and local axes. Strains and stresses here stay those of the caller's axes.
-        Nothing expands at the ``initial_temperature`` of ``expansion``, 0 unless it is given.
+        ``expansion``, ``shrinkage`` and ``orientation`` are those of a case's material, for all points: thermal expansion in addition
+        to the law, a strain over ``time``, and local axes. Strains and stresses of this call are always in the caller's axes. There
+        is no expansion at the ``initial_temperature`` of ``expansion`` (default 0).
 
-        ``time`` is that at the start. An increment that begins later than the one before says that this one has converged: UEXTERNALDB is
-        told, and KINC goes on; it is 1 at time 0.
+        ``time`` is the time at the start. If an increment begins later than the previous one, the previous one has converged:
+        UEXTERNALDB is called and KINC increases. KINC is 1 at time 0.
 
-        ``out``: arrays for stress and state, and for the tangent if there is a third; they may be those of the start.
-        Row i, column j of a point's tangent is the derivative of stress i by strain increment j. ``energies``: ``True``, or those at the
-        start: the result has those at the end. ``heat=True``: the result has RPL, DDSDDT, DRPLDE and DRPLDT, the law's own: at the strain
-        that it sees where there is an expansion.
+        ``out``: arrays for stress and state, and optionally a third for the tangent. They may be the arrays of the start.
+        Row i, column j of a point's tangent is the derivative of stress i with respect to strain increment j. ``energies``: ``True``,
+        or the energies at the start; the result has those at the end. ``heat=True``: the result has the law's RPL, DDSDDT, DRPLDE and
+        DRPLDT. With an expansion they belong to the strain that the law sees.
 
-        Points that the law refuses raise :class:`UpdateFailed`, and ``out`` has what it had; or, with ``on_failure="nan"``, they get
-        stresses of NaN and keep their states. Input that is not finite, and parameters that the law does not admit, raise
-        :class:`CaseError`: no smaller increment helps; with "nan" points that are given NaN get NaN. The GIL is released, and
-        ``threads`` share the points; the results have the same bits with any number.
+        If the law refuses points, :class:`UpdateFailed` is raised and ``out`` is unchanged. With ``on_failure="nan"`` these points
+        get NaN stresses and keep their states. Input that is not finite, and parameters that the law does not admit, raise
+        :class:`CaseError`, since no smaller increment helps; with "nan", points whose input is NaN get NaN. The GIL is released, and
+        ``threads`` share the points. The results do not depend on the number of threads, to the bit.
         """
         components = self._components(mode)
         if on_failure not in ("raise", "nan"):
@@ -419,7 +420,7 @@ class Law:
             of_library = dict(zip(("stress", "state"), first))
             start.update({name: of_library[name] for name, values in start.items() if values is None})
         begun = {name: _rows(values, shape, (widths[name],), name) for name, values in start.items() if values is not None}
-        # nothing is written before everything was looked at
+        # nothing is written before everything was checked
         targets: dict[str, Array] = {}
         kept: list[tuple[Array, Array]] = []
         if out is not None:
@@ -473,7 +474,7 @@ class Law:
         return Heat(values[..., 0], ddsddt, drplde, values[..., 1])
 
     def _check_length(self, props: NDArray[np.float64], length: ArrayLike | None) -> None:
-        """Refuses that the length is missing: no law would know that the one which it then gets is nobody's."""
+        """Raise an error if the length is missing but needed: the law could not detect that its CELENT is arbitrary."""
         needed = self._plugin.needs_length(np.ascontiguousarray(props, dtype=float)) if length is None else None
         if needed is not None:
             raise CaseError([("length", f"is missing: {self.name}: {needed}")])
@@ -510,9 +511,9 @@ class Law:
 
 
 def _rows(values: ArrayLike, shape: tuple[int, ...], row: tuple[int, ...], name: str) -> Array:
-    """What points of a shape are given, a row a point, or one row for all; -1: a row of any length."""
+    """Return values as one row per point of a shape, or one row for all; -1: a row of any length."""
     array = array_of(values, name)
-    # as it is in a loop over increments
+    # the usual case in a loop over increments
     if len(row) == 1 and array.ndim == 2 and array.shape == shape + row and array.flags.c_contiguous:
         return array
     if array.ndim == 0 and row not in ((), (1,)):
@@ -536,10 +537,10 @@ def _rows(values: ArrayLike, shape: tuple[int, ...], row: tuple[int, ...], name:
 
 
 def _law_of(
-    name: str, nstatv: int | None, law: str | None, in_process: bool, time_limit: float, digest: str, told: str | None = None
+    name: str, nstatv: int | None, law: str | None, in_process: bool, time_limit: float, digest: str, description: str | None = None
 ) -> Law:
-    """The law of a pickle: the same file as then, by its content."""
-    made = Law(name, nstatv, law=law, in_process=in_process, time_limit=time_limit, _told=told)
+    """Return the law of a pickle. The file must have the same content."""
+    made = Law(name, nstatv, law=law, in_process=in_process, time_limit=time_limit, _description=description)
     if _core.sha256(made.path) != digest:
         raise PluginError(f"{made.path} is another build than the one that was pickled")
     return made

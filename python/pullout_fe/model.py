@@ -1,4 +1,4 @@
-"""Models: parameters in, a curve out; what optimisers, samplers and sensitivity studies call."""
+"""Models: parameters in, a curve out, for optimisers, samplers and sensitivity studies."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .run import Run, run
 __all__ = ["Fit", "Model", "Models"]
 
 Array = NDArray[np.float64]
-#: where a parameter stands in the case, and "log" where its logarithm is what varies
+#: place of a parameter in the case; with "log", its logarithm varies
 Free = Union[str, "tuple[str, str]"]
 
-#: relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium
+#: relative step of differences: smaller steps drown in the tolerance of a specimen's equilibrium
 STEP = 1e-6
-#: a parameter so near to a bound, as a part of the distance of the bounds, lies on it
+#: a parameter closer to a bound than this fraction of the distance between the bounds lies on it
 ON_BOUND = 1e-6
 
 
@@ -32,47 +32,47 @@ class Fit(NamedTuple):
 
     #: parameters by name
     values: dict[str, float]
-    #: of the parameters, in their order
+    #: covariance and correlations of the parameters, in their order
     covariance: Array
     correlations: Array
-    #: parameters that the data do not tell: another value fits as well
+    #: parameters that the data do not determine: other values fit as well
     not_identifiable: list[str]
     #: half the sum of the squares of the residuals
     cost: float
-    #: runs
+    #: number of runs
     evaluations: int
     #: parameters that ended on a bound, with the bound: the best value may lie beyond
     on_bound: dict[str, float] = {}
 
     def standard_errors(self) -> dict[str, float]:
-        """Standard errors of the parameters, by name."""
+        """Return the standard errors of the parameters, by name."""
         return dict(zip(self.values, np.sqrt(np.diag(self.covariance)).tolist()))
 
 
 class _Fitted:
-    """Parameters and a curve that fits move."""
+    """Parameters, and the curve that a fit adjusts."""
 
     #: names of the parameters
     names: list[str]
-    #: parameters to start from; NaN where no case says them
+    #: parameters to start from; NaN if no case gives them
     x0: Array
     bounds: list[tuple[float, float]]
     _is_log: NDArray[np.bool_]
 
     def __call__(self, x: ArrayLike) -> Array:
-        """The curve of these parameters."""
+        """Return the curve of these parameters."""
         raise NotImplementedError
 
     def jac(self, x: ArrayLike) -> Array:
-        """Derivatives of the curve (rows) by the parameters (columns)."""
+        """Return the derivatives of the curve (rows) with respect to the parameters (columns)."""
         raise NotImplementedError
 
     def _outside(self, x: Array, point: int) -> str:
-        """Why the run of these parameters has no value at a point of the data."""
+        """Return why the run of these parameters has no value at a point of the data."""
         raise NotImplementedError
 
     def residual(self, x: ArrayLike, data: ArrayLike, sigma: ArrayLike = 1.0) -> Array:
-        """Curve less data, in standard deviations; 0 where the data are NaN."""
+        """Return curve minus data, in standard deviations; 0 where the data are NaN."""
         target, curve = np.atleast_1d(array_of(data, "data")), self(x)
         if target.shape != curve.shape:
             raise CaseError([("data", f"have the shape {target.shape}, the curve has {curve.shape}")])
@@ -80,12 +80,12 @@ class _Fitted:
         return np.where(np.isnan(target), 0.0, difference)
 
     def fit(self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, *, starts: int = 1, **options: Any) -> Fit:
-        """The parameters that fit data best, by ``scipy.optimize.least_squares`` (``options`` are its own).
+        """Fit the parameters to data by ``scipy.optimize.least_squares``, which receives ``options``.
 
-        ``starts``: places to search from, ``x0`` and others between the ``bounds``, those of ``pullout fit``; the best end counts.
+        ``starts``: number of starting points, ``x0`` and others between the ``bounds``, as in ``pullout fit``. The best result counts.
 
-        The covariance is that of errors of ``sigma`` each; without it, of errors as large as the differences that are left, as
-        ``pullout fit`` has it.
+        The covariance assumes data errors of ``sigma``. Without ``sigma`` it assumes errors as large as the remaining differences, as in
+        ``pullout fit``.
         """
         from scipy.optimize import least_squares
 
@@ -106,7 +106,7 @@ class _Fitted:
         weight = np.where(np.isnan(target), 0.0, 1.0) / deviations
         freedom = int(np.count_nonzero(~np.isnan(target))) - len(self.names)
         if sigma is None and freedom < 1:
-            raise CaseError(f"{freedom + len(self.names)} points tell no errors of {len(self.names)} parameters: give sigma")
+            raise CaseError(f"{freedom + len(self.names)} points cannot determine errors of {len(self.names)} parameters: give sigma")
 
         def outer(z: Array) -> Array:
             return np.where(logarithmic, np.exp(np.where(logarithmic, z, 0.0)), z)
@@ -131,7 +131,7 @@ class _Fitted:
 
         lower, upper = (np.array([bound[side] for bound in self.bounds], dtype=float) for side in (0, 1))
         with np.errstate(divide="ignore"):
-            # of what is positive
+            # logarithms need positive bounds
             limits = [inner(np.where(logarithmic, np.maximum(lower, 0.0), lower)), inner(upper)]
         unbounded = [name for name, bound in zip(self.names, self.bounds) if not np.all(np.isfinite(bound))]
         if starts > 1 and unbounded:
@@ -176,14 +176,14 @@ class _Fitted:
 class Model(_Fitted):
     """A case as a function of some of its parameters.
 
-    ``parameters``: names, each with its place in the case (``"material.props.E"``), or a pair of the place and ``"log"``: then
-    steps and fits are in the logarithm. ``curve``: two columns of the history. On the ``grid`` of values of the first the second
-    is interpolated, at the first time that a value is passed, NaN before the beginning and behind the end; a grid that turns back,
-    as measured cycles do, is interpolated branch by branch, NaN on branches that the run does not have. Without a grid the curve
-    is as the run has it, and the increments must not depend on the parameters.
+    ``parameters``: names, each with its place in the case (``"material.props.E"``), or with a pair of the place and ``"log"``:
+    steps and fits then use the logarithm. ``curve``: two columns of the history. The second is interpolated on the ``grid``, a list
+    of values of the first, where the run first passes each value. It is NaN before the beginning and after the end. A grid with
+    reversals, as in measured cycles, is interpolated branch by branch, with NaN on branches that the run does not have. Without a
+    grid the curve has the rows of the run, and the increments must not depend on the parameters.
 
-    ``on_failure``: "raise", or a number which then stands for the whole curve (``np.nan``) of a run that fails and of parameters
-    that the case does not admit. ``bounds`` are kept by fits and by the steps of derivatives.
+    ``on_failure``: "raise", or a number such as ``np.nan`` that replaces the whole curve if a run fails or the case does not admit
+    the parameters. Fits and the steps of derivatives respect the ``bounds``.
     """
 
     def __init__(
@@ -215,15 +215,15 @@ class Model(_Fitted):
         self.on_failure = on_failure
         self.in_process = in_process
         self._along: Run | None = None
-        #: ends runs in threads
+        #: stops runs in threads
         self._stop: _core.Stop | None = None
-        #: points of a curve without a grid, once a run has told
+        #: number of points of a curve without a grid, once a run has finished
         self._length: int | None = None
         given = bounds or {}
         self._check_bounds(given)
         self.bounds = [given.get(name, (-np.inf, np.inf)) for name in self.names]
         document = self.case.document
-        #: the parameters as the case has them; NaN where it leaves them to their defaults
+        #: the parameters of the case; NaN if it uses their defaults
         self.x0: Array = np.array([_number(document, path) for path in self._paths])
 
     def _check_bounds(self, bounds: Mapping[str, tuple[float, float]]) -> None:
@@ -236,15 +236,15 @@ class Model(_Fitted):
             raise CaseError(problems)
 
     def __call__(self, x: ArrayLike) -> Array:
-        """The curve of these parameters."""
+        """Return the curve of these parameters."""
         return self._filled(self._attempt(x))
 
     def _attempt(self, x: ArrayLike) -> Array | None:
-        """The curve; ``None`` if the run failed, and a number is to stand for it."""
+        """Return the curve, or ``None`` if the run failed and a number replaces it."""
         return self._run(x)[0]
 
     def _filled(self, curve: Array | None) -> Array:
-        """The curve, or the number that stands for it."""
+        """Return the curve, or the number that replaces it."""
         if curve is not None:
             return curve
         length = self._length if self.grid is None else len(self.grid)
@@ -253,25 +253,25 @@ class Model(_Fitted):
         return np.full(length, float(self.on_failure))
 
     def _counts_as_failure(self, error: PulloutError) -> bool:
-        """Whether parameters are the reason, not the case itself, and a number is to stand for the curve."""
+        """Return whether the parameters are the reason, not the case itself, and a number replaces the curve."""
         if isinstance(self.on_failure, str):
             return False
         if isinstance(error, RunFailed):
             return True
-        # a place that the case does not have is wrong with any parameters
+        # a place that the case does not have is an error for any parameters
         if not isinstance(error, CaseError) or set(error.kinds) != {"input"}:
             return False
         try:
             self.case.check()
         except CaseError as wrong:
-            # what the case leaves to the parameters may be missing
+            # values that the parameters give may be missing in the case
             open_places = {_core.dotted(path) for path, value in zip(self._paths, self.x0) if not np.isfinite(value)}
             if not {_core.dotted(place) for place, _ in wrong.problems} <= open_places:
                 raise
         return True
 
     def _run(self, x: ArrayLike, record: bool = False) -> tuple[Array | None, Run | None]:
-        """The curve, and the run."""
+        """Return the curve and the run."""
         values = np.atleast_1d(array_of(x, "x"))
         if values.shape != (len(self.names),):
             raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
@@ -291,7 +291,7 @@ class Model(_Fitted):
         return _on_grid(self.curve[0], along, values, self.grid), made
 
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
-        """The curves for rows of parameters, computed in threads or by your own executor."""
+        """Return the curves for rows of parameters, computed in threads or by your own executor."""
         rows = list(np.atleast_2d(array_of(points, "points")))
         workers = None if workers is None else whole(workers, "workers")
         if executor is not None:
@@ -303,15 +303,15 @@ class Model(_Fitted):
         return self._table(curves)
 
     def _table(self, curves: list[Array | None]) -> Array:
-        """Curves as rows, with the number that stands for those that failed."""
+        """Return curves as rows, with the number that replaces failed ones."""
         lengths = {len(curve) for curve in curves if curve is not None}
         self._length = next(iter(lengths), self._length)
         if len(lengths) > 1:
             raise CaseError(f"the curves have {min(lengths)} to {max(lengths)} points: give a grid")
         return np.array([self._filled(curve) for curve in curves])
 
-    def _beside(self, base: Run, trail: _core.Trail, points: Array) -> Array:
-        """The curves of rows of parameters by runs along the states of one, at once: they share factors."""
+    def _perturbed(self, base: Run, trail: _core.Trail, points: Array) -> Array:
+        """Return the curves of rows of parameters from simultaneous runs along the states of one run: they share factors."""
 
         def curve(point: Array, turn: _core.Trail) -> Array | None:
             model, along = copy.copy(self), copy.copy(base)
@@ -325,34 +325,34 @@ class Model(_Fitted):
         return self._table(_in_threads(curve, points, trail.together(count), stop=stop, workers=count))
 
     def jac(self, x: ArrayLike, executor: Executor | None = None) -> Array:
-        """Derivatives of the curve (rows) with respect to the parameters (columns), by forward differences of
+        """Return the derivatives of the curve (rows) with respect to the parameters (columns), by forward differences of
         ``STEP``, or backward ones near an upper bound.
 
-        The runs go along that at ``x`` (``along`` of :func:`run`): what a specimen chooses by itself would make steps in the curve, and
-        near a known state an iteration or two are enough. Those of executors with other processes repeat its increments.
+        The runs follow the run at ``x`` (``along`` of :func:`run`). This avoids jumps from automatic increments, and an iteration or two
+        per increment are enough. Executors with other processes repeat the increments of that run.
         """
         start = np.atleast_1d(array_of(x, "x"))
         steps = STEP * np.where(start == 0.0, 1.0, np.abs(start))
         upper = np.array([high for _, high in self.bounds])
-        # the step that the sum has
+        # the step after rounding
         moved = start + np.diag(np.where(start + steps > upper, -steps, steps))
         curve, made = self._run(start, record=True)
         base = self._filled(curve)
         if executor is None and made is not None and made._trail is not None:
-            curves = self._beside(made, made._trail, moved)
+            curves = self._perturbed(made, made._trail, moved)
         else:
             frozen = copy.copy(self)
             if executor is None or isinstance(executor, ThreadPoolExecutor):
                 frozen._along = made
             elif made is not None and made.increments is not None:
-                # other processes have no states of this one
+                # other processes do not have the states of this one
                 frozen.case = self.case.with_({"increments": made.increments})
             curves = frozen.batch(moved, executor)
         derivatives: Array = ((curves - base) / (np.diag(moved) - start)[:, None]).T
         return derivatives
 
     def _outside(self, x: Array, point: int) -> str:
-        """Why the run of these parameters has no value at a point of the data."""
+        """Return why the run of these parameters has no value at a point of the data."""
         made = self._run(x)[1]
         if made is None or self.grid is None:
             return "there is no curve at the parameters to start from: their run fails"
@@ -364,15 +364,15 @@ class Models(_Fitted):
     """Models of several tests that share parameters: parameters with the same name have the same value.
 
     The curves of the models are joined in their order, as are data and deviations of :meth:`fit`:
-    ``Models([a, b]).fit(np.concatenate([data_a, data_b]), sigma=np.concatenate([sigma_a, sigma_b]))``. The deviations say what a
-    test counts beside another. Of bounds that differ the narrower ones hold; each start is that of the first model that has one.
+    ``Models([a, b]).fit(np.concatenate([data_a, data_b]), sigma=np.concatenate([sigma_a, sigma_b]))``. The deviations weight the
+    tests against each other. If bounds differ, the narrower ones apply. Each start value is that of the first model that has one.
     """
 
     def __init__(self, models: Iterable[Model]) -> None:
         self.models = list(models)
         self.names = list(dict.fromkeys(name for model in self.models for name in model.names))
         places = {name: k for k, name in enumerate(self.names)}
-        #: where the parameters of each model stand among all
+        #: indices of each model's parameters among all
         self._places = [np.array([places[name] for name in model.names], dtype=int) for model in self.models]
         self.x0 = np.full(len(self.names), np.nan)
         self._is_log = np.zeros(len(self.names), dtype=bool)
@@ -394,18 +394,18 @@ class Models(_Fitted):
             raise CaseError(problems)
 
     def _of(self, x: ArrayLike) -> Iterable[tuple[Model, NDArray[np.int_], Array]]:
-        """The models, where their parameters stand, and their values."""
+        """Return the models, the indices of their parameters, and their values."""
         values = np.atleast_1d(array_of(x, "x"))
         if values.shape != (len(self.names),):
             raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
         return [(model, own, values[own]) for model, own in zip(self.models, self._places)]
 
     def __call__(self, x: ArrayLike) -> Array:
-        """The curves of these parameters, joined in the order of the models."""
+        """Return the curves of these parameters, joined in the order of the models."""
         return np.concatenate([model(values) for model, _, values in self._of(x)])
 
     def jac(self, x: ArrayLike) -> Array:
-        """Derivatives of the curves (rows) with respect to the parameters (columns); see :meth:`Model.jac`."""
+        """Return the derivatives of the curves (rows) with respect to the parameters (columns); see :meth:`Model.jac`."""
         blocks = []
         for model, own, values in self._of(x):
             of_model = model.jac(values)
@@ -423,7 +423,7 @@ class Models(_Fitted):
         return "there is no such point"
 
 def _on_grid(name: str, along: Array, values: Array, grid: Array) -> Array:
-    """The second column of a run on the values of the first, branch by branch where these turn back."""
+    """Interpolate the second column of a run on values of the first, branch by branch if these have reversals."""
     found, warning = _core.on_grid(name, along, values, grid)
     if warning is not None:
         warnings.warn(warning, stacklevel=2)
@@ -431,18 +431,19 @@ def _on_grid(name: str, along: Array, values: Array, grid: Array) -> Array:
 
 
 def _in_threads(work: Callable[..., Array | None], *rows: Iterable[Any], stop: _core.Stop, workers: int | None) -> list[Array | None]:
-    """The curves of rows of arguments."""
+    """Return the curves of rows of arguments."""
     with ThreadPoolExecutor(workers) as threads:
         try:
             return list(threads.map(work, *rows))
         except BaseException:
-            # threads hear of no Ctrl-C, and their other runs are for nothing
+            # threads do not receive Ctrl-C, and their other runs are useless
             stop.set()
             raise
 
 
 def _covariance(jacobian: Array, values: Array, scatter: float) -> tuple[Array, NDArray[np.bool_]]:
-    """The covariance of residuals that scatter so, and which parameters it does not hold for: those of directions that change nothing."""
+    """Return the covariance for residuals with this scatter, and a mask of the parameters that it does not cover: those of directions
+    that change nothing."""
     scale = np.where(values == 0.0, 1.0, np.abs(values))
     _, singular, directions = np.linalg.svd(jacobian * scale, full_matrices=False)
     # a relative change of 1 that moves the curve by less than a thousandth of a standard deviation is not seen
@@ -456,7 +457,7 @@ def _covariance(jacobian: Array, values: Array, scatter: float) -> tuple[Array, 
 
 
 def _number(document: Any, path: str) -> float:
-    """The number at a place of a case: ``steps[0].target.e11``."""
+    """Return the number at a place of a case, such as ``steps[0].target.e11``."""
     for part in _core.dotted(path).split("."):
         try:
             document = document[int(part)] if isinstance(document, list) else document[part]

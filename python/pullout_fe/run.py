@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Failure", "History", "Peak", "Progress", "Run", "View", "point", "ramp", "read", "run", "table"]
 
-#: hears which part is done, and the present row by columns; an exception ends the run
+#: receives the fraction done and the current row by columns; an exception ends the run
 Progress = Callable[[float, "dict[str, float]"], None]
 
 
-#: time between two looks at a flag, s
+#: time between two checks of a flag, s
 LOOK = 0.05
 
 
@@ -46,7 +46,7 @@ class Peak(NamedTuple):
 
     max: float | None
     min: float | None
-    #: step and increment of the greatest value, and of the least
+    #: step and increment of the largest value, and of the smallest
     max_at: tuple[int, int] | None
     min_at: tuple[int, int] | None
 
@@ -59,7 +59,7 @@ class Failure(NamedTuple):
     step: int
     increment: int
     message: str
-    #: of a point, the state in which the increment was given up, by columns: in it, behind the last row of the history
+    #: for a point, the state in which the increment was given up, by columns: within that increment, after the last row of the history
     reached: dict[str, float] = {}
 
 
@@ -70,7 +70,7 @@ def _is_no_place(*_: Any, **__: Any) -> Any:
 class History(Dict[str, "NDArray[np.float64]"]):
     """The rows of a run by column: read-only arrays that share the engine's memory."""
 
-    # a dictionary, as other packages know that alone; but one that stays as it is
+    # a dictionary, because other packages support only that; but read-only
     __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _is_no_place
 
     def __init__(self, columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) -> None:
@@ -84,7 +84,7 @@ class History(Dict[str, "NDArray[np.float64]"]):
         raise KeyError(f"{name!r} is not one of the columns {', '.join(self)}")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # what was pickled cannot be written either
+        # an unpickled history is read-only as well
         return History, (dict(self), self.units)
 
     def __eq__(self, other: object) -> bool:
@@ -101,7 +101,7 @@ class History(Dict[str, "NDArray[np.float64]"]):
         return max((len(column) for column in self.values()), default=0)
 
     def _equal(self) -> dict[str, NDArray[np.float64]]:
-        """Columns of equal length: those of shorter tables end in NaN."""
+        """Return columns of equal length: those of shorter tables end in NaN."""
 
         def filled(column: NDArray[np.float64]) -> NDArray[np.float64]:
             missing = self.rows - len(column)
@@ -110,25 +110,25 @@ class History(Dict[str, "NDArray[np.float64]"]):
         return {name: filled(column) for name, column in self.items()}
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A DataFrame with copies of the values; pandas must be installed."""
+        """Return a DataFrame with copies of the values; pandas must be installed."""
         import pandas
 
         return pandas.DataFrame(self._equal(), copy=True)
 
     def to_polars(self) -> polars.DataFrame:
-        """A DataFrame; polars must be installed."""
+        """Return a DataFrame; polars must be installed."""
         import polars
 
         return polars.DataFrame(self._equal())
 
     def to_arrow(self) -> pyarrow.Table:
-        """A Table; pyarrow must be installed."""
+        """Return a Table; pyarrow must be installed."""
         import pyarrow
 
         return pyarrow.table(self._equal())
 
     def to_xarray(self) -> xarray.Dataset:
-        """A Dataset with the dimension "row", and the units as attributes; xarray must be installed."""
+        """Return a Dataset with the dimension "row" and the units as attributes; xarray must be installed."""
         import xarray
 
         columns = {name: ("row", values, {"units": self.units.get(name, "")}) for name, values in self._equal().items()}
@@ -153,7 +153,7 @@ class History(Dict[str, "NDArray[np.float64]"]):
 
 
 class View:
-    """A specimen over a run, to be looked at in a notebook or a browser: a page that needs nothing but itself."""
+    """A self-contained page that shows a specimen over a run, in a notebook or a browser."""
 
     def __init__(self, page: str, height: int) -> None:
         #: the page
@@ -161,11 +161,11 @@ class View:
         self.height = height
 
     def _repr_html_(self) -> str:
-        # a page within the page: neither sees the names and the style of the other
+        # a page within the page: names and styles of the two do not mix
         return f'<iframe srcdoc="{html.escape(self.html)}" style="width: 100%; height: {self.height}px; border: 0"></iframe>'
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Write the page into a file, which a browser opens."""
+        """Write the page into a file for a browser."""
         Path(file).write_text(self.html, encoding="utf-8")
 
     def __repr__(self) -> str:
@@ -183,15 +183,15 @@ class Run:
         #: the result folder, if there is one
         self.folder = folder
         self._summary = summary
-        #: a case that repeats the increment or the call that failed
+        #: a case that repeats the failed increment or call
         self.replay = None if replay is None else Case(json.loads(replay))
-        #: of a run with ``record=True``: ``case.with_({"increments": run.increments})`` repeats the increments of this run
+        #: for a run with ``record=True``: ``case.with_({"increments": run.increments})`` repeats the increments of this run
         self.increments: dict[str, Any] | None = None
         self._trail: _core.Trail | None = None
         self._view: str | None = None
-        #: the folder of the fields, as long as the run is there
+        #: the folder of the fields, which is deleted with this object
         self._fields: tempfile.TemporaryDirectory[str] | None = None
-        #: what plugins printed in another process, or with ``out``; else they print where the interpreter does
+        #: output of plugins in another process, or with ``out``; otherwise they print where the interpreter does
         self.prints: str = ""
         self._is_done = is_done
         #: how and where it failed, if it did
@@ -207,10 +207,10 @@ class Run:
             )
 
     def __getstate__(self) -> dict[str, Any]:
-        # the states of a specimen and its fields stay in their process; its increments go along
+        # the states and fields of a specimen stay in their process; its increments are pickled
         return {**self.__dict__, "_trail": None, "_fields": None}
 
-    # read when it is asked for: that takes as long as fifty increments of a point
+    # read on demand: that takes as long as fifty increments of a point
     @cached_property
     def summary(self) -> dict[str, Any]:
         """The content of ``summary.json``."""
@@ -228,7 +228,7 @@ class Run:
         return list(self.summary["warnings"])
 
     def peak(self, column: str) -> Peak:
-        """Extremes of a column over all increments, written or not."""
+        """Return the extremes of a column over all increments, written or not."""
         peaks = self.summary["peaks"]
         if column not in peaks:
             raise KeyError(f"{column!r} is not one of {', '.join(peaks)}" if peaks else "a run of this kind has no peaks: see its history")
@@ -241,7 +241,7 @@ class Run:
 
     @property
     def series(self) -> Series:
-        """All meshes with fields: kept by ``fields=True``, or written into the result folder."""
+        """All meshes with fields, kept by ``fields=True`` or written into the result folder."""
         if self._fields is not None:
             return Series(Path(self._fields.name))
         if self.folder is None:
@@ -249,11 +249,11 @@ class Run:
         return Series(self.folder)
 
     def mesh(self, frame: int = -1) -> Mesh:
-        """The mesh with its fields: the last one, or number ``frame`` of those written."""
+        """Return the mesh with its fields: the last one, or number ``frame`` of those written."""
         return self.series.mesh(frame)
 
     def fields(self, name: str, frame: int = -1) -> NDArray[Any]:
-        """A field by name, with one row for each node or cell."""
+        """Return a field by name, with one row for each node or cell."""
         mesh = self.mesh(frame)
         fields = {**mesh.cell_data, **mesh.point_data}
         if name not in fields:
@@ -264,7 +264,7 @@ class Run:
         """Plot a column against another one (default: the time, or the column after "increment") with matplotlib,
         which must be installed.
 
-        ``ax``: where; ``options`` are those of matplotlib's ``plot``. The result is the axes.
+        ``ax``: the axes to draw into; ``options`` are passed to matplotlib's ``plot``. Returns the axes.
         """
         from matplotlib import pyplot
 
@@ -279,14 +279,14 @@ class Run:
         return axes
 
     def view(self, height: int = 900) -> View:
-        """The viewer of ``report.html``: the deformed specimen with its fields over the run, and the load–slip curve."""
+        """Return the viewer of ``report.html``: the deformed specimen with its fields over the run, and the load–slip curve."""
         page = self._view or self._view_of_report()
         if page is None:
             raise PulloutError("there is no view: it is of specimens, run with view=True, or with out=… and their pictures")
         return View(page, height)
 
     def _view_of_report(self) -> str | None:
-        """What ``report.html`` of the folder has of it."""
+        """Return the viewer in ``report.html`` of the folder, if there is one."""
         report = None if self.folder is None else self.folder / "report.html"
         if report is None or not report.is_file():
             return None
@@ -321,30 +321,30 @@ def run(
     fields: bool = False,
     stop: _core.Stop | None = None,
 ) -> Run:
-    """Run a case: a file, a dictionary, or a :class:`Case`. Nothing is written.
+    """Run a case: a file, a dictionary, or a :class:`Case`. Nothing is written unless ``out`` is given.
 
-    With ``out``, the program runs it into this result folder, with pictures, report and fields; progress is not told then.
+    ``out``: result folder. The program pullout then runs the case and writes pictures, report and fields; progress is not reported.
 
-    ``threads`` share the work of a specimen; the results have the same bits with any number. ``progress``: ``True`` shows a
-    bar; a function hears which part is done and the present row, at most 20 times a second, and ends the run by an exception.
-    Ctrl-C ends it too; with ``out`` the folder has the results up to there, unless it is pressed once more.
+    ``threads`` share the work of a specimen. The results do not depend on their number, to the bit. ``progress``: ``True`` shows a
+    bar. A function receives the fraction done and the current row, at most 20 times a second; if it raises an exception, the run
+    ends. Ctrl-C ends the run too; with ``out`` the folder has the results so far, unless you press it again.
 
-    ``view`` keeps what :meth:`Run.view` shows of a specimen: up to some MB, and as many percent of the time.
+    ``view`` keeps the data of :meth:`Run.view` for a specimen: up to a few MB and a few percent of the time.
 
-    ``record`` keeps the increments as ``increments`` of the run, so that runs with other parameters repeat them. ``along`` such a run
-    of the same specimen, one with nearly the same parameters takes an iteration or two in each increment, and the
-    difference of both is that of the solutions whatever the tolerance: for derivatives. Those of points repeat the increments. A case
-    whose steps choose other increments, are more or fewer, or end by another ``until``, runs as if it was not given.
+    ``record`` keeps the increments as ``increments`` of the run, so that runs with other parameters can repeat them. ``along``: such
+    a run of the same specimen with nearly the same parameters. Each increment then takes an iteration or two, and the difference of
+    the two runs is that of the solutions, whatever the tolerance; use it for derivatives. Runs of points repeat the increments.
+    ``along`` is ignored if the steps of the case choose other increments, differ in number, or end by another ``until``.
 
-    ``fields`` keeps the fields of a specimen for :meth:`Run.mesh` although nothing is written: in a temporary folder, as long as the run is there.
+    ``fields`` keeps the fields of a specimen for :meth:`Run.mesh` in a temporary folder, which is deleted with the run.
 
-    ``stop`` ends the run when another thread sets it: with what it has reached, as one that fails, by :class:`Stopped`.
+    ``stop`` ends the run when another thread sets it. :class:`Stopped` is raised, with the results so far.
 
-    Plugins that were not built with this package run in a process of their own, unless ``in_process=True`` says that you answer
-    for those of this case.
+    Plugins that were not built with this package run in their own process. ``in_process=True`` runs those of this case in this
+    process; use it only for plugins that you trust.
 
-    A run that fails raises :class:`RunFailed` (:class:`PluginCrashed`, :class:`TimeLimit`), which has what was reached as
-    ``run`` and a case that repeats the failure as ``replay``; with ``on_failure="return"`` it is returned as any other.
+    A failed run raises :class:`RunFailed` (:class:`PluginCrashed`, :class:`TimeLimit`). The error has the results so far as
+    ``run``, and a case that repeats the failure as ``replay``. With ``on_failure="return"`` the failed run is returned instead.
     """
     threads = whole(threads, "threads")
     case = case if isinstance(case, Case) else Case(case)
@@ -354,7 +354,7 @@ def run(
     if along is not None:
         if out is not None or along.increments is None:
             raise CaseError([("along", "is a run with record=True, and of one without out")])
-        # of a run that was read, or whose case is not known, they are the user's
+        # if the run was read, or its case is unknown, the user is responsible for its increments
         ends_alike = along.case is None or _choices(along.case.document) == _choices(case.document)
         trail = along._trail if ends_alike else None
         if along._trail is None and ends_alike:
@@ -386,7 +386,7 @@ def run(
 
 
 def _choices(value: Any) -> list[Any]:
-    """What a case says of increments, and of where steps and run end, in order."""
+    """Return the settings of increments and of the ends of steps and run in a case, in order."""
     if isinstance(value, list):
         return [[_choices(entry) for entry in value]]
     if not isinstance(value, dict):
@@ -401,12 +401,12 @@ def _ended(made: Run, on_failure: str) -> Run:
         kinds = {"crashed": PluginCrashed, "timeout": TimeLimit}
         raise kinds.get(made.failure.kind, RunFailed)(made.failure.message, made, made.replay)
     if not made._is_done and on_failure != "return" and made.status == "interrupted":
-        raise Stopped(str(made.summary.get("message", "the run was told to end")), made)
+        raise Stopped(str(made.summary.get("message", "the run was asked to end")), made)
     return made
 
 
 def _is_on_file(case: Case) -> bool:
-    """Whether a case's file still has its document."""
+    """Return whether a case's file still has its document."""
     file, document, folder, _, _ = case._parts()
     try:
         return _core.document((file, None, folder, [], [])) == document
@@ -415,10 +415,10 @@ def _is_on_file(case: Case) -> bool:
 
 
 def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: bool, stop: _core.Stop | None) -> Run:
-    """A run of the program."""
+    """Run a case by the program pullout."""
     case.check()
     file, document, folder, overrides, plugin_paths = case._parts()
-    # a document comes through a pipe, and stands in its folder
+    # a document is passed through a pipe; file names are relative to its folder
     command: list[str | Path] = [_core.program(), "run", "--quiet", f"--threads={threads}", f"--out={out}"]
     command += ["--in-process"] if in_process else []
     command += ["--record-increments"] if record else []
@@ -428,13 +428,13 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
     command += [f"--plugin-path={path}" for path in plugin_paths] + [f"--set={text}" for text in overrides]
     command += ["--", "/dev/stdin" if file is None else file]
     pipe = subprocess.PIPE
-    # Ctrl-C of a terminal is for this process
+    # Ctrl-C in the terminal goes to this process only
     with subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as child:
         try:
             words = _words_of(child, document or "", stop)
         except BaseException:
             try:
-                # it writes what it has
+                # it writes its results so far
                 child.terminate()
                 child.wait()
             finally:
@@ -449,23 +449,23 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
 
 
 def _words_of(child: subprocess.Popen[str], document: str, stop: _core.Stop | None) -> str:
-    """What a child complains of; it is told to end when that is set."""
-    is_told = False
+    """Return the error output of a child, which is terminated once ``stop`` is set."""
+    is_stopped = False
     given: str | None = document
     while True:
         try:
-            return child.communicate(given, timeout=None if stop is None or is_told else LOOK)[1]
+            return child.communicate(given, timeout=None if stop is None or is_stopped else LOOK)[1]
         except subprocess.TimeoutExpired:
             given = None
             if stop is not None and stop.is_set():
-                is_told = True
+                is_stopped = True
                 child.terminate()
 
 
 def read(folder: str | os.PathLike[str]) -> Run:
     """Read a run from its result folder."""
     folder = Path(folder).absolute()
-    # of a case of kind "bridging", its tables beside each other
+    # for a case of kind "bridging", its tables side by side
     others = [table for table in (folder / "bridging.csv", folder / "beam.csv") if table.is_file()]
     columns: dict[str, NDArray[np.float64]] = {}
     try:
@@ -488,7 +488,7 @@ def read(folder: str | os.PathLike[str]) -> Run:
 
 
 def ramp(increments: int, time: float | None = None, **target: Union[float, str]) -> dict[str, Any]:
-    """A step of a case: ``ramp(100, e11=-3e-3, s22="hold")``."""
+    """Return a step of a case: ``ramp(100, e11=-3e-3, s22="hold")``."""
     step: dict[str, Any] = {"increments": increments, "target": target}
     if time is not None:
         step["time"] = time
@@ -498,9 +498,9 @@ def ramp(increments: int, time: float | None = None, **target: Union[float, str]
 def table(
     time: ArrayLike | None = None, **columns: ArrayLike
 ) -> dict[str, Any]:
-    """A step of a case with an increment for each row: ``table(time, e11=strains, s22=stresses)``.
+    """Return a step of a case with one increment per row: ``table(time, e11=strains, s22=stresses)``.
 
-    ``time``: at the end of each, from the beginning of the step (default: 1 s each).
+    ``time``: time at the end of each increment, from the beginning of the step (default: 1 s per increment).
     """
     given = columns if time is None else {"time": time, **columns}
     arrays = {name: array_of(values, name) for name, values in given.items()}
@@ -513,7 +513,7 @@ def table(
 def point(
     law: Law | str, props: Props, mode: str, steps: Sequence[Mapping[str, Any]], *, title: str = "", **others: Any
 ) -> Case:
-    """A case of kind "point" for :func:`run`; ``others`` are more of its keys, such as ``characteristic_length=10.0``."""
+    """Return a case of kind "point" for :func:`run`; ``others`` are further keys, such as ``characteristic_length=10.0``."""
     material: dict[str, Any] = {"plugin": law if isinstance(law, str) else str(law.path)}
     if props is not None:
         material["props"] = props
@@ -523,7 +523,7 @@ def point(
 
 
 class _Bar:
-    """tqdm's bar where it is installed, else one line."""
+    """The bar of tqdm if it is installed, otherwise one line."""
 
     def __init__(self) -> None:
         self._start = time.monotonic()

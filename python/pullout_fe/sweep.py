@@ -1,4 +1,4 @@
-"""Sweeps: a case run thousands of times, numbers and curves kept."""
+"""Sweeps: run a case thousands of times and keep numbers and curves."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ from .errors import CaseError, PulloutError
 
 __all__ = ["Sweep", "sweep"]
 
-#: how often what a lost worker left is handed out again
+#: how often the runs of a lost worker are handed out again
 ROUNDS = 3
-#: parts of the runs for each worker: what one that is slow, or lost, holds up
+#: number of parts per worker: a slow or lost worker delays one part
 PARTS_PER_WORKER = 4
-#: what names of columns with curves begin with
+#: prefix of the names of columns with curves
 CURVE = "curve."
-#: the sweep file, as the program reads it
+#: the file from which the program reads the sweep
 STREAM = "/dev/stdin"
 
 
 class Future(Protocol):
-    """What an executor promises."""
+    """The result of ``submit``."""
 
     def result(self) -> Any:
-        """Waits for it."""
+        """Wait for the call and return its result."""
 
 
 class Submits(Protocol):
-    """Executors of :mod:`concurrent.futures`, ``distributed.Client``, and whatever else has ``submit``."""
+    """Executors of :mod:`concurrent.futures`, ``distributed.Client``, and any other object with ``submit``."""
 
     def submit(self, function: Any, /, *arguments: Any) -> Future:
-        """Hands a call out."""
+        """Schedule a call."""
 
 
-#: by name, or an object with ``submit``; "dask": the present client of Dask Distributed, or one on this machine
+#: by name, or an object with ``submit``; "dask": the current client of Dask Distributed, or one on this machine
 Executor = Union[Literal["processes", "threads", "dask"], Submits]
 Design = Union[Mapping[str, Sequence[Any]], Sequence[Mapping[str, Any]], Any]
 
@@ -65,17 +65,17 @@ def sweep(
 ) -> Sweep:
     """Run a case for all points of a design. Finished runs in the folder ``out`` are not repeated.
 
-    ``design``: values by place in the case, of which every combination is run (``{"material.props.E": [2e4, 3e4]}``), a list
-    of dictionaries, or a table of pandas or polars with the places as columns. ``quantities``: names as studies have them
-    (``["peak", "work"]``), or a dictionary of them. ``curves``: columns that are kept, on the ``grid`` of values of the curve's
-    x if there is one.
+    ``design``: lists of values by place in the case, of which every combination is run
+    (``{"material.props.E": [2e4, 3e4]}``); or a list of dictionaries; or a table of pandas or polars with the places as columns.
+    ``quantities``: names as in studies (``["peak", "work"]``), or a dictionary of them. ``curves``: columns to keep, interpolated
+    on the ``grid``, a list of values of the curve's x, if there is one.
 
-    ``executor``: "processes" and "threads" of this machine, ``workers`` of them; "dask"; or anything with ``submit``. Every run
-    is made in a child of the worker, so that a library that ends its process costs one run and not the worker. "threads" make
-    their runs in one process if all call only libraries that were built with this package, and in children else. ``None``: the
-    sweep is planned, and worked off later, by :meth:`Sweep.work` or by ``pullout sweep work`` and ``submit``.
+    ``executor``: "processes" or "threads" of this machine, ``workers`` of them; "dask"; or any object with ``submit``. Each run is
+    executed in a child of the worker, so that a library that ends its process costs one run and not the worker. "threads" execute
+    their runs in one process if all libraries were built with this package, otherwise in children. ``None``: the sweep is only
+    planned; run it later by :meth:`Sweep.work`, or by ``pullout sweep work`` or ``submit``.
 
-    What fails is a row of the table with its ``status``; nothing is raised for it.
+    A failed run is a row of the table with its ``status``; no error is raised.
     """
     made = Case(case)
     document = _document(made, design, quantities, curves, grid, curve, work_to)
@@ -132,7 +132,7 @@ class Sweep:
             for future in futures:
                 try:
                     future.result()
-                except Exception as error:  # a lost worker: its runs are left, the next round has them
+                except Exception as error:  # a lost worker: the next round takes its remaining runs
                     trouble = error
             if self.status()["left"] == 0:
                 return
@@ -140,11 +140,11 @@ class Sweep:
         raise PulloutError(f"{self.folder}: {self.status()['left']} runs are left after {ROUNDS} rounds") from trouble
 
     def status(self) -> dict[str, int]:
-        """Numbers of runs: all (``runs``), by outcome, and remaining (``left``)."""
-        told = _call("status", os.fspath(self.folder))
-        found = re.search(r": (\d+) runs, \d+ finished(?: \((.*?)\))?, (\d+) to do", told)
+        """Return numbers of runs: all (``runs``), by outcome, and remaining (``left``)."""
+        printed = _call("status", os.fspath(self.folder))
+        found = re.search(r": (\d+) runs, \d+ finished(?: \((.*?)\))?, (\d+) to do", printed)
         if found is None:
-            raise PulloutError(told.strip())
+            raise PulloutError(printed.strip())
         counts = {"runs": int(found[1]), "left": int(found[3])}
         for part in filter(None, (found[2] or "").split(", ")):
             count, name = part.split(" ")
@@ -161,7 +161,7 @@ class Sweep:
                 if not name.startswith(CURVE)}
 
     def _columns(self) -> list[tuple[str, Any]]:
-        """All columns, read again when something was added to the folder."""
+        """Return all columns. They are read again when something was added to the folder."""
         plan = (self.folder / "sweep.json").stat()
         # parts are written once
         parts = sorted(entry.name for entry in os.scandir(self.folder / "parts")) if (self.folder / "parts").is_dir() else []
@@ -171,13 +171,13 @@ class Sweep:
         return self._read[1]
 
     def to_pandas(self) -> Any:
-        """The table as a ``pandas.DataFrame``."""
+        """Return the table as a ``pandas.DataFrame``."""
         import pandas
 
         return pandas.DataFrame(self.table)
 
     def to_arrow(self) -> Any:
-        """The table with the curves as a ``pyarrow.Table``."""
+        """Return the table with the curves as a ``pyarrow.Table``."""
         from pyarrow import parquet
 
         with tempfile.TemporaryDirectory() as place:
@@ -186,7 +186,7 @@ class Sweep:
             return parquet.read_table(file)
 
     def curves(self, name: str) -> NDArray[np.float64]:
-        """A kept column of all runs, with one row for each run, padded with NaN if lengths differ."""
+        """Return a kept column of all runs, one row per run, padded with NaN if lengths differ."""
         kept = {column.removeprefix(CURVE): lists for column, lists in self._columns() if column.startswith(CURVE)}
         if name not in kept:
             raise KeyError(f"{name!r} is not one of the curves that were kept: {', '.join(kept) or 'none'}")
@@ -209,7 +209,7 @@ def _document(
     curve: tuple[str, str] | None,
     work_to: float | None,
 ) -> dict[str, Any]:
-    """The sweep file."""
+    """Return the content of the sweep file."""
     _, text, _, overrides, _ = case._parts()
     document: dict[str, Any] = {"kind": "sweep", "base": json.loads(text or "{}")}
     changes = (override.split("=", 1) for override in overrides)
@@ -252,18 +252,18 @@ def _dask() -> Submits:
         client = distributed.get_client()
     except ValueError:
         client = distributed.Client()
-    # a call with the same arguments is made again: what it does depends on the folder
+    # a call with the same arguments must be executed again: it depends on the folder
     executor: Submits = client.get_executor(pure=False, retries=0)
     return executor
 
 
 def _work(folder: str, part: int, parts: int, options: list[str]) -> None:
-    """Works a part of the runs off, where a worker is."""
+    """Execute a part of the runs in a worker."""
     _call("work", folder, f"--chunk={part}/{parts}", "--jobs=1", "--quiet", *options)
 
 
 def _call(*arguments: str, shown: bool = False, document: str = "", of: Case | None = None) -> str:
-    """What `pullout sweep` says; a document, ``of`` a case, is what it reads from :data:`STREAM`, in the case's folder."""
+    """Return the output of `pullout sweep`. It reads ``document``, made from the case ``of``, from :data:`STREAM`, in the case's folder."""
     from . import program
 
     done = subprocess.run(
@@ -274,7 +274,7 @@ def _call(*arguments: str, shown: bool = False, document: str = "", of: Case | N
         stderr=subprocess.PIPE,
         encoding="utf-8",
     )
-    # nobody knows the document by this name
+    # users do not know the document by this name
     name = f"{of._file}: " if of is not None and of._file is not None else ""
     words = done.stderr.replace(f"{STREAM}: ", name).strip()
     if done.returncode == 2:

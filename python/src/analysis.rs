@@ -1,11 +1,11 @@
-//! The analysis that a library is told of: UEXTERNALDB, and the number of the increment.
+//! The analysis as a library sees it: calls of UEXTERNALDB, and the number of the increment.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use umat_abi::host::{Clock, ExternalDatabases, Library};
 
-/// The analysis in which this process calls a library. It begins with the first call of any of its laws, and ends with the last
-/// [`crate::law::Plugin`] of the file, as an analysis of several materials has one library.
+/// The analysis in which this process calls a library. It begins with the first call of any of its laws and ends with the last
+/// [`crate::law::Plugin`] of the file: as in an analysis of several materials, all laws share one library.
 #[derive(Debug, Default)]
 pub struct Analysis {
     databases: Option<ExternalDatabases>,

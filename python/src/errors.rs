@@ -13,7 +13,7 @@ pub enum Exception {
     Case,
     /// A library that cannot be used.
     Plugin,
-    /// A run that was told to end, and has no results.
+    /// A run that was asked to end, and has no results.
     Stopped,
     /// Anything else that the engine cannot go on with.
     Pullout,
@@ -63,7 +63,7 @@ pub fn wrong(place: impl Into<String>, message: impl Into<String>) -> PyErr {
     Exception::Case.of((vec![(place.into(), message.into())],))
 }
 
-/// Runs what Python calls: a panic, which is an error of ours, becomes an exception like others.
+/// Runs the body of a function that Python calls. A panic, which is a bug of pullout, becomes an exception.
 pub fn without_panic<R>(body: impl FnOnce() -> PyResult<R>) -> PyResult<R> {
     catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|panic| Err(of_panic(&*panic)))
 }

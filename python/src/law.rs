@@ -66,7 +66,7 @@ pub fn is_shipped(path: PathBuf) -> bool {
     isolation::is_shipped(&path)
 }
 
-/// Axes and free strains of the last call: what was asked for, the mode, and what came of it.
+/// Axes and free strains of the last call: the request, the mode, and the result.
 type LastFrame = (String, Mode, Option<Arc<Frame>>);
 
 /// A loaded library, and the law of it that is called.
@@ -79,7 +79,7 @@ pub struct Plugin {
     /// Whether every thread that calls it has the stack that plugins may want.
     has_stack: bool,
     analysis: Arc<Mutex<Analysis>>,
-    /// Why calls with the components of a plane go through six instead, once trial calls have told.
+    /// Why calls with the components of a plane go through six instead, once trial calls have shown it.
     planes: Mutex<Vec<(StressState, Option<String>)>>,
     /// The frame that was read last, with the text and the mode that it is of.
     frame: Mutex<Option<LastFrame>>,
@@ -87,8 +87,8 @@ pub struct Plugin {
 
 #[pymethods]
 impl Plugin {
-    /// Loads a library that may run here, or that the user answers for. `law` chooses among several; `has_stack`: the threads that
-    /// call have the stack that plugins may want.
+    /// Loads a library that may run here, or that the user trusts. `law` chooses among several; `has_stack`: the calling threads
+    /// have the stack that plugins may need.
     #[new]
     #[pyo3(signature = (path, law=None, in_process=false, has_stack=false))]
     fn new(py: Python<'_>, path: PathBuf, law: Option<&str>, in_process: bool, has_stack: bool) -> PyResult<Self> {
@@ -112,7 +112,7 @@ impl Plugin {
         })
     }
 
-    /// Returns what the library says of its law, `null` if it says nothing, and the routines beside its laws that it has, as JSON.
+    /// Returns the library's description of its law (`null` if there is none) and its other routines, as JSON.
     fn describe(&self) -> String {
         let routines: Vec<_> = self.library.routines().iter().map(|routine| routine.symbol).collect();
         json!({ "law": self.law.as_ref().map(description), "routines": routines }).to_string()
@@ -143,8 +143,8 @@ impl Plugin {
         })
     }
 
-    /// Fills stresses and states, a row a point, with what the library's SIGINI and SDVINI say of points at the start; one that the
-    /// library has not leaves its array as it is. `coords`: a row a point, or one for all. `frame`: as of [`Self::evaluate`].
+    /// Fills stresses and states, one row per point, with the initial values of the library's SIGINI and SDVINI. If the library lacks
+    /// one of them, its array is unchanged. `coords`: one row per point, or one for all. `frame`: as in [`Self::evaluate`].
     #[allow(clippy::too_many_arguments, reason = "Python names them")]
     #[pyo3(signature = (mode, coords, per_element, stress, state, frame=""))]
     fn initial(
@@ -396,8 +396,8 @@ impl Plugin {
         }
     }
 
-    /// Returns why calls in a plane go through six components, if the library, which says nothing of them, needs that: trial calls tell, once
-    /// for each stress state, as those of a run do.
+    /// Returns why calls in a plane go through six components, if a library without metadata needs that. Trial calls show it, once
+    /// for each stress state, as in a run.
     fn through_six(&self, state: StressState, inputs: &Inputs<'_>, nstatv: usize) -> Result<Option<String>, LoadError> {
         if self.law.is_some() || state == StressState::ThreeD {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! The compiled part of the package `pullout_fe`. What users meet is written in Python beside it; here is what must be
+//! The compiled part of the package `pullout_fe`. The interface for users is written in Python; here is what must be
 //! fast, and what only the engine knows.
 
 mod analysis;

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use umat_abi::host::{Heat, LawDescription, LoadError, UmatCall, Validation, judge};
 use umat_abi::law::Request;
 
-/// A point that could not be updated: its index, the reason, the fraction of the increment that is worth a try.
+/// A point that could not be updated: its index, the reason, and the fraction of the increment to try next.
 pub type Refused = (usize, String, Option<f64>);
 
 /// Values of an input: a row a point, or one for all.
@@ -44,7 +44,7 @@ pub struct Inputs<'a> {
     pub time: [f64; 2],
     /// KINC.
     pub increment: i32,
-    /// Points of an element, which are behind each other.
+    /// Number of points of an element; they follow one another.
     pub per_element: usize,
     /// PROPS.
     pub props: Given<'a>,
@@ -66,7 +66,7 @@ pub struct Inputs<'a> {
     pub coords: Option<Given<'a>>,
 }
 
-/// What points have at the start and at the end: a row each.
+/// State of the points at the start and at the end, one row per point.
 #[derive(Debug)]
 pub struct Rows<'a> {
     /// Index of the first.
@@ -77,11 +77,11 @@ pub struct Rows<'a> {
     pub stress: &'a mut [f64],
     /// STATEV.
     pub state: &'a mut [f64],
-    /// DDSDDE, if it is wanted.
+    /// DDSDDE, if requested.
     pub tangent: Option<&'a mut [f64]>,
     /// SSE, SPD and SCD, if they are wanted.
     pub energies: Option<&'a mut [f64]>,
-    /// RPL, DRPLDT, DDSDDT and DRPLDE, if they are wanted.
+    /// RPL, DRPLDT, DDSDDT and DRPLDE, if requested.
     pub heat: Option<&'a mut [f64]>,
 }
 
@@ -103,8 +103,8 @@ impl<'a> Inputs<'a> {
             .chain([&self.temperature, &self.fields, &self.gradients].into_iter().flatten().flatten())
     }
 
-    /// Refuses what no increment, however small, is right for: numbers that are not finite, parameters that the law does not admit. Of a
-    /// point that may be refused they are its own affair.
+    /// Refuses input that no smaller increment can mend: numbers that are not finite, parameters that the law does not admit. If
+    /// single points may be refused, only parameters and values shared by all points are checked here.
     pub fn check(&self, rows: &Rows<'_>, law: Option<&LawDescription>, may_refuse: bool) -> PyResult<()> {
         let looked_at = self.all().filter(|given| !may_refuse || given.is_one || given.name == "props");
         let width = |values: &[f64]| values.len() / rows.count;

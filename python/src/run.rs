@@ -21,9 +21,9 @@ use std::time::{Duration, Instant};
 
 /// Time between two looks at signals and progress.
 const LOOK: Duration = Duration::from_millis(50);
-/// A run that was told to end has so long before it is left alone with that.
+/// Time that a run has after it was asked to end, before it is left to end on its own.
 const PATIENCE: Duration = Duration::from_millis(300);
-/// A run that another thread told to end is left alone after so long: a call of a library in this process may not come back.
+/// Time after which a run that another thread asked to end is abandoned: a call of a library in this process may never return.
 const LONGEST: Duration = Duration::from_secs(10);
 
 /// A case as Python has it: a file or a document or both, then what the file had; the folder, changes, folders of plugins.
@@ -54,7 +54,7 @@ impl Trail {
     }
 }
 
-/// Flag that ends runs from another thread than theirs, which receives no signals.
+/// Flag by which another thread ends runs, whose own threads receive no signals.
 #[pyclass(frozen, module = "pullout_fe._core")]
 #[derive(Default)]
 pub struct Stop(Arc<AtomicBool>);
@@ -94,7 +94,7 @@ fn source((file, document, folder, overrides, plugin_paths): Parts) -> PyResult<
     Ok(source)
 }
 
-/// Returns what is wrong with a case, or with its plugins alone.
+/// Returns the exception for the errors of a case, or of its plugins alone.
 fn refusal(errors: &CaseErrors) -> PyErr {
     let is_plugin = |problem: &pullout_case::CaseProblem| problem.kind == pullout_case::ProblemKind::PluginNotLoadable;
     match errors.problems.as_slice() {
@@ -103,7 +103,7 @@ fn refusal(errors: &CaseErrors) -> PyErr {
     }
 }
 
-/// The case with its changes, as JSON.
+/// Returns the case with its changes, as JSON.
 #[pyfunction]
 pub fn document(case: Parts) -> PyResult<String> {
     without_panic(|| {
@@ -122,7 +122,7 @@ pub fn document(case: Parts) -> PyResult<String> {
     })
 }
 
-/// A place as changes name it, `steps.0.increments`, also of `$.steps[0].increments`.
+/// Returns a place as a dotted path, `steps.0.increments`, also from `$.steps[0].increments`.
 #[pyfunction]
 pub fn dotted(path: &str) -> String {
     pullout_case::dotted(path)
@@ -240,27 +240,28 @@ pub fn run<'py>(
             let _ = answer.send(work());
         })?;
         let mut names = Vec::new();
-        let mut told_to_end = None;
+        let mut asked_to_end = None;
         let outcome = loop {
             let heard = py.detach(|| wait(LOOK));
             if heard.is_err()
                 && stop.load(Ordering::Relaxed)
-                && told_to_end.get_or_insert_with(Instant::now).elapsed() > LONGEST
+                && asked_to_end.get_or_insert_with(Instant::now).elapsed() > LONGEST
             {
                 return Err(
                     Exception::Stopped.with("the run did not stop when asked to; it continues in the background")
                 );
             }
-            let told = py.check_signals().and_then(|()| {
+            let notified = py.check_signals().and_then(|()| {
                 let Some(listener) = &listener else { return Ok(()) };
                 if names.is_empty() {
                     names = named.try_recv().unwrap_or_default();
                 }
                 let present = state.lock().unwrap_or_else(PoisonError::into_inner).take();
                 let is_done = matches!(&heard, Ok(Ok(outcome)) if outcome.is_done());
-                present.map_or(Ok(()), |(part, row)| tell(py, listener, &names, if is_done { 1.0 } else { part }, &row))
+                present
+                    .map_or(Ok(()), |(part, row)| notify(py, listener, &names, if is_done { 1.0 } else { part }, &row))
             });
-            match (heard, told) {
+            match (heard, notified) {
                 (Ok(Ok(_)) | Err(RecvTimeoutError::Timeout), Err(error)) => {
                     stop.store(true, Ordering::Relaxed);
                     let _ = py.detach(|| wait(PATIENCE));
@@ -285,7 +286,7 @@ pub fn run<'py>(
     })
 }
 
-fn tell(py: Python<'_>, listener: &Py<PyAny>, names: &[String], part: f64, row: &[f64]) -> PyResult<()> {
+fn notify(py: Python<'_>, listener: &Py<PyAny>, names: &[String], part: f64, row: &[f64]) -> PyResult<()> {
     let columns = PyDict::new(py);
     for (name, value) in names.iter().zip(row) {
         columns.set_item(name, value)?;
@@ -315,7 +316,7 @@ fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
     ))
 }
 
-/// Does something that may call plugins on a thread with the stack that they may want.
+/// Runs work that may call plugins on a thread with the stack that they may need.
 pub fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> PyResult<R> {
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work)?;
@@ -323,13 +324,13 @@ pub fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> PyResult<R> {
     })
 }
 
-/// Says which file is the program `pullout`, and which this module is.
+/// Sets the files of the program `pullout` and of this module.
 #[pyfunction]
 pub fn set_program(file: PathBuf, module: PathBuf) {
     pullout_engine::set_program(&file, &module);
 }
 
-/// Runs the program with these arguments, the first of which is its name; the result is its exit code.
+/// Runs the program with these arguments, the first of which is its name. Returns its exit code.
 #[pyfunction]
 pub fn main(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
     without_panic(|| Ok(py.detach(|| driver::command::main(arguments))))
@@ -348,7 +349,7 @@ pub fn examples(words: Vec<String>) -> PyResult<Vec<(PathBuf, String, String)>> 
     Ok(found.into_iter().map(|Example { path, kind, title }| (path, kind, title)).collect())
 }
 
-/// The unit of a column; empty for numbers and for columns that no history has.
+/// Returns the unit of a column; empty for numbers and for unknown columns.
 #[pyfunction]
 pub fn unit(column: &str) -> &'static str {
     Outcome::unit(column)

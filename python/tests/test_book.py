@@ -54,7 +54,7 @@ def _blocks(title: str) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("title", RECIPES[2::2])
 def test_a_recipe(title: str) -> None:
-    """Each stands alone behind the first block; where packages of others are wanted all must be there."""
+    """Each recipe works alone after the first block. If third-party packages are required, all must be installed."""
     if not os.environ.get("PULLOUT_REQUIRE_RECIPES"):
         pytest.importorskip(PACKAGES[title])
     exec(compile(_blocks("The model") + _blocks(title), title, "exec"), {})

@@ -64,34 +64,34 @@ GIVEN = {name: 11 + k for k, name in enumerate(
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory, compile_fortran: Compile) -> Path:
-    return compile_fortran(SOURCE, tmp_path_factory.mktemp("told") / "told.f90")
+    return compile_fortran(SOURCE, tmp_path_factory.mktemp("recorder") / "recorder.f90")
 
 
 @pytest.fixture(params=[False, True], ids=["apart", "here"])
-def told(library: Path, tmp_path: Path, request: pytest.FixtureRequest) -> po.Law:
+def recorder(library: Path, tmp_path: Path, request: pytest.FixtureRequest) -> po.Law:
     """A copy of its own: what COMMON holds is that of a file."""
-    own = tmp_path / "libtold.so"
+    own = tmp_path / "librecorder.so"
     own.write_bytes(library.read_bytes())
     return po.Law(own, nstatv=STATES, in_process=request.param)
 
 
-def test_what_stands_around_a_umat_is_called_as_a_run_calls_it(told: po.Law) -> None:
+def test_what_stands_around_a_umat_is_called_as_a_run_calls_it(recorder: po.Law) -> None:
     strain = np.zeros((2, 3, 6))
     strain[..., 0] = 1e-3
-    update = told.evaluate(0.0, strain, props=[1.0, 1.0], coords=[0.5, 0, 0])
+    update = recorder.evaluate(0.0, strain, props=[1.0, 1.0], coords=[0.5, 0, 0])
     # E of UEXTERNALDB, stress of SIGINI, states of SDVINI
     assert np.allclose(update.stress[..., 0], E * 1e-3) and np.all(update.stress[..., 1] == 7.0)
     assert np.array_equal(update.state[..., 0], [[110.5, 120.5, 130.5], [210.5, 220.5, 230.5]])
-    case = po.point(told, [1.0, 1.0], "3d", [po.ramp(1, e11=1e-3, e22="hold", e33="hold", g12="hold", g13="hold", g23="hold")])
+    case = po.point(recorder, [1.0, 1.0], "3d", [po.ramp(1, e11=1e-3, e22="hold", e33="hold", g12="hold", g13="hold", g23="hold")])
     driven = po.run(case, in_process=True).history
     assert driven["s11"][-1] == update.stress[0, 0, 0] and driven["s22"][-1] == 7.0 and driven["sdv1"][-1] == 110.0
     # what is given counts
-    assert told.evaluate(0.0, strain[0], np.zeros(STATES), [1.0, 1.0], stress=np.zeros(6)).stress[0, 1] == 0.0
+    assert recorder.evaluate(0.0, strain[0], np.zeros(STATES), [1.0, 1.0], stress=np.zeros(6)).stress[0, 1] == 0.0
 
 
-def test_uexternaldb_is_told_of_the_increments(told: po.Law) -> None:
+def test_uexternaldb_is_called_for_the_increments(recorder: po.Law) -> None:
     def calls(time: float, dtime: float) -> tuple[list[float], list[float], float]:
-        state = told.evaluate(0.0, np.zeros((1, 6)), props=[1.0, 1.0], time=time, dtime=dtime).state[0]
+        state = recorder.evaluate(0.0, np.zeros((1, 6)), props=[1.0, 1.0], time=time, dtime=dtime).state[0]
         return state[1:8].tolist(), state[8:11].tolist(), state[GIVEN["kinc"]]
 
     # LOP 0 to 6; the end of the last increment
@@ -105,7 +105,7 @@ def test_uexternaldb_is_told_of_the_increments(told: po.Law) -> None:
 
 def test_an_analysis_begins_with_the_first_law_of_a_library(library: Path, tmp_path: Path) -> None:
     for in_process in (False, True):
-        own = tmp_path / f"libtold{in_process}.so"
+        own = tmp_path / f"librecorder{in_process}.so"
         own.write_bytes(library.read_bytes())
 
         def begun(law: po.Law) -> float:
@@ -118,8 +118,8 @@ def test_an_analysis_begins_with_the_first_law_of_a_library(library: Path, tmp_p
         assert begun(po.Law(own, nstatv=STATES, in_process=in_process)) == 1
 
 
-def test_a_model_of_fenics_begins_as_the_library_says(told: po.Law) -> None:
-    model = SmallStrainModel(told, [1.0, 1.0], "PLANE_STRAIN", coords=[[0.25, 0, 0], [0.5, 0, 0]])
+def test_a_model_of_fenics_begins_as_the_library_says(recorder: po.Law) -> None:
+    model = SmallStrainModel(recorder, [1.0, 1.0], "PLANE_STRAIN", coords=[[0.25, 0, 0], [0.5, 0, 0]])
     dimensions = model.history_dim
     assert dimensions is not None
     history = {name: np.zeros(2 * int(np.prod(size))) for name, size in dimensions.items()}
@@ -133,12 +133,12 @@ def test_a_model_of_fenics_begins_as_the_library_says(told: po.Law) -> None:
     assert history["state"].reshape(2, -1)[0, GIVEN["kinc"]] == 2
 
 
-def test_points_are_given_what_a_umat_can_be_given(told: po.Law) -> None:
+def test_points_are_given_what_a_umat_can_be_given(recorder: po.Law) -> None:
     shape = (2, 3)
     numbers = np.arange(6.0).reshape(shape)
     matrices = np.tile(np.eye(3), (2, 3, 1, 1))
     matrices[..., 0, 1] = 0.1 * numbers
-    update = told.evaluate(
+    update = recorder.evaluate(
         0.0,
         np.full((*shape, 6), 1e-3),
         props=np.stack([numbers, np.full(shape, 2.0)], axis=-1),
@@ -165,12 +165,12 @@ def test_points_are_given_what_a_umat_can_be_given(told: po.Law) -> None:
     # three things come out, as ever
     stress, _, _ = pickle.loads(pickle.dumps(update))
     assert np.array_equal(stress, update.stress)
-    flat = told.evaluate(0.0, np.full((6, 6), 1e-3), props=[1.0, 1.0])
+    flat = recorder.evaluate(0.0, np.full((6, 6), 1e-3), props=[1.0, 1.0])
     assert np.array_equal(flat.state[:, GIVEN["noel"]], range(1, 7))
     with pytest.raises(po.PulloutError, match="energies=True"):
         flat.energies
     with pytest.raises(po.CaseError, match="dfgrd1: is needed"):
-        told.evaluate(0.0, np.zeros(6), props=[1.0, 1.0], dfgrd0=np.eye(3))
+        recorder.evaluate(0.0, np.zeros(6), props=[1.0, 1.0], dfgrd0=np.eye(3))
 
 
 @pytest.mark.parametrize("threads", [1, 3])

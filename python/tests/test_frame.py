@@ -153,7 +153,7 @@ def test_what_couples_with_a_temperature(axes: po.Law) -> None:
         axes.evaluate(0.0, strain, props=[E, E, G, 1]).heat
 
 
-def test_a_wrong_frame_is_told_by_its_place() -> None:
+def test_a_wrong_frame_is_reported_with_its_place() -> None:
     for place, given in [
         ("material.orientation", {"orientation": [[1, 0, 0], [2, 0, 0]]}),
         ("material.expansion", {"expansion": "steel"}),

@@ -77,7 +77,7 @@ def test_a_slider_moves_the_curve_and_the_case_repeats_it(tmp_path: Path) -> Non
             seen = [float(row.split(",")[head.split(",").index(column)]) for row in rows]
             assert seen == list(np.asarray(run.history[column])), column
         assert verdict(browser) == "pass"
-        # an earlier curve stays beside the new one
+        # an earlier curve stays next to the new one
         browser.evaluate("document.getElementById('pin').click()")
         browser.evaluate(DRAG % ("nu", 300))
         browser.wait("document.querySelector('#figures svg').outerHTML.includes('earlier 1')")

@@ -73,7 +73,7 @@ def test_a_misplaced_parameter_is_no_failed_run(place: str, is_foreign: bool, um
 
 def test_a_case_that_is_wrong_elsewhere_is_no_failed_run() -> None:
     wrong = BAR.with_({"characteristic_length": -1.0})
-    # nu is left to its default: that tells nothing of the rest
+    # nu keeps its default: that does not concern the rest
     open_case = po.Case({**wrong.document, "material": {"plugin": "linear_elastic", "props": {"E": 100.0}}})
     for case, free in ((wrong, PARAMETERS), (open_case, {"nu": "material.props.nu"})):
         with pytest.raises(po.CaseError, match="characteristic_length"):
@@ -243,7 +243,7 @@ def test_a_fit_finds_what_was_put_in_and_says_what_it_cannot_know() -> None:
     # of a line: σ² / Σ(∂y/∂E)²
     expected = 0.01**2 / np.sum(oedometer(1.0, 0.25) ** 2)
     assert fit.covariance[0, 0] == pytest.approx(expected, rel=1e-4)
-    # one slope does not tell two constants
+    # one slope does not determine two constants
     assert set(model().fit(target, sigma=0.01).not_identifiable) == {"E", "nu"}
 
 
@@ -333,7 +333,7 @@ def test_the_protocol_of_fenics(constraint: str) -> None:
 
 
 def test_two_tests_share_their_parameters() -> None:
-    """A bar that is held and one that is free: s11 = E (1 - nu) / ((1 + nu) (1 - 2 nu)) e11 and E e11, neither of which tells both."""
+    """A bar that is held and one that is free: s11 = E (1 - nu) / ((1 + nu) (1 - 2 nu)) e11 and E e11. Neither determines both."""
     pytest.importorskip("scipy")
     free = po.point("linear_elastic", {"E": 60.0}, "3d", [po.ramp(10, e11=0.01)])
     bounds = {"E": (10.0, 300.0), "nu": (0.0, 0.4)}
@@ -363,7 +363,7 @@ def test_a_curve_that_goes_backwards_and_a_grid_beyond_it() -> None:
     assert np.allclose(made([100.0]), [np.nan, 0.0, -0.3, -1.0, np.nan], equal_nan=True)
 
 
-def test_a_fit_refuses_what_tells_nothing() -> None:
+def test_a_fit_refuses_data_without_information() -> None:
     pytest.importorskip("scipy")
     one = po.Model(BAR, {"E": "material.props.E"}, ("e11", "s11"), GRID)
     target = oedometer(80.0, 0.25)

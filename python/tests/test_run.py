@@ -72,7 +72,7 @@ def test_cases_are_made_and_changed() -> None:
     assert "steps" in po.schema()["$defs"]["PointCase"]["properties"] if "$defs" in po.schema() else True
 
 
-def test_everything_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
+def test_everything_that_is_wrong_is_reported_at_once(tmp_path: Path) -> None:
     wrong = {**CRUSHING, "mode": "4d", "steps": []}
     for act in (po.Case(wrong).check, lambda: po.run(wrong)):
         with pytest.raises(po.CaseError) as caught:

@@ -123,9 +123,9 @@ def test_a_library_that_ends_its_process_costs_one_run(umats: dict[str, Path], t
 def test_errors_name_no_file_that_nobody_wrote(tmp_path: Path) -> None:
     missing = po.point("linear_elastic", {"E": 3e4, "nu": 0.2}, "3d", [{"table": "none.csv"}])
     for case, design in [(BASE, {"material.props.EE": [1.0]}), (missing, {"material.props.E": [3e4]})]:
-        with pytest.raises(po.CaseError) as told:
+        with pytest.raises(po.CaseError) as caught:
             po.sweep(case, design, out=tmp_path / "sweep")
-        assert str(told.value).startswith("$.") and "/tmp" not in str(told.value), told.value
+        assert str(caught.value).startswith("$.") and "/tmp" not in str(caught.value), caught.value
     failed = po.sweep(BASE, {"material.props.nu": [0.2, 0.7]}, out=tmp_path / "failed").table
     assert failed["message"][1].startswith("$.material.props.nu: nu = 0.7"), failed["message"]
     with pytest.raises(po.CaseError, match=r"the path steps\.0\.increments is given twice"):
@@ -147,7 +147,7 @@ def test_a_design_that_grows_keeps_the_place_of_each_value(tmp_path: Path) -> No
     assert not np.isnan(grown.table["q.peak"]).any()
 
 
-def test_a_case_that_is_wrong_is_told(tmp_path: Path) -> None:
+def test_a_case_that_is_wrong_is_reported(tmp_path: Path) -> None:
     with pytest.raises(po.CaseError, match="nearest valid name"):
         po.sweep(BASE, {"material.props.EE": [1.0]}, out=tmp_path / "sweep")
     with pytest.raises(po.CaseError, match="no folder of a sweep"):

@@ -25,7 +25,7 @@ WIDTH, HEIGHT = 700, 700
 MOVE = """<script>
 const timer = setInterval(() => {
   const viewer = document.getElementById("viewer");
-  if (!viewer || viewer.querySelector(".stage").hidden || !viewer.querySelector(".told").textContent) return;
+  if (!viewer || viewer.querySelector(".stage").hidden || !viewer.querySelector(".readout").textContent) return;
   clearInterval(timer);
   document.body.replaceChildren(viewer);
   const slider = viewer.querySelector(".state");
@@ -39,9 +39,9 @@ const timer = setInterval(() => {
 TRY = """<script>
 const timer = setInterval(() => {
   const viewer = document.getElementById("viewer"), part = (name) => viewer.querySelector("." + name);
-  if (!viewer || part("stage").hidden || !part("told").textContent) return;
+  if (!viewer || part("stage").hidden || !part("readout").textContent) return;
   clearInterval(timer);
-  const canvas = part("mesh"), found = { opened: part("told").textContent, touchAction: getComputedStyle(canvas).touchAction };
+  const canvas = part("mesh"), found = { opened: part("readout").textContent, touchAction: getComputedStyle(canvas).touchAction };
   const key = (target, name) => !target.dispatchEvent(new KeyboardEvent("keydown", { key: name, cancelable: true }));
   const wheel = (ctrlKey) => !canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -100, ctrlKey, cancelable: true }));
   const touch = (kind, ...xs) => {
@@ -62,9 +62,9 @@ const timer = setInterval(() => {
   // the viewer draws with the next frame of the browser, which a busy machine gives late
   let looks = 0;
   const later = setInterval(() => {
-    if (!part("told").textContent.startsWith("end: ") && ++looks < 500) return;
+    if (!part("readout").textContent.startsWith("end: ") && ++looks < 500) return;
     clearInterval(later);
-    [found.end, found.clipped] = [part("told").textContent, part("most").textContent];
+    [found.end, found.clipped] = [part("readout").textContent, part("most").textContent];
     const result = document.createElement("pre");
     result.id = "found";
     result.textContent = JSON.stringify(found);

@@ -1,4 +1,4 @@
-"""What is in the wheel beside the package."""
+"""Files of the wheel other than the package."""
 
 from __future__ import annotations
 

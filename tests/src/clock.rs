@@ -29,7 +29,7 @@ impl CpuClock {
 }
 
 fn read() -> (f64, f64) {
-    let text = std::fs::read_to_string("/proc/self/stat").expect("Linux tells CPU times in /proc");
+    let text = std::fs::read_to_string("/proc/self/stat").expect("Linux has CPU times in /proc");
     // the second field, in parentheses, may hold blanks
     let after = text.rsplit_once(')').map_or("", |(_, after)| after);
     let ticks =

@@ -1,4 +1,4 @@
-//! The arguments of a UMAT with the memory behind them, so that a test can spoil each of them.
+//! The arguments of a UMAT with their memory, so that a test can spoil each of them.
 
 use crate::Sample;
 use std::ffi::c_char;
@@ -82,7 +82,7 @@ impl PointMemory {
         }
     }
 
-    /// Pointers to everything.
+    /// Returns pointers to all arguments.
     pub fn arguments(&mut self) -> UmatArguments {
         let [sse, spd, scd, rpl] = self.energies.each_mut().map(std::ptr::from_mut);
         let [temp, dtemp, predef, dpred] = self.fields.each_ref().map(std::ptr::from_ref);
@@ -130,9 +130,9 @@ impl PointMemory {
         }
     }
 
-    /// Calls a UMAT with all of it.
+    /// Calls a UMAT with these arguments.
     pub fn call(&mut self, function: UmatFunction) {
-        // SAFETY: every pointer is valid for the sizes that the counts tell, as long as the test keeps counts within
+        // SAFETY: every pointer is valid for the sizes that the counts give, as long as the test keeps counts within
         // the arrays; STRESS, STRAN and DSTRAN have 6 values and DDSDDE 36 whatever NTENS says.
         unsafe { self.arguments().call(function) }
     }

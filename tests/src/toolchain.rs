@@ -52,7 +52,7 @@ pub fn find(tool: Tool) -> Option<Command> {
     None
 }
 
-/// Returns whether a C++ program that includes a header, or is linked with a library, can be built here; says so where not.
+/// Returns whether a C++ program that includes a header, or is linked with a library, can be built here. Prints a notice if not.
 ///
 /// # Panics
 /// If it cannot and `PULLOUT_REQUIRE_CLIENTS` is 1.
@@ -66,7 +66,7 @@ pub fn has_library(name: &str, arguments: &[&str]) -> bool {
     has
 }
 
-/// The file or folder that an environment variable names; `None`, after a notice, where it is not set.
+/// Returns the file or folder that an environment variable names. If it is not set, prints a notice and returns `None`.
 ///
 /// # Panics
 /// If it is not set and `PULLOUT_REQUIRE_CLIENTS` is 1.
@@ -94,7 +94,7 @@ pub fn notice(reason: &str) {
 /// Runs a command that must succeed.
 ///
 /// # Panics
-/// With the program's own words if it does not.
+/// With the program's output if it fails.
 pub fn run(command: &mut Command) -> Output {
     let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));

@@ -177,7 +177,7 @@ fn a_bad_point_leaves_its_neighbours_alone() {
 }
 
 #[test]
-fn refused_parameters_are_told_of_every_point() {
+fn refused_parameters_are_reported_for_every_point() {
     let law = sample("concrete_damage");
     let (index, value) = law.inadmissible;
     let mut props = law.props.to_vec();

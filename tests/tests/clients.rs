@@ -172,7 +172,7 @@ fn lines_of_numbers(output: &std::process::Output) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn two_laws_in_one_c_program_are_told_apart_by_name() {
+fn two_laws_in_one_c_program_are_distinguished_by_name() {
     for library in [&["linear_elastic", "j2_plasticity"][..], &["pullout_laws"]] {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let program = folder.path().join("two_laws");

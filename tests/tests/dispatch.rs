@@ -1,4 +1,4 @@
-//! `libpullout_laws.so`: one `umat_` for all laws; CMNAME tells them apart.
+//! `libpullout_laws.so`: one `umat_` for all laws; CMNAME selects one.
 
 use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, sample, shipped_laws, strain_path};
 use umat_abi::batch::UmatBatch;
@@ -89,7 +89,7 @@ fn each_name_runs_its_own_law() {
             padded(&format!("{upper}-MATRIX_2")),
             padded(&format!("  {upper}")),
             format!("{upper}\0").into_bytes(),
-            upper.clone().into_bytes(), // a length that tells where it ends, and nothing behind it
+            upper.clone().into_bytes(), // a length gives the end, and nothing follows
         ];
         for spelling in spellings {
             let found = run(&library, law, Some(&spelling)).output_bits();

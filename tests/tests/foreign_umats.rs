@@ -1,4 +1,4 @@
-//! UMATs in Fortran and C, compiled here, beside the plugin of the same law: our host drives both along one path.
+//! UMATs in Fortran and C, compiled here, and the plugin of the same law: our host drives both along one path.
 
 use end_to_end_tests::{Tool, difference, find, plugin, run, strain_path, workspace, worst};
 use std::path::PathBuf;

@@ -1,5 +1,5 @@
-//! The utility routines against their manual's definitions, called as Fortran calls them: everything by reference, the
-//! CHARACTER lengths behind. (From Fortran itself, and what they print: `driver/tests/foreign/utilities.rs`.)
+//! The utility routines against their manual's definitions, called as Fortran calls them: everything by reference, then the
+//! CHARACTER lengths. (From Fortran itself, and what they print: `driver/tests/foreign/utilities.rs`.)
 
 use end_to_end_tests::{Random, Tool, find, plugin, run};
 use libloading::Library;
@@ -250,7 +250,7 @@ fn rotsig_turns_a_tensor() {
         assert_eq!(turned(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], &quarter, lstr, 3, 3), [2.0, 1.0, 3.0, -4.0, -6.0, 5.0]);
         assert_eq!(turned(&[1.0, 2.0, 4.0], &quarter, lstr, 2, 1), [2.0, 1.0, -4.0]);
     }
-    // any rotation about axis 3, which serves all sizes: R S Rᵀ written out
+    // any rotation about axis 3, which works for all sizes: R S Rᵀ written out
     let (sine, cosine) = 0.7_f64.sin_cos();
     let r = [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]];
     for_each_tensor(|tensor, lstr, ndi, nshr| {

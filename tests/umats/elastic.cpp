@@ -1,5 +1,5 @@
 // Isotropic elasticity in C++ as ABAQUS wants it: FOR_NAME and extern "C". PROPS: E, nu; NDI = 3.
-// An inline function's static variable is a "unique" symbol, shared across libraries unless the compiler is told not to.
+// An inline function's static variable is a "unique" symbol, shared across libraries unless a compiler flag prevents that.
 #include <omi_for_c.h>
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 /* Prints every argument of UMAT, UINTER and FRIC as it comes in: one line per call, NAME=value,value,… NAME=….
    Elastic, so that a path can be driven: E = PROPS(1), nu = 0. PROPS(2) of UMAT: how many field variables there are,
-   which no argument tells; 1 without it. What a host must keep is changed in every call: STATEV(1)
+   which no argument gives; 1 without it. What a host must keep is changed in every call: STATEV(1)
    and the energies count, LOPENCLOSE and LSTATE become 1 and 2. */
 #include <stddef.h>
 #include <stdio.h>

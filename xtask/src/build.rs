@@ -4,18 +4,18 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Package and name of the program, whose dependencies the plugins are, and of Python's extension, which holds it.
+/// Package and name of the program, which depends on the plugins.
 const PROGRAM: [&str; 2] = ["driver", "pullout"];
+/// Package and name of Python's extension, which contains the program.
 const EXTENSION: [&str; 2] = ["pullout-python", "_core"];
 /// The package of all laws in one library, whose examples are the libraries for Kratos.
 pub const ALL_LAWS: &str = "pullout_laws";
 /// The folders of the plugins and of the utility routines.
 const LIBRARIES: [&str; 2] = ["/models/plugins/", "/umat-abi/"];
-/// The profile of what is for others. What is built of another profile is for tests.
+/// The profile for distribution. Builds with another profile are for tests.
 pub const FOR_OTHERS: &str = "dist";
 
-/// The target of what is to run with older C libraries than this machine's, and the variables that name the target's linker and its
-/// compiler of C.
+/// The target for older C libraries than this machine's, and the variables that name the target's linker and C compiler.
 #[cfg(target_arch = "aarch64")]
 const OLDER: [&str; 3] =
     ["aarch64-unknown-linux-gnu", "CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", "CC_aarch64_unknown_linux_gnu"];
@@ -43,13 +43,13 @@ pub struct Products {
 /// machine's.
 ///
 /// # Errors
-/// In words: Cargo cannot be started, or the build fails (it has said why), or makes no program.
+/// A message: Cargo cannot be started, or the build fails (Cargo has printed why), or makes no program.
 pub fn build(workspace: &Path, profile: &str, wheel: bool, linker: Option<&Path>) -> Result<Products, String> {
     let [package, name] = if wheel { EXTENSION } else { PROGRAM };
     products(&messages(workspace, profile, package, linker)?, name)
 }
 
-/// Lets a build of Cargo's link by a linker for older Linux. Builds that name it alike find what others have made.
+/// Makes a Cargo build use a linker for older Linux. Builds that name the linker alike share their products.
 pub fn link_by(command: &mut Command, linker: &Path) {
     let [target, of_rust, of_c] = OLDER;
     command.args(["--target", target]).envs([of_rust, of_c].map(|name| (name, linker)));
@@ -82,7 +82,7 @@ fn messages(workspace: &Path, profile: &str, package: &str, linker: Option<&Path
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Reads Cargo's messages, one JSON object a line: those of artifacts.
+/// Reads the messages about artifacts from Cargo's messages, one JSON object per line.
 fn artifacts(messages: &str) -> Result<Vec<Value>, String> {
     let mut artifacts = Vec::new();
     for line in messages.lines() {
@@ -109,7 +109,7 @@ fn libraries(messages: &str, kind: &str) -> Result<Vec<PathBuf>, String> {
     Ok(libraries)
 }
 
-/// The program or the extension, by its name, the plugins, and the libraries for Kratos.
+/// Returns the program or the extension (by its name), the plugins, and the libraries for Kratos.
 fn products(messages: &str, name: &str) -> Result<Products, String> {
     let artifacts = artifacts(messages)?;
     let program = artifacts.iter().find(|artifact| artifact["target"]["name"] == name);

@@ -11,13 +11,13 @@ const DESCRIPTION: &str = "constitutive laws as UMAT plugins, and fibre pull-out
  and mixed paths, checks them, and pulls fibres out of concrete with them. The
  laws come as libraries for ABAQUS, Kratos, OOFEM and programs of one's own.";
 
-/// Licences as Debian wants them, beside those that `install` puts.
+/// Licences as Debian wants them, in addition to those that `install` copies.
 const COPYRIGHT: &str = include_str!("../templates/copyright");
 
 /// Makes the package in `folder`; the result is its file. `dpkg-deb` does it.
 ///
 /// # Errors
-/// In words.
+/// A message.
 pub fn make(workspace: &Path, products: &Products, profile: &str, folder: &Path) -> Result<PathBuf, String> {
     let within = |file: &Path, error: std::io::Error| format!("{}: {error}", file.display());
     let tree = folder.join("pullout.tree");

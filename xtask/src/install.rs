@@ -9,8 +9,7 @@ use std::process::{Command, Stdio};
 /// The name under which ABAQUS/Standard finds user subroutines in `usub_lib_dir`.
 const ABAQUS_LIBRARY: &str = "libstandardU.so";
 
-/// Suffix that tells the libraries for Kratos from the others where Cargo builds them; a folder does where they are
-/// installed.
+/// Suffix of the libraries for Kratos where Cargo builds them. Where they are installed, they have a folder of their own.
 const KRATOS_SUFFIX: &str = "_kratos";
 
 /// Command by which the program writes its manual pages and completions below `share`.
@@ -31,22 +30,22 @@ const SOURCES: [(&str, &str); 4] = [
     ("share/doc/pullout/LICENSE-APACHE", "LICENSE-APACHE"),
 ];
 
-/// Where the workspace's cases are put: `pullout examples` looks there.
+/// Folder for the cases of the workspace: `pullout examples` searches it.
 const CASES: &str = "share/pullout/cases";
 
-/// The licences of others, and the list of what is from others.
+/// Third-party licences, and the list of third-party packages.
 const LICENCES: &str = "share/doc/pullout/THIRD-PARTY.txt";
 const BILL: &str = "share/doc/pullout/pullout.cdx.json";
 
-/// Puts everything under the prefix; the result is the files, in the order in which they were written.
+/// Installs everything under the prefix. Returns the files in the order in which they were written.
 ///
 /// # Errors
-/// In words, with the file.
+/// A message with the file.
 pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<Vec<PathBuf>, String> {
     let program = prefix.join("bin").join(name(&products.program)?);
     copy(&products.program, &program)?;
     let mut files = vec![program];
-    files.extend(beside_the_program(workspace, products, prefix)?);
+    files.extend(all_but_the_program(workspace, products, prefix)?);
     let mut put = |from: &Path, to: PathBuf| copy(from, &to).map(|()| files.push(to));
     // the laws once more as ABAQUS and Kratos want them
     let plugins = plugins(prefix);
@@ -62,16 +61,16 @@ pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<V
     Ok(files)
 }
 
-/// Where laws are put.
+/// Returns the folder for laws.
 fn plugins(prefix: &Path) -> PathBuf {
     prefix.join("lib").join("pullout")
 }
 
-/// Puts what belongs to every installation under the prefix: laws, headers, licences; the result is the files.
+/// Installs the parts of every installation under the prefix: laws, headers, licences. Returns the files.
 ///
 /// # Errors
 /// As of [`install`].
-pub fn beside_the_program(workspace: &Path, products: &Products, prefix: &Path) -> Result<Vec<PathBuf>, String> {
+pub fn all_but_the_program(workspace: &Path, products: &Products, prefix: &Path) -> Result<Vec<PathBuf>, String> {
     let mut files = Vec::new();
     let mut put = |from: &Path, to: PathBuf| copy(from, &to).map(|()| files.push(to));
     for library in &products.libraries {
@@ -98,8 +97,8 @@ pub fn beside_the_program(workspace: &Path, products: &Products, prefix: &Path) 
     Ok(files)
 }
 
-/// Lets a program write its manual pages and the shells' completions into a folder beside `share`, and puts them there;
-/// the result is the files, sorted.
+/// Lets a program write its manual pages and shell completions into a folder next to `share`, and moves them there.
+/// Returns the files, sorted.
 ///
 /// # Errors
 /// As of [`install`].
@@ -153,7 +152,7 @@ pub fn copy(from: &Path, to: &Path) -> Result<(), String> {
     write(to, |unfinished| fs::copy(from, unfinished).map(|_| ()))
 }
 
-/// Writes beside the file, then renames: a program that runs from an older installation keeps the library it has
+/// Writes next to the file, then renames: a program that runs from an older installation keeps the library it has
 /// mapped.
 fn write(to: &Path, fill: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<(), String> {
     let mut unfinished = to.as_os_str().to_owned();

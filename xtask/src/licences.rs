@@ -1,4 +1,4 @@
-//! Packages of others in the program and the laws: their licences, collected, and a bill of materials.
+//! Third-party packages in the program and the laws: their collected licences, and a bill of materials.
 
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -21,10 +21,10 @@ pub struct Package {
     texts: Vec<String>,
 }
 
-/// Returns the packages of others that are part of what is built, by name.
+/// Returns the third-party packages that are part of the build, by name.
 ///
 /// # Errors
-/// In words: Cargo's graph cannot be read, or a package has a licence that `deny.toml` does not allow.
+/// A message: Cargo's graph cannot be read, or a package has a licence that `deny.toml` does not allow.
 pub fn packages(workspace: &Path) -> Result<Vec<Package>, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
@@ -78,7 +78,7 @@ fn linked(metadata: &Value) -> Vec<Package> {
     found
 }
 
-/// The texts of licences and notices beside a manifest.
+/// Returns the texts of licences and notices next to a manifest.
 fn texts_in(folder: &Path) -> Vec<String> {
     let mut files: Vec<_> = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     files.sort();
@@ -97,7 +97,7 @@ fn allowed(rules: &str) -> Result<BTreeSet<String>, String> {
     Ok(list.split('"').skip(1).step_by(2).map(str::to_owned).collect())
 }
 
-/// Packages whose licence leaves no choice that is allowed.
+/// Returns the packages whose licence offers no allowed choice.
 fn refused(packages: &[Package], allowed: &BTreeSet<String>) -> Vec<String> {
     let is_refused = |package: &&Package| !is_allowed(&package.licence, allowed);
     packages.iter().filter(is_refused).map(|p| format!("{} {} ({})", p.name, p.version, p.licence)).collect()
@@ -151,7 +151,7 @@ fn one(words: &[&str], place: &mut usize, allowed: &BTreeSet<String>) -> bool {
     allowed.contains(&licence)
 }
 
-/// One text of all licences, each with the packages that it is of.
+/// Returns one text of all licences, each with its packages.
 pub fn collected(packages: &[Package]) -> String {
     let mut text = "Pullout has parts of these packages, under their own licences.\n\n".to_owned();
     let mut by_text: BTreeMap<&str, Vec<String>> = BTreeMap::new();

@@ -53,10 +53,10 @@ enum Task {
 /// How the products are built.
 #[derive(Debug, Args)]
 struct Build {
-    /// Cargo profile to build with. Products of profiles other than "dist" are large and not checked: they are for tests.
+    /// Cargo profile to build with. Profiles other than "dist" are for tests: their products are large and not checked.
     #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
     profile: String,
-    /// Link with zig, for Linux from 2014 on (glibc 2.17, manylinux2014): the Python has maturin and ziglang.
+    /// Link with zig, for Linux from 2014 on (glibc 2.17, manylinux2014). The Python needs maturin and ziglang.
     #[arg(long)]
     zig: bool,
     /// The Python that has the tools.

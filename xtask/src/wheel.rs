@@ -9,13 +9,13 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Where the wheel is made, in the workspace; `python/pyproject.toml` takes the files to be installed from there.
+/// Folder in the workspace where the wheel is made. `python/pyproject.toml` takes the files to install from there.
 const FOLDER: &str = "target/wheel";
 /// Folder of files that Python's installers put under the prefix, and with the programs.
 const DATA: &str = "pullout_fe.data";
 /// The program, in the workspace.
 const PROGRAM: &str = "python/pullout";
-/// The extension, below a folder where Python looks for modules.
+/// Path of the extension below a folder that Python searches for modules.
 const EXTENSION: &str = "pullout_fe/_core.abi3.so";
 /// A wheel should have no more: it is refused by nobody, but waited for by everybody.
 const BYTES: u64 = 12_000_000;
@@ -26,7 +26,7 @@ const BYTES: u64 = 12_000_000;
 /// `maturin build`.
 ///
 /// # Errors
-/// In words; what a tool has said about it is on the standard error.
+/// A message; the output of a tool is on the standard error.
 pub fn make(workspace: &Path, how: &Build, maturin: &[String]) -> Result<PathBuf, String> {
     let Build { profile, python, .. } = how;
     if !has(python, "maturin") {
@@ -40,7 +40,7 @@ pub fn make(workspace: &Path, how: &Build, maturin: &[String]) -> Result<PathBuf
     let linker = how.linker(workspace)?;
     let products = build::build(workspace, profile, true, linker.as_deref())?;
     let data = folder.join(DATA).join("data");
-    install::beside_the_program(workspace, &products, &data)?;
+    install::all_but_the_program(workspace, &products, &data)?;
     let (program, modules) = (folder.join(DATA).join("scripts/pullout"), folder.join("modules"));
     install::copy(&workspace.join(PROGRAM), &program)?;
     install::copy(&products.program, &modules.join(EXTENSION))?;
@@ -85,7 +85,7 @@ fn audit(wheel: &Path, python: &Path) -> Result<(), String> {
         eprintln!("warning: that is more than {:.0} MB", BYTES as f64 / 1e6);
     }
     if has(python, "auditwheel") {
-        // "is consistent with the following platform tag: manylinux_…"; maturin does not look at the libraries beside
+        // "is consistent with the following platform tag: manylinux_…"; maturin does not check the libraries next to
         let output = Command::new(python).args(["-m", "auditwheel", "show"]).arg(wheel).output();
         let output = output.map_err(|error| format!("auditwheel: {error}"))?;
         let words = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -100,7 +100,7 @@ fn audit(wheel: &Path, python: &Path) -> Result<(), String> {
 
 /// Compares the platform in a wheel's name with what auditwheel says of its libraries.
 fn tag_is_kept(name: &str, words: &str) -> Result<(), String> {
-    /// The C library's version of the first tag.
+    /// Returns the version of the C library in the first tag.
     fn glibc(text: &str) -> Option<[u32; 2]> {
         let (_, behind) = text.split_once("manylinux_")?;
         let mut numbers = behind.split('_').map(|number| number.parse().ok());
@@ -119,16 +119,16 @@ fn tag_is_kept(name: &str, words: &str) -> Result<(), String> {
 /// --zig` calls it, which names another linker than `cargo zigbuild`: each would build everything again.
 ///
 /// # Errors
-/// In words: the Python has no zig, or the file cannot be written.
+/// A message: the Python has no zig, or the file cannot be written.
 pub fn linker(workspace: &Path, python: &Path) -> Result<PathBuf, String> {
     let scripts = "import ziglang, sysconfig; print(sysconfig.get_path('scripts'), end='')";
-    let told = Command::new(python).args(["-c", scripts]).stderr(Stdio::null()).output();
-    let told = told.map_err(|error| format!("{}: {error}", python.display()))?;
-    if !told.status.success() {
+    let output = Command::new(python).args(["-c", scripts]).stderr(Stdio::null()).output();
+    let output = output.map_err(|error| format!("{}: {error}", python.display()))?;
+    if !output.status.success() {
         return Err(format!("{} has no zig: pip install ziglang", python.display()));
     }
     // maturin looks for the Python that has zig there
-    let scripts = String::from_utf8_lossy(&told.stdout);
+    let scripts = String::from_utf8_lossy(&output.stdout);
     let text = format!(
         "#!/bin/sh\nPATH='{scripts}':$PATH\nexec maturin zig cc -- -g -fno-sanitize=all -target {}-linux-gnu.2.17 \"$@\"\n",
         std::env::consts::ARCH
@@ -147,7 +147,7 @@ fn has(python: &Path, module: &str) -> bool {
     found.is_ok_and(|status| status.success())
 }
 
-/// Runs a tool that prints to the standard error: the standard output is the wheel's name.
+/// Runs a tool with its output on the standard error, because the standard output is the wheel's name.
 fn run(command: &mut Command, name: &str) -> Result<(), String> {
     let ended =
         command.stdout(std::io::stderr()).status().map_err(|error| format!("{name} does not start: {error}"))?;

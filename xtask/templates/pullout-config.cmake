@@ -1,7 +1,7 @@
 # Pullout @VERSION@: find_package(pullout CONFIG)
 #
 #   pullout::headers          pullout_umat.h
-#   pullout::pullout_laws     all laws behind one umat_, uinter_ and fric_; CMNAME tells them apart
+#   pullout::pullout_laws     all laws with one umat_, uinter_ and fric_; CMNAME selects the law
 #   pullout::<law>            the library of one law
 #                             both: <law>_umat_ (_uinter_, _fric_), <law>_umat_kratos_, <law>_umat_batch_v1, <law>_plugin_v1
 #   pullout_PLUGIN_DIR        the folder of the libraries

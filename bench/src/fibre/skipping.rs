@@ -17,7 +17,7 @@ const QUICK_END: f64 = 0.002;
 /// Number of turns of each way.
 const ROUNDS: usize = 3;
 
-/// Items that are skipped: their name, in words of the case, and for the picture those that are not skipped.
+/// Skipped items: their name, how a case writes them, and the items that are not skipped, for the picture.
 const WAYS: [(&str, &str, &str); 6] = [
     ("everything", "\"all\"", "none"),
     ("all but unchanged elements", "{\"unchanged_elements\":false}", "elements"),

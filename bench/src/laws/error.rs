@@ -3,8 +3,8 @@
 use super::path::Components;
 use crate::slope::exponent;
 
-/// Rounding error that an exact result may have, relative to the largest stress of a path: a good implementation in
-/// double precision is this close to 40 digits.
+/// Rounding error that is accepted for an exact result, relative to the largest stress of a path: a good implementation in
+/// double precision is this close to a result with 40 digits.
 pub const ROUND_OFF: f64 = 1e-13;
 
 /// The largest entry.

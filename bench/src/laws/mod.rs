@@ -86,7 +86,7 @@ impl Counts {
     }
 }
 
-/// All laws on all paths.
+/// Measures all laws on all paths.
 pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
     let subjects = subjects();
     let counts = Counts::new(settings.quick);

@@ -44,7 +44,7 @@ fn reaction(text: &str, component: usize) -> Option<f64> {
     forces.last()
 }
 
-/// Iterations in all, from the job's `.cvg` file; 0 if it tells none.
+/// Returns the total number of iterations from the job's `.cvg` file; 0 if it lists none.
 fn iterations(folder: &Path) -> u64 {
     let text = std::fs::read_to_string(folder.join("job.cvg")).unwrap_or_default();
     let rows =

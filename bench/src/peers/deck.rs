@@ -142,7 +142,7 @@ const TENSION_AND_CLEARANCE: [f64; 2] = [1.0, 1e-3];
 /// Coefficient of friction, and stiffness of sticking, MPa/mm: a hundredth of the penalty.
 const FRICTION: [f64; 2] = [0.3, 0.01 * NORMAL_PENALTY];
 
-/// The drag-out strip: node-to-surface penalty contact with friction.
+/// Writes the drag-out strip: node-to-surface penalty contact with friction.
 pub fn strip(model: &Model) -> Result<String, BenchError> {
     let [pair] = &model.contacts[..] else { return Err(unknown("anything but one pair of surfaces")) };
     let mut text = bodies(model)? + &supports(model);

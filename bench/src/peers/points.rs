@@ -201,7 +201,7 @@ impl ComparedLaw {
     fn run_whole(&self, case: &Path, settings: &Settings, folder: &Path) -> Result<(), BenchError> {
         let program = std::env::current_exe()?.with_file_name("pullout");
         if !program.is_file() {
-            let words = format!("{}: there is no pullout beside this program: cargo build --release", self.plugin);
+            let words = format!("{}: no pullout next to this program; run `cargo build --release`", self.plugin);
             return Err(BenchError::Failed(words));
         }
         let mut command = Command::new(program);

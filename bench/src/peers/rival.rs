@@ -46,7 +46,7 @@ pub struct Installed {
 }
 
 impl Rival {
-    /// `None`: there is no such Python, or it does not have this one.
+    /// Finds the installed program. `None`: there is no such Python, or it does not have this program.
     pub fn find(&'static self, python: Option<&Path>) -> Option<Installed> {
         let python = python.unwrap_or(Path::new("python3")).to_owned();
         let name = self.name;

@@ -1,12 +1,12 @@
-//! The greatest memory that the process has held.
+//! The peak memory of the process.
 
-/// Forgets what was held before. Where the kernel has no such books, [`peak`] tells nothing.
+/// Resets the peak of the memory. If the kernel does not record it, [`peak`] is meaningless.
 pub fn forget_peak() {
-    // the file is written for what that does; a kernel that refuses keeps the greatest of all runs
+    // writing to the file resets the peak; if the kernel refuses, the peak remains that of all runs
     let _ = std::fs::write("/proc/self/clear_refs", "5");
 }
 
-/// The greatest resident memory since [`forget_peak`], MB.
+/// Returns the largest resident memory since [`forget_peak`], MB.
 pub fn peak() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

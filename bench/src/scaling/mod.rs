@@ -9,7 +9,7 @@ use super::runs::{Ran, run};
 use super::timing::median;
 use super::{BenchError, Settings};
 
-/// The plate with a hole, as it is pulled beside CalculiX.
+/// The plate with a hole, as in the comparison with CalculiX.
 const PLATE: &str = include_str!("../../../cases/benchmark/plate-with-hole.json");
 /// Number of elements.
 const CELLS: [usize; 6] = [170, 500, 1_600, 5_000, 16_000, 33_500];
@@ -103,7 +103,7 @@ struct Job {
     family: Family,
     setting: String,
     seconds: Vec<f64>,
-    /// The run that the clock found the fastest: its split is disturbed the least.
+    /// The fastest run by the clock: its breakdown is disturbed the least.
     best: Option<Ran>,
     peak_memory: Option<f64>,
 }

@@ -16,7 +16,7 @@ use progress::Progress;
 /// States of each form of a law and each stress state, unless the user says how many.
 const STATES: u64 = 1_000_000;
 const QUICK_STATES: u64 = 1000;
-/// `--quick` runs one variation of the specimens in so many.
+/// With `--quick`, one variation of the specimens in this many is run.
 const QUICK_STRIDE: usize = 12;
 
 /// A line of the one table.

@@ -58,9 +58,9 @@ fn a_run_over_the_limit_is_given_up_and_named() {
         assert_eq!((row.excluded, row.failed), (1, 0), "{row:?}");
         assert!(row.note.starts_with("over the limit after 2 increments and "), "{row:?}");
     }
-    let told = specimens::exceptions(&runs);
-    assert_eq!(told.len(), rows.len());
-    assert!(told[0].contains(&rows[0].note), "{told:?}");
+    let exceptions = specimens::exceptions(&runs);
+    assert_eq!(exceptions.len(), rows.len());
+    assert!(exceptions[0].contains(&rows[0].note), "{exceptions:?}");
     let header = "specimen,varied,from,to,variations,reached,refused,stopped,out of balance,over the limit,known limit";
     assert!(specimens::summary(&runs).csv().starts_with(header));
 }

@@ -52,7 +52,7 @@ fn family<V: ToString>(
     Family { name, variations: values.into_iter().map(variation).collect() }
 }
 
-/// Powers of ten with a mantissa.
+/// Returns powers of ten with a mantissa.
 fn decades(mantissas: &[&str], exponents: std::ops::RangeInclusive<i32>) -> Vec<String> {
     exponents.flat_map(|k| mantissas.iter().map(move |mantissa| format!("{mantissa}e{k}"))).collect()
 }
@@ -62,7 +62,7 @@ fn key(name: &'static str) -> impl Fn(&str) -> Vec<String> {
     move |value| vec![format!("{name}={value}")]
 }
 
-/// Increments of the same size throughout, over as many decades.
+/// Returns increments of constant size, over this many decades.
 fn increments(name: &'static str, count: i32) -> Family {
     family(name, decades(&["1", "3"], -count..=-1).into_iter().chain(["1".into()]), |value| {
         vec![

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use umat_abi::host::{CallOutcome, Library, UmatCall};
 use umat_abi::law::{Request, StressState};
 
-/// Points of a batch: their arrays fit into the nearest caches.
+/// Number of points of a batch: their arrays fit into the nearest caches.
 pub(super) const POINTS: usize = 128;
 const NTENS: usize = 6;
 /// Increments before the measured one; the same path for all, in directions of their own.

@@ -1,4 +1,4 @@
-//! Updates per second: of one core and of all, with and without tangent, one by one and in batches.
+//! Measures updates per second on one core and on all, with and without tangent, one by one and in batches.
 
 mod batch;
 mod cores;

@@ -1,4 +1,4 @@
-//! Plugins in words: what `pullout plugin info` prints.
+//! Describes plugins: the text that `pullout plugin info` prints.
 
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{self, End, Need, Passage, Watch, Work};
@@ -67,7 +67,7 @@ fn routines(library: &Library) -> String {
     if names.is_empty() { String::new() } else { format!("Other routines: {}\n", names.join(", ")) }
 }
 
-/// Parameters, states and claims of a law, with an empty line behind them.
+/// Returns the parameters, states and claims of a law, followed by an empty line.
 fn of_law(law: &LawDescription, path: &Path) -> String {
     let mut text = format!("{} {}: {}\n{}\n", law.name, law.version, law.description, path.display());
     let modes: Vec<_> = match law.kinds & kinds::UMAT {
@@ -125,11 +125,11 @@ impl Work for Subject {
 }
 
 impl Subject {
-    /// Tells [`as_json`].
+    /// Sends [`as_json`] to the process that asked.
     ///
     /// # Errors
     /// The library cannot be loaded.
-    pub fn tell(&self) -> Result<(), LoadError> {
+    pub fn send(&self) -> Result<(), LoadError> {
         isolation::send(&loaded(&self.library)?);
         Ok(())
     }

@@ -14,7 +14,7 @@ use std::path::{Path, absolute};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// A child that was told to end has so long to finish its increment and its results, then again to end at once.
+/// Time that a child has to finish its increment and its results after it was asked to end; then again to end at once.
 const PATIENCE: Duration = Duration::from_millis(500);
 
 pub(super) fn run(source: &CaseSource, settings: Settings) -> Result<Outcome, Error> {
@@ -22,7 +22,7 @@ pub(super) fn run(source: &CaseSource, settings: Settings) -> Result<Outcome, Er
     let Settings { threads, stop, records, mut columns, mut listener, fields, .. } = settings;
     let folder = absolute(fields.unwrap_or_else(|| passing.path().join("out")))?;
     let options = Options { threads, record_increments: records, quiet: true, ..Options::default() };
-    let job = Job { keep: Keep::Passing, tells_rows: listener.is_some(), ..Job::new(placed(source)?, folder, options) };
+    let job = Job { keep: Keep::Passing, sends_rows: listener.is_some(), ..Job::new(placed(source)?, folder, options) };
     let mut child = start(&job, source)?;
     let mut refused = None;
     let is_stopped = || stop.load(Ordering::Relaxed);
@@ -48,24 +48,24 @@ pub(super) fn run(source: &CaseSource, settings: Settings) -> Result<Outcome, Er
     })
 }
 
-/// Checks a case in a child; the columns of its rows, unless a plugin ended the process.
+/// Checks a case in a child. Returns the columns of its rows, or `None` if a plugin ended the process.
 pub(super) fn columns(source: &CaseSource) -> Result<Option<Vec<String>>, CaseErrors> {
     let wrong = |problems| CaseErrors { file: source.file.clone(), problems };
     let ask = || -> io::Result<Vec<Message>> {
         let inspection = Inspection { case: placed(source)?, quiet: true, before_run: true };
-        let mut told = Vec::new();
-        start(&inspection, source)?.wait(&|| None, None, &mut |messages| told.extend(messages))?;
-        Ok(told)
+        let mut received = Vec::new();
+        start(&inspection, source)?.wait(&|| None, None, &mut |messages| received.extend(messages))?;
+        Ok(received)
     };
-    let told = ask().map_err(|error| wrong(vec![CaseProblem::unreadable(error.to_string())]))?;
-    told.into_iter().try_fold(None, |columns, message| match message {
+    let received = ask().map_err(|error| wrong(vec![CaseProblem::unreadable(error.to_string())]))?;
+    received.into_iter().try_fold(None, |columns, message| match message {
         Message::Columns(names) => Ok(Some(names)),
         Message::Row(_) => Ok(columns),
         Message::Refused(problems) => Err(wrong(problems)),
     })
 }
 
-/// Starts a child; that of a document works in the folder in which the document would stand.
+/// Starts a child. For a document without a file, the child works in the folder where the file would be.
 fn start(work: &impl Work, source: &CaseSource) -> io::Result<Child> {
     let folder = Some(input::folder_of(&source.file)).filter(|folder| !folder.as_os_str().is_empty());
     Child::start(work, folder.filter(|_| source.document.is_some()))

@@ -40,7 +40,7 @@ fn extent(case: &Case) -> Extent {
     }
 }
 
-/// Returns what is said of a run that was told to end at a place.
+/// Returns the message about a run that was asked to end, with the place it had reached.
 pub fn interrupted(place: &str, has_checkpoints: bool) -> String {
     let Some(signal) = signals::received() else { return format!("asked to end after {place}") };
     let go_on = if has_checkpoints { "; --restart goes on from its last checkpoint" } else { "" };
@@ -104,8 +104,8 @@ fn carry_out<'c>(
     Ok(Ended { record, summary, specimen, replay, increments, unwritten })
 }
 
-/// Hands rows on to the process that started this one.
-fn teller(columns: Vec<String>) -> pullout_report::progress::Listener {
+/// Returns a listener that sends rows to the process that started this one.
+fn row_sender(columns: Vec<String>) -> pullout_report::progress::Listener {
     send(&Message::Columns(columns));
     Box::new(|part, row| {
         let place = [row.step, row.increment].map(f64::from);
@@ -138,8 +138,8 @@ pub fn run_into(
     let columns = case.columns();
     let history = folder.join("history.csv");
     worker::note_start();
-    let progress = match job.tells_rows {
-        true => Progress::to(Some(teller(columns.clone())), extent(case)),
+    let progress = match job.sends_rows {
+        true => Progress::to(Some(row_sender(columns.clone())), extent(case)),
         false => Progress::of(case, extent(case), job.options.quiet),
     };
     let mut record = match kept {
@@ -219,7 +219,7 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
         threads: Threads::new(threads).map_err(io::Error::other)?,
         folder: fields.as_deref(),
         checkpoints: &Checkpoints::default(),
-        // what is drawn is told of while the run goes on
+        // pictures need states that are reported during the run
         pictures: views,
         keeps_trail: records,
         along,

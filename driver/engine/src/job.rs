@@ -1,4 +1,4 @@
-//! Runs and checks as one process asks another for them, and what it hears.
+//! Runs and checks that one process asks of another, and the messages it gets back.
 
 use super::CaseSource;
 use pullout_case::CaseProblem;
@@ -32,7 +32,7 @@ pub struct Options {
     pub echo: bool,
 }
 
-/// Number of threads.
+/// Parses a number of threads.
 fn at_least_one(text: &str) -> Result<NonZeroUsize, String> {
     text.parse().map_err(|_| "a number from 1 on is needed".into())
 }
@@ -57,22 +57,22 @@ pub struct Job {
     /// The result directory.
     #[serde(with = "isolation::path")]
     pub folder: PathBuf,
-    /// Results that are wanted.
+    /// Results to write.
     pub keep: Keep,
     /// Options.
     pub options: Options,
-    /// Whether it goes on with the run that was interrupted in the folder.
+    /// Whether the interrupted run in the folder is continued.
     pub goes_on: bool,
-    /// Whether columns, and now and then the present row, are told ([`Message`]).
-    pub tells_rows: bool,
-    /// What is known of a run that was ended from outside: nothing is run, results are made of its rows.
+    /// Whether the columns, and from time to time the current row, are sent ([`Message`]).
+    pub sends_rows: bool,
+    /// What is known of a run that was ended from outside. If it is given, nothing is run: results are made from its rows.
     pub aftermath: Option<Aftermath>,
 }
 
 impl Job {
     /// A run with all results.
     pub fn new(case: CaseSource, folder: PathBuf, options: Options) -> Self {
-        Self { case, folder, keep: Keep::All, options, goes_on: false, tells_rows: false, aftermath: None }
+        Self { case, folder, keep: Keep::All, options, goes_on: false, sends_rows: false, aftermath: None }
     }
 }
 
@@ -85,9 +85,9 @@ impl Work for Job {
 pub struct Inspection {
     /// The case.
     pub case: CaseSource,
-    /// Whether nothing is said but errors.
+    /// Whether only errors are printed.
     pub quiet: bool,
-    /// Whether the case is to be run: what belongs to the run is left to it, and the columns are told ([`Message`]).
+    /// Whether the case will be run next. If so, what concerns the run is left to it, and the columns are sent ([`Message`]).
     pub before_run: bool,
 }
 
@@ -99,9 +99,9 @@ impl Work for Inspection {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Message {
-    /// Columns of the rows; of a check those behind step and increment.
+    /// Columns of the rows; for a check, those after step and increment.
     Columns(Vec<String>),
-    /// The part that is done, and the present row with step, increment, values, iterations; `None`: NaN or infinite.
+    /// The fraction done, and the current row: step, increment, values, iterations. `None`: NaN or infinite.
     Row(Vec<Option<f64>>),
     /// Reasons why nothing is run.
     Refused(Vec<CaseProblem>),

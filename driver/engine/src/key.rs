@@ -8,12 +8,12 @@ use std::collections::BTreeMap;
 /// Members of a case that no number depends on.
 const WORDS: [&str; 3] = ["title", "description", "$schema"];
 
-/// A key in the making.
+/// A key under construction.
 #[derive(Clone, Debug)]
 pub struct Key(Sha256);
 
 impl Key {
-    /// Begins the key of a run by the file that computes ([`super::identity`]).
+    /// Begins the key of a run with the identity of the executable ([`super::identity`]).
     pub fn new(engine: [u8; 32]) -> Self {
         Self(Sha256::new().chain_update(engine))
     }
@@ -32,7 +32,7 @@ impl Key {
         self.with(text)
     }
 
-    /// Adds a case but for its words, which change no row.
+    /// Adds a case without its descriptive texts, which change no row.
     #[must_use]
     pub fn with_case(self, mut document: Value) -> Self {
         if let Some(members) = document.as_object_mut() {
@@ -41,7 +41,7 @@ impl Key {
         self.with_value(&document)
     }
 
-    /// The key in hexadecimal digits.
+    /// Returns the key in hexadecimal digits.
     pub fn digits(self) -> String {
         input::hexadecimal(self.0)
     }

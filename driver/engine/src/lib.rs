@@ -41,7 +41,7 @@ pub struct CaseSource {
     /// The case file; of a document the file in which it would stand, by whose folder names in it are resolved.
     #[serde(with = "isolation::path")]
     pub file: PathBuf,
-    /// The document, in place of the file's.
+    /// The document to use instead of the file's.
     pub document: Option<Value>,
     /// Changes, each as `a.b.c=VALUE`.
     pub overrides: Vec<String>,
@@ -63,9 +63,9 @@ pub struct Prepared {
 /// Settings of a run.
 #[derive(Default)]
 pub struct Settings {
-    /// Threads that share the work of a case of kind "pullout"; the results have the same bits with any number.
+    /// Number of threads that share the work of a case of kind "pullout". The results do not depend on it, to the bit.
     pub threads: Option<NonZeroUsize>,
-    /// Ends the run when it is set: within an increment of a point, an iteration of a specimen.
+    /// Ends the run when it is set: within an increment of a point, or an iteration of a specimen.
     pub stop: Arc<AtomicBool>,
     /// Keeps the increments, so that another run can repeat them, and the states of a specimen.
     pub records: bool,
@@ -85,13 +85,13 @@ pub struct Settings {
 /// Results of a run.
 #[derive(Debug)]
 pub struct Outcome {
-    /// All rows by columns; of a case of kind "bridging", its tables beside each other.
+    /// All rows by columns; for a case of kind "bridging", its tables side by side.
     pub history: History,
-    /// Contents of `summary.json`. [`Status::Interrupted`]: the run was told to end.
+    /// Contents of `summary.json`. [`Status::Interrupted`]: the run was asked to end.
     pub summary: Summary,
     /// A case that repeats the increment that failed, or the call that ended the child.
     pub replay: Option<Value>,
-    /// The increments of a run that is done, if they are kept: `"increments": {"recorded": …}` of a case that repeats them.
+    /// The increments of a finished run, if they are kept: `"increments": {"recorded": …}` in a case that repeats them.
     pub increments: Option<Value>,
     /// The states of a specimen whose run is done, if they are kept ([`Settings::along`]); not of a run in a child.
     pub trail: Option<Arc<Trail>>,
@@ -104,7 +104,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Returns whether the run came to its end.
+    /// Returns whether the run reached its end.
     pub fn is_done(&self) -> bool {
         self.summary.status == Status::Done
     }
@@ -124,13 +124,13 @@ pub enum Error {
     /// Processes or files that the system does not give; a child that said why it did not run.
     #[error(transparent)]
     System(#[from] io::Error),
-    /// A child was told to end and had to be ended by force.
+    /// A child was asked to end and had to be ended by force.
     #[error("the run was ended before it had results")]
     Stopped,
 }
 
 impl CaseSource {
-    /// A case file.
+    /// Makes the source of a case file.
     pub fn file(file: &Path) -> Self {
         Self { file: file.into(), ..Self::default() }
     }
@@ -156,12 +156,12 @@ impl CaseSource {
         }
     }
 
-    /// Returns what the case needs a process of its own for, if it does.
+    /// Returns why the case needs a separate process, if it does.
     pub fn need(&self) -> Option<Need> {
         isolation::need(&self.text()?, &self.file, &self.plugin_paths)
     }
 
-    /// Reads and checks the case. One that is not to be run in this process is checked by its run.
+    /// Reads and checks the case. A case that must not run in this process is checked by its run.
     ///
     /// # Errors
     /// Everything that is wrong with it.
@@ -188,7 +188,7 @@ impl CaseSource {
         pullout_case::read_by(self.reader(), &self.file, self.document.clone(), &self.overrides)
     }
 
-    /// Makes a reader for the file, or for what stands beside it.
+    /// Makes a reader for the file, or for the document that replaces it.
     pub fn reader(&self) -> Reader<'_> {
         Reader::new(input::folder_of(&self.file), &self.plugin_paths, self.is_untrusted)
     }
@@ -201,14 +201,14 @@ impl CaseSource {
         files.extend(libraries.unwrap_or_else(of_need));
         files.sort();
         files.dedup();
-        // one that cannot be read is told of by the run
+        // the run reports a file that cannot be read
         let hash = |file: &PathBuf| input::hash(file, Input::Mesh).unwrap_or_default();
         let key = Key::new(identity().unwrap_or_default());
         files.iter().fold(key, |key, file| key.with(hash(file))).with_case(document).digits()
     }
 
-    /// Checks the case, in the process that its run takes place in, and returns the columns of its rows behind step and
-    /// increment; `None`: the plugin ended the process, as it would the run.
+    /// Checks the case in the process in which it will run, and returns the columns of its rows after step and
+    /// increment. `None`: the plugin ended the process, as it would end the run.
     ///
     /// # Errors
     /// Everything that is wrong with it.
@@ -226,7 +226,7 @@ impl Prepared {
         self.case.as_deref()
     }
 
-    /// Runs the case. A run that fails is an outcome with what it reached.
+    /// Runs the case. A failed run is an outcome with the results so far.
     ///
     /// Plugins with automatic arrays need a stack of [`pullout_run::PLUGIN_STACK`] on the calling thread.
     ///

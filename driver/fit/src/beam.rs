@@ -1,4 +1,4 @@
-//! `pullout fit beam`: σ(w) behind the test of a notched beam, and the bond behind σ(w).
+//! `pullout fit beam`: identifies σ(w) from the test of a notched beam, and the bond from σ(w).
 //!
 //! ```text
 //! CSV ── rigid hinge (start) ── hinge model, L-curve ── σ(w), E, f_t ± error ── τ and f ± error ── output
@@ -19,7 +19,7 @@ pub use output::{describe, write};
 
 /// Columns of strengths.
 const STRENGTHS: [&str; 5] = ["f_L", "f_R1", "f_R2", "f_R3", "f_R4"];
-/// Openings whose σ_f the bond is sought from, mm: what the matrix carries is spent, and the test tells them.
+/// Openings whose σ_f determines the bond, mm. The matrix no longer carries stress there, and the test covers them.
 const BOND_OPENINGS: [f64; 6] = [0.3, 0.6, 1.0, 1.5, 2.0, 2.5];
 /// Points of the computed curve and of the case's own law.
 const POINTS: usize = 160;
@@ -85,10 +85,10 @@ pub struct BeamFit {
 /// Names of quantities with their units.
 pub type Names = &'static [(&'static str, &'static str)];
 
-/// What a test tells of the bond.
+/// The bond that a test determines.
 #[derive(Clone, Debug)]
 pub struct FittedBond {
-    /// Names and units of what was sought: τ and, where the test tells it, f; or the factor on a table's loads.
+    /// Names and units of the fitted quantities: τ and, if the test determines it, f; or the factor on a table's loads.
     pub names: Names,
     /// Their values.
     pub fitted: Fitted,
@@ -181,12 +181,12 @@ impl BeamFit {
     fn numbers(&self) -> Vec<(String, &'static str, Estimate)> {
         let stresses = self.full.openings.iter().map(|opening| (format!("sigma({opening})"), "MPa"));
         let names = [("E".to_owned(), "MPa"), ("f_t".to_owned(), "MPa")].into_iter().chain(stresses);
-        let told = names.zip(&self.full.fitted.estimates);
+        let of_law = names.zip(&self.full.fitted.estimates);
         let of_bond =
             |bond: &FittedBond| bond.names.iter().copied().zip(bond.fitted.estimates.clone()).collect::<Vec<_>>();
         let bond = self.bond.iter().flat_map(of_bond).map(|((name, unit), estimate)| (name.to_owned(), unit, estimate));
-        let told = told.map(|((name, unit), estimate)| (name, unit, *estimate));
-        told.chain(bond).collect()
+        let of_law = of_law.map(|((name, unit), estimate)| (name, unit, *estimate));
+        of_law.chain(bond).collect()
     }
 }
 

@@ -59,7 +59,7 @@ pub struct Test {
     pub data: PathBuf,
     /// Columns of the history that it is compared with.
     pub curve: [String; 2],
-    /// Weight of its squares beside those of the other tests.
+    /// Weight of its squares relative to those of the other tests.
     pub weight: f64,
 }
 
@@ -87,7 +87,7 @@ pub struct CaseFit {
     pub estimates: Vec<Estimate>,
     /// Correlation of the numbers.
     pub correlation: DMatrix<f64>,
-    /// Root mean square of the differences: of one test in the unit of the curve, of several as a part of their greatest values.
+    /// Root mean square of the differences: for one test in the unit of the curve, for several as a fraction of their largest values.
     pub rms: f64,
     /// Places that it was searched from, and how many of these searches ended here.
     pub searches: [usize; 2],
@@ -101,7 +101,7 @@ pub struct CaseFit {
     pub tests: Vec<FittedTest>,
 }
 
-/// A test with the numbers that fit best.
+/// A test with the best parameters.
 #[derive(Clone, Debug)]
 pub struct FittedTest {
     /// The case.
@@ -123,7 +123,7 @@ impl FittedTest {
     }
 }
 
-/// Fits cases. `progress` is told the runs so far and the root mean square of the differences.
+/// Fits cases. `progress` receives the number of runs so far and the root mean square of the differences.
 ///
 /// # Errors
 /// Everything that is wrong with the input, one sentence each.
@@ -162,7 +162,7 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         return Err(vec![format!("{file}: no run gives a curve")]);
     };
     let values = fitted.values(&best.coordinates);
-    problem.count_beside();
+    problem.count_derivative_runs();
     let derivatives = fitted.slopes(&values, &best.run);
     let trouble = trouble.or_else(|| derivatives.as_ref().err().cloned());
     // relative changes of the numbers, so that all are of one size
@@ -370,7 +370,7 @@ struct Measured {
 struct Fitted {
     free: Vec<Free>,
     tests: Vec<Measured>,
-    /// Unit in which differences are told, by those whose squares are summed: the scale of a test that is alone.
+    /// Factor from the differences whose squares are summed to those that are reported: the scale of a single test.
     unit: f64,
 }
 
@@ -409,14 +409,14 @@ impl Measured {
             if own[k] + step > free[self.has[k]].bounds[1] { -step } else { step }
         };
         let rows = DVector::from_column_slice(&run.curve);
-        let beside = |own: &[f64], on: Option<&Increments>| {
+        let perturbed = |own: &[f64], on: Option<&Increments>| {
             let mut moved = values.to_vec();
             self.has.iter().zip(own).for_each(|(&k, value)| moved[k] = *value);
             Ok(DVector::from_vec(self.computed(free, &moved, on)?.curve))
         };
         let found = match own.is_empty() {
             true => DMatrix::zeros(rows.len(), 0),
-            false => search::derivatives(&own, &rows, run.increments.as_ref(), step, beside)?,
+            false => search::derivatives(&own, &rows, run.increments.as_ref(), step, perturbed)?,
         };
         let mut slopes = DMatrix::zeros(rows.len(), values.len());
         self.has.iter().zip(found.column_iter()).for_each(|(&k, column)| slopes.set_column(k, &column));
@@ -505,7 +505,7 @@ impl Simulation for Fitted {
     }
 }
 
-/// Values at the points of the data, and what is to be said of these.
+/// Values at the points of the data, and a warning about them.
 type AtData = (Vec<f64>, Option<String>);
 
 /// The second column where the first passes the data's values for the first time, on its way to the farthest of them; of data

@@ -3,9 +3,9 @@
 use pullout_case::CsvFile;
 use std::path::Path;
 
-/// Fewer rows than this cannot tell a bond law from noise.
+/// Smallest number of rows from which a bond law can be distinguished from noise.
 const FEWEST_ROWS: usize = 12;
-/// A slip that falls back by more than this part of the greatest is no scatter: it is unloading.
+/// Fraction of the largest slip. A slip that falls back by more is unloading, not scatter.
 const LARGEST_RETURN: f64 = 0.05;
 /// A load below minus this part of the greatest is no scatter about 0: the signs are wrong.
 const LARGEST_COMPRESSION: f64 = 0.2;

@@ -36,7 +36,7 @@ pub struct TestFibre {
     pub youngs_modulus: f64,
 }
 
-/// Slips at which less than this part of L is left in the matrix say nothing of the bond.
+/// Smallest fraction of L that must still be in the matrix: points at larger slips do not determine the bond.
 const LEAST_EMBEDDED: f64 = 0.02;
 
 /// A mean bond traction at a mean slip.
@@ -72,10 +72,10 @@ impl TestFibre {
             let slip = self.exit_slip(slip, load, at) - load * length / (3.0 * self.axial_stiffness());
             BondPoint { slip, traction: load / (PI * self.diameter * (length - slip)) }
         };
-        let tells = |point: &BondPoint| {
+        let is_usable = |point: &BondPoint| {
             point.slip > 0.0 && point.traction > 0.0 && point.slip < (1.0 - LEAST_EMBEDDED) * length
         };
-        let mut points: Vec<BondPoint> = curve.slips.iter().zip(&curve.loads).map(point).filter(tells).collect();
+        let mut points: Vec<BondPoint> = curve.slips.iter().zip(&curve.loads).map(point).filter(is_usable).collect();
         points.sort_by(|a, b| a.slip.total_cmp(&b.slip));
         points
     }

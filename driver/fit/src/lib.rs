@@ -1,12 +1,13 @@
-//! `pullout fit CASE`: numbers of any case ([`fit_case`]); `pullout fit beam`: σ(w) from the test of a notched beam, and with `pullout fit bond` the bond law behind the load–slip curve of a perpendicular fibre.
+//! Identifies parameters from experiments: `pullout fit CASE` fits parameters of any case ([`fit_case`]), `pullout fit beam` finds
+//! σ(w) from the test of a notched beam, and `pullout fit bond` the bond law from the load–slip curve of a perpendicular fibre.
 //!
 //! ```text
 //! CSV ─ curve ── mean traction against mean slip ── regression ── inverse finite elements ── law ± error ─ output
 //!                     (geometry)                     (6.23, 6.24)     (specimen, simulation, search)   (uncertainty)
 //! ```
 //!
-//! The regressions of the thesis's section 6.2 take the bond as uniform along the fibre. The computed pull-out does not:
-//! what is left between its curve and the measured one moves the law until they agree.
+//! The regressions of the thesis's section 6.2 assume uniform bond along the fibre. The computed pull-out does not: the law is
+//! adjusted until the computed and the measured curve agree.
 
 mod beam;
 mod case;
@@ -124,20 +125,20 @@ pub struct Quality {
     pub r_squared: f64,
 }
 
-/// The search ends when the sum of squares would fall by less than this part,
+/// The search ends when the sum of squares would fall by less than this fraction.
 const SMALLEST_GAIN: f64 = 1e-4;
-/// or the coordinates would move by less than this part.
+/// The search ends when the coordinates would move by less than this fraction.
 const SMALLEST_MOVE: f64 = 1e-4;
-/// The first step is at most this part of the coordinates: the regressions are near.
+/// Largest first step, as a fraction of the coordinates: the regressions are close.
 const FIRST_STEP: f64 = 1.0;
 
-/// Name of the copy of the measured curve beside the cases.
+/// Name of the copy of the measured curve next to the cases.
 pub(crate) const CURVE_FILE: &str = "curve.csv";
 
-/// Fits a curve. `progress` is told the form, the runs so far, and the RMS difference of each law that is tried.
+/// Fits a curve. `progress` receives the form, the number of runs so far, and the RMS difference of each law that is tried.
 ///
 /// # Errors
-/// [`FitError`]; a search that does not come to its end is none: see [`FittedLaw::trouble`].
+/// [`FitError`]. A search that stops early is no error: see [`FittedLaw::trouble`].
 pub fn fit(
     curve: &LoadSlipCurve,
     request: &Request,
@@ -157,12 +158,12 @@ pub fn fit(
             curve,
             weights: &weights,
         };
-        // its problems are told in full
+        // reading it reports all its problems
         pullout_case::read_document(specimen.computed(&start), &specimen.file, &request.plugin_paths)
             .map_err(FitError::Case)?;
         let coordinates = start.coordinates();
         let report = |runs: usize, rms: f64| progress(start.form(), runs, rms);
-        // the derivatives at the end tell the uncertainty
+        // the derivatives at the end give the uncertainty
         let mut search = Search::new(&simulator, request.max_runs, coordinates.len(), &report);
         let no_curve = |message| FitError::Failed(format!("the law of the regression gives no curve: {message}"));
         search.begin(&coordinates).map_err(no_curve)?;
@@ -180,7 +181,7 @@ pub fn fit(
         let has_left = search.runs() + coordinates.len() <= request.max_runs;
         let slopes = has_left.then(|| simulator.slopes(&best.coordinates, &found)).and_then(Result::ok);
         if slopes.is_some() {
-            search.count_beside();
+            search.count_derivative_runs();
         }
         let differences = simulator.off(&found.curve);
         let uncertainty = slopes.map(|slopes| uncertainty::uncertainty(&found.law, &differences, &slopes, &weights));
@@ -241,7 +242,7 @@ fn specimen(curve: &LoadSlipCurve, request: &Request) -> Result<Specimen, FitErr
         None => default_specimen(request).map_err(FitError::Input)?,
         Some(file) => {
             let named = |message: String| FitError::Input(format!("{}: {message}", file.display()));
-            // what is wrong with it is told in full by reading it as it stands
+            // reading the file unchanged reports everything that is wrong with it
             pullout_case::read(file, &[], &request.plugin_paths).map_err(FitError::Case)?;
             let document = pullout_case::document(file, &[]).unwrap_or_default();
             Specimen::own(document, file, request.residual).map_err(named)?

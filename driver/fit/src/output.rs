@@ -23,7 +23,7 @@ mod report;
 
 /// Measured points in a picture: more would be a band.
 pub(crate) const MOST_MARKS: usize = 150;
-/// The picture of the peak ends at so many times its slip.
+/// End of the picture of the peak, as a multiple of the slip at the peak.
 const PEAK_VIEW: f64 = 4.0;
 /// Points of a law's curve.
 const LAW_POINTS: usize = 400;
@@ -76,7 +76,7 @@ pub(crate) fn table<const N: usize>(header: &str, rows: impl IntoIterator<Item =
     std::iter::once(format!("{header}\n")).chain(lines).collect()
 }
 
-/// A law in a few lines for the terminal.
+/// Describes a law in a few lines for the terminal.
 pub fn describe(law: &FittedLaw) -> String {
     let mut text = format!(
         "{}: RMS {} % of the peak (regression alone: {} %), R² {:.5}, {} runs\n",
@@ -110,14 +110,14 @@ fn numbers(law: &FittedLaw) -> Vec<(Quantity, Option<&Estimate>)> {
     quantities.map(|(k, quantity)| (quantity, estimate(k))).collect()
 }
 
-/// Names of the numbers that the curve does not tell.
-fn untold(law: &FittedLaw) -> Vec<String> {
-    let untold = |(quantity, estimate): (Quantity, Option<&Estimate>)| {
+/// Returns the names of the parameters that the curve does not determine.
+fn unidentifiable(law: &FittedLaw) -> Vec<String> {
+    let described = |(quantity, estimate): (Quantity, Option<&Estimate>)| {
         estimate
             .filter(|estimate| !estimate.is_identifiable())
             .map(|estimate| format!("{} (standard error {} of its value)", quantity.name, percent(estimate.relative())))
     };
-    numbers(law).into_iter().filter_map(untold).collect()
+    numbers(law).into_iter().filter_map(described).collect()
 }
 
 pub(crate) fn percent(part: f64) -> String {
@@ -169,7 +169,7 @@ fn form(law: &FittedLaw) -> Value {
     })
 }
 
-/// The standard error in words: nothing may be known of it.
+/// Returns the text of a standard error, which may be unknown.
 pub(crate) fn standard_error(estimate: &Estimate) -> String {
     if estimate.standard_error.is_finite() { significant(estimate.standard_error, 2) } else { "unknown".into() }
 }
@@ -179,7 +179,7 @@ pub(crate) fn rows_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
-/// The curves, those around the peak once more, and the laws.
+/// Returns the figures of the curves, of the curves around the peak, and of the laws.
 fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<Figure> {
     let units = BTreeMap::new();
     let column = request.slip_at.column();

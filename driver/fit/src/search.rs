@@ -1,7 +1,7 @@
 //! Least squares over runs of a simulation by Levenberg and Marquardt's method (the crate `levenberg-marquardt`, after MINPACK).
 //!
-//! Derivatives are differences of runs beside the present one: along its states or on its increments where it has kept them, so that
-//! increments which a run chooses by itself make no steps in them.
+//! Derivatives are finite differences between the current run and runs with perturbed coordinates. If the current run recorded its
+//! states or increments, the others follow them, so that automatic increments cause no jumps in the derivatives.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::storage::Owned;
@@ -11,13 +11,13 @@ use pullout_run::PLUGIN_STACK;
 use serde_json::{Value, json};
 use std::cell::Cell;
 
-/// Relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium.
+/// Relative step of differences. Smaller steps drown in the tolerance of a specimen's equilibrium.
 pub const STEP: f64 = 1e-6;
-/// The difference of every row of coordinates that give no curve, as a part of the greatest value: so far off that the method turns
-/// back and takes a shorter step. Along what a curve does not tell, a step may be of any length.
+/// Difference in every row for coordinates that give no curve, as a fraction of the largest value. It is so large that the method
+/// goes back and tries a shorter step. Along a direction that the curve does not determine, a step may have any length.
 const NO_CURVE: f64 = 10.0;
 
-/// The way of a run, which others go too.
+/// The increments of one run, which other runs repeat.
 #[derive(Clone)]
 pub enum Increments {
     /// Increments of the run.
@@ -49,10 +49,10 @@ pub fn outcome(mut source: CaseSource, on: Option<&Increments>) -> Result<(Outco
     Ok((outcome, increments))
 }
 
-/// ∂rows/∂coordinates by differences of runs in threads, each with one of the coordinates moved by its step.
+/// Returns ∂rows/∂coordinates from runs in threads, each with one coordinate changed by its step.
 ///
 /// # Errors
-/// A run beside gives no rows.
+/// A run with a changed coordinate gives no rows.
 pub fn derivatives(
     coordinates: &[f64],
     rows: &DVector<f64>,
@@ -70,7 +70,7 @@ pub fn derivatives(
     };
     let run = &run;
     let mut columns = Vec::new();
-    let mut beside = each.into_iter().enumerate().map(|(k, increments)| {
+    let mut perturbed = each.into_iter().enumerate().map(|(k, increments)| {
         let mut moved = coordinates.to_vec();
         moved[k] += step(k);
         (moved[k] - coordinates[k], moved, increments)
@@ -82,7 +82,7 @@ pub fn derivatives(
                 let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK);
                 thread.spawn_scoped(scope, column).map_err(|error| error.to_string())
             };
-            let threads: Vec<_> = beside.by_ref().take(at_once).map(spawn).collect();
+            let threads: Vec<_> = perturbed.by_ref().take(at_once).map(spawn).collect();
             let join = |thread: Result<std::thread::ScopedJoinHandle<'_, _>, String>| {
                 thread?.join().unwrap_or_else(|_| Err("a run ended its thread".into()))
             };
@@ -108,7 +108,7 @@ pub trait Simulation {
     /// Returns their derivatives by the coordinates.
     fn derivatives(&self, coordinates: &[f64], run: &Self::Run) -> Result<DMatrix<f64>, String>;
 
-    /// Returns the root mean square of the differences as the user is told it.
+    /// Returns the root mean square of the differences in the unit that is reported to the user.
     fn rms(&self, run: &Self::Run) -> f64;
 }
 
@@ -138,8 +138,8 @@ pub struct Search<'a, S: Simulation> {
 }
 
 impl<'a, S: Simulation> Search<'a, S> {
-    /// Prepares searches with at most so many runs in all, `reserve` of which are left for what follows. `progress` is told the runs so
-    /// far and the root mean square of the differences of each place with a curve.
+    /// Prepares searches with at most `max_runs` runs, `reserve` of which are kept for later. For each place that gives a curve,
+    /// `progress` receives the number of runs so far and the root mean square of the differences.
     pub fn new(simulation: &'a S, max_runs: usize, reserve: usize, progress: &'a dyn Fn(usize, f64)) -> Self {
         Self {
             simulation,
@@ -192,8 +192,8 @@ impl<'a, S: Simulation> Search<'a, S> {
         (problem, trouble)
     }
 
-    /// Counts the runs beside one that its derivatives take.
-    pub fn count_beside(&self) {
+    /// Counts the runs that the derivatives at one place take.
+    pub fn count_derivative_runs(&self) {
         self.runs.set(self.runs.get() + self.coordinates.len());
     }
 
@@ -242,7 +242,7 @@ impl<S: Simulation> LeastSquaresProblem<f64, Dyn, Dyn> for Search<'_, S> {
         if !self.may_run(self.coordinates.len()) {
             return None;
         }
-        self.count_beside();
+        self.count_derivative_runs();
         let derivatives = self.simulation.derivatives(self.coordinates.as_slice(), run);
         derivatives.map_err(|message| self.trouble.set(Some(message))).ok()
     }

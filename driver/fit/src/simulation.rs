@@ -126,7 +126,7 @@ impl Simulator<'_> {
     /// The derivatives of [`Self::off`] by the law's coordinates.
     ///
     /// # Errors
-    /// A law beside it gives no curve.
+    /// A law with a changed coordinate gives no curve.
     pub fn slopes(&self, coordinates: &[f64], tried: &Tried) -> Result<DMatrix<f64>, String> {
         let increments = tried.increments.as_ref();
         let step = if increments.is_some() { STEP } else { STEP_OF_FREE_RUNS };

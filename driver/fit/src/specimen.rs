@@ -35,11 +35,10 @@ const HARDENING: f64 = 0.01;
 /// Strengths, MPa, and fracture energies, N/mm, of the matrix of chapters 6 and 7.
 const STRENGTHS: [f64; 2] = [3.0, 34.8];
 const FRACTURE_ENERGIES: [f64; 2] = [0.06, 15.0];
-/// The first step ends at so many times the slip of the peak, and the others lie between there and the end, each the same
-/// factor further.
+/// End of the first step, as a multiple of the slip at the peak. The ends of the other steps follow in a geometric series.
 const FIRST_STEP: f64 = 1.5;
 const LATER_STEPS: u32 = 3;
-/// The greatest increment as a part of its step: chords of the rising branch, whose knee tells k_e, are shorter.
+/// Largest increment as a fraction of its step. On the rising branch, whose knee determines k_e, increments are smaller.
 const RISING_INCREMENT: f64 = 0.02;
 const FALLING_INCREMENT: f64 = 0.05;
 /// The first increment over the greatest.

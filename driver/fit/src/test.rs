@@ -104,7 +104,7 @@ fn the_standard_error_of_a_mean() {
     let peak = estimate("tau_peak");
     let variance = rows as f64 * 4e-4 / (rows - 5) as f64;
     assert_relative_eq!(peak.relative(), (variance / rows as f64).sqrt(), max_relative = 1e-6);
-    // nothing tells where the peak is
+    // nothing determines where the peak is
     let place = estimate("g_peak");
     assert!(place.standard_error.is_infinite() && !place.is_identifiable());
 }
@@ -134,12 +134,12 @@ fn curves_are_read_by_name_by_habit_or_by_place() {
     }
 }
 
-/// Data in kN and metres, and fits that miss them, are told.
+/// Data in kN and metres, and fits that miss the data, are reported.
 #[test]
 fn other_units_and_poor_fits_are_doubted() {
     let data = [("traction", 0.003, "MPa", [0.05, 100.0]), ("slip", 2.0, "mm", [0.05, 100.0])];
-    let told = super::doubt::doubts(&data, [("powers", 0.02), ("piecewise", 0.62)]);
-    let [units, poor] = &told[..] else { panic!("{told:?}") };
+    let doubts = super::doubt::doubts(&data, [("powers", 0.02), ("piecewise", 0.62)]);
+    let [units, poor] = &doubts[..] else { panic!("{doubts:?}") };
     assert!(units.starts_with("traction = 0.003 MPa is outside") && units.ends_with("N, mm, MPa?"), "{units}");
     assert!(poor.starts_with("piecewise: the fit misses the data by 62 %"), "{poor}");
     assert_eq!(super::doubt::doubts(&data[1..], [("", 0.2)]), Vec::<String>::new());

@@ -1,16 +1,16 @@
 //! A box-shaped element: which strains the displacements of its nodes prescribe, and which stresses loads on its faces.
 
-/// Coordinates that are the same, in edge lengths.
+/// Tolerance for equal coordinates, in edge lengths.
 const SAME: f64 = 1e-6;
 
 /// Shape of an element: its mode, dimensions, corners and nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Shape {
-    /// The mode as cases name it.
+    /// Name of the mode in cases.
     pub(super) mode: &'static str,
     /// Coordinates that count.
     pub(super) dimensions: usize,
-    /// Nodes at corners; they are the first.
+    /// Number of corner nodes, which come first.
     pub(super) corners: usize,
     /// Nodes.
     pub(super) nodes: usize,

@@ -1,4 +1,4 @@
-//! Steps of a case from what the steps of a job prescribe.
+//! Makes the steps of a case from the prescribed quantities in the steps of a job.
 
 use super::element::Brick;
 use super::keywords::LinePosition;
@@ -89,7 +89,7 @@ impl Evolution {
                         (*quantity, (course.at(time, step.time, start, &amplitudes), &course.change))
                     })
                     .collect();
-                // a quotient that is a whole number but for rounding
+                // a quotient that is a whole number up to rounding
                 let increments = ((time - before) / step.increment - SAME).ceil().max(1.0);
                 let mut ramp = json!({ "increments": increments as u64, "time": time - before });
                 evolution.target(&values, brick, model, &mut ramp)?;
@@ -133,9 +133,9 @@ impl Evolution {
             if let Some(place) = partly_driven(values, brick, model, axis, &gradient[axis]) {
                 let message =
                     "a displacement of only some nodes of a face: the case has uniform strain, as if all nodes had it";
-                let told = format!("{place}: {message}");
-                if !self.left_out.contains(&told) {
-                    self.left_out.push(told);
+                let omission = format!("{place}: {message}");
+                if !self.left_out.contains(&omission) {
+                    self.left_out.push(omission);
                 }
             }
         }
@@ -185,7 +185,7 @@ impl Evolution {
 }
 
 impl Course {
-    /// The value at a time of a step that takes so long and starts at a total time.
+    /// Returns the value at a time within a step, given the step's duration and its start in total time.
     fn at(&self, time: f64, duration: f64, start: f64, amplitudes: &BTreeMap<String, &Amplitude>) -> f64 {
         match self.change.amplitude.as_ref().and_then(|name| amplitudes.get(name)) {
             Some(amplitude) => {

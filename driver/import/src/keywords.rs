@@ -1,4 +1,4 @@
-//! The keyword lines of an ABAQUS input file, with their parameters and data lines, and those of the files it includes.
+//! Reads the keyword lines of an ABAQUS input file and of the files it includes, with their parameters and data lines.
 
 use pullout_run::input::{self, Input, folder_of};
 use std::fmt;
@@ -31,7 +31,7 @@ pub(super) struct Data {
 }
 
 impl Data {
-    /// A field; empty where the line is shorter.
+    /// Returns a field; empty if the line is shorter.
     pub(super) fn text(&self, field: usize) -> &str {
         self.fields.get(field).map_or("", String::as_str)
     }
@@ -54,7 +54,7 @@ impl Data {
     }
 }
 
-/// A keyword with what belongs to it.
+/// A keyword with its parameters and data lines.
 #[derive(Clone, Debug)]
 pub(super) struct Keyword {
     pub(super) place: LinePosition,
@@ -66,12 +66,12 @@ pub(super) struct Keyword {
 }
 
 impl Keyword {
-    /// A parameter's value; empty for one without a value.
+    /// Returns a parameter's value; empty if it has none.
     pub(super) fn parameter(&self, name: &str) -> Option<&str> {
         self.parameters.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// The first of some parameters that it has.
+    /// Returns the first of these parameters that is present.
     pub(super) fn first_of<'o>(&self, names: &[&'o str]) -> Option<&'o str> {
         names.iter().copied().find(|name| self.parameter(name).is_some())
     }

@@ -29,7 +29,7 @@ pub struct Imported {
 pub struct ImportOptions<'w> {
     /// Only the material of this name.
     pub material: Option<&'w str>,
-    /// The law's name or library; default: the shipped law that is called like the material.
+    /// The law's name or library; default: the shipped law with the name of the material.
     pub plugin: Option<&'w str>,
 }
 
@@ -63,7 +63,7 @@ pub fn import(job: &Path, options: ImportOptions<'_>) -> Result<Imported, String
         }
     }
     case["characteristic_length"] = json!(brick.characteristic_length());
-    // a shipped law tells its thickness strain
+    // a shipped law reports its thickness strain
     let has_thickness = brick.shape.mode != "plane_stress" || case["material"]["nstatv"].is_null();
     let evolution = Evolution::of(&model, &brick, has_thickness)?;
     left_out.extend(evolution.left_out);
@@ -91,7 +91,7 @@ pub fn import(job: &Path, options: ImportOptions<'_>) -> Result<Imported, String
     Ok(Imported { document: case, left_out })
 }
 
-/// The material as a case has it.
+/// Returns the material block of a case.
 fn material_block(material: &Material, plugin: Option<&str>, left_out: &mut Vec<String>) -> Value {
     let own = material.name.to_lowercase();
     let shipped = Found::by_name(&own, &search_paths(&[])).map(|_| own);

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Step time and first increment of a *STATIC without data.
 const ONE: f64 = 1.0;
 
-/// Keywords that say nothing of the problem.
+/// Keywords that do not affect the problem.
 const OF_NO_MATTER: [&str; 35] = [
     "ASSEMBLY",
     "CONTACT FILE",
@@ -47,7 +47,7 @@ const OF_NO_MATTER: [&str; 35] = [
     "SYSTEM OUTPUT",
     "USER OUTPUT VARIABLES",
 ];
-/// Keywords that tie nodes to each other or turn their axes, or are of another procedure: without them it is another
+/// Keywords that tie nodes to each other, rotate their axes, or belong to another procedure: ignoring them would change the
 /// problem.
 const REFUSED: [&str; 24] = [
     "BUCKLE",
@@ -84,7 +84,7 @@ pub(super) struct Material {
     pub(super) constants: Vec<f64>,
     /// NSTATV.
     pub(super) states: usize,
-    /// *EXPANSION as a case has it.
+    /// *EXPANSION in the form of a case.
     pub(super) expansion: Option<Value>,
     is_user: bool,
 }
@@ -152,7 +152,7 @@ pub(super) struct Step {
     pub(super) time: f64,
     pub(super) increment: f64,
     pub(super) has_procedure: bool,
-    /// Keywords whose earlier values are gone.
+    /// Keywords whose earlier values were replaced.
     pub(super) anew: BTreeSet<String>,
     pub(super) changes: Vec<Change>,
 }

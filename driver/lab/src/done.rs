@@ -1,4 +1,4 @@
-//! Runs that are over.
+//! Shows finished runs.
 
 use pullout_report::history::History;
 use pullout_report::plots::Spec;

@@ -17,7 +17,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Names under which a page asks for this machine; another one is a foreign page's (DNS rebinding).
 const OWN_NAMES: [&str; 3] = ["127.0.0.1", "localhost", "[::1]"];
 
-/// What nothing on the page may do: load from elsewhere, run scripts of its own text.
+/// Content security policy of the page: no loading from other sites, no inline scripts.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; \
                       base-uri 'none'; form-action 'none'";
 /// What a report may do, which is one file with its scripts: nothing but show itself, as a page of nobody's.
@@ -59,7 +59,7 @@ impl Response {
         Self { code: 200, kind, more: String::new(), policy: POLICY, frames: UNFRAMED, body: body.into() }
     }
 
-    /// The report of a run.
+    /// Makes the response with the report of a run.
     pub fn report(text: Vec<u8>) -> Self {
         Self { policy: POLICY_OF_A_REPORT, ..Self::of("text/html; charset=utf-8", text) }
     }
@@ -156,7 +156,7 @@ impl Request {
         Ok(request)
     }
 
-    /// The request without its body, and the body's length.
+    /// Returns the request without its body, and the length of the body.
     fn of(parsed: &httparse::Request<'_, '_>) -> Option<(Self, usize)> {
         let (path, query) = parsed.path?.split_once('?').unwrap_or((parsed.path?, ""));
         let header = |name: &str| {

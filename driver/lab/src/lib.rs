@@ -41,9 +41,9 @@ const SCRIPT: &str = include_str!("../page/lab.js");
 pub struct Settings {
     /// A law's name, a case, a library, a source or the result directory of a run; `None`: a law of ours.
     pub subject: Option<String>,
-    /// The case to begin with, in place of what the subject is.
+    /// The case to begin with, instead of the subject's.
     pub document: Option<Value>,
-    /// Folders where plugins are looked for first.
+    /// Folders that are searched for plugins first.
     pub plugin_paths: Vec<PathBuf>,
     /// Port; 0: any that is free.
     pub port: u16,
@@ -97,7 +97,7 @@ impl Lab {
         format!("http://127.0.0.1:{}/?token={}", self.shared.port, self.shared.token)
     }
 
-    /// Answers until a signal comes. Threads end with the process.
+    /// Answers requests until a signal arrives. Threads end with the process.
     ///
     /// # Errors
     /// The port or a thread is lost.

@@ -17,7 +17,7 @@ use umat_abi::host::{Found, library_path, names_a_file, search_paths};
 
 /// Law of a lab that is opened without one.
 const FIRST_LAW: &str = "j2_plasticity";
-/// Longest time of loading a user's library, and of one call of it, s.
+/// Time limit of loading a user's library, and of one call, s.
 pub(crate) const CALL_TIME_LIMIT: f64 = 2.0;
 /// Longest time that a page waits for a change of a source.
 const LONGEST_WAIT: Duration = Duration::from_secs(20);
@@ -27,9 +27,9 @@ const LONGEST_WAIT: Duration = Duration::from_secs(20);
 pub(crate) struct Subject {
     /// The case to begin with.
     pub document: Value,
-    /// Folder by which names in cases are resolved.
+    /// Folder to which file names in cases are relative.
     pub folder: PathBuf,
-    /// Laws that are shipped, as [`description::as_json`] describes them.
+    /// The shipped laws, as described by [`description::as_json`].
     pub laws: Vec<Value>,
     /// The run whose results are shown.
     pub finished: Option<Arc<Done>>,
@@ -48,15 +48,15 @@ struct Watched {
     changed: Condvar,
 }
 
-/// The present library of a file.
+/// The current library of a file.
 #[derive(Clone, Debug, Default)]
 struct State {
     version: u64,
     library: Option<PathBuf>,
-    /// What the compiler said, if it refused the present source.
+    /// The compiler's message, if it refused the current source.
     refusal: Option<String>,
     remarks: Vec<String>,
-    /// All libraries of the file so far: cases of earlier settings name them.
+    /// All libraries of the file so far: cases with earlier settings name them.
     known: BTreeSet<PathBuf>,
     /// The library's description, if its laws have metadata.
     description: Value,
@@ -175,7 +175,7 @@ impl Subject {
 }
 
 impl Watched {
-    /// Makes a library of a file for the first time; a source that the compiler refuses is no error.
+    /// Makes the library of a file for the first time. If the compiler refuses the source, that is no error.
     fn new(named: &str, file: PathBuf) -> Result<Self, Error> {
         let file = std::path::absolute(file)?;
         if !file.is_file() {

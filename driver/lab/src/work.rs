@@ -20,9 +20,9 @@ use std::time::Instant;
 
 /// Runs that are kept, so that ghosts are not run again.
 const MOST_KEPT: usize = 32;
-/// Rows of a run that is kept at most.
+/// Largest number of rows of a run that is kept.
 const LONGEST_KEPT: usize = 100_000;
-/// Kinds of requests of pages of which the newest ends the older one.
+/// Largest number of pages and kinds of requests for which the newest request ends the older one.
 const MOST_PAGES: usize = 32;
 /// States in which a verdict looks at a law.
 const STATES: usize = 20;
@@ -31,7 +31,7 @@ const STATES: usize = 20;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Wanted {
-    /// Page that asks: its newer request ends the older one.
+    /// Page that sent the request: a newer request of the page ends the older one.
     page: String,
     /// Case.
     document: Value,
@@ -50,14 +50,14 @@ struct Ghost {
     document: Value,
 }
 
-/// Checks of a library around the path of a case, which another process makes and tells as a [`Judgement`].
+/// Checks of a library around the path of a case. Another process makes them and sends a [`Judgement`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Examination {
     /// Case.
     pub case: CaseSource,
     /// Library, as the case names it.
     pub plugin: String,
-    /// States in which the law is looked at.
+    /// Number of states in which the law is checked.
     pub states: usize,
 }
 
@@ -65,10 +65,10 @@ impl isolation::Work for Examination {
     const NAME: &'static str = "examine";
 }
 
-/// What the process tells that examines a law.
+/// Message of the process that examines a law.
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum Told {
+enum ExaminationMessage {
     Judgement(Judgement),
     Message(Message),
 }
@@ -166,12 +166,12 @@ impl Work {
         let checked = || -> io::Result<Value> {
             let mut child = Child::start(&Examination { case, plugin, states: STATES }, Some(&subject.folder))?;
             let mut answer = None;
-            child.wait(&|| None, None, &mut |told| {
-                for told in told {
-                    answer = match told {
-                        Told::Judgement(judgement) => serde_json::to_value(judgement).ok(),
-                        Told::Message(Message::Refused(all)) => Some(problems(&all)),
-                        Told::Message(_) => continue,
+            child.wait(&|| None, None, &mut |messages| {
+                for message in messages {
+                    answer = match message {
+                        ExaminationMessage::Judgement(judgement) => serde_json::to_value(judgement).ok(),
+                        ExaminationMessage::Message(Message::Refused(all)) => Some(problems(&all)),
+                        ExaminationMessage::Message(_) => continue,
                     };
                 }
             })?;

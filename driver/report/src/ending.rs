@@ -1,4 +1,4 @@
-//! Results made from a run that has ended: comparison, pictures, summary and report beside its history.
+//! Makes the results of a run that has ended: comparison, pictures, summary and report, next to its history.
 
 use crate::compare::{Comparison, compare};
 use crate::directory::ResultDirectory;
@@ -21,11 +21,11 @@ use umat_abi::host::{LawDescription, Library};
 /// A specimen's program and what its run gave.
 pub type Specimen<'p> = (&'p pullout::PulloutProgram, pullout::Outcome);
 
-/// Writes summary, plots and report beside a history: the summary first, so that nothing that is drawn can take it away.
+/// Writes summary, plots and report next to a history. The summary comes first, so that no failing picture can prevent it.
 /// The second result is what could not be written. `draws`: whether pictures are wanted.
 ///
 /// # Errors
-/// The summary cannot be told as JSON.
+/// The summary cannot be written as JSON.
 pub fn conclude(
     case: &Case,
     directory: &mut ResultDirectory,
@@ -86,7 +86,7 @@ fn draw(
     Ok((drawings, states.page(program, &history, outcome.peak.as_ref())?))
 }
 
-/// Says what came out of a recorded run, but for comparisons with curves. `message` and `failed_at` say why it failed.
+/// Summarises a recorded run, without comparisons with curves. `message` and `failed_at` say why it failed.
 ///
 /// # Errors
 /// A plugin's file cannot be read.

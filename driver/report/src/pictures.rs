@@ -1,10 +1,10 @@
-//! The pictures of a specimen's fields, at the greatest load, at the end of the run, and when the case asks for them.
+//! Draws a specimen's fields at the peak load, at the end of the run, and when the case asks for them.
 //!
 //! `deformed_mesh`, `principal_stress_max`, `principal_stress_min` and the damages of the laws show the whole specimen;
-//! `principal_directions` are crosses along the principal stresses, `active_zone` tells which elements are condensed,
-//! computed, damaged, yielded;
-//! with `_exit` in their name what is around the fibre's exit, with `_peak` the greatest load, with `_at_1` the first moment of
-//! `output.pictures_at`. `axial_stress`, `interface_shear` and `interface_pressure` show all of them.
+//! `principal_directions` shows crosses along the principal stresses, `active_zone` which elements are condensed,
+//! computed, damaged or yielded.
+//! Names with `_exit` show the surroundings of the fibre's exit, with `_peak` the peak load, with `_at_1` the first moment of
+//! `output.pictures_at`. `axial_stress`, `interface_shear` and `interface_pressure` show all these moments in one picture.
 
 use crate::directory::ResultDirectory;
 use crate::plots::field::{
@@ -270,7 +270,7 @@ struct Contour {
 }
 
 impl Contour {
-    /// Returns whether what is shown has one colour, but for rounding.
+    /// Returns whether all that is shown has one colour, up to rounding.
     fn is_constant(&self, mesh: &PictureMesh, window: Option<&Window>) -> bool {
         let places = mesh.nodes.iter().zip(&self.values).filter(|(node, _)| is_shown(**node, window));
         let (least, greatest) = extremes(places.map(|(_, value)| *value).filter(|value| value.is_finite()));
@@ -304,7 +304,7 @@ fn magnitude(principal: &Principal) -> f64 {
     principal.maximum.abs().max(principal.minimum.abs())
 }
 
-/// The damages to draw: the total one if a law tells it, or else all.
+/// Returns the damages to draw: the total damage if the law reports it, otherwise all.
 fn damages<'n>(names: &[&'n str]) -> Vec<&'n str> {
     let damages: Vec<&str> = names.iter().copied().filter(|name| group_of(name) == Group::Damage).collect();
     let total: Vec<&str> = damages.iter().copied().filter(|name| is_total(name)).collect();

@@ -40,10 +40,10 @@ pub struct RunRecorder {
     reached: Option<Vec<f64>>,
     /// Step and increment of the last row.
     place: [u32; 2],
-    /// Whether the run was told to end.
+    /// Whether the run was asked to end.
     ended: Cell<bool>,
     start: Instant,
-    /// The processors' time of the process, or of the thread that runs.
+    /// Clock of the CPU time of the process, or of the running thread.
     clock: ClockId,
     cpu_start: Duration,
     /// Times that the run took before it was interrupted, of the clock and of the processors, s.
@@ -143,7 +143,7 @@ impl RunRecorder {
         }
     }
 
-    /// The state in which a failing run gave up, by columns, but for what is not finite; to be taken once.
+    /// Takes the state in which a failing run gave up, by columns, without values that are not finite. It can be taken once.
     pub fn take_reached(&mut self, columns: Vec<String>) -> Option<IndexMap<String, f64>> {
         let values = self.reached.take()?;
         let named = columns.into_iter().skip(LEADING.len()).zip(values);

@@ -18,7 +18,7 @@
   const edges = take(Uint32Array, 2 * head.edges);
   const contacts = frames.map((frame) => take(Float32Array, 6 * frame.contacts));
   const parts = take(Uint16Array, nodes);
-  // each state is told by its difference to the one before
+  // each state is stored as its difference from the one before
   const series = (width) => frames.map(() => take(Uint16Array, width)).map((state, k, all) => {
     if (k > 0) for (let i = 0; i < width; i++) state[i] += all[k - 1][i];
     return state;
@@ -167,7 +167,7 @@
     gl.uniform2f(uniform("middle"), view.x, view.y);
     gl.uniform2f(uniform("reach"), x, y);
     gl.uniform1f(uniform("magnification"), +magnification.value);
-    // what lies behind with its edges, then the rest
+    // the background with its edges, then the rest
     [0, 1].forEach((layer) => [0, 1].forEach((kind) => {
       if (kind === 1 && !withEdges.checked) return;
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices[kind]);
@@ -181,8 +181,8 @@
     const greatest = Math.max(...frames.map((other) => Math.abs(other.load || 0)));
     // what rounding leaves of the load is 0
     const load = Math.abs(frame.load) < 1e-9 * greatest ? 0 : frame.load;
-    part("told").textContent = `${frame.name ? frame.name + ": " : ""}slip ${number(frame.slip)} mm, load ${number(load)} N`;
-    slider.setAttribute("aria-valuetext", part("told").textContent);
+    part("readout").textContent = `${frame.name ? frame.name + ": " : ""}slip ${number(frame.slip)} mm, load ${number(load)} N`;
+    slider.setAttribute("aria-valuetext", part("readout").textContent);
     [...part("marks").children].forEach((button) => button.setAttribute("aria-pressed", button.textContent === frame.name));
     [part("least").textContent, part("most").textContent] = key(field);
     plot(part("curve"), [{ x: head.curve[0], y: head.curve[1], color: "#0072b2" }], "slip, mm", "load, N", [frame.slip, frame.load]);
@@ -325,15 +325,15 @@
     End: () => show(frames.length - 1) });
   let held = null;
   canvas.onpointerdown = (event) => {
-    tell(event);
+    showValue(event);
     if (event.pointerType === "touch") return;
     held = under(event);
     canvas.setPointerCapture(event.pointerId);
   };
   canvas.onpointerup = canvas.onpointercancel = () => { held = null; };
-  canvas.onpointermove = (event) => { if (held) hold(held, event); else if (event.pointerType !== "touch") tell(event); };
+  canvas.onpointermove = (event) => { if (held) hold(held, event); else if (event.pointerType !== "touch") showValue(event); };
   // the value at the nearest node
-  const tell = (event) => {
+  const showValue = (event) => {
     const here = under(event);
     let nearest = -1, least = Infinity;
     for (let i = 0; i < nodes; i++) {

@@ -52,7 +52,7 @@ const FEWEST_STATES: usize = 4;
 const MOST_POINTS: usize = 600;
 /// Colours between which the browser goes on linearly.
 const COLORS: usize = 16;
-/// Steps of a range; one more stands for no value.
+/// Steps of a range; one more means no value.
 const STEPS: f64 = 65534.0;
 const NO_VALUE: u16 = u16::MAX;
 
@@ -133,7 +133,7 @@ impl States {
         }
         let peak = peak.map(|peak| {
             let before = self.kept.partition_point(|state| state.time < peak.fields.time);
-            // it is told from others by its time; one that was kept anyway comes once
+            // its time distinguishes it from others; a state that was kept anyway comes once
             let is_kept = self.kept.get(before).is_some_and(|state| state.time == peak.fields.time);
             let state = || ViewerState::of(0, [peak.slip, peak.load], &program.model.mesh, &peak.fields);
             (before, (!is_kept).then(state))
@@ -163,7 +163,7 @@ impl States {
                         button.play type="button" { "play" }
                         span.marks role="group" aria-label="states with a name" {}
                         input.state type="range" min="0" aria-label="state of the run";
-                        span.told {}
+                        span.readout {}
                     }
                     canvas.mesh tabindex="0" role="img" aria-label="deformed mesh with the chosen field" aria-describedby="viewer-hint" {}
                     div.key {
@@ -191,7 +191,7 @@ impl States {
         }))
     }
 
-    /// Returns what the script reads: the head, and numbers of all kinds one behind the other.
+    /// Returns the input of the script: the header, and the numbers of all kinds one after the other.
     fn encode(
         &self,
         states: &[&ViewerState],
@@ -270,7 +270,8 @@ impl States {
         Ok((head, data))
     }
 
-    /// The names of the states, and which is shown at first: that of the greatest load, or the last without a load.
+    /// Returns the names of the states, and the index of the first one shown: the state of the largest load, or the last one if there
+    /// is no load.
     fn names(&self, states: &[&ViewerState]) -> (Vec<Vec<&'static str>>, usize) {
         let last = states.len().saturating_sub(1);
         let loaded = (0..states.len()).filter(|&k| states[k].load.abs() > 0.0);
@@ -399,7 +400,8 @@ impl Shapes {
         self.items.push(ElementShape { nodes, is_behind, gone });
     }
 
-    /// Returns what lies behind first, and in both layers what stays longest: what is left of one is its beginning.
+    /// Returns the background first, and in both layers the elements that remain longest, so that those remaining in a state are
+    /// always the beginning of a layer.
     fn ordered(mut self) -> Self {
         self.items.sort_by_key(|shape| (!shape.is_behind, std::cmp::Reverse(shape.gone)));
         self
@@ -409,7 +411,7 @@ impl Shapes {
         self.items.iter().filter(|shape| shape.is_behind).count()
     }
 
-    /// Returns how many are left in a state, behind and in front.
+    /// Returns how many remain in a state, in the background and in the foreground.
     fn left(&self, state: usize) -> [usize; 2] {
         [true, false]
             .map(|layer| self.items.iter().filter(|shape| shape.is_behind == layer && shape.gone > state).count())

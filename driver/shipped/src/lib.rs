@@ -1,14 +1,14 @@
-//! The manifest of the plugins that are shipped with the program: a part of the program, so that it cannot be replaced.
+//! The manifest of the plugins shipped with pullout. It is compiled into the program, so that it cannot be replaced.
 //!
-//! The plugins are dependencies of the program's crate. Cargo has linked them before it compiles that crate, and compiles
-//! it again when one of them changes: the files that are hashed here are those that are installed with the program.
+//! The plugins are dependencies of the program's crate. Cargo links them before it compiles that crate, and compiles
+//! the crate again when one of them changes: the files hashed here are those that are installed with the program.
 
 use proc_macro::TokenStream;
 use sha2::{Digest, Sha256};
 use std::env;
 
-/// Lists length and SHA-256 of each library that `PULLOUT_SHIPPED_PLUGINS` names (set by the crate's build script) as a
-/// `&[(u64, [u8; 32])]`. One that Cargo has not built, as in `cargo check`, is left out.
+/// Lists length and SHA-256 of each library in `PULLOUT_SHIPPED_PLUGINS` (set by the crate's build script) as a
+/// `&[(u64, [u8; 32])]`. Libraries that Cargo has not built, as in `cargo check`, are left out.
 #[proc_macro]
 pub fn manifest(_: TokenStream) -> TokenStream {
     let libraries = env::var_os("PULLOUT_SHIPPED_PLUGINS").unwrap_or_default();

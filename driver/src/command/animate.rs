@@ -32,7 +32,7 @@ pub(super) struct AnimateArguments {
     overwrite: bool,
 }
 
-/// Least x, greatest x, least y, greatest y.
+/// Parses smallest x, largest x, smallest y, largest y.
 type View = [f64; 4];
 
 fn view(text: &str) -> Result<View, String> {

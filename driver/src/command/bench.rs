@@ -1,4 +1,4 @@
-//! `pullout bench`: hands over to the program `pullout-bench`, where it is installed.
+//! `pullout bench`: starts the program `pullout-bench`, if it is installed.
 
 use super::Refusal;
 use pullout_run::isolation;
@@ -7,10 +7,10 @@ use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::Command;
 
-/// The program, beside this one.
+/// The program, next to this one.
 const PROGRAM: &str = "pullout-bench";
 
-/// Arguments that are handed over.
+/// Arguments that are passed on.
 #[derive(Debug, clap::Args)]
 pub(super) struct BenchArguments {
     /// Arguments of `pullout-bench`.
@@ -18,7 +18,7 @@ pub(super) struct BenchArguments {
     arguments: Vec<OsString>,
 }
 
-/// Becomes the other program; returns why not.
+/// Replaces this process by the other program. Returns only if that fails, with the reason.
 pub(super) fn run(BenchArguments { arguments }: &BenchArguments) -> Refusal {
     match isolation::program().and_then(Path::canonicalize).map(|path| path.with_file_name(PROGRAM)) {
         Ok(program) if program.is_file() => {

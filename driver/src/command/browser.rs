@@ -5,13 +5,13 @@ use std::ffi::OsStr;
 use std::os::unix::process::CommandExt;
 use std::process::{Command, Stdio};
 
-/// Variables one of which a desktop sets, or the user who has named a browser.
+/// Environment variables: a desktop sets one of them, or a user who has named a browser.
 const OF_A_DESKTOP: [&str; 3] = ["DISPLAY", "WAYLAND_DISPLAY", "BROWSER"];
 
-/// Has the desktop's browser show an address or a file.
+/// Shows an address or a file in the desktop's browser.
 ///
 /// # Errors
-/// In words, if there is none.
+/// A message, if there is none.
 pub(super) fn show(what: impl AsRef<OsStr>) -> Result<(), String> {
     let is_mac = cfg!(target_os = "macos");
     let program = if is_mac { "open" } else { "xdg-open" };

@@ -1,4 +1,4 @@
-//! `pullout examples`: the cases that came with the program.
+//! `pullout examples`: lists the cases installed with pullout.
 
 use super::{DONE, NO_PLUGIN, Refusal, say};
 use pullout_check::description::table;
@@ -15,7 +15,7 @@ pub(super) struct ExamplesArguments {
     words: Vec<String>,
 }
 
-/// A case that came with the program.
+/// A case installed with pullout.
 #[derive(Debug)]
 pub struct Example {
     /// Its file.
@@ -43,10 +43,10 @@ pub(super) fn list(arguments: &ExamplesArguments) -> Result<u8, Refusal> {
     Ok(DONE)
 }
 
-/// Finds the cases that came with the program and have all words in path, title or description, by their paths.
+/// Finds the installed cases that have all words in path, title or description, sorted by path.
 ///
 /// # Errors
-/// They did not come with it, or cannot be listed.
+/// They are not installed, or cannot be listed.
 pub fn find(words: &[String]) -> io::Result<Vec<Example>> {
     let missing =
         "no examples: neither share/pullout/cases of the installation nor the cases of the source tree are there";
@@ -58,7 +58,7 @@ pub fn find(words: &[String]) -> io::Result<Vec<Example>> {
     Ok(files.into_iter().filter_map(|file| example(file, &words)).collect())
 }
 
-/// A case, if it has all words.
+/// Returns a case if it has all words.
 fn example(path: PathBuf, words: &[String]) -> Option<Example> {
     let document: Value = serde_json::from_slice(&fs::read(&path).ok()?).ok()?;
     let text = |key: &str| document[key].as_str().unwrap_or_default().to_owned();
@@ -67,7 +67,7 @@ fn example(path: PathBuf, words: &[String]) -> Option<Example> {
     (!kind.is_empty() && words.iter().all(|word| all.contains(word))).then_some(Example { path, kind, title })
 }
 
-/// The cases of the installation, or of the source tree that the program was built in.
+/// Returns the folder of the cases: that of the installation, or of the source tree in which pullout was built.
 fn folder() -> Option<PathBuf> {
     // of an interpreter that has loaded this as a module it is the script that was installed
     let program = isolation::program().and_then(Path::canonicalize).ok()?;

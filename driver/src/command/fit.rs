@@ -1,4 +1,4 @@
-//! `pullout fit`: numbers of a case, and laws, from experiments.
+//! `pullout fit`: identifies parameters of a case, and laws, from experiments.
 
 use super::{DONE, FAILED, Isolation, Refusal, complain, folder_of, isolated, run, say};
 use clap::{Args, Subcommand, ValueEnum};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 mod beam;
 mod case;
 
-/// Fit of numbers of a case, or of a law.
+/// Fit of parameters of a case, or of a law.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(super) struct Fit {
@@ -45,7 +45,7 @@ enum FitTarget {
     Beam(Box<beam::Beam>),
 }
 
-/// Forms to be fitted.
+/// Forms to fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Forms {
     /// k_e s, a_1 s^b_1, a_2 s^b_2.
@@ -127,7 +127,7 @@ pub(super) struct Bond {
     quiet: bool,
 }
 
-/// Opens the result directory of a fit, or says why not.
+/// Opens the result directory of a fit, or returns why it cannot.
 fn open(folder: &Path, inputs: &[PathBuf], overwrite: bool) -> Result<ResultDirectory, Refusal> {
     run::open_for(folder, Kind::Fit, Access { inputs, overwrite, is_locked: false })
 }
@@ -147,7 +147,7 @@ fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 impl Fit {
-    /// Returns where plugins are called.
+    /// Returns the process in which plugins are called.
     pub(super) fn isolation(&self) -> Isolation {
         match (&self.law, &self.case) {
             (Some(FitTarget::Bond(bond)), _) => bond.isolation,
@@ -157,7 +157,7 @@ impl Fit {
     }
 }
 
-/// Fits a law, as the command line says, whose words are `line`.
+/// Fits a law. `line` is the command line.
 pub(super) fn act(fit: &Fit, line: &[OsString]) -> Result<u8, Refusal> {
     match &fit.law {
         Some(FitTarget::Bond(bond)) => act_on_bond(bond, line),
@@ -227,14 +227,14 @@ impl Bond {
         folder_of(&self.curve, self.out.as_deref(), true)
     }
 
-    /// Opens the result directory, or says why not.
+    /// Opens the result directory, or returns why it cannot.
     fn open(&self) -> Result<ResultDirectory, Refusal> {
         let mut inputs = vec![self.curve.clone()];
         inputs.extend(self.specimen_case.iter().flat_map(|case| pullout_case::inputs(case, &[])));
         open(&self.folder(), &inputs, self.overwrite)
     }
 
-    /// Says what came out; the result is the exit code.
+    /// Prints the result. Returns the exit code.
     fn print_laws(&self, laws: &[FittedLaw]) -> u8 {
         let mut code = DONE;
         for law in laws {

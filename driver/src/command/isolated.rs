@@ -18,17 +18,17 @@ pub(super) fn check(inspection: &Inspection, need: &Need) -> u8 {
     carry_out(inspection, need, &inspection.case.file, inspection.quiet)
 }
 
-/// Validates a case that is to be run: what ends the process now will end the run, and be reported then. The second result is
-/// the columns of the rows, where this process is told. `told`: what was told of other cases, and is not told again.
+/// Validates a case that will be run. If a plugin ends the process now, it will end the run too, which reports it. The second
+/// result is the columns of the rows, if the worker sent them. `reported`: lines about other cases, which are not repeated.
 pub(super) fn check_before_run(
     case: &CaseSource,
     need: &Need,
-    told: Option<&ForwardedLines>,
+    reported: Option<&ForwardedLines>,
 ) -> (u8, Option<Vec<String>>) {
     let inspection = Inspection { case: case.clone(), quiet: true, before_run: true };
     let mut columns = None;
     let ended = Passage::new(&inspection).and_then(|mut passage| {
-        let ended = isolation::supervise(&mut passage, &Watch { told, ..Watch::default() }, need)?;
+        let ended = isolation::supervise(&mut passage, &Watch { told: reported, ..Watch::default() }, need)?;
         columns = passage.heard().into_iter().find_map(|message| match message {
             Message::Columns(names) => Some(names),
             Message::Row(_) | Message::Refused(_) => None,
@@ -38,7 +38,7 @@ pub(super) fn check_before_run(
     let code = match ended {
         Ok(End::Done(code)) => code,
         Ok(End::Failed(failure)) if failure.report.at_loading => {
-            let is_new = told.is_none_or(|told| told.is_new(failure.report.message.as_bytes()));
+            let is_new = reported.is_none_or(|lines| lines.is_new(failure.report.message.as_bytes()));
             if is_new { fail(&case.file, &failure, &failure.report.message) } else { NO_PLUGIN }
         }
         Ok(End::Failed(_)) => DONE,
@@ -55,7 +55,7 @@ pub(super) fn warn_about_in_process(file: &Path, need: &Need, quiet: bool) {
     }
 }
 
-/// Does work in a worker; the exit code. `file` is what messages begin with; `quiet`: only errors are reported.
+/// Executes work in a worker and returns the exit code. Messages begin with `file`; `quiet`: only errors are reported.
 pub(super) fn carry_out(work: &impl Work, need: &Need, file: &Path, quiet: bool) -> u8 {
     warn_about_in_process(file, need, quiet);
     match supervise(work, &Watch::default(), need) {
@@ -65,7 +65,7 @@ pub(super) fn carry_out(work: &impl Work, need: &Need, file: &Path, quiet: bool)
     }
 }
 
-/// Hands work over to a worker, and watches it.
+/// Passes work to a worker and supervises it.
 fn supervise(work: &impl Work, wishes: &Watch<'_>, need: &Need) -> io::Result<End> {
     isolation::supervise(&mut Passage::new(work)?, wishes, need)
 }
@@ -107,7 +107,7 @@ pub(super) fn run(job: &Job, directory: ResultDirectory, need: &Need) -> u8 {
     }
 }
 
-/// The case that repeats the call that ended a worker.
+/// Returns the case that repeats the call that ended a worker.
 pub(super) fn replay(failure: &Failure, case: &CaseSource) -> Option<Value> {
     let mut replay = failure.replay.clone()?;
     let (document, file) = (case.text().unwrap_or_default(), &case.file);
@@ -156,7 +156,7 @@ fn conclude(
     };
     if failure.has_rows {
         let rest = Job { aftermath: Some(aftermath.clone()), folder: directory.path().to_owned(), ..job.clone() };
-        // the worker hears of the signal too, before it tells of its end or after
+        // the worker receives the signal too, before or after it reports its end
         let own = signals::received().map_or(FAILED, signals::Interrupt::exit_code);
         match supervise(&rest, &Watch::default(), need)? {
             End::Done(code) if code == FAILED || code == own => return Ok(own),
@@ -170,7 +170,7 @@ fn conclude(
     Ok(fail(&job.case.file, failure, &message))
 }
 
-/// Returns what can be said of a run without its case.
+/// Returns the summary of a run whose case could not be read here.
 fn summary(file: &Path, failure: &Failure, aftermath: Aftermath) -> io::Result<Summary> {
     let plugin = failure.report.library().map(|library| PluginFile::identify(library, "")).transpose()?;
     Ok(Summary {

@@ -5,13 +5,13 @@ use pullout_lab::{Error, Lab, Settings};
 use pullout_run::isolation;
 use std::path::PathBuf;
 
-/// The word for a mix of fibres.
+/// Name that opens the lab for a mix of fibres.
 const BRIDGING: &str = "bridging";
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Name of a law, a case, a library, a source (Fortran, C, C++), which is built again whenever it is saved, "bridging" (from
-    /// fibres to σ(w) and f_R), or the result directory of a run.
+    /// Name of a law, a case, a library, a source (Fortran, C, C++), the result directory of a run, or "bridging" (from
+    /// fibres to σ(w) and f_R). A source is built again whenever it is saved.
     #[arg(value_name = "LAW|CASE.json|SOURCE|FILE.so|bridging|RESULT_DIR")]
     subject: Option<String>,
     /// Port on this machine [default: a free one].
@@ -23,7 +23,7 @@ pub(super) struct Arguments {
     /// Search this folder for plugins first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
-    /// End with this process.
+    /// End together with this process.
     #[arg(long, hide = true)]
     parent: Option<u32>,
 }

@@ -47,10 +47,10 @@ const FAILED: u8 = 1;
 const BAD_INPUT: u8 = 2;
 /// A plugin cannot be loaded.
 const NO_PLUGIN: u8 = 3;
-/// A check has seen nothing that could have shown an error.
+/// Nothing was tested that could have shown an error.
 const NOT_TESTED: u8 = 4;
 
-/// What the program says when it is given nothing to do.
+/// Text that is printed if no command is given.
 const FIRST_STEPS: &str = "\
 pullout lab [my_umat.f]     change a law's parameters in the browser and see its curves
 pullout new umat my_umat    files to begin with; also: point, law, bond, fibre, hooked-fibre, beam, study, sweep
@@ -108,7 +108,7 @@ enum Command {
     /// Execute work for the pullout process that started this one.
     #[command(name = isolation::worker::COMMAND, hide = true)]
     Worker(isolation::Task),
-    /// Write the manual pages and the shells' completions below a folder `share`; for the installer.
+    /// Write manual pages and shell completions into a folder `share`; for the installer.
     #[command(hide = true)]
     Pages {
         /// The folder.
@@ -141,14 +141,15 @@ struct Reading {
     /// Search this folder for plugins first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
-    /// Trust no file: only plugins of the search path, without "symbol", and no reading outside the file's folder.
+    /// Treat case files as untrusted: use only plugins of the search path, refuse "symbol", and read no file outside the
+    /// folder of the case.
     #[arg(long, conflicts_with = "in_process")]
     untrusted: bool,
     #[command(flatten)]
     isolation: Isolation,
 }
 
-/// Process in which libraries run that were not built with this program.
+/// Process for libraries that were not built with pullout.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 struct Isolation {
     /// Call all plugins in this process, except in cases with "isolate": true. A plugin that stops or crashes then ends
@@ -158,7 +159,7 @@ struct Isolation {
 }
 
 impl Reading {
-    /// A case file, read as these arguments say.
+    /// Returns a case file with these settings.
     fn source(&self, file: &Path) -> CaseSource {
         CaseSource {
             overrides: self.overrides.clone(),
@@ -169,14 +170,14 @@ impl Reading {
     }
 }
 
-/// Reads a case. What its plugins print meanwhile belongs to no run.
+/// Reads a case. Output of its plugins meanwhile is discarded: it belongs to no run.
 fn read(source: &CaseSource) -> Result<Case, CaseErrors> {
     let _prints = Prints::discard();
     source.case()
 }
 
 impl Command {
-    /// Returns whether nobody vouches for its cases.
+    /// Returns whether its cases are untrusted.
     fn is_untrusted(&self) -> bool {
         match self {
             Self::Run(arguments) => arguments.reading.untrusted,
@@ -186,7 +187,7 @@ impl Command {
         }
     }
 
-    /// Returns where it calls plugins.
+    /// Returns the process in which it calls plugins.
     fn isolation(&self) -> Isolation {
         match self {
             Self::Run(arguments) => arguments.reading.isolation,
@@ -250,7 +251,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// The command that a file alone asks for.
+/// Returns the command for a file without a command.
 fn command_for(file: &Path) -> Option<String> {
     let command = match file.extension()?.to_str()? {
         "json" if pullout_case::is_study(file) => "study",
@@ -261,7 +262,7 @@ fn command_for(file: &Path) -> Option<String> {
     file.is_file().then(|| format!("to use this file: pullout {command} {}", file.display()))
 }
 
-/// Does what a command line without the program's name says; the result is the exit code.
+/// Executes a command line without the program's name. Returns the exit code.
 fn act_on(arguments: &[OsString]) -> u8 {
     match CommandLine::try_parse_from(std::iter::once(&OsString::from("pullout")).chain(arguments)) {
         Ok(parsed) => act(parsed.command, arguments),
@@ -272,7 +273,7 @@ fn act_on(arguments: &[OsString]) -> u8 {
     }
 }
 
-/// Does what a command says, which `line` is without the program's name; the result is the exit code.
+/// Executes a command. `line` is its command line without the program's name. Returns the exit code.
 fn act(command: Command, line: &[OsString]) -> u8 {
     if command.isolation().in_process {
         isolation::let_all_in();
@@ -317,7 +318,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
     done.unwrap_or_else(Refusal::report)
 }
 
-/// Lets cases name sources of plugins, which are compiled, unless nobody vouches for the cases.
+/// Allows cases to name plugin sources, which are then compiled, unless the cases are untrusted.
 fn compile_sources(is_untrusted: bool) {
     if !is_untrusted {
         sources::build_by(|source| {
@@ -326,9 +327,9 @@ fn compile_sources(is_untrusted: bool) {
     }
 }
 
-/// Does work for another process, by its name and as JSON; the result is the exit code.
+/// Executes work for another process, given by its name and as JSON. Returns the exit code.
 fn work(name: &str, work: &str) -> u8 {
-    /// Reads work, and does it.
+    /// Reads work and executes it.
     fn done<W: Work + DeserializeOwned>(work: &str, act: impl FnOnce(W) -> Result<u8, Refusal>) -> Result<u8, Refusal> {
         serde_json::from_str(work).map_err(Refusal::failed).and_then(act)
     }
@@ -344,7 +345,7 @@ fn work(name: &str, work: &str) -> u8 {
         }),
         description::Subject::NAME => done(work, |subject: description::Subject| {
             compile_sources(false);
-            subject.tell().map(|()| DONE).map_err(Refusal::failed)
+            subject.send().map(|()| DONE).map_err(Refusal::failed)
         }),
         Examination::NAME => done(work, |asked: Examination| {
             compile_sources(asked.case.is_untrusted);
@@ -363,7 +364,7 @@ fn work(name: &str, work: &str) -> u8 {
     done.unwrap_or_else(Refusal::report)
 }
 
-/// The result directory of a file: the one that was asked for, of several files their parent; else one below `out`.
+/// Returns the result directory of a file: the requested one (for several files, below it), otherwise one below `out`.
 fn folder_of(file: &Path, asked_for: Option<&Path>, is_alone: bool) -> PathBuf {
     let stem = file.file_stem().unwrap_or_default();
     match asked_for {
@@ -372,7 +373,7 @@ fn folder_of(file: &Path, asked_for: Option<&Path>, is_alone: bool) -> PathBuf {
     }
 }
 
-/// Prints a JSON file of a result directory as one line, after the input that it is of and the directory.
+/// Prints a JSON file of a result directory as one line, after its input and the directory.
 fn say_json(input: (&str, &Path), folder: &Path, file: &str) -> io::Result<()> {
     let text = input::text(&folder.join(file), Input::Result)?;
     let results: Map<String, Value> = serde_json::from_str(&text)?;
@@ -392,7 +393,7 @@ fn complain(text: impl std::fmt::Display) {
 struct Refusal {
     message: String,
     code: u8,
-    /// What is wrong with the input.
+    /// An error in the input.
     problems: Vec<CaseProblem>,
 }
 
@@ -402,7 +403,7 @@ impl Refusal {
         CaseProblem::unreadable(message.to_string()).into()
     }
 
-    /// What is wrong with a file.
+    /// An error in a file.
     fn of(file: &Path, problem: CaseProblem) -> Self {
         Self { message: format!("{}: {problem}", file.display()), ..problem.into() }
     }
@@ -412,7 +413,7 @@ impl Refusal {
         Self { message: message.to_string(), code: FAILED, problems: Vec::new() }
     }
 
-    /// Prints the message, and hands on what is wrong with the input; returns the exit code.
+    /// Prints the message, and passes errors in the input on. Returns the exit code.
     fn report(self) -> u8 {
         if !self.problems.is_empty() {
             isolation::send(&Message::Refused(self.problems));

@@ -1,4 +1,4 @@
-//! `pullout new`: the files of a tutorial, to begin with. The pages of the book are their only place.
+//! `pullout new`: writes the starter files of a tutorial. They exist only on the pages of the book.
 
 use super::{DONE, Refusal, say};
 use clap::ValueEnum;
@@ -30,7 +30,7 @@ enum Kind {
     Bond,
     /// A fibre pulled out of its block.
     Fibre,
-    /// A hooked fibre by its data sheet.
+    /// A hooked fibre from its data sheet.
     HookedFibre,
     /// Fibres across a crack: σ(w), the notched beam and f_R.
     Beam,
@@ -100,7 +100,7 @@ pub(super) fn write(arguments: &NewArguments) -> Result<u8, Refusal> {
     Ok(DONE)
 }
 
-/// The case of a mix of fibres, without beams at random and walls, which take longer than a picture may.
+/// Returns the case of a mix of fibres without random beams and walls, which take too long for a picture.
 pub(super) fn bridging() -> Result<Value, Refusal> {
     let page = Kind::Beam.page();
     let mut document: Value = serde_json::from_str(page.content("beam.json")?).map_err(Refusal::failed)?;
@@ -111,19 +111,19 @@ pub(super) fn bridging() -> Result<Value, Refusal> {
 }
 
 impl Page {
-    /// The content of a file.
+    /// Returns the content of a file.
     fn content(&self, file: &str) -> Result<&'static str, Refusal> {
         let content = self.text.split_once(&mark(file)).and_then(|(_, rest)| fence(rest));
         content.ok_or_else(|| Refusal::failed(format!("the page {} has no {file}", self.name)))
     }
 }
 
-/// What stands before a file's content on a page.
+/// Returns the mark that precedes a file's content on a page.
 fn mark(file: &str) -> String {
     format!("<!-- file: {file} -->\n")
 }
 
-/// The commands of a page behind a mark, to the end of the first script that runs something.
+/// Returns the commands of a page after a mark, to the end of the first script that runs something.
 fn next<'t>(text: &'t str, mark: &str) -> Vec<&'t str> {
     const RUNS: [&str; 4] = ["pullout run ", "pullout fit ", "pullout study ", "pullout sweep "];
     let mut commands = Vec::new();
@@ -138,7 +138,7 @@ fn next<'t>(text: &'t str, mark: &str) -> Vec<&'t str> {
     commands
 }
 
-/// The content of the fence that a text begins with, with its last line's end.
+/// Returns the content of the fenced block at the start of a text, including the end of its last line.
 fn fence(text: &str) -> Option<&str> {
     let (_, rest) = text.strip_prefix("```")?.split_once('\n')?;
     rest.find("\n```\n").and_then(|end| rest.get(..=end))

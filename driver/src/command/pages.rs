@@ -1,4 +1,4 @@
-//! `pullout pages SHARE`, hidden: what an installation tells of the command line.
+//! `pullout pages SHARE`, hidden: writes the manual pages and shell completions of an installation.
 
 use super::{CommandLine, DONE, Refusal};
 use clap::CommandFactory;
@@ -40,7 +40,7 @@ fn write_all(share: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A command without what it hides: completions would offer it.
+/// Returns a command without its hidden parts, which completions would offer.
 fn shown(command: &clap::Command) -> clap::Command {
     // names live as long as the program, which ends here
     let bare = clap::Command::new(&*command.get_name().to_owned().leak());

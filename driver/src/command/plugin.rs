@@ -55,11 +55,10 @@ pub(super) enum Action {
     Build(build::BuildArguments),
 }
 
-/// Longest time that loading a library, or one call of it, may take unless a case says otherwise, s: who looks at a
-/// plugin waits for it.
+/// Time limit of loading a library, or of one call, unless a case sets another, s. It is short, since the user waits.
 const TIME_LIMIT: f64 = 5.0;
 
-/// Does what the command line says, whose words are `line`.
+/// Executes the command, whose command line is `line`.
 pub(super) fn act(action: &Action, line: &[OsString]) -> Result<u8, Refusal> {
     match action {
         Action::List { json, plugin_paths } => Ok(list(plugin_paths, *json)),
@@ -77,7 +76,7 @@ pub(super) fn act(action: &Action, line: &[OsString]) -> Result<u8, Refusal> {
 }
 
 impl Action {
-    /// Returns where plugins are called.
+    /// Returns the process in which plugins are called.
     pub(super) fn isolation(&self) -> Isolation {
         match self {
             Self::Info { isolation, .. } => *isolation,
@@ -87,8 +86,8 @@ impl Action {
     }
 }
 
-/// Loads a library, by its law's name or by its path, and does something with it; in a process of its own, which carries
-/// out the same command line, if it may not run here.
+/// Loads a library, given by its law's name or by its path, and passes it to `work`. If the library may not run here, another
+/// process executes the same command line.
 fn with_library(
     name: &str,
     plugin_paths: &[PathBuf],
@@ -104,12 +103,12 @@ fn with_library(
     work(&isolation::load(&file).map_err(no_plugin)?)
 }
 
-/// A library that cannot be loaded, or is none.
+/// Makes the refusal of a library that cannot be loaded, or is none.
 fn no_plugin(message: impl std::fmt::Display) -> Refusal {
     CaseProblem::library(message.to_string()).into()
 }
 
-/// The file of a library, by its law's name or by its path.
+/// Returns the file of a library, given by its law's name or by its path.
 fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, Refusal> {
     if names_a_file(name) {
         let file = library_path(Path::new(""), name);
@@ -126,7 +125,7 @@ fn list(plugin_paths: &[PathBuf], json: bool) -> u8 {
     for Found { path, .. } in Found::all(&paths) {
         let rows_or_error = match pullout_check::build::defines(&path, PLUGIN_SYMBOL) {
             Ok(true) => rows_of(&path),
-            // other libraries (compiler plugins beside the executable) are not even loaded
+            // other libraries (compiler plugins next to the executable) are not even loaded
             Ok(false) => Ok(Vec::new()),
             Err(error) => Err(format!("{}: cannot be read as a library: {error}", path.display())),
         };
@@ -175,7 +174,7 @@ fn info_as_json(library: &Library) -> Result<u8, Refusal> {
     Ok(DONE)
 }
 
-/// Name, version and entry points of the laws of a library, which is loaded into this process only if it may be.
+/// Returns name, version and entry points of the laws of a library, which is loaded into this process only if it may run here.
 fn rows_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
     let described = description::of_file(library, TIME_LIMIT)?;
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();

@@ -24,13 +24,13 @@ pub(super) enum CalibratedLaw {
         /// Uniaxial compressive strength (positive), MPa.
         #[arg(long = "fc", allow_negative_numbers = true)]
         compressive_strength: f64,
-        /// Fracture energy in tension, N/mm: switches the crack band on.
+        /// Fracture energy in tension, N/mm. It activates the crack band.
         #[arg(long = "Gf", allow_negative_numbers = true)]
         fracture_energy: Option<f64>,
         /// Fracture energy in compression, N/mm.
         #[arg(long = "Gc", allow_negative_numbers = true)]
         crushing_energy: Option<f64>,
-        /// Exponent of compressive damage: smaller is more ductile, > 1 has a finite energy.
+        /// Exponent of compressive damage. Smaller values are more ductile; values above 1 give a finite energy.
         #[arg(long = "Bc", allow_negative_numbers = true, default_value_t = COMPRESSIVE_EXPONENT)]
         compressive_exponent: f64,
     },
@@ -39,7 +39,7 @@ pub(super) enum CalibratedLaw {
     Other(Vec<String>),
 }
 
-/// Usual values of concretes, from aerated to ultra-high-performance ones, MPa.
+/// Usual range for concrete, from aerated to ultra-high-performance, MPa.
 const USUAL: [(&str, [f64; 2]); 3] = [("--E", [500.0, 1e5]), ("--ft", [0.05, 50.0]), ("--fc", [0.5, 500.0])];
 
 pub(super) fn print(law: &CalibratedLaw) -> Result<u8, Refusal> {

@@ -42,10 +42,10 @@ pub(super) struct RunArguments {
     /// pullout calls the library's UEXTERNALDB with LOP = 4.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "record_increments"])]
     restart: Option<PathBuf>,
-    /// Run again whenever a case, or a source, a library or data of it is saved; Ctrl-C ends.
+    /// Run again whenever a case, or one of its sources, libraries or data files, is saved. End with Ctrl-C.
     #[arg(long, conflicts_with_all = ["restart", "in_process"])]
     watch: bool,
-    /// Show the report in the browser once there is one.
+    /// Open the report in the browser as soon as it is written.
     #[arg(long)]
     open: bool,
     /// Print the summary of each case as one line of JSON, with the case and its result directory, and nothing else.
@@ -55,7 +55,7 @@ pub(super) struct RunArguments {
     options: Options,
 }
 
-/// Validates cases. `quiet`: says nothing but errors.
+/// Validates cases. `quiet`: prints only errors.
 pub(super) fn check(cases: &[PathBuf], reading: &Reading, quiet: bool) -> u8 {
     let check = |file: &PathBuf| match pullout_case::is_study(file) {
         true => study::check(file, reading, quiet),
@@ -92,7 +92,7 @@ fn inspect_here(Inspection { case: source, quiet, before_run }: &Inspection) -> 
     Ok(DONE)
 }
 
-/// Place of a run.
+/// Process of a run.
 enum Way {
     Here(Box<Case>, Checkpoints),
     Apart(Need),
@@ -108,7 +108,7 @@ impl Way {
     }
 }
 
-/// Runs cases, after all of them were read without an error.
+/// Runs cases, once all of them have been read without an error.
 pub(super) fn run(arguments: &RunArguments) -> u8 {
     let RunArguments { cases, restart, reading, .. } = arguments;
     if restart.is_some() && cases.len() > 1 {
@@ -137,7 +137,7 @@ pub(super) fn run(arguments: &RunArguments) -> u8 {
     }
 }
 
-/// Shows the reports that there are in the browser, or says where they are; whether there is any.
+/// Shows the existing reports in the browser, or prints their paths. Returns whether there is any.
 fn open_reports(jobs: &[Job]) -> bool {
     let reports = jobs.iter().map(|job| job.folder.join(page::FILE)).filter(|report| report.is_file());
     let shown = reports.map(|report| {
@@ -162,7 +162,7 @@ impl RunArguments {
     }
 }
 
-/// Does a job for another process.
+/// Executes a job for another process.
 pub(super) fn carry_out(job: &Job) -> u8 {
     match &job.aftermath {
         Some(aftermath) => conclude_here(job, aftermath.clone()).unwrap_or_else(Refusal::report),
@@ -170,7 +170,7 @@ pub(super) fn carry_out(job: &Job) -> u8 {
     }
 }
 
-/// Does jobs with the same options; `json`: prints their summaries.
+/// Executes jobs with the same options. `json`: prints their summaries.
 fn run_all(jobs: &[Job], json: bool) -> u8 {
     let count = jobs.first().and_then(|job| job.options.threads).unwrap_or_else(super::processors);
     let threads = match Threads::new(count) {
@@ -257,7 +257,7 @@ fn run_all(jobs: &[Job], json: bool) -> u8 {
     ready.into_iter().map(run_and_say).max().unwrap_or(DONE)
 }
 
-/// Returns what the results of a job are part of: a study has something to add to those of its runs.
+/// Returns the kind of results to which those of a job belong: a study adds to the results of its runs.
 pub(super) fn kind(job: &Job) -> Kind {
     if job.keep == Keep::Member { Kind::Member } else { Kind::Run }
 }
@@ -269,7 +269,7 @@ fn open(job: &Job, libraries: &[PathBuf]) -> Result<ResultDirectory, Refusal> {
     open_for(&job.folder, kind(job), Access { inputs: &inputs, overwrite: job.options.overwrite, is_locked })
 }
 
-/// Opens a result directory, and says what the user should know of it.
+/// Opens a result directory and prints what the user should know about it.
 pub(super) fn open_for(folder: &Path, kind: Kind, access: Access<'_>) -> Result<ResultDirectory, Refusal> {
     let directory = ResultDirectory::open(folder, kind, access).map_err(Refusal::input)?;
     if !access.is_locked {
@@ -278,7 +278,7 @@ pub(super) fn open_for(folder: &Path, kind: Kind, access: Access<'_>) -> Result<
     Ok(directory)
 }
 
-/// Makes results of the rows that a run left which was ended from outside.
+/// Makes results from the rows of a run that was ended from outside.
 fn conclude_here(job: &Job, aftermath: Aftermath) -> Result<u8, Refusal> {
     let case = super::read(&job.case)?;
     let concluded = ResultDirectory::join(&job.folder, kind(job)).and_then(|mut directory| {
@@ -290,7 +290,7 @@ fn conclude_here(job: &Job, aftermath: Aftermath) -> Result<u8, Refusal> {
     Ok(print_outcome(&case, &job.folder, job.options.quiet, concluded))
 }
 
-/// Leaves what the process that asked for a run needs to draw it, as it draws nothing itself.
+/// Writes the data from which the process that asked for a run draws its pictures: this process draws nothing.
 fn describe(case: &Case, job: &Job, directory: &mut ResultDirectory) -> io::Result<()> {
     match job.keep {
         Keep::Passing => Spec::of(case, BTreeMap::new()).write(directory, plots::FOLDER),
@@ -298,7 +298,7 @@ fn describe(case: &Case, job: &Job, directory: &mut ResultDirectory) -> io::Resu
     }
 }
 
-/// Says what came out of a run; the result is its exit code.
+/// Prints the outcome of a run. Returns its exit code.
 fn print_outcome(case: &Case, folder: &Path, quiet: bool, concluded: io::Result<(Summary, io::Result<()>)>) -> u8 {
     let complain =
         |message: &dyn std::fmt::Display| complain(format!("{}: {message}", &case.about().case_file.display()));

@@ -44,13 +44,13 @@ pub(super) struct StudyArguments {
 }
 
 impl StudyArguments {
-    /// Returns whether only errors are told.
+    /// Returns whether only errors are reported.
     fn is_quiet(&self) -> bool {
         self.quiet || self.json
     }
 }
 
-/// Runs studies, after all of them were read without an error.
+/// Runs studies, once all of them have been read without an error.
 pub(super) fn run_all(arguments: &StudyArguments) -> u8 {
     let StudyArguments { studies, out, reading, .. } = arguments;
     let mut folders = BTreeSet::new();
@@ -109,7 +109,7 @@ pub(super) fn check(file: &Path, reading: &Reading, quiet: bool) -> u8 {
     }
 }
 
-/// A study whose cases are all in order, or the exit code.
+/// Returns a study whose cases are all correct, or the exit code.
 fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     let mut apart = Vec::new();
     let prints = Prints::discard();
@@ -122,7 +122,7 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     drop(prints);
     let own = read.as_ref().map_or_else(|errors| Refusal::from(errors.clone()).report(), |_| DONE);
     let lines = ForwardedLines::default();
-    let mut told: Option<Vec<CaseProblem>> = None;
+    let mut reported: Option<Vec<CaseProblem>> = None;
     let theirs = apart.iter().map(|(own, need)| {
         let (code, known) = isolated::check_before_run(own, need, Some(&lines));
         let Ok(study) = &read else { return code };
@@ -136,8 +136,8 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
         if code != DONE || unmet.is_empty() {
             return code;
         }
-        // of all cases alike
-        if told.replace(unmet.clone()).is_none_or(|before| before != unmet) {
+        // problems that all cases share are reported once
+        if reported.replace(unmet.clone()).is_none_or(|before| before != unmet) {
             Refusal::from(CaseErrors { file: file.into(), problems: unmet }).report();
         }
         BAD_INPUT
@@ -163,7 +163,7 @@ fn execution<'a>(folder: &'a Path, arguments: &'a StudyArguments) -> Execution<'
     }
 }
 
-/// Refuses an `--only` that leaves nothing to run.
+/// Refuses an `--only` that matches no run.
 fn check_selection(study: &Study, folder: &Path, arguments: &StudyArguments) -> u8 {
     let mut code = DONE;
     for wanted in &arguments.only {
@@ -179,7 +179,7 @@ fn check_selection(study: &Study, folder: &Path, arguments: &StudyArguments) -> 
     code
 }
 
-/// Opens the directory of a study, or says why not; those of the runs that are due must be in order as well.
+/// Opens the directory of a study, or returns why it cannot. The directories of the pending runs must be usable as well.
 fn open(study: &Study, folder: &Path, arguments: &StudyArguments) -> Result<ResultDirectory, u8> {
     let execution = execution(folder, arguments);
     let mut inputs = vec![study.file.clone()];

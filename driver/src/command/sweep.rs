@@ -1,4 +1,4 @@
-//! `pullout sweep`: many runs of a case of which numbers are kept.
+//! `pullout sweep`: runs a case many times and keeps numbers of each run.
 
 use super::{DONE, FAILED, Refusal, say};
 use pullout_run::isolation::prints::Prints;
@@ -26,7 +26,8 @@ pub(super) enum Action {
         /// Search this folder for plugins first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
-        /// Trust no file: only plugins of the search path, without "symbol", and no reading outside the files' folders.
+        /// Treat files as untrusted: use only plugins of the search path, refuse "symbol", and read no file outside the
+        /// folders of the files.
         #[arg(long)]
         untrusted: bool,
     },
@@ -70,7 +71,7 @@ pub(super) enum Action {
     },
 }
 
-/// Settings for working a sweep off.
+/// Settings for executing a sweep.
 #[derive(Debug, clap::Args)]
 pub(super) struct WorkerArguments {
     /// The folder of the sweep.
@@ -91,8 +92,8 @@ pub(super) struct WorkerArguments {
     /// Use threads instead of processes, if all runs call only libraries built with pullout.
     #[arg(long)]
     in_process: bool,
-    /// Trust no folder: only plugins of the search path, without "symbol", and no reading outside the folders below
-    /// files/.
+    /// Treat the folder as untrusted: use only plugins of the search path, refuse "symbol", and read no file outside the
+    /// folders below files/.
     #[arg(long)]
     untrusted: bool,
     /// Print only errors.
@@ -112,7 +113,7 @@ fn array(text: &str) -> Result<(usize, usize), String> {
     ends.filter(|(a, b)| a <= b).ok_or_else(|| "write A-B, e.g. 0-99".into())
 }
 
-/// Does it; the result is the exit code.
+/// Executes the action. Returns the exit code.
 pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
     let done = match action {
         Action::Plan { file, out, design, plugin_paths, untrusted } => {

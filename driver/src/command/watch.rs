@@ -1,12 +1,12 @@
-//! `pullout run --watch`: cases that are run again whenever a file changes that they depend on.
+//! `pullout run --watch`: runs cases again whenever a file that they depend on changes.
 
 use super::{DONE, complain};
 use pullout_engine::CaseSource;
 use pullout_lab::FileWatch;
 use pullout_run::signals;
 
-/// Does something, and does it again whenever a file of the cases has changed, until a signal comes: the exit code is that of what
-/// a signal ended, else that of success.
+/// Executes the work again whenever a file of the cases has changed, until a signal arrives. Returns the exit code of the work
+/// that the signal ended, otherwise success.
 pub(super) fn again_and_again(cases: &[CaseSource], act: &dyn Fn() -> u8) -> u8 {
     loop {
         // what is saved while they run is a change as well

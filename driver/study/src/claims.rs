@@ -22,30 +22,30 @@ pub type Expectation = pullout_case::study::Expectation<usize, usize>;
 pub enum Verdict {
     /// The claim holds.
     #[serde(rename = "found")]
-    Found,
+    Holds,
     /// The claim fails: there is a counterexample.
     #[serde(rename = "not found")]
-    NotFound,
+    Fails,
     /// The claim is undecided: runs failed or were not run.
     #[serde(rename = "cannot be told")]
-    CannotBeTold,
+    Undecided,
 }
 
 impl Verdict {
     /// Returns the verdict for readers. Files keep the spelling that scripts know.
     pub fn words(self) -> &'static str {
         match self {
-            Self::Found => "holds",
-            Self::NotFound => "fails",
-            Self::CannotBeTold => "undecided",
+            Self::Holds => "holds",
+            Self::Fails => "fails",
+            Self::Undecided => "undecided",
         }
     }
 
-    /// Joins several answers that all must be yes.
+    /// Joins several answers, all of which must be yes.
     fn of(answers: impl IntoIterator<Item = Option<bool>>) -> Self {
-        answers.into_iter().fold(Self::Found, |verdict, answer| match (verdict, answer) {
-            (Self::NotFound, _) | (_, Some(false)) => Self::NotFound,
-            (_, None) => Self::CannotBeTold,
+        answers.into_iter().fold(Self::Holds, |verdict, answer| match (verdict, answer) {
+            (Self::Fails, _) | (_, Some(false)) => Self::Fails,
+            (_, None) => Self::Undecided,
             (verdict, Some(true)) => verdict,
         })
     }
@@ -237,7 +237,7 @@ impl Tested<'_> {
             Expectation::Trend { trend, tolerance } => {
                 let tolerance = tolerance.unwrap_or(0.0);
                 let way = if trend == Direction::Increasing { "increasing" } else { "decreasing" };
-                let slack = if tolerance > 0.0 { format!(" but for {}", percent(tolerance)) } else { String::new() };
+                let slack = if tolerance > 0.0 { format!(", tolerance {}", percent(tolerance)) } else { String::new() };
                 format!("{what} {way}{slack}")
             }
             Expectation::Maximum { maximum_at: at } => format!("{what} greatest at {}", self.title(at)),

@@ -11,23 +11,23 @@ pub struct Demand {
     place: JsonPlace,
     column: String,
     /// A column in whose rows it is looked up.
-    beside: Option<String>,
+    partner: Option<String>,
 }
 
 impl Demand {
     /// Demands a column by itself.
     pub fn of_column(column: &str, place: JsonPlace) -> Self {
-        Self { place, column: column.into(), beside: None }
+        Self { place, column: column.into(), partner: None }
     }
 
     /// Demands a column in the rows of another one.
-    pub fn beside(column: &str, other: &str, place: JsonPlace) -> Self {
-        Self { place, column: column.into(), beside: Some(other.into()) }
+    pub fn in_rows_of(column: &str, other: &str, place: JsonPlace) -> Self {
+        Self { place, column: column.into(), partner: Some(other.into()) }
     }
 
     /// Demands both columns of a curve.
     pub fn of_curve(curve: &Columns, place: &JsonPlace) -> Vec<Self> {
-        vec![Self::of_column(&curve.x, place.key("x")), Self::beside(&curve.y, &curve.x, place.key("y"))]
+        vec![Self::of_column(&curve.x, place.key("x")), Self::in_rows_of(&curve.y, &curve.x, place.key("y"))]
     }
 
     /// Demands what a number of a run is made of; `curve` is that of the peak.
@@ -36,9 +36,9 @@ impl Demand {
         let column = &value.column;
         let mut demands = vec![Self::of_column(column, place.key("column"))];
         if matches!(value.at(), Where::X(_) | Where::Named(NamedPlace::Peak)) {
-            demands.push(Self::beside(column, &curve.y, place.key("at")));
+            demands.push(Self::in_rows_of(column, &curve.y, place.key("at")));
         }
-        demands.extend(value.over().iter().map(|other| Self::beside(other, column, place.key("over"))));
+        demands.extend(value.over().iter().map(|other| Self::in_rows_of(other, column, place.key("over"))));
         demands
     }
 
@@ -46,8 +46,8 @@ impl Demand {
     pub fn unmet(demands: &[Self], known: &[String]) -> Vec<CaseProblem> {
         let is_known = |column: &String| known.contains(column);
         let mut problems: Vec<CaseProblem> = Vec::new();
-        for Self { place, column, beside } in demands {
-            let message = match beside {
+        for Self { place, column, partner } in demands {
+            let message = match partner {
                 _ if !is_known(column) => format!("the histories have no column '{column}'{}", hint(column, known)),
                 Some(other) if columns::are_of_two_files(known, column, other) => {
                     format!("'{column}' and '{other}' are columns of two files: bridging.csv and beam.csv")

@@ -46,11 +46,11 @@ pub enum RunOutcome {
     Ran(u8),
     /// Results were there.
     Kept,
-    /// Left out: other runs were asked for.
+    /// Not run, because other runs were requested.
     NotRun,
 }
 
-/// File left in a result directory when the run is over.
+/// File in a result directory that marks the run as finished.
 #[derive(Debug, Serialize, Deserialize)]
 struct Mark {
     /// Arguments with which `pullout run` was called.

@@ -63,7 +63,7 @@ pub fn curves_of_fibres(
             load: Vec::new(),
         };
         for (&slip, &load) in slips.iter().zip(loads) {
-            // the grip of a run never goes back, but for rounding
+            // the grip of a run never goes back, except by rounding
             if slip >= 0.0 && curve.slip.last().is_none_or(|last| slip > *last) {
                 curve.slip.push(slip);
                 curve.load.push(load.max(0.0));

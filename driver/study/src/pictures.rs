@@ -80,7 +80,7 @@ fn first_member(study: &Study) -> Option<usize> {
     (0..study.members.len()).min_by(|a, b| x(a).total_cmp(&x(b)))
 }
 
-/// The curves of some series: a colour for each member (a shade where there are more members than colours) and a dash for
+/// Draws the curves of some series: a colour for each member (a shade if there are more members than colours) and a dash for
 /// each series.
 fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: Vec<usize>) -> Figure {
     let shaded = study.members.len() > PALETTE;
@@ -143,9 +143,9 @@ fn names(study: &Study) -> Vec<String> {
     study.members.iter().map(|member| if fits { &member.title } else { &member.label }).cloned().collect()
 }
 
-/// Characters that have room along the x axis.
+/// Number of characters that fit along the x axis.
 const CHARACTERS: usize = 70;
-/// Colours that are told apart.
+/// Number of colours that are easy to distinguish.
 const PALETTE: usize = 7;
 
 /// A number of the runs that are done along x: a line for each series.

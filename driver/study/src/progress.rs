@@ -12,7 +12,7 @@ use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::time::Duration;
 
-/// Tells of runs as they end, with a bar where the standard error is a terminal.
+/// Reports runs as they end, with a progress bar if the standard error is a terminal.
 pub struct Progress<'s> {
     study: &'s Study,
     /// Result directory of the study.
@@ -22,7 +22,7 @@ pub struct Progress<'s> {
 }
 
 impl<'s> Progress<'s> {
-    /// Begins with no run; `folder` is the result directory of the study. `quiet`: nothing is told.
+    /// Begins with no run; `folder` is the result directory of the study. `quiet`: nothing is reported.
     pub fn new(study: &'s Study, folder: &'s Path, quiet: bool) -> Self {
         let bar = (!quiet && io::stderr().is_terminal()).then(|| {
             let style = ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {elapsed}");
@@ -36,8 +36,8 @@ impl<'s> Progress<'s> {
         Self { study, folder, bar, quiet }
     }
 
-    /// Takes note of a run that ended with an exit code, the `count`-th of `of` that are due. Returns a line for the standard
-    /// output, unless the bar tells it.
+    /// Records a run that ended with an exit code, the `count`-th of `of` that are due. Returns a line for the standard
+    /// output, unless the bar shows it.
     pub fn ended(&self, run: &StudyRun, code: u8, count: usize, of: usize) -> Option<String> {
         if self.quiet {
             return None;
@@ -75,7 +75,7 @@ pub fn outcome(study: &Study, results: &Results, findings: &[Finding], folder: &
     let mut text =
         format!("{}: {done} of {} runs done{kept} -> {}\n", study.title, results.runs.len(), folder.display());
     for Finding { claim, verdict, figures, .. } in findings {
-        let mark = if *verdict == Verdict::Found { ' ' } else { '!' };
+        let mark = if *verdict == Verdict::Holds { ' ' } else { '!' };
         // writing to a String cannot fail
         let _ = writeln!(text, "{mark} {}: {claim}", verdict.words());
         figures.iter().for_each(|line| {

@@ -15,7 +15,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Name of the only series of a study that has none.
+/// Name of the only series of a study without series.
 const ONLY_SERIES: &str = "runs";
 /// Names in the study's directory that are no series.
 const RESERVED: [&str; 8] = [
@@ -34,7 +34,7 @@ const LONGEST_NAME: usize = 200;
 
 /// Reads a study file and checks the cases of all its runs.
 ///
-/// The overrides of `of` are those of all runs, behind their own. Cases for which `isolated` says so are not read here, because
+/// The overrides of `of` apply to all runs, after their own. Cases for which `isolated` returns true are not read here, because
 /// their plugins must not be loaded.
 ///
 /// # Errors
@@ -188,7 +188,7 @@ impl Resolver<'_, '_> {
                 format!("names a directory: 1 to {LONGEST_NAME} bytes, not {}; \"title\" is free", name.len());
             self.problem(place, message);
         }
-        // some file systems do not tell capitals from small letters
+        // some file systems do not distinguish capitals from small letters
         if !taken.insert(name.to_lowercase()) {
             self.problem(place, format!("'{name}' is given twice"));
         }
@@ -261,7 +261,7 @@ impl Resolver<'_, '_> {
         (is_fine.then_some(runs), columns)
     }
 
-    /// Tells what is wrong with cases, each thing once.
+    /// Reports the problems of cases, each once.
     fn complain(&mut self, complaints: Vec<Complaint>, count: usize, members: &[Member], series: &[Series]) {
         let mut gathered: Vec<Complaint> = Vec::new();
         for complaint in complaints {
@@ -449,7 +449,7 @@ fn texts(set: &Map<String, Value>) -> impl Iterator<Item = String> + '_ {
     set.iter().map(|(path, value)| format!("{path}={value}"))
 }
 
-/// Load against slip, τ against slip, σ11 against ε11, σ against w, as the kind of a case has it.
+/// Returns the default curve for the kind of a case: load against slip, τ against slip, σ11 against ε11, or σ against w.
 pub fn default_curve(case: &Value) -> Columns {
     let kind = &case["kind"];
     let (x, y) = match kind.as_str() {

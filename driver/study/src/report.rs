@@ -59,7 +59,7 @@ fn claims(findings: &[Finding]) -> Markup {
                         td { (finding.claim) br; small { (finding.expected) } }
                         td.key {
                             @match finding.verdict {
-                                Verdict::Found => span.done { (finding.verdict.words()) },
+                                Verdict::Holds => span.done { (finding.verdict.words()) },
                                 _ => span.failed { (finding.verdict.words()) },
                             }
                         }

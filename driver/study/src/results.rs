@@ -151,7 +151,7 @@ impl RunResult {
         column(&columns.x).iter().copied().zip(column(&columns.y).iter().copied()).collect()
     }
 
-    /// A number of a run that is done; `None` if it is not, or has no such number.
+    /// Returns a number of a finished run; `None` if the run is not finished or has no such number.
     pub fn value(&self, quantity: &Quantity, curve: &Columns) -> Option<f64> {
         if !self.is_done() {
             return None;
@@ -177,7 +177,7 @@ impl RunResult {
         number.is_finite().then_some(number)
     }
 
-    /// Index of a line of the history.
+    /// Returns the index of a row of the history.
     fn line(&self, column: &str, at: Where, curve: &Columns) -> Option<usize> {
         let column_of = |name: &str| self.history.column(name);
         let extreme = |values: &[f64], sign: f64| {
@@ -207,8 +207,8 @@ fn farthest(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     numbers.reduce(|far, x| if x.abs() > far.abs() { x } else { far })
 }
 
-/// The x to which the work of several runs is compared: where the shortest of them ends, if none turns back and all go to one
-/// side. Otherwise, and where all end at the same x, `None`: the end of each.
+/// Returns the x up to which the work of several runs is compared: the end of the shortest run, if no run has a reversal and all go
+/// in one direction. Otherwise, or if all end at the same x, `None`: the end of each run.
 fn common_end(curves: &[Vec<(f64, f64)>]) -> Option<f64> {
     let mut ends = Vec::new();
     for curve in curves {

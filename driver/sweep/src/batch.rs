@@ -27,7 +27,7 @@ pub struct Batch {
     pub(crate) rows: PathBuf,
     /// The runs alone.
     pub(crate) sweep: Sweep,
-    /// Seconds after which it ends, behind the run that is over.
+    /// Seconds after which it ends, once the current run is finished.
     pub(crate) seconds: f64,
     /// Whether the cases are from an unknown source.
     pub is_untrusted: bool,

@@ -104,13 +104,13 @@ pub(crate) fn framed(content: &[u8]) -> io::Result<Vec<u8>> {
     Ok([&length.to_le_bytes()[..], content].concat())
 }
 
-/// Returns the content of a frame at the beginning, and the bytes behind it.
+/// Returns the content of the frame at the beginning, and the bytes after it.
 fn unframed(content: &[u8]) -> Option<(&[u8], &[u8])> {
     let (length, rest) = content.split_first_chunk()?;
     rest.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)
 }
 
-/// The whole rows, whether another run has begun behind them, and how many bytes that is.
+/// Returns the complete rows, whether another run has begun after them, and the number of their bytes.
 fn rows(content: &[u8]) -> (Vec<Measured>, bool, usize) {
     let (mut rows, mut has_begun, mut rest) = (Vec::new(), false, content);
     while let Some((frame, behind)) = unframed(rest) {

@@ -25,9 +25,10 @@ impl Maker {
     /// The program of this identity, on this machine.
     pub fn new(identity: [u8; 32]) -> Self {
         let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-        let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-        let model =
-            told.lines().find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned()));
+        let cpu_info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let model = cpu_info
+            .lines()
+            .find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned()));
         let engine = pullout_run::input::digits(identity);
         Self { host: host.trim().to_owned(), cpu: model.unwrap_or_default(), engine }
     }
@@ -87,7 +88,7 @@ pub(crate) fn state(row: &Measured) -> &'static str {
 
 const DONE: &str = "done";
 const LOST: &str = "lost";
-/// The word for a run that has no row yet.
+/// Status of a run that has no row yet.
 const LEFT: &str = "left";
 
 /// A run that was lost so often is over: it may be what ends its workers.
@@ -120,7 +121,7 @@ impl KnownRow {
 }
 
 impl Known {
-    /// Reads what parts tell that were not there before.
+    /// Reads the parts that are new since the last call.
     pub fn read(&mut self, store: &Store) -> io::Result<()> {
         let wanted = |name: &str| ["key", "status", "attempt", "time"].contains(&name);
         for path in store.parts()? {
@@ -242,7 +243,7 @@ fn gather(store: &Store, sweep: &Sweep, wants: impl Fn(&str) -> bool) -> io::Res
     let mut table = part(sweep, &[], &[], &Maker::default());
     table.columns.retain(|(name, _)| wants(name));
     table.gather(&parts, &rows);
-    // a row of an earlier plan has what that one varied, and runs that are alike but for their titles have one row
+    // a row of an earlier plan has what that plan varied, and runs that differ only in their titles share one row
     let varied = sweep.varied(&runs).into_iter().enumerate();
     let varied = varied.map(|(k, (name, column))| (name, if sweep.is_whole(k) { column.whole() } else { column }));
     for (name, column) in varied.chain([("key".to_owned(), Column::Text(keys.into_iter().map(Some).collect()))]) {

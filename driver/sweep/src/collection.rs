@@ -10,7 +10,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-/// A file that a table may be written into.
+/// A file for a table.
 #[derive(Debug)]
 pub struct Collection<'s> {
     store: &'s Store,
@@ -22,10 +22,10 @@ pub struct Collection<'s> {
 type Write = fn(&Table, &File) -> io::Result<()>;
 
 impl<'s> Collection<'s> {
-    /// Makes the file of a table of a store; `overwrite`: whatever is there is replaced.
+    /// Makes the file of a store's table. `overwrite`: an existing file is replaced.
     ///
     /// # Errors
-    /// The name does not tell the form; the file is not the program's, or part of the store.
+    /// The suffix is unknown; the file was not written by pullout, or is part of the store.
     pub fn at(store: &'s Store, path: &Path, overwrite: bool) -> io::Result<Self> {
         let refused = |message: &str| {
             Err(io::Error::new(io::ErrorKind::InvalidData, format!("--out {}: {message}", path.display())))

@@ -1,8 +1,8 @@
-//! Many runs of a case of which numbers are kept: planned, worked off by any number of processes, collected.
+//! Plans many runs of a case, runs them in any number of processes, and collects their numbers.
 //!
-//! A sweep is a folder ([`store`]). Its work is done by children of the program, each of which runs many cases one after
-//! another ([`Batch`]); what ends a child is a row of its own, and the next child goes on behind it ([`work`]). Rows have the
-//! hash of everything that they depend on as their key: runs that are there are not made again, whichever process made them.
+//! A sweep is a folder ([`store`]). Its work is done by children of pullout, each of which runs many cases one after
+//! another ([`Batch`]). A run that ends its child gets a row of its own, and the next child continues after it ([`work`]). The key
+//! of a row is the hash of everything that it depends on: a run that is there is not made again, whichever process made it.
 
 mod batch;
 mod claim;

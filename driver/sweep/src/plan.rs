@@ -1,4 +1,4 @@
-//! Planning of a sweep: from its file to the store.
+//! Plans a sweep: from its file to the store.
 
 use crate::store::{Bundle, Keep, Store, Sweep, VERSION, with};
 use pullout_case::study::{NamedQuantity, QuantityOfFile};
@@ -158,7 +158,7 @@ fn resolve(reader: &mut Reader<'_>, of_file: &SweepFile, file: &Path, how: Plann
     let first = values.of(0);
     overridden(reader, &base, &parameters, &first, &root)?;
     let keep = keep(reader, of_file, &base);
-    // the first run tells what is wrong with all
+    // the first run shows what is wrong with all
     let first = CaseSource {
         plugin_paths: how.plugin_paths.to_vec(),
         is_untrusted: how.is_untrusted,
@@ -268,7 +268,7 @@ fn keep(reader: &mut Reader<'_>, of_file: &SweepFile, base: &Value) -> Keep {
     }
 }
 
-/// The history columns that the file names.
+/// Returns the history columns that the file names.
 fn demands(of_file: &SweepFile, keep: &Keep) -> Vec<Demand> {
     let root = JsonPlace::root();
     let mut demands = Vec::new();
@@ -282,7 +282,7 @@ fn demands(of_file: &SweepFile, keep: &Keep) -> Vec<Demand> {
     for (index, column) in keep.curves.iter().enumerate() {
         let place = root.key("curves").index(index);
         demands.push(match keep.grid {
-            Some(_) => Demand::beside(column, &keep.curve.x, place),
+            Some(_) => Demand::in_rows_of(column, &keep.curve.x, place),
             None => Demand::of_column(column, place),
         });
     }
@@ -329,7 +329,7 @@ fn design(reader: &mut Reader<'_>, of_file: &SweepFile) -> Option<Design> {
     table(&path).map_err(|message| reader.problem(&place, format!("{}: {message}", path.display()))).ok()
 }
 
-/// Every combination.
+/// Returns every combination of the values.
 fn product(reader: &mut Reader<'_>, parameters: &Map<String, Value>, place: &JsonPlace) -> Option<Design> {
     let mut lists = Vec::new();
     for (path, values) in parameters {
@@ -347,7 +347,7 @@ fn product(reader: &mut Reader<'_>, parameters: &Map<String, Value>, place: &Jso
     Some((parameters.keys().cloned().collect(), values))
 }
 
-/// A CSV table whose header has the paths; fields are JSON, else texts.
+/// Reads a CSV table whose header has the dotted paths. Fields are JSON, otherwise texts.
 fn table(path: &Path) -> Result<Design, String> {
     let text = input::text(path, Input::Mesh).map_err(|error| error.to_string())?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());

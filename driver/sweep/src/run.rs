@@ -32,7 +32,7 @@ pub struct Measured {
     pub replay: Option<String>,
 }
 
-/// Runs a case, from an unknown source perhaps; `None`: it was told to end.
+/// Runs a case, which may be from an unknown source. `None`: the run was asked to end.
 pub fn measure(
     store: &Store,
     sweep: &Sweep,

@@ -39,7 +39,7 @@ pub struct Sweep {
     pub parameters: Vec<String>,
     /// Values, run by run; files have the names that they have below `files`.
     pub runs: Vec<Vec<Value>>,
-    /// Values as they were given, by the number of the run, where they name files.
+    /// Original values that name files, by the number of the run.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub written: BTreeMap<usize, Vec<Value>>,
     /// Folders below `files`.
@@ -61,7 +61,7 @@ pub struct Keep {
     pub quantities: BTreeMap<String, QuantityOfFile>,
     /// History columns.
     pub curves: Vec<String>,
-    /// Values of the curve's x at which they are kept; `None`: as they are.
+    /// Values of the curve's x at which they are kept; `None`: at their own rows.
     pub grid: Option<Vec<f64>>,
 }
 
@@ -136,7 +136,7 @@ impl Store {
         Err(io::Error::new(io::ErrorKind::InvalidData, format!("{} {message}", path.display())))
     }
 
-    /// Begins a sweep, or gives it other runs: what is done stays done.
+    /// Begins a sweep, or changes its runs. Finished runs are kept.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -310,7 +310,7 @@ fn collect_files(folder: &Path, inside: &str, files: &mut BTreeMap<String, PathB
     Ok(())
 }
 
-/// Characters of a name that no other process takes.
+/// Number of characters of a name that no other process uses.
 const UNIQUE: usize = 32;
 
 /// A name that no other process takes.
@@ -471,7 +471,7 @@ impl Bundle {
         }
     }
 
-    /// The hash of names and contents.
+    /// Returns the hash of names and contents.
     fn digest(&self) -> io::Result<String> {
         let mut digest = Sha256::new();
         for (name, file) in &self.files {

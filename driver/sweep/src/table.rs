@@ -182,7 +182,7 @@ impl Table {
     }
 }
 
-/// Writes a file beside its place and moves it there; `before` hears of the whole file while it is not in its place yet.
+/// Writes a file next to its final place and moves it there. `before` is called with the complete file before it is moved.
 pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&File) -> io::Result<()>,
@@ -228,7 +228,7 @@ impl Serialize for Row<'_> {
     }
 }
 
-/// What a row has of a column.
+/// Cell of a row.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Cell {
@@ -239,7 +239,7 @@ enum Cell {
 }
 
 impl Column {
-    /// The column of cells, of which the first that is there tells the kind.
+    /// Makes the column of cells. The first cell that exists determines the kind.
     fn of(cells: Vec<Option<Cell>>) -> Self {
         fn all<V>(cells: Vec<Option<Cell>>, value: impl Fn(Cell) -> Option<V>) -> Vec<Option<V>> {
             cells.into_iter().map(|cell| cell.and_then(&value)).collect()
@@ -265,7 +265,7 @@ impl Column {
     }
 }
 
-/// Reads the cells of a row that are wanted by their names.
+/// Reads the cells of a row with the wanted names.
 struct Wanted<'w, W>(&'w W);
 
 impl<'de, W: Fn(&str) -> bool> DeserializeSeed<'de> for Wanted<'_, W> {
@@ -301,7 +301,7 @@ mod test {
     use super::*;
 
     #[test]
-    fn a_full_disk_is_told_with_the_name_of_the_file() {
+    fn a_full_disk_is_reported_with_the_name_of_the_file() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("table.jsonl");
         let table = Table { columns: vec![("a".into(), Column::Number(vec![Some(1.0)]))] };

@@ -52,9 +52,9 @@ pub struct Worked {
     pub kept: usize,
     /// Runs that are over now.
     pub ran: usize,
-    /// Runs that other workers have ended meanwhile, or are at.
+    /// Runs that other workers have finished meanwhile, or are running.
     pub elsewhere: usize,
-    /// Runs that are left.
+    /// Runs that remain.
     pub left: usize,
 }
 
@@ -70,25 +70,25 @@ struct JobQueue<'w> {
     count: usize,
     over: AtomicUsize,
     /// Receives the number of finished runs and the total.
-    told: &'w (dyn Fn(usize, usize) + Sync),
+    report: &'w (dyn Fn(usize, usize) + Sync),
 }
 
-/// Runs that are left, and what other workers do of them.
+/// Runs that remain, and those of them that other workers have claimed.
 struct Queue {
     due: VecDeque<PendingRun>,
     known: Known,
     taken: ClaimedKeys,
     /// The time at which the rows of others are read again.
     next_reading: Instant,
-    /// Runs that others have ended since the start.
+    /// Runs that others have finished since the start.
     elsewhere: usize,
 }
 
-/// Runs what is left of a sweep. `told` hears how many runs are over, of how many that were left.
+/// Runs the remaining runs of a sweep. `report` receives the number of finished runs and the total that remained.
 ///
 /// # Errors
 /// The store cannot be read or written, processes cannot be started. What is done is kept.
-pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) -> io::Result<Worked> {
+pub fn work(store: &Store, work: &Work, report: &(dyn Fn(usize, usize) + Sync)) -> io::Result<Worked> {
     let sweep = store.sweep()?;
     store.check_bundles(&sweep)?;
     if work.is_untrusted {
@@ -104,7 +104,7 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
     };
     let (queue, over) = (Mutex::new(queue), AtomicUsize::new(0));
     let mut office =
-        JobQueue { store, sweep: &sweep, work, identity, maker: Maker::new(identity), queue, count: 0, over, told };
+        JobQueue { store, sweep: &sweep, work, identity, maker: Maker::new(identity), queue, count: 0, over, report };
     let (number, of) = work.chunk.unwrap_or((0, 1));
     let count = sweep.runs.len();
     let runs = count * number / of..count * (number + 1) / of;
@@ -193,7 +193,7 @@ impl JobQueue<'_> {
     /// Reads what other workers have claimed and done, and keeps the rows of workers that have ended.
     fn look(&self, queue: &mut Queue) -> io::Result<()> {
         let left = left_behind(self.store, &self.maker.engine, &self.maker.host, &mut queue.taken)?;
-        // behind the claims: rows are there before a claim goes; those of small parts, which are many, not every time
+        // after the claims, because a row is there before its claim goes; small parts are many and are not read every time
         let start = Instant::now();
         if self.work.chunk_runs.is_none() || start >= queue.next_reading || !left.is_empty() {
             queue.known.read(self.store)?;
@@ -284,7 +284,7 @@ impl JobQueue<'_> {
         Ok(())
     }
 
-    /// Takes blocks of runs until nothing is left; `is_apart`: in children.
+    /// Takes blocks of runs until none remain. `is_apart`: runs them in children.
     fn run_worker(&self, is_apart: bool) -> io::Result<()> {
         while let Some((mut claim, mut block)) = self.take()? {
             let (mut rows, start) = (Vec::new(), Instant::now());
@@ -307,7 +307,7 @@ impl JobQueue<'_> {
             for due in block.drain(rows.len()..).rev() {
                 queue.due.push_front(due);
             }
-            (self.told)(over, self.count - queue.elsewhere);
+            (self.report)(over, self.count - queue.elsewhere);
         }
         Ok(())
     }
@@ -367,8 +367,8 @@ impl JobQueue<'_> {
         Ok(())
     }
 
-    /// Starts a child with runs, which adds its rows behind the `before` that are there; one of the run that it did not
-    /// survive is added here.
+    /// Starts a child with runs, which appends its rows to the first `before` rows. If a run ends the child, the row of that run
+    /// is added here.
     fn child(&self, runs: &[PendingRun], seconds: f64, claim: &mut Claim, before: usize) -> io::Result<()> {
         let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
         let sweep = self.sweep.part(&numbers);
@@ -416,7 +416,7 @@ fn lost(host: &str, attempt: u32, keep: &Keep) -> Measured {
     }
 }
 
-/// The row of a run that a child did not survive.
+/// Returns the row of a run that ended its child.
 fn crash(failure: &Failure, document: &Value, office: &JobQueue<'_>, run: usize) -> Measured {
     let case = failure.replay.clone().map(|mut case| {
         let title = document["title"].as_str().unwrap_or(&office.sweep.title);

@@ -46,7 +46,7 @@ fn several_sources_make_one_library_under_the_first_ones_name() {
 }
 
 #[test]
-fn a_form_can_be_told() {
+fn a_form_can_be_given() {
     if find(Tool::Fortran).is_none() {
         return;
     }
@@ -98,8 +98,8 @@ fn a_utility_that_is_not_offered_ends_the_run_only_where_it_is_reached() {
         let outcome = desk.pullout(["plugin", "build", "mine.f"]).expect(0);
         assert!(outcome.stderr.contains("libmine.so: GETVRMAVGATNODE is a utility routine of ABAQUS"), "{outcome:?}");
         let run = desk.run(&desk.case("case.json", &one_increment(0, &[])), &[], "out", code);
-        let told = run.outcome.stderr.contains("the plugin called GETVRMAVGATNODE");
-        assert_eq!(told, code != 0, "{}", run.outcome.stderr);
+        let is_reported = run.outcome.stderr.contains("the plugin called GETVRMAVGATNODE");
+        assert_eq!(is_reported, code != 0, "{}", run.outcome.stderr);
     }
 }
 
@@ -109,7 +109,7 @@ fn lines_of_the_preprocessor_are_obeyed_wherever_they_stand() {
         return;
     }
     let desk = Desk::new();
-    // in the source, in a file it includes in other letters, and behind a directive that Windows' compilers know
+    // in the source, in a file it includes in other letters, and after a directive that Windows' compilers know
     desk.write("factor.inc", "#define FACTOR 3.D0\n#ifdef ABQ_LINUX\n      STRESS(1)=FACTOR*STRESS(1)\n#endif\n");
     desk.write("Offset.H", "#define OFFSET 0.25D0\n");
     let calls = "#define TWO 2.D0\n      STRESS(1)=TWO*STRESS(1)\n      INCLUDE 'FACTOR.INC'\n#INCLUDE \"offset.h\"\n      \
@@ -346,7 +346,7 @@ fn failure(desk: &Desk, mode: &str) -> String {
     message
 }
 
-/// What a UMAT reads of memory that it allocated and did not set, or behind it, valgrind names with its line, and nothing in the
+/// valgrind names the line where a UMAT reads memory that it allocated and did not set, or past its end, and nothing in the
 /// program around it.
 #[test]
 fn valgrind_finds_what_a_umat_does_to_its_own_memory() {
@@ -368,7 +368,7 @@ fn valgrind_finds_what_a_umat_does_to_its_own_memory() {
     let output = valgrind.args(["run", "--quiet", "--in-process", "case.json"]).output().expect("valgrind starts");
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(9), "{words}");
-    // the first place of each error, not of the block of memory that it tells of
+    // the first place of each error, not of the memory block that it mentions
     let lines: Vec<&str> = words.lines().collect();
     let first = lines.windows(2).filter(|pair| pair[1].contains("    at 0x") && !pair[0].contains("  Address 0x"));
     let errors: Vec<&str> = first.map(|pair| pair[1]).collect();

@@ -129,7 +129,7 @@ fn plane_stress_that_forgets_the_thickness_is_found() {
     }
 }
 
-/// Where a UMAT serves the three components of plane stress alone, nothing was compared: that is no pass.
+/// If a UMAT works with the three components of plane stress alone, nothing was compared: that is no pass.
 #[test]
 fn plane_stress_alone_at_finite_strain_is_not_tested() {
     let desk = Desk::new();
@@ -175,7 +175,7 @@ fn contact_checked(
 /// Errors planted in both contact laws are reported in these words; those of arrays whose lengths follow the tangential
 /// directions, with one direction and with two.
 #[test]
-fn contact_laws_that_leave_their_arrays_are_told() {
+fn contact_laws_that_leave_their_arrays_are_reported() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "planted_contact.f", &[]) else { return };
     for (entry, slips) in [("uinter", 1), ("uinter", 2), ("fric", 1), ("fric", 2)] {
@@ -197,8 +197,8 @@ fn contact_laws_that_leave_their_arrays_are_told() {
             let outcome = contact_checked(&desk, &library, entry, slips, error, 1);
             // where the case cannot even begin, its row has said it: "wrote" in place of "writes"
             let (_, place) = words.split_once(' ').expect("a verb");
-            let is_told = outcome.stdout.lines().any(|row| row.starts_with("FAIL") && row.contains(place));
-            assert!(is_told, "{entry}, error {error}: {}", outcome.stdout);
+            let is_reported = outcome.stdout.lines().any(|row| row.starts_with("FAIL") && row.contains(place));
+            assert!(is_reported, "{entry}, error {error}: {}", outcome.stdout);
         }
     }
 }
@@ -208,7 +208,7 @@ fn checked_with(statement: &str, code: i32) -> Option<Outcome> {
     altered("    const int n = *ntens;\n", statement, code)
 }
 
-/// The check of elasticity in C with a statement behind a line.
+/// Checks elasticity in C with a statement after a line.
 fn altered(line: &str, statement: &str, code: i32) -> Option<Outcome> {
     let desk = Desk::new();
     find(Tool::C)?;
@@ -224,25 +224,25 @@ fn altered(line: &str, statement: &str, code: i32) -> Option<Outcome> {
     Some(outcome)
 }
 
-/// A path that ends is told with its reason, which is no cut-back request where PNEWDT was left alone; a stress that grows in time
-/// is none in an instant, and another is named. NaN for a step of zero, which hosts ask for first, is an error of any law.
+/// A path that ends is reported with its reason, which is no cut-back request if PNEWDT was left alone. If the stress grows in
+/// time, another reason is named. NaN for a zero step, which hosts ask for first, is an error of any law.
 #[test]
 fn reasons_are_the_true_ones() {
     let behind = |statement: &str, code| altered("    *spd = 0.0;\n", statement, code);
     let Some(outcome) = behind("if (dstran[0] == 0.0) stress[0] = 0.0 / 0.0;", 1) else { return };
-    let told = row(&outcome, "energy balance");
-    assert!(told.contains("no path led to its end: it returned STRESS(1) = NaN"), "{told}");
+    let line = row(&outcome, "energy balance");
+    assert!(line.contains("no path led to its end: it returned STRESS(1) = NaN"), "{line}");
     for check in ["virgin state", "zero increment"] {
-        let told = row(&outcome, check);
-        assert!(told.starts_with("FAIL") && told.contains("it returned STRESS(1) = NaN"), "{told}");
+        let line = row(&outcome, check);
+        assert!(line.starts_with("FAIL") && line.contains("it returned STRESS(1) = NaN"), "{line}");
     }
     let states = [("100.0 * *dtime", "pass", ""), ("1e-9", "warn", "s11 = -1e-9 after a step of zero, 0e0 before")];
     for (stress, verdict, words) in states {
         let statement = format!("stress[0] -= {stress};");
         let Some(outcome) = behind(&statement, 0) else { return };
-        let told = row(&outcome, "virgin state");
-        assert!(told.starts_with(verdict) && told.contains(words), "{told}");
-        assert_eq!(told.contains("after a step of zero"), verdict == "warn", "{told}");
+        let line = row(&outcome, "virgin state");
+        assert!(line.starts_with(verdict) && line.contains(words), "{line}");
+        assert_eq!(line.contains("after a step of zero"), verdict == "warn", "{line}");
     }
 }
 
@@ -259,8 +259,8 @@ fn strains_kept_in_states_are_seen() {
     let case = desk.case("case.json", &point(material, "3d", json!([{ "increments": 3, "target": { "e11": 1e-3 } }])));
     let arguments = ["plugin", "check", library.as_str().expect("a path"), "--case", case.to_str().expect("UTF-8")];
     let outcome = desk.pullout(arguments).expect(0);
-    let told = row(&outcome, "nonlinear states");
-    assert!(told.starts_with("pass") && told.contains("linear everywhere it was checked"), "{told}");
+    let line = row(&outcome, "nonlinear states");
+    assert!(line.starts_with("pass") && line.contains("linear everywhere it was checked"), "{line}");
 }
 
 /// A law whose calls take long is looked at as far as the time goes; what was left out is said, and nothing passes for it.

@@ -1,5 +1,5 @@
 //! `pullout plugin check` around the path of a case: laws whose scale, time, temperature, gap or deformation gradient only
-//! the case tells.
+//! the case determines.
 
 use super::{built, point};
 use crate::program::{Desk, Outcome};
@@ -81,7 +81,7 @@ fn a_linear_law_is_linear_everywhere_it_was_looked_at() {
 }
 
 #[test]
-fn a_small_error_is_told_by_its_size_and_place() {
+fn a_small_error_is_reported_with_its_size_and_place() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "check_laws.f", &[]) else { return };
     let outcome = checked(&desk, &library, &damage(&library, 1e-4, 1), 1);
@@ -260,8 +260,8 @@ fn a_small_strain_law_in_a_large_deformation() {
         if code == 0 {
             assert!(tangent.contains("consistent with DSTRAN; DFGRD1 is not read"), "{}", outcome.stdout);
         }
-        let told = row_of("objectivity");
-        assert!(told.starts_with(verdict) && told.contains(words), "{told}");
+        let line = row_of("objectivity");
+        assert!(line.starts_with(verdict) && line.contains(words), "{line}");
     }
 }
 
@@ -329,7 +329,7 @@ fn the_end_of_one_group_is_not_that_of_the_others() {
     assert!(words.contains("(replay case: plugin-check-replay-2.json)"), "{words}");
     let replayed = desk.pullout(["run", "--quiet", "plugin-check-replay-2.json"]).expect(1);
     assert!(replayed.stderr.contains("increment 501: it ended the process"), "{}", replayed.stderr);
-    // a replay that was changed stays, one of the same call serves again
+    // a replay that was changed stays, one of the same call is used again
     in_json(&desk, &library, &tension(&library, &[30e3, 0.2], 0), &[], 1);
     assert!(!desk.path("plugin-check-replay-3.json").exists());
     desk.write("plugin-check-replay-2.json", "changed");
@@ -339,7 +339,7 @@ fn the_end_of_one_group_is_not_that_of_the_others() {
 }
 
 #[test]
-fn an_end_at_input_that_makes_no_sense_is_told() {
+fn an_end_at_input_that_makes_no_sense_is_reported() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "check_laws.f", &[]) else { return };
     let outcome = checked(&desk, &library, &damage(&library, 1e-4, 2), 0);

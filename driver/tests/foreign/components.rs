@@ -100,7 +100,8 @@ fn a_law_that_follows_the_deformation_gradient_alone_is_not_run_on_small_strains
     assert!(refused.code != 0 && refused.stderr.contains("\"nlgeom\": true"), "{} {}", refused.code, refused.stderr);
 }
 
-/// In a plane the law takes what lies behind its own arrays for stresses: a warning before the results, and words where it crashes.
+/// In a plane the law reads past the ends of its arrays as if stresses were there: a warning before the results, and a message
+/// if it crashes.
 #[test]
 fn a_law_of_six_components_that_leaves_its_own_arrays_is_named() {
     let desk = Desk::new();

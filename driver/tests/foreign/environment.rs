@@ -209,7 +209,7 @@ fn occasions(run: &Run) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn the_analysis_its_steps_and_its_increments_are_told_once_each() {
+fn the_analysis_its_steps_and_its_increments_are_reported_once_each() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "occasions.f", &[]) else { return };
     let material = json!({ "plugin": library, "props": [E, NU, 1.5], "nstatv": 0 });
@@ -261,42 +261,42 @@ fn the_analysis_its_steps_and_its_increments_are_told_once_each() {
 fn an_analysis_begins_and_ends_once() {
     let desk = Desk::new();
     let source = std::fs::read_to_string(workspace("tests/umats/occasions.f")).expect("a source");
-    let append = "OPEN(99,FILE='told.txt',POSITION='APPEND')\n      WRITE(99,";
+    let append = "OPEN(99,FILE='calls.txt',POSITION='APPEND')\n      WRITE(99,";
     let source = source.replace("WRITE(6,", append).replace("TIME,DTIME\n", "TIME,DTIME\n      CLOSE(99)\n");
     let Some(_) = find(Tool::Fortran) else { return };
-    let source = desk.write("told.f", &source);
-    desk.pullout(["plugin", "build", source.to_str().expect("UTF-8"), "-o", "libtold.so"]).expect(0);
+    let source = desk.write("calls.f", &source);
+    desk.pullout(["plugin", "build", source.to_str().expect("UTF-8"), "-o", "libcalls.so"]).expect(0);
     let supports = json!({ "left": { "direction": "x" }, "bottom": { "direction": "y" } });
     let grip = json!({ "nodes": "right", "direction": [1, 0], "lateral": "free" });
     let steps = json!([{ "slip": 0.004, "increments": 1, "time": 9.0 }]);
     // what takes longer than the law wants is cut twice, not oftener
     for (in_process, largest_time, code) in [(false, 10.0, 0), (true, 10.0, 0), (false, 2.0, 1)] {
-        let material = json!({ "plugin": "./libtold.so", "props": [E, NU, largest_time], "nstatv": 0 });
+        let material = json!({ "plugin": "./libcalls.so", "props": [E, NU, largest_time], "nstatv": 0 });
         let place = if in_process { "--in-process" } else { "--quiet" };
         let mut case = rectangle(material, "plane_stress", supports.clone(), grip.clone(), steps.clone());
         case["controls"] = json!({ "max_cutbacks": 2 });
         let [case, other] = ["case.json", "other.json"].map(|name| desk.case(name, &case));
-        let told = || {
-            let text = std::fs::read_to_string(desk.path("told.txt")).expect("a file");
-            std::fs::remove_file(desk.path("told.txt")).expect("a file");
+        let calls = || {
+            let text = std::fs::read_to_string(desk.path("calls.txt")).expect("a file");
+            std::fs::remove_file(desk.path("calls.txt")).expect("a file");
             let words = |line: &str| line.split_whitespace().nth(1).and_then(|word| word.parse().ok());
             text.lines().map(|line| words(line).expect("a number")).collect::<Vec<u32>>()
         };
         let [case, other] = [&case, &other].map(|path| path.to_str().expect("UTF-8"));
         desk.pullout(["run", place, "--overwrite", case]).expect(code);
-        let told_once = told();
-        assert_eq!([told_once[0], told_once[1], told_once[told_once.len() - 1]], [0, 5, 3], "{told_once:?}");
-        assert_eq!(told_once.iter().filter(|lop| [0, 3].contains(lop)).count(), 2, "{told_once:?}");
+        let calls_once = calls();
+        assert_eq!([calls_once[0], calls_once[1], calls_once[calls_once.len() - 1]], [0, 5, 3], "{calls_once:?}");
+        assert_eq!(calls_once.iter().filter(|lop| [0, 3].contains(lop)).count(), 2, "{calls_once:?}");
         desk.pullout(["run", place, "--overwrite", case, other]).expect(code);
-        assert_eq!(told(), [told_once.clone(), told_once].concat());
+        assert_eq!(calls(), [calls_once.clone(), calls_once].concat());
         desk.pullout(["check", place, case]).expect(0);
-        assert_eq!(told(), [0, 3]);
+        assert_eq!(calls(), [0, 3]);
     }
 }
 
 /// A run that goes on from a checkpoint: LOP = 0, so that tables are there, and LOP = 4; not the start of a step again.
 #[test]
-fn a_restart_is_told() {
+fn a_restart_is_reported() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "occasions.f", &[]) else { return };
     let material = json!({ "plugin": library, "props": [E, NU, 10.0], "nstatv": 0 });
@@ -310,9 +310,9 @@ fn a_restart_is_told() {
     desk.pullout(["run", "case.json", "--quiet", "--restart", "out"]).expect(0);
     let after = kept();
     let numbers = |line: &str| line.split_whitespace().skip(1).map(|word| word.parse().expect("a number")).collect();
-    let told: Vec<Vec<f64>> = after.strip_prefix(&before).expect("the log goes on").lines().map(numbers).collect();
+    let calls: Vec<Vec<f64>> = after.strip_prefix(&before).expect("the log goes on").lines().map(numbers).collect();
     assert_eq!(
-        told,
+        calls,
         [
             [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
             [4.0, 1.0, 2.0, 2.0, 2.0, 0.0],

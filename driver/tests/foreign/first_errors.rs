@@ -1,12 +1,12 @@
-//! Errors that a UMAT has at first, and what the program says of them: a tangent that is wrong, a constant too few, a write
-//! behind an input, six components only in a check, the thickness of plane stress at finite strain.
+//! Typical first errors of a UMAT and pullout's messages about them: a wrong tangent, a missing constant, a write past the end of
+//! an input, six components in a check alone, the thickness of plane stress at finite strain.
 
 use super::{built, check, close, point};
 use crate::program::{Desk, Run};
 use end_to_end_tests::workspace;
 use serde_json::{Value, json};
 
-/// `j2_habits.f90` with another text behind its tangent, and a material of it.
+/// Returns `j2_habits.f90` with another text after its tangent, and a material of it.
 fn changed(desk: &Desk, name: &str, statements: &str) -> Option<Value> {
     let source = std::fs::read_to_string(workspace("tests/umats/j2_habits.f90")).expect("a source");
     let place = "   statev(1) = statev(1) + multiplier\n";
@@ -24,7 +24,7 @@ fn warnings(run: &Run) -> String {
 const NAN: &str = "   if (multiplier > 0) ddsdde(1) = sqrt(-abs(ddsdde(1)))\n";
 
 #[test]
-fn a_tangent_that_is_nan_is_told() {
+fn a_tangent_that_is_nan_is_reported() {
     let desk = Desk::new();
     let Some(mut material) = changed(&desk, "nan", NAN) else { return };
     material["tangent"] = json!("compare");
@@ -85,7 +85,7 @@ fn a_constant_too_few_is_named() {
     let library = case["material"]["plugin"].as_str().expect("a path");
     let case = file.to_str().expect("UTF-8");
     let outcome = desk.pullout(["plugin", "check", library, "--case", case, "--states", "20"]).expect(1);
-    // told once: nothing that rests on an answer follows
+    // reported once: no check that needs an answer follows
     let row = check::row(&outcome, "case's path");
     assert!(row.starts_with("FAIL") && row.contains("reads PROPS(8), which has 7 elements"), "{row}");
     assert!(outcome.stdout.contains("1 check: 1 failed"), "{}", outcome.stdout);
@@ -106,10 +106,10 @@ fn spoilt(desk: &Desk, element: &str) -> Option<Value> {
     Some(point(material, "3d", json!([{ "increments": 2, "target": { "e11": 1e-3 } }])))
 }
 
-/// Where inputs lie next to each other, a write behind one is a write into the next, and one in front of it a write into the
-/// one before.
+/// If inputs lie next to each other, a write past the end of one is a write into the next, and a write before its start a write
+/// into the previous one.
 #[test]
-fn a_write_beside_an_input_names_both() {
+fn a_write_next_to_an_input_names_both() {
     let desk = Desk::new();
     for (element, words) in [
         ("stran, 7", "writes DSTRAN (or STRAN past its end, where DSTRAN lies), which"),
@@ -129,7 +129,8 @@ fn a_write_beside_an_input_names_both() {
     }
 }
 
-/// A write in front of the first input, or of an output, is that: it is not one behind what lies before it.
+/// A write before the start of the first input, or of an output, is reported as that, not as a write past the end of the array
+/// before it.
 #[test]
 fn a_write_in_front_of_an_argument_names_it() {
     let desk = Desk::new();
@@ -146,9 +147,9 @@ fn a_write_in_front_of_an_argument_names_it() {
     }
 }
 
-/// The cases of a study are looked at in processes of their own: what is wrong with all of them is told once, and of which.
+/// The cases of a study are checked in their own processes: an error that all of them share is reported once, with their names.
 #[test]
-fn a_study_tells_what_is_wrong_with_all_runs_once() {
+fn a_study_reports_what_is_wrong_with_all_runs_once() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "elastic.f", &[]) else { return };
     let material = json!({ "plugin": library, "props": [200e3, 0.3], "nstatv": 1 });
@@ -156,10 +157,10 @@ fn a_study_tells_what_is_wrong_with_all_runs_once() {
     let member = |label: &str, modulus: f64| json!({ "label": label, "set": { "material.props.0": modulus } });
     let members = json!([member("soft", 1e5), member("usual", 2e5), member("stiff", 3e5)]);
     desk.case("study.json", &json!({ "kind": "study", "base": "case.json", "members": members }));
-    let told = desk.pullout(["study", "study.json", "--out", "out"]).expect(2).stderr;
-    assert_eq!(told.matches("$.steps[0].target.e99").count(), 1, "{told}");
+    let printed = desk.pullout(["study", "study.json", "--out", "out"]).expect(2).stderr;
+    assert_eq!(printed.matches("$.steps[0].target.e99").count(), 1, "{printed}");
     for run in ["runs/soft", "runs/usual", "runs/stiff"] {
-        assert_eq!(told.matches(&format!("that is the case of {run}\n")).count(), 1, "{told}");
+        assert_eq!(printed.matches(&format!("that is the case of {run}\n")).count(), 1, "{printed}");
     }
 }
 
@@ -191,8 +192,8 @@ fn a_umat_of_six_components_is_checked_with_six() {
     }
 }
 
-/// The thickness of plane stress is found where six components serve, asked for or not: no warning, F33 = exp e33, and nominal
-/// stresses are those of space with a free thickness.
+/// The thickness of plane stress is found if six components work, asked for or not: no warning, F33 = exp e33, and nominal
+/// stresses are the three-dimensional ones with free thickness.
 #[test]
 fn the_thickness_of_plane_stress_is_known_where_it_is_found() {
     let desk = Desk::new();

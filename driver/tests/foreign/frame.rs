@@ -1,4 +1,4 @@
-//! Local axes, thermal expansion and shrinkage beside any law, against closed forms.
+//! Local axes, thermal expansion and shrinkage in combination with any law, against closed forms.
 
 use super::{built, built_of, close, point, run};
 use crate::program::Desk;

@@ -182,7 +182,7 @@ fn a_plate_without_a_true_tangent_converges_by_differences() {
 }
 
 #[test]
-fn a_comparison_tells_how_far_the_tangent_is_off_and_where() {
+fn a_comparison_shows_how_far_the_tangent_is_off_and_where() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "j2_habits.f90", &[]) else { return };
     let deviation = |run: &Run| {

@@ -238,14 +238,14 @@ fn a_umatht_that_fails_is_named_and_one_that_asks_for_less_gets_it() {
     assert!(run.history.column("time").len() >= 5, "{:?}", run.history.column("time"));
 }
 
-/// A library with both: the case names one. Keys that nothing reads are told.
+/// A library with both: the case names one. Keys that nothing reads are reported.
 #[test]
 fn a_library_with_both_routines_needs_a_choice() {
     let desk = Desk::new();
     let Some(library) = built_of(&desk, &["elastic.f", "arrhenius.f90", "conducting.f90"], &[]) else { return };
     let info = desk.pullout(["plugin", "info", library.as_str().expect("a path")]).expect(0).stdout;
     assert!(info.contains("HETVAL, UMATHT"), "{info}");
-    let told = |more: Value, code: i32| {
+    let printed = |more: Value, code: i32| {
         let mut field = json!({ "kind": "temperature", "fixed": [{ "nodes": "left", "value": 1 }] });
         field.as_object_mut().expect("a field").extend(more.as_object().expect("keys").clone());
         let case = desk.case("case.json", &bar(&library, 4.0, ("Q4", 5), field, json!([{ "increments": 1 }])));
@@ -253,11 +253,11 @@ fn a_library_with_both_routines_needs_a_choice() {
         outcome.stdout + &outcome.stderr
     };
     for more in [json!({}), json!({ "routines": ["hetval", "umatht"] })] {
-        let words = told(more, 2);
+        let words = printed(more, 2);
         assert!(words.contains("$.field.routines: name one"), "{words}");
     }
-    let words = told(json!({ "routines": ["hetval"], "umatht": { "props": [1] } }), 0);
+    let words = printed(json!({ "routines": ["hetval"], "umatht": { "props": [1] } }), 0);
     assert!(words.contains("$.field.umatht: has no effect"), "{words}");
-    let words = told(json!({ "routines": ["umatht"], "umatht": { "props": [1, 0, 0, 0, 0] }, "capacity": 1 }), 0);
+    let words = printed(json!({ "routines": ["umatht"], "umatht": { "props": [1, 0, 0, 0, 0] }, "capacity": 1 }), 0);
     assert!(words.contains("$.field.capacity: has no effect"), "{words}");
 }

@@ -295,7 +295,7 @@ fn a_job_with_large_deformations_gives_the_stress_of_the_closed_form() {
     close(free.last("s11"), along * across * across);
 }
 
-/// A foreign UMAT does not tell its thickness: what a sheet cannot have is named, and the case is one that runs.
+/// A foreign UMAT does not report its thickness. What a sheet cannot have is named, and the case runs.
 #[test]
 fn large_deformations_of_a_sheet_are_named_as_left_out() {
     let desk = Desk::new();

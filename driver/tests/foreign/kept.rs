@@ -14,10 +14,10 @@ fn a_library_of_the_first_header_is_read_checked_and_run() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "kept_v1/kept.c", &[]) else { return };
     let path = library.as_str().expect("a path");
-    let told = desk.pullout(["plugin", "info", path]).expect(0).stdout;
+    let printed = desk.pullout(["plugin", "info", path]).expect(0).stdout;
     for words in ["kept", "1.0", "Isotropic linear elasticity of a kept library.", "Young's modulus", "greatest_strain"]
     {
-        assert!(told.contains(words), "'{words}' is not in\n{told}");
+        assert!(printed.contains(words), "'{words}' is not in\n{printed}");
     }
     let checked = desk.pullout(["plugin", "check", path, "--states", "60"]);
     assert_eq!(checked.code, 0, "{}{}", checked.stdout, checked.stderr);
@@ -72,8 +72,8 @@ fn a_library_of_a_later_header_is_read() {
         compiler.args(["-shared", "-fPIC", "-O1", "-I"]).arg(include).arg("-o").arg(&library).arg(source).arg("-lm"),
     );
     let path = library.to_str().expect("a path");
-    let told = desk.pullout(["plugin", "info", path]).expect(0).stdout;
-    assert!(told.contains("Young's modulus") && told.contains("Poisson's ratio"), "{told}");
+    let printed = desk.pullout(["plugin", "info", path]).expect(0).stdout;
+    assert!(printed.contains("Young's modulus") && printed.contains("Poisson's ratio"), "{printed}");
     let material = json!({ "plugin": library, "props": { "E": 20e3, "nu": 0.25 } });
     let steps = json!([{ "increments": 1, "target": { "e11": 1e-3, "e22": 0.0, "e33": 0.0 } }]);
     let done = run(&desk, "later", &point(material, "3d", steps));
@@ -98,9 +98,9 @@ fn answer(host: &Path, arguments: &[&str]) -> String {
 fn a_host_of_the_first_header_calls_the_laws_of_today() {
     let desk = Desk::new();
     let Some(host) = host(&desk) else { return };
-    let told = answer(&host, &[plugin("linear_elastic").to_str().expect("a path"), "20000", "0.25"]);
+    let printed = answer(&host, &[plugin("linear_elastic").to_str().expect("a path"), "20000", "0.25"]);
     let numbers = |word: &str| -> Vec<Vec<f64>> {
-        let lines = told.lines().filter_map(|line| line.strip_prefix(word));
+        let lines = printed.lines().filter_map(|line| line.strip_prefix(word));
         lines.map(|line| line.split_whitespace().map(|number| number.parse().expect("a number")).collect()).collect()
     };
     // λ = μ = 8000: σ11 = 3 λ ε11, σ22 = σ33 = λ ε11, σ12 = μ γ12
@@ -118,10 +118,10 @@ fn a_host_of_the_first_header_calls_the_laws_of_today() {
 type Contract = (Vec<(String, f64)>, Vec<String>);
 
 /// Names of parameters, in order, and of states, by law.
-fn contracts(told: &str) -> BTreeMap<String, Contract> {
+fn contracts(printed: &str) -> BTreeMap<String, Contract> {
     let mut contracts: BTreeMap<String, Contract> = BTreeMap::new();
     let mut law = String::new();
-    for line in told.lines() {
+    for line in printed.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
             ["law", name] => law = name.to_owned(),
@@ -147,7 +147,7 @@ fn parameters_and_states_of_the_laws_are_those_of_the_first_release() {
     let today = contracts(&today);
     for (law, (parameters, states)) in contracts(&kept) {
         let (now, states_now) = today.get(&law).unwrap_or_else(|| panic!("{law} is gone"));
-        // one behind the other, or before the group that repeats
+        // one after the other, or before the group that repeats
         let same = |now: &[(String, f64)], then: &[(String, f64)]| {
             now.iter().map(|(name, _)| name).eq(then.iter().map(|(name, _)| name))
         };

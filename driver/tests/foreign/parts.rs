@@ -21,7 +21,7 @@ fn pulled(desk: &Desk, name: &str, material: Value) -> Run {
     super::run(desk, name, &case)
 }
 
-/// The loads of two runs are the same but for rounding.
+/// Checks that the loads of two runs agree up to rounding.
 fn same_load(a: &Run, b: &Run, factor: f64) {
     let (a, b) = (a.history.last("load"), factor * b.history.last("load"));
     assert!(b.abs() > 1e-3 && (a - b).abs() <= 1e-10 * b.abs(), "{a} instead of {b}");

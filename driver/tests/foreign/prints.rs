@@ -1,4 +1,4 @@
-//! Files that a UMAT reads beside its case, and text that it prints.
+//! Files that a UMAT reads next to its case, and text that it prints.
 
 use super::{built, close, point};
 use crate::program::{Desk, Run, command};
@@ -28,7 +28,7 @@ fn nothing_was_left(desk: &Desk) {
 }
 
 #[test]
-fn tables_lie_beside_the_case_and_prints_are_kept_with_the_results() {
+fn tables_lie_next_to_the_case_and_prints_are_kept_with_the_results() {
     let desk = Desk::new();
     let Some(case) = prepared(&desk, 0) else { return };
     let case = desk.case("job/case.json", &case);

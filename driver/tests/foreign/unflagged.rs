@@ -105,11 +105,11 @@ fn free_form_under_the_suffix_of_fixed_form() {
         "{}",
         outcome.stdout
     );
-    // of the sample more than an order beyond the path: both are told
+    // of the sample more than an order beyond the path: both are reported
     assert!(row(&outcome, "consistent tangent").contains("on the case's path itself 1.8e-3 at most"));
 }
 
-/// In both forms there are errors: those of the form with fewer are told, not a thousand of the other.
+/// If both forms have errors, those of the form with fewer are reported, not a thousand of the other.
 #[test]
 fn errors_are_those_of_the_likelier_form() {
     let desk = Desk::new();
@@ -142,7 +142,7 @@ fn what_nobody_calls_is_named_everywhere() {
 }
 
 #[test]
-fn a_library_of_explicit_alone_is_told_that_nothing_calls_it() {
+fn a_library_of_explicit_alone_is_reported_as_never_called() {
     let desk = Desk::new();
     if find(Tool::Fortran).is_none() {
         return;
@@ -230,8 +230,8 @@ fn an_interface_that_knows_space_alone_holds_a_fibre() {
     });
     let [space, plane] = runs.each_ref().map(|run| run.history.last("load"));
     assert!(space > 1.0 && space.to_bits() == plane.to_bits(), "{space} instead of {plane}");
-    let [told, untold] = runs.map(|run| run.summary["warnings"].to_string().contains("two slip directions"));
-    assert!(told && !untold);
+    let [warned, silent] = runs.map(|run| run.summary["warnings"].to_string().contains("two slip directions"));
+    assert!(warned && !silent);
 }
 
 /// FRIC likewise: τ = k s.
@@ -302,7 +302,7 @@ fn a_case_that_fails_in_its_first_increment_is_judged_from_its_own_start() {
         assert!(!outcome.stdout.contains("NaN,") && !outcome.stdout.contains("= NaN\n"), "{}", outcome.stdout);
         assert_rows(&outcome, &[CONSISTENT, ("answers", "pass", "40/40")]);
     }
-    // what answers nothing at all is told once
+    // a law that never answers is reported once
     let library = json!(desk.path("given.so"));
     let case = solid(&library, &[30e3, 0.2, 0.0]);
     let outcome = checked(&desk, &library, &case, 1);
@@ -406,8 +406,8 @@ fn rows_of_axisymmetry_are_called_so() {
     assert!(row(&outcome, "consistent tangent").contains("axisymmetric, NTENS 4"), "{}", outcome.stdout);
 }
 
-/// The energy of a hyperelastic law is per reference volume unless it is divided by J: that is told however many increments the case has.
-/// J = 1.014 at the end of the path.
+/// The energy of a hyperelastic law is per reference volume unless it is divided by J. The check reports that for any number of
+/// increments. J = 1.014 at the end of the path.
 #[test]
 fn energies_at_finite_strain_have_one_verdict() {
     let desk = Desk::new();

@@ -1,4 +1,4 @@
-//! `pullout run --watch`: what is saved is built and run again, what fails is waited out, and Ctrl-C leaves nothing behind.
+//! `pullout run --watch`: a saved file is built and run again, a failure is waited out, and Ctrl-C leaves no process or file.
 
 use super::{close, point};
 use crate::program::{Desk, command, send};

@@ -16,7 +16,7 @@ fn arguments(block: &str) -> Vec<(String, String)> {
     lines.map(|(name, values)| (name.to_owned(), values.trim().to_owned())).collect()
 }
 
-/// Checks that both calls got the same arguments: 17 digits tell every bit.
+/// Checks that both calls got the same arguments: 17 digits show every bit.
 fn compare(log: &str, replayed: &str) {
     let (first, second) = (printed(log), printed(replayed));
     assert!(first.len() > 20, "{first:?}");

@@ -54,7 +54,7 @@ fn a_constructor_that_does_not_return() {
 }
 
 #[test]
-fn a_sound_library_is_told_of_as_before() {
+fn a_sound_library_is_reported_as_before() {
     let desk = Desk::new();
     if !compiled(&desk, "misbehaving.c", "misbehaving") {
         return;

@@ -1,5 +1,5 @@
-//! Plugins that end, block or destroy the process that calls them: the program survives, tells which plugin did what
-//! and where, keeps what was finished, and leaves a case that repeats it.
+//! Plugins that end, block or destroy the process that calls them: pullout survives, reports which plugin did what
+//! and where, keeps what was finished, and writes a case that repeats it.
 
 mod arguments;
 mod libraries;
@@ -46,7 +46,7 @@ enum Fault {
 /// Young's modulus of the sources, MPa.
 const MODULUS: f64 = 1000.0;
 
-/// Compiles a source beside this file to `lib<name>.so` on a desk; false where the compiler is missing.
+/// Compiles a source next to this file to `lib<name>.so` on a desk. Returns false if the compiler is missing.
 fn compiled(desk: &Desk, source: &str, name: &str) -> bool {
     let tool = if source.ends_with(".c") { Tool::C } else { Tool::Fortran };
     let Some(mut compiler) = find(tool) else { return false };

@@ -1,4 +1,4 @@
-/* Linear elasticity that misbehaves where it is told to.
+/* Linear elasticity that misbehaves where PROPS say so.
  *
  * PROPS: E, the fault (below), and the step and increment in which it is made; with the environment variable
  * FAULT_AT_LOADING, its number is the fault that is made when the library is loaded.

@@ -1,4 +1,4 @@
-! Linear elasticity that misbehaves in step PROPS(3), increment PROPS(4), in the way PROPS(2) tells.
+! Linear elasticity that misbehaves in step PROPS(3), increment PROPS(4), in the way that PROPS(2) selects.
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, &
     dtemp, predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, &
     dfgrd1, noel, npt, layer, kspt, jstep, kinc)

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 const MANY: u32 = 90_000_000;
 
 #[test]
-fn bad_input_is_told_before_anything_runs() {
+fn bad_input_is_reported_before_anything_runs() {
     let desk = Desk::new();
     if !compiled(&desk, "misbehaving.c", "misbehaving") {
         return;

@@ -75,10 +75,10 @@ fn a_study_says_whose_case_is_wrong() {
     desk.case("case.json", &point(material("theirs", Fault::None as u32)));
     let members = json!([{ "label": "right" }, { "label": "wrong", "set": { "material.nstatv": -1 } }]);
     desk.case("family.json", &json!({ "kind": "study", "base": "case.json", "members": members }));
-    let told = desk.pullout(["study", "family.json", "--out", "out"]).expect(2).stderr;
-    let [what, whose] = told.lines().collect::<Vec<_>>()[..] else { panic!("{told}") };
-    assert!(what.starts_with("case.json: $.material.nstatv: "), "{told}");
-    assert!(whose.starts_with("family.json: ") && whose.ends_with("wrong"), "{told}");
+    let printed = desk.pullout(["study", "family.json", "--out", "out"]).expect(2).stderr;
+    let [what, whose] = printed.lines().collect::<Vec<_>>()[..] else { panic!("{printed}") };
+    assert!(what.starts_with("case.json: $.material.nstatv: "), "{printed}");
+    assert!(whose.starts_with("family.json: ") && whose.ends_with("wrong"), "{printed}");
     assert!(!desk.path("out").exists());
 }
 
@@ -152,9 +152,10 @@ fn who_runs_in_the_program() {
     let users = |desk: &Desk| copy(desk, "sound_damage");
     assert!(has(&users, &[]));
     assert!(!has(&users, &["--in-process"]));
-    let told = |library: &str| Desk::new().pullout(["plugin".as_ref(), "info".as_ref(), plugin(library).as_os_str()]);
-    assert!(told("sound_damage").stdout.contains("Process: a separate one"));
-    assert!(told("linear_elastic").stdout.contains("Process: pullout's own"));
+    let printed =
+        |library: &str| Desk::new().pullout(["plugin".as_ref(), "info".as_ref(), plugin(library).as_os_str()]);
+    assert!(printed("sound_damage").stdout.contains("Process: a separate one"));
+    assert!(printed("linear_elastic").stdout.contains("Process: pullout's own"));
     let ours = |desk: &Desk| copy(desk, "linear_elastic");
     assert!(!has(&ours, &[]));
     let changed = |desk: &Desk| {
@@ -274,7 +275,7 @@ fn a_law_that_fails_after_a_restart() {
     assert!(restart(1).stderr.contains("step 1, increment 1"));
     assert_eq!(files(&first.folder), before);
     assert_eq!(json(&first.folder.join("summary.json")), again.summary);
-    // what it may keep in its own memory is told of
+    // what it may keep in its own memory is reported
     case(Fault::None, 4);
     let sound = desk.run_with(&desk.path("case.json"), &["--checkpoint-every", "3"], "sound", 0);
     let warning = "libmisbehaving.so: what it keeps in its own memory (SAVE, COMMON) is in no checkpoint";

@@ -6,7 +6,7 @@ use end_to_end_tests::plugin;
 use serde_json::{Value, json};
 use std::os::unix::fs::symlink;
 
-/// A case within its folder, with a table, a measured curve, and links beside it.
+/// Makes a case within its folder, with a table, a measured curve, and links next to it.
 fn desk() -> Desk {
     let desk = Desk::new();
     desk.write("secret.csv", "time,e11,s11\n1,0.001,30\n2,0.002,60\n");

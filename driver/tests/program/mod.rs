@@ -122,7 +122,7 @@ impl Desk {
 pub fn xml_of_fields(file: &Path) -> String {
     const ARRAYS: &[u8] = b"<AppendedData";
     let bytes = std::fs::read(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-    let end = bytes.windows(ARRAYS.len()).position(|window| window == ARRAYS).expect("arrays behind the XML");
+    let end = bytes.windows(ARRAYS.len()).position(|window| window == ARRAYS).expect("arrays after the XML");
     String::from_utf8_lossy(&bytes[..end]).into_owned() + "</VTKFile>"
 }
 
@@ -241,7 +241,7 @@ pub fn case_files() -> Vec<PathBuf> {
     files
 }
 
-/// All files of a result directory but the checkpoint and what tells times.
+/// Returns all files of a result directory, without the checkpoint and without times.
 pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for within in ["", "fields", "plots"] {

@@ -1,5 +1,5 @@
-//! Examples of the README and of the book's tutorials work as printed: their files are written, their commands run. The
-//! UMATs of other languages in `tests/umats/` are driven by the program beside the plugin of the same law.
+//! Examples of the README and of the book's tutorials work as printed: their files are written, their commands run. pullout
+//! drives the UMATs of other languages in `tests/umats/` as well as the plugin of the same law.
 
 use crate::program::{self, Desk, Run, Table};
 use end_to_end_tests::{Tool, find, run, workspace, worst};
@@ -74,7 +74,7 @@ fn is_known(line: &str) -> bool {
     let words: Vec<&str> = arguments.split_whitespace().take_while(|word| *word != ">").collect();
     let is_there = |case: &&str| workspace(case).exists() || case.contains('*');
     let mut asked = program::command();
-    // help comes in place of what would be done, behind what is wrong
+    // help replaces the command, but errors come first
     let known = asked.args(&words).arg("--help").stdout(Stdio::null()).status();
     words.iter().filter(|word| word.starts_with("cases/")).all(is_there) && known.is_ok_and(|status| status.success())
 }
@@ -122,7 +122,7 @@ fn the_specimen_of_several_fibres_is_one() {
 enum Action {
     /// A file of this name and content.
     Write(String, String),
-    /// A file of the tree, laid beside the others.
+    /// A file of the tree, copied next to the others.
     Copy(String),
     /// A script.
     Run(String),

@@ -19,7 +19,7 @@ impl Results {
         settings.iter().for_each(|entry| line.extend(["--set", entry]));
         let outcome = desk.pullout(&line).expect(0);
         assert_eq!(outcome.stdout, "");
-        // of curves at 0° alone it is said that they stand for all angles
+        // a warning says that curves at 0° alone are used for all angles
         let expected = |line: &str| line.contains("fibres at more than 0°, the largest angle of the curves");
         assert!(outcome.stderr.lines().all(|line| name == "simulated.json" && expected(line)), "{}", outcome.stderr);
         Self {
@@ -69,8 +69,8 @@ fn every_shipped_case_of_bridging_runs() {
         assert_eq!(run.summary["status"], "done");
         for column in &run.bridging.columns {
             // at no opening fibres have no stress to share
-            let told = usize::from(column.starts_with("share_"));
-            assert!(run.bridging.column(column)[told..].iter().all(|value| value.is_finite()), "{name}: {column}");
+            let first = usize::from(column.starts_with("share_"));
+            assert!(run.bridging.column(column)[first..].iter().all(|value| value.is_finite()), "{name}: {column}");
         }
         assert!(run.number("/error") < 1e-3, "{name}");
         let report = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");
@@ -185,7 +185,7 @@ fn strengths_lead_back_to_the_bond() {
         desk.pullout(line.iter().chain(more).copied()).expect(code)
     };
     let outcome = fit(&["out/scatter.csv"], 0);
-    assert!(outcome.stdout.contains("NOT IDENTIFIABLE"), "five numbers do not tell E: {}", outcome.stdout);
+    assert!(outcome.stdout.contains("NOT IDENTIFIABLE"), "five numbers do not determine E: {}", outcome.stdout);
     let found = json(&desk.path("fit/fit.json"));
     let tau = found["numbers"]["tau"]["value"].as_f64().expect("a friction");
     assert!((tau / 4.0 - 1.0).abs() < 0.1, "{tau}");
@@ -248,7 +248,7 @@ fn strengths_of_a_case_give_its_law_and_its_friction() {
     for (more, message) in [
         (&["none.csv"][..], "none.csv, line 3: f_R2 is 0: strengths are above 0"),
         (&["curve.csv"], "curve.csv, line 4: the CMOD 0.15 mm follows 0.2 mm"),
-        (&["out/beam.csv", "--shape", "bilinear"], "--shape: a curve tells"),
+        (&["out/beam.csv", "--shape", "bilinear"], "--shape: needs strengths"),
     ] {
         let outcome = fit(more, 2);
         assert!(outcome.stderr.contains(message), "{more:?}: {}", outcome.stderr);
@@ -287,11 +287,11 @@ fn curves_of_runs_give_the_closed_form() {
     for (end, code) in [(8.0, 0), (2.0, 1)] {
         cut_off(&desk.path("out/fibres"), end);
         let outcome = desk.pullout(["run", "--out", "late", "--overwrite", case.to_str().expect("UTF-8")]).expect(code);
-        let told = match code {
+        let message = match code {
             0 => "fibre at 0°, 12.2 mm: its run ends at a slip of 7.9",
             _ => "fibre at 0°, 6.1 mm: planted",
         };
-        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
         let findings = &json(&desk.path("late/summary.json"))["bridging"]["simulations"];
         assert_eq!(findings["unfinished"].as_u64(), (code == 0).then_some(2));
     }

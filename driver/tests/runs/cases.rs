@@ -1,4 +1,4 @@
-//! The shipped cases: every one runs, and gives the figures that its description tells.
+//! The shipped cases: every one runs and gives the figures in its description.
 
 use crate::program::{Desk, Run, Table, case_files, cases, json};
 use end_to_end_tests::worst;
@@ -94,7 +94,7 @@ enum Gate {
 use Gate::{NotReached, Reached};
 
 /// A figure: case, overrides, what is measured, what is found, the gate, and the words of the case's description
-/// that tell it (empty: it is told only here).
+/// that state it (empty: it is stated only here).
 type Figure = (&'static str, &'static [&'static str], Measure, f64, Gate, &'static str);
 
 // Gates: what `cases/data/` says of the tests (Gopalaratnam & Shah 1985; Karsan & Jirsa 1969; Kupfer et al. 1969).
@@ -460,14 +460,13 @@ fn figures_of_concrete_damage() {
     check(CONCRETE_DAMAGE);
 }
 
-/// Verdicts on the claims of studies of points and of a few elements, one letter each: found, not found, cannot be
-/// told.
+/// Verdicts on the claims of studies of points and of a few elements, one letter each: f holds, n fails, ? undecided.
 #[test]
-fn studies_that_take_seconds_find_what_their_descriptions_tell() {
+fn studies_that_take_seconds_find_what_their_descriptions_state() {
     let desk = Desk::new();
     let envelope = "fffffffffffnnnnffffffff";
     for (study, only, claims) in [
-        // of the envelope the production law alone: the others are told by the study itself
+        // of the envelope, the production law alone: the study itself reports the others
         ("chapter-5/kupfer-envelope", Some("concrete_damage/*"), format!("{envelope}{}n", "?".repeat(25))),
         ("chapter-5/residual-strains", None, "fnnnnnfnnnnnfnnnn".to_owned()),
         ("chapter-4/4.4-lateral-strain", None, "nffnfn".to_owned()),
@@ -484,8 +483,8 @@ fn studies_that_take_seconds_find_what_their_descriptions_tell() {
             Some("not found") => 'n',
             _ => '?',
         };
-        let told: String = results["claims"].as_array().expect("claims").iter().map(letter).collect();
-        assert_eq!(told, claims, "{study}");
+        let letters: String = results["claims"].as_array().expect("claims").iter().map(letter).collect();
+        assert_eq!(letters, claims, "{study}");
     }
 }
 

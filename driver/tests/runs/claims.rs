@@ -1,4 +1,4 @@
-//! Behaviour that the case descriptions state in words: unloading, closing cracks, bond cycles, closed forms of the
+//! Behaviour that the case descriptions state: unloading, closing cracks, bond cycles, closed forms of the
 //! examples.
 
 use crate::program::{Desk, Run, cases};

@@ -52,7 +52,7 @@ fn bad_input_is_exit_code_2_and_nothing_is_run() {
     }
 }
 
-/// A folder for results that is a file, or would lie in one, is bad input: it is told before anything is run.
+/// A result folder that is a file, or would lie in one, is bad input: it is reported before anything runs.
 #[test]
 fn a_file_in_the_place_of_a_folder_is_exit_code_2() {
     let desk = Desk::new();
@@ -67,8 +67,8 @@ fn a_file_in_the_place_of_a_folder_is_exit_code_2() {
     for out in ["file", "file/sub"] {
         for line in [&["run", "case.json"][..], &fit, &["sweep", "plan", "sweep.json"]] {
             let outcome = desk.pullout(line.iter().chain(&["--out", out])).expect(2);
-            let told = outcome.stderr.ends_with("file: is no folder\n") && outcome.stderr.lines().count() == 1;
-            assert!(told, "{line:?} {out}: {}", outcome.stderr);
+            let is_reported = outcome.stderr.ends_with("file: is no folder\n") && outcome.stderr.lines().count() == 1;
+            assert!(is_reported, "{line:?} {out}: {}", outcome.stderr);
             assert!(outcome.stdout.is_empty(), "{line:?} {out}: {}", outcome.stdout);
         }
     }
@@ -136,7 +136,7 @@ fn files_that_are_no_cases_are_exit_code_2() {
     }
 }
 
-/// Twenty steps and two curves name one file: it is a pipe, which is empty for whoever reads it a second time.
+/// Twenty steps and two curves name one file: it is a pipe, which is empty when it is read a second time.
 #[test]
 fn a_table_that_many_places_name_is_read_once() {
     let desk = Desk::new();
@@ -302,7 +302,7 @@ fn every_law_is_listed_and_described() {
     let searched = list.split("Searched:").nth(1).expect("the folders");
     assert!(searched.contains("/nowhere/at/all (does not exist)") && searched.lines().count() > 3, "{list}");
     for law in &shipped_laws() {
-        // beside its own library there is the one of all laws
+        // next to its own library there is the one of all laws
         let library = format!("{}{law}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
         let own = |line: &&str| line.split_whitespace().next() == Some(law) && line.ends_with(&library);
         let line = list.lines().find(own).expect(law);
@@ -329,7 +329,7 @@ fn every_shipped_law_passes_the_check() {
     for law in &shipped_laws() {
         let Outcome { stdout: report, stderr, .. } = desk.pullout(["plugin", "check", law, "--states", "60"]).expect(0);
         assert!(report.contains(": none failed"), "{law}\n{report}");
-        // what it says of input that makes no sense is told in the rows
+        // the rows hold its messages about input that makes no sense
         assert!(stderr.is_empty() && report.contains("the plugin says '"), "{law}: {stderr}\n{report}");
     }
     // with a case's parameters and mode
@@ -478,7 +478,7 @@ fn a_program_that_was_copied_without_its_laws_finds_them_where_they_were_built()
     let program = desk.path("bin").join("pullout");
     std::fs::create_dir(desk.path("bin")).expect("a folder");
     copy_program_to(&program);
-    let told = |arguments: &[&str]| {
+    let printed = |arguments: &[&str]| {
         let mut process = std::process::Command::new(&program);
         let process = process.env_remove("PULLOUT_PLUGIN_PATH").current_dir(desk.path("")).args(arguments);
         let output = process.output().expect("the program starts");
@@ -486,9 +486,9 @@ fn a_program_that_was_copied_without_its_laws_finds_them_where_they_were_built()
         assert!(output.status.success(), "{text}");
         text
     };
-    assert!(told(&["plugin", "info", "linear_elastic"]).contains("Process: pullout's own"));
-    told(&["run", "--quiet", "case.json"]);
-    // what is beside it is taken first, and judged as it is
+    assert!(printed(&["plugin", "info", "linear_elastic"]).contains("Process: pullout's own"));
+    printed(&["run", "--quiet", "case.json"]);
+    // a library next to it is tried first, and judged as it is
     std::fs::write(desk.path("bin").join("libpullout_utilities.so"), "no library").expect("a file");
     let output = std::process::Command::new(&program).args(["plugin", "info", "linear_elastic"]).output();
     let output = output.expect("the program starts");
@@ -506,16 +506,16 @@ fn measurements_are_a_program_of_their_own() {
         output.expect("the program starts")
     };
     let output = bench();
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains("`cargo run --release -p pullout-bench -- laws --quick`"), "{told}");
-    // beside it, it is handed over to
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains("`cargo run --release -p pullout-bench -- laws --quick`"), "{stderr}");
+    // the program next to it is started
     std::os::unix::fs::symlink("/bin/echo", desk.path("pullout-bench")).expect("a link");
     assert_eq!(String::from_utf8_lossy(&bench().stdout), "laws --quick\n");
 }
 
 #[test]
-fn manual_pages_and_completions_tell_the_commands_and_hide_what_is_hidden() {
+fn manual_pages_and_completions_list_the_commands_and_hide_what_is_hidden() {
     let desk = Desk::new();
     desk.pullout(["pages", "share"]).expect(0);
     let read = |file: &str| std::fs::read_to_string(desk.path("share").join(file)).expect(file);
@@ -534,7 +534,7 @@ fn manual_pages_and_completions_tell_the_commands_and_hide_what_is_hidden() {
 }
 
 #[test]
-fn slips_of_units_and_defaults_are_told_by_check() {
+fn slips_of_units_and_defaults_are_reported_by_check() {
     let desk = Desk::new();
     let mut case = elastic();
     case["material"]["props"] = json!({ "E": 31.8 });
@@ -667,7 +667,7 @@ fn other_commands_print_json() {
 }
 
 #[test]
-fn a_report_is_opened_or_its_place_is_told() {
+fn a_report_is_opened_or_its_place_is_printed() {
     use std::os::unix::fs::PermissionsExt;
     let desk = Desk::new();
     desk.case("case.json", &elastic());

@@ -179,13 +179,13 @@ fn leaning_columns_lock(kinds: &[(&str, u32)]) {
 }
 
 #[test]
-#[ignore = "long: a_crack_that_misses_its_energy_is_told has one kind of element"]
-fn a_crack_that_misses_its_energy_is_told_in_every_kind_of_element() {
+#[ignore = "long: a_crack_that_misses_its_energy_is_reported has one kind of element"]
+fn a_crack_that_misses_its_energy_is_reported_in_every_kind_of_element() {
     leaning_columns_lock(&[("T3", 2), ("Q4", 3), ("T6", 9)]);
 }
 
 #[test]
-fn a_crack_that_misses_its_energy_is_told() {
+fn a_crack_that_misses_its_energy_is_reported() {
     leaning_columns_lock(&[("Q4", 3)]);
     let uneven = |[x, y]: [f64; 2]| {
         let is_inside = x.abs() < 12.0 && y > 50.0 && y < 100.0;

@@ -63,8 +63,8 @@ fn fitted(desk: &Desk, curve: &str, form: &str, arguments: &[&str]) -> Value {
     json(&desk.path("out/fit.json"))["forms"][form].clone()
 }
 
-/// Numbers within 5 %, those of them that the curve cannot tell so well within three standard errors; and the case that
-/// was written computes the true curve to 1 %.
+/// Checks that the parameters are within 5 %, or within three standard errors where the curve determines them less well, and that
+/// the written case computes the true curve to 1 %.
 fn comes_back(desk: &Desk, found: &Value, truth: &[(&str, f64)], history: &Table, slip: &str) {
     assert_eq!(found["status"], "done");
     for (name, value) in truth {
@@ -137,7 +137,7 @@ fn powers_come_back(seeds: &[u64]) {
         let curve = measured(&history, "slip", seed, NOISE);
         let found = fitted(&desk, &curve, "powers", &["--specimen-case", &case, "--quiet"]);
         comes_back(&desk, &found, &POWERS, &history, "slip");
-        // the joints are what the curve tells
+        // the curve determines the joints
         let joints = [("k_e", 400.0), ("tau_crit", 1.59985), ("g_peak", 0.020_008_9), ("tau_peak", 1.99997)];
         for (name, value) in joints {
             let of = &found["parameters"][name]["value"];
@@ -194,8 +194,8 @@ fn straight_lines_come_back(seed: u64) {
 /// With a row every 0.02 mm no row lies on the elastic branch of 0.005 mm: the fit says what it does not know. To 0.7 mm:
 /// where the stiffness leaves all bounds a run takes its time.
 #[test]
-#[ignore = "long: fit_case::what_the_curve_does_not_tell_is_said has the same of a point"]
-fn what_the_curve_does_not_tell_is_said() {
+#[ignore = "long: fit_case::what_the_curve_does_not_determine_is_reported has the same of a point"]
+fn what_the_curve_does_not_determine_is_reported() {
     let desk = Desk::new();
     let to_0_7 = |maximum: f64| Value::from(steps(maximum).as_array().expect("steps")[..3].to_vec());
     let truth = desk.case("truth.json", &specimen(&powers(), &to_0_7(0.02)));

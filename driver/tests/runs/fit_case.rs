@@ -1,4 +1,4 @@
-//! `pullout fit CASE`: numbers of a case from a curve that it made, and what is wrong with what users write.
+//! `pullout fit CASE`: parameters of a case from a curve that it made, and messages about wrong input.
 
 use crate::program::{self, Desk, cases, command};
 use end_to_end_tests::{Tool, find, run as compile, workspace};
@@ -66,7 +66,7 @@ fn a_contact_point() {
 }
 
 #[test]
-fn a_loop_of_a_fiftieth_of_the_data_tells_the_stiffness_of_unloading() {
+fn a_loop_of_a_fiftieth_of_the_data_determines_the_stiffness_of_unloading() {
     let mut case = bond(950.0, 10.0);
     case["material"]["props"]["k_u"] = json!(500.0);
     case["steps"] = [0.005, 0.0048, 0.01].map(|slip| json!({ "increments": 20, "target": { "slip": slip } })).into();
@@ -104,7 +104,7 @@ fn a_curve_that_goes_backwards() {
 }
 
 /// E of a bar that is held and of one that is free, ν of both: s11 = E (1 − ν)/((1 + ν)(1 − 2ν)) e11 of the one and E e11 of the
-/// other, neither of which tells both.
+/// other. Neither determines both.
 #[test]
 fn two_tests_share_their_numbers() {
     let desk = Desk::new();
@@ -202,7 +202,7 @@ fn a_library_of_another_in_many_increments() {
     approx::assert_relative_eq!(values(&desk, &case, &arguments)[0], 1000.0, max_relative = 1e-6);
 }
 
-/// Where the case begins the whole run is elastic, and no derivative tells the yield stress: another start does.
+/// At the case's own start the whole run is elastic, and no derivative depends on the yield stress. Another start finds it.
 #[test]
 fn a_search_that_ends_where_it_began_is_not_the_best() {
     let desk = Desk::new();
@@ -225,9 +225,9 @@ fn a_search_that_ends_where_it_began_is_not_the_best() {
     assert_eq!(result()["searches"], json!({ "made": 1, "ended_here": 1 }));
 }
 
-/// One slope does not tell two constants.
+/// One slope does not determine two constants.
 #[test]
-fn what_the_curve_does_not_tell_is_said() {
+fn what_the_curve_does_not_determine_is_reported() {
     let bar = bar();
     let sought = [("material.props.E", 100.0, [10.0, 300.0]), ("material.props.nu", 0.25, [0.0, 0.4])];
     let result = found(&bar, &sought, "e11,s11", 1.0);

@@ -104,7 +104,7 @@ fn slide_around_their_exit_in_balance(fibres: &[(&str, &str, f64)]) {
             let off = (axial[row] - expected[0]).hypot(shear[row] - expected[1]);
             assert!(off < 1e-9 * peak, "{name}: components of ({}, {})", load[row], lateral[row]);
         }
-        assert!(found.history.last("separation_length") == 0.0, "{name}: the bond bears any tension");
+        assert!(found.history.last("separation_length") == 0.0, "{name}: the bond carries any tension");
         let dissipated = found.history.column("plastic_energy");
         assert!(dissipated.windows(2).all(|pair| pair[1] >= pair[0] - 1e-9), "{name}");
         assert!(found.history.last("plastic_energy") > 0.0, "{name}: the fibre yields at its exit");
@@ -112,7 +112,8 @@ fn slide_around_their_exit_in_balance(fibres: &[(&str, &str, f64)]) {
     }
 }
 
-/// Without viscosity the control once took the elastic branch back at a slip of 0.176 mm: damage stood still while the load fell through 0.
+/// Without viscosity the control once followed the elastic branch back at a slip of 0.176 mm: damage stayed constant while the load
+/// fell through 0.
 #[test]
 fn the_path_does_not_turn_back_where_concrete_cracks() {
     let mut case = fibre(json!({ "type": "inclined_fibre", "angle_deg": 33, "mesh_size": 2, "cover": false }), 0.3);
@@ -129,12 +130,12 @@ fn the_path_does_not_turn_back_where_concrete_cracks() {
     let dissipated = damage.windows(2).all(|rows| rows[1] >= rows[0] - 1e-9);
     assert!(dissipated && found.history.last("damage_energy") > 0.5, "concrete cracks to the end");
     let [peak, _] = peak_and_work(&found);
-    assert!(found.history.last("load") > 0.7 * peak, "the fibre bears to the end");
+    assert!(found.history.last("load") > 0.7 * peak, "the fibre carries load to the end");
     assert!(worst_energy_error(&found) < 1e-3 && found.history.last("stabilisation_energy") == 0.0);
 }
 
-/// Checks that a bond of small tensile capacity opens on one side of the fibre, which is bent away from it: the more, the
-/// less it bears.
+/// Checks that a bond of small tensile capacity opens on the side from which the fibre bends away, and opens the more the
+/// smaller the capacity is.
 fn opens_one_side_of_the_hole<const N: usize>(capacities: [f64; N]) {
     let desk = Desk::new();
     let open = capacities.map(|capacity| {

@@ -84,7 +84,7 @@ fn a_run_that_was_not_at_its_end_leaves_no_increments() {
         "kind": "point",
         "material": { "plugin": "concrete_damage", "props": { "E": 31800.0, "nu": 0.18, "G_f": 0.1 } },
         "characteristic_length": 50.0,
-        // more than it bears
+        // more than it carries
         "steps": [{ "increments": 10, "target": { "s11": 30.0 } }],
         "output": { "plots": false },
     });
@@ -138,10 +138,12 @@ fn gradients_of_a_pull_out_curve() {
     assert!(here[2] > here[0] && here[2] > here[4], "the peak is in between: {here:?}");
     for path in PARAMETERS {
         let changed = |relative: f64| [(path, value(path) * (1.0 + relative))];
-        let beside = with(&case, &changed(1e-6), None).read().unwrap();
-        let beside = beside.run(Settings { along: Some(Arc::clone(&trail).into()), ..Settings::default() }).unwrap();
-        assert!(beside.summary.cutbacks == 0 && beside.summary.iterations < base.summary.iterations / 2);
-        let forward: Vec<f64> = loads(&beside).iter().zip(&here).map(|(there, here)| (there - here) / 1e-6).collect();
+        let perturbed = with(&case, &changed(1e-6), None).read().unwrap();
+        let perturbed =
+            perturbed.run(Settings { along: Some(Arc::clone(&trail).into()), ..Settings::default() }).unwrap();
+        assert!(perturbed.summary.cutbacks == 0 && perturbed.summary.iterations < base.summary.iterations / 2);
+        let forward: Vec<f64> =
+            loads(&perturbed).iter().zip(&here).map(|(there, here)| (there - here) / 1e-6).collect();
         let repeated = |relative| loads(&run(with(&case, &changed(relative), Some(&increments)), false));
         let (high, low) = (repeated(1e-4), repeated(-1e-4));
         let central: Vec<f64> = high.iter().zip(&low).map(|(high, low)| (high - low) / 2e-4).collect();

@@ -1,7 +1,7 @@
-//! Plugins that misbehave: the program says which, where, and keeps what was finished.
+//! Plugins that misbehave: pullout reports which and where, and keeps what was finished.
 //!
-//! The Rust ones are those of tests/faulty. The C one, compiled here, knows errors that no plugin behind the Rust
-//! side of the ABI can make.
+//! The Rust plugins are those of tests/faulty. The C plugin, compiled here, makes errors that no plugin written with the
+//! Rust side of the ABI can make.
 
 use crate::program::{Desk, Run, json};
 use end_to_end_tests::{Tool, find, run, worst};
@@ -16,7 +16,7 @@ fn tension(material: Value, end: f64, increments: u32) -> Value {
     json!({ "kind": "point", "title": "tension", "material": material, "mode": "3d", "steps": steps })
 }
 
-/// The run fails, and tells plugin, step and increment; whatever was finished is in every file.
+/// Checks that the run fails and reports plugin, step and increment, and that all finished increments are in every file.
 fn fails(desk: &Desk, case: &Value, place: &str, expected: &str) -> Run {
     let run = desk.run(&desk.case("case.json", case), &[], "out", 1);
     let message = run.summary["message"].as_str().expect("a message").to_owned();

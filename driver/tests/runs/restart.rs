@@ -204,7 +204,7 @@ fn what_cannot_go_on_is_refused() {
     assert!(outcome.stderr.contains("rows from before the checkpoint are missing"), "{}", outcome.stderr);
 }
 
-/// `fields.pvd` and the files behind the last checkpoint are made again; a file from before it must be as it was.
+/// `fields.pvd` and the files after the last checkpoint are made again; a file from before it must be as it was.
 #[test]
 fn written_fields_are_those_of_the_run_that_goes_on() {
     let desk = Desk::new();

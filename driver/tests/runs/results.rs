@@ -277,7 +277,7 @@ fn a_killed_run_leaves_all_finished_lines() {
     // SIGKILL
     child.kill().expect("a child");
     child.wait().expect("a child");
-    // The kernel copies a line that crosses a page in two parts, and may end the process between them: whoever reads leaves
+    // The kernel copies a line that crosses a page in two parts, and may end the process between them: readers leave
     // that line out.
     let text = std::fs::read_to_string(&history).expect("a history");
     let whole = text.rfind('\n').map_or(0, |end| end + 1);

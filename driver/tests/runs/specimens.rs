@@ -63,7 +63,7 @@ fn exists(run: &Run, names: &[&str]) {
 /// The stress in the fibre's free length is the load over its section, and its plastic strain is the stress beyond
 /// first yield over the hardening.
 #[test]
-fn a_run_tells_when_its_fibre_ruptures_and_shows_the_moments_that_are_asked_for() {
+fn a_run_reports_when_its_fibre_ruptures_and_shows_the_moments_that_are_asked_for() {
     const YIELD: f64 = 150.0;
     const HARDENING: f64 = 2100.0;
     let desk = Desk::new();
@@ -81,7 +81,7 @@ fn a_run_tells_when_its_fibre_ruptures_and_shows_the_moments_that_are_asked_for(
     for row in 1..slip.len() {
         let mean = load[row] / section;
         greatest = greatest.max(mean);
-        // beside the exit the bond stresses the edges of the fibre more than its middle, until they yield
+        // near the exit the bond stresses the edges of the fibre more than its middle, until they yield
         let most = if mean > YIELD { 1.06 } else { 1.25 };
         assert!((0.999..most).contains(&(stress[row] / mean)), "{} MPa, {mean} on the mean", stress[row]);
         let flow = (greatest - YIELD).max(0.0) / HARDENING;
@@ -236,7 +236,7 @@ fn a_pull_out_leaves_fields_pictures_summary_and_report() {
     let before = own("plots/load_slip.svg");
     desk.pullout(["plot", "out", "out"]).expect(0);
     assert!(own("plots/load_slip.svg") == before && own("compared/load_slip.svg") != before);
-    // and are drawn again, beside results that can be replaced
+    // and are drawn again, next to results that can be replaced
     desk.pullout(["plot", "out", "out"]).expect(0);
     desk.pullout(["plot", "out"]).expect(0);
 }
@@ -257,15 +257,15 @@ fn the_report_shows_states_over_the_run() {
     let (slips, loads) = (run.history.column("slip"), run.history.column("load"));
     // a peak that was not kept anyway comes besides
     assert!((10..=25).contains(&frames.len()), "{}", frames.len());
-    let told = |frame: &Value| [&frame["slip"], &frame["load"]].map(|value| value.as_f64().expect("a number"));
-    assert_eq!(told(&frames[0]), [slips[0], loads[0]]);
-    assert_eq!(told(&frames[frames.len() - 1]), [*slips.last().expect("rows"), *loads.last().expect("rows")]);
-    let is_row = |frame: &Value| slips.iter().zip(&loads).any(|(slip, load)| told(frame) == [*slip, *load]);
+    let point_of = |frame: &Value| [&frame["slip"], &frame["load"]].map(|value| value.as_f64().expect("a number"));
+    assert_eq!(point_of(&frames[0]), [slips[0], loads[0]]);
+    assert_eq!(point_of(&frames[frames.len() - 1]), [*slips.last().expect("rows"), *loads.last().expect("rows")]);
+    let is_row = |frame: &Value| slips.iter().zip(&loads).any(|(slip, load)| point_of(frame) == [*slip, *load]);
     assert!(frames.iter().all(is_row));
     // it opens at the greatest load of the run, and says so
     let peak = loads.iter().copied().fold(0.0, f64::max);
     let opened = &frames[count("opensAt")];
-    assert_eq!((told(opened)[1], opened["name"].as_str()), (peak, Some("peak")));
+    assert_eq!((point_of(opened)[1], opened["name"].as_str()), (peak, Some("peak")));
     assert_eq!((frames[0]["name"].as_str(), frames[frames.len() - 1]["name"].as_str()), (Some("start"), Some("end")));
     // steel and concrete each have their range: one is stressed at least ten times as much
     let parts: Vec<&str> = head["parts"].as_array().expect("parts").iter().filter_map(Value::as_str).collect();
@@ -354,18 +354,17 @@ fn energies_balance_or_the_summary_says_so() {
             case["nlgeom"] = json!(true);
             case["parts"]["plate"]["model"] = json!(model);
             case["output"]["plots"] = json!(false);
-            let told = |run: &Run| {
+            let outcome_of = |run: &Run| {
                 let error = run.summary["energy_error_max"].as_f64().expect("a figure");
                 let warnings = run.summary["warnings"].as_array().expect("warnings").clone();
-                let is_told =
-                    warnings.iter().filter_map(Value::as_str).any(|warning| warning.contains("miss the work"));
-                (error, is_told, warnings)
+                let warns = warnings.iter().filter_map(Value::as_str).any(|warning| warning.contains("miss the work"));
+                (error, warns, warnings)
             };
-            let (error, is_told, warnings) = told(&desk.run(&desk.case("case.json", &case), &[], "equal", 0));
-            assert!(error < bound && is_told == (error > 1e-3), "{model}: {error:e}, {warnings:?}");
+            let (error, warns, warnings) = outcome_of(&desk.run(&desk.case("case.json", &case), &[], "equal", 0));
+            assert!(error < bound && warns == (error > 1e-3), "{model}: {error:e}, {warnings:?}");
             case["steps"][0]["increments"] = json!({});
-            let (error, is_told, warnings) = told(&desk.run(&desk.case("case.json", &case), &[], "chosen", 0));
-            assert!(error < 1e-3 && !is_told, "{model}: {error:e}, {warnings:?}");
+            let (error, warns, warnings) = outcome_of(&desk.run(&desk.case("case.json", &case), &[], "chosen", 0));
+            assert!(error < 1e-3 && !warns, "{model}: {error:e}, {warnings:?}");
         }
     }
 }

@@ -44,8 +44,8 @@ fn a_family_of_points_has_its_peaks_works_tables_and_claims() {
         { "claim": "300 is the least", "expect": { "minimum_at": 300 } }
     ]);
     desk.case("family.json", &family(&[400.0, 200.0, 300.0], claims));
-    let told = desk.pullout(["study", "family.json", "--out", "out", "--jobs", "2"]).expect(0).stdout;
-    assert!(told.contains("[6/6] ") && told.contains("6 of 6 runs done"), "{told}");
+    let printed = desk.pullout(["study", "family.json", "--out", "out", "--jobs", "2"]).expect(0).stdout;
+    assert!(printed.contains("[6/6] ") && printed.contains("6 of 6 runs done"), "{printed}");
     let table = std::fs::read_to_string(desk.path("out/study.csv")).expect("study.csv");
     let header = "series,label,x,status,peak,slip_at_peak,work,work_to,end,reach,increments,iterations,cutbacks";
     assert!(table.starts_with(header) && table.lines().count() == 7, "{table}");
@@ -86,8 +86,8 @@ fn what_is_done_is_kept_until_its_case_changes() {
     write(value!([]), &[200.0, 300.0]);
     let study = |more: &[&str]| {
         let arguments = [&["study", "family.json", "--out", "out"], more].concat();
-        let told = desk.pullout(arguments).expect(0).stdout;
-        told.lines().filter(|line| line.starts_with('[')).count()
+        let printed = desk.pullout(arguments).expect(0).stdout;
+        printed.lines().filter(|line| line.starts_with('[')).count()
     };
     assert_eq!(study(&[]), 4);
     assert_eq!(study(&[]), 0);
@@ -108,8 +108,8 @@ fn what_is_done_is_kept_until_its_case_changes() {
     assert_eq!(states.iter().filter(|run| run["status"] == "not run").count(), 3);
     assert_eq!(json(&desk.path("out/study.json"))["claims"][0]["verdict"], "cannot be told");
     assert_eq!(study(&["--force"]), 6);
-    let told = desk.pullout(["study", "family.json", "--only", "sofd/200"]).expect(2).stderr;
-    assert!(told.contains("there is no such run") && told.contains("soft/200"), "{told}");
+    let printed = desk.pullout(["study", "family.json", "--only", "sofd/200"]).expect(2).stderr;
+    assert!(printed.contains("there is no such run") && printed.contains("soft/200"), "{printed}");
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn a_run_that_fails_keeps_its_rows_and_the_others_go_on() {
 }
 
 #[test]
-fn everything_wrong_is_told_at_once_and_nothing_is_run() {
+fn everything_wrong_is_reported_at_once_and_nothing_is_run() {
     let desk = desk();
     let mut study = family(
         &[200.0, 300.0],
@@ -160,11 +160,11 @@ fn everything_wrong_is_told_at_once_and_nothing_is_run() {
     for (index, expectation) in [(3, value!({ "trend": "upwards" })), (5, value!({ "increasing": true }))] {
         of_structure["claims"][index]["expect"] = expectation;
     }
-    let told = |study: &Value| {
+    let printed = |study: &Value| {
         desk.case("family.json", study);
         desk.pullout(["study", "family.json", "--out", "out"]).expect(2).stderr
     };
-    let first = told(&of_structure);
+    let first = printed(&of_structure);
     for expected in [
         "$.serie: unknown key; nearest valid name: 'series'",
         "$.claims[3].expect.trend: ",
@@ -173,7 +173,7 @@ fn everything_wrong_is_told_at_once_and_nothing_is_run() {
     ] {
         assert!(first.contains(expected), "{expected}\n{first}");
     }
-    let then = told(&study);
+    let then = printed(&study);
     for expected in [
         "$.members[0].label: 'a/b' names a directory",
         "$.members[1]: stiff/300, soft/300: cases/base.json: $.material.props.F: ",
@@ -188,12 +188,12 @@ fn everything_wrong_is_told_at_once_and_nothing_is_run() {
     }
     assert!(!desk.path("out").exists());
     // in the right command
-    let told = desk.pullout(["run", "family.json"]).expect(2).stderr;
-    assert!(told.contains("`pullout study` runs it"), "{told}");
-    let told = desk.pullout(["study", "cases/base.json"]).expect(2).stderr;
-    assert!(told.contains("$.kind: a study has the kind \"study\", this is a case of kind 'point'"), "{told}");
-    let told = desk.pullout(["check", "family.json"]).expect(2).stderr;
-    assert!(told.contains("$.claims[0].series"), "{told}");
+    let printed = desk.pullout(["run", "family.json"]).expect(2).stderr;
+    assert!(printed.contains("`pullout study` runs it"), "{printed}");
+    let printed = desk.pullout(["study", "cases/base.json"]).expect(2).stderr;
+    assert!(printed.contains("$.kind: a study has the kind \"study\", this is a case of kind 'point'"), "{printed}");
+    let printed = desk.pullout(["check", "family.json"]).expect(2).stderr;
+    assert!(printed.contains("$.claims[0].series"), "{printed}");
 }
 
 #[test]
@@ -255,6 +255,6 @@ fn an_interrupted_study_keeps_what_is_done_and_goes_on() {
     assert_eq!(statuses(json(&desk.path("out/study.json"))), ["done", "interrupted", "not run", "not run"]);
     study["members"][1]["set"]["steps.0.increments"] = value!(100);
     desk.case("family.json", &study);
-    let told = desk.pullout(["study", "family.json", "--out", "out"]).expect(0).stdout;
-    assert!(told.contains("4 of 4 runs done (1 as they were)"), "{told}");
+    let printed = desk.pullout(["study", "family.json", "--out", "out"]).expect(0).stdout;
+    assert!(printed.contains("4 of 4 runs done (1 as they were)"), "{printed}");
 }

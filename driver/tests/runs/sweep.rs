@@ -590,15 +590,15 @@ fn a_table_replaces_no_file_of_the_users() {
     sweep_with(&desk, "work", &["--quiet", "store"], 0);
     let design = "material.props.k_e\n200\n";
     desk.write("design.csv", design);
-    let told = sweep_with(&desk, "collect", &["store", "--out", "design.csv"], 2);
-    assert!(told.contains("--out design.csv: is no table that was collected of this sweep"), "{told}");
+    let printed = sweep_with(&desk, "collect", &["store", "--out", "design.csv"], 2);
+    assert!(printed.contains("--out design.csv: is no table that was collected of this sweep"), "{printed}");
     assert_eq!(fs::read_to_string(desk.path("design.csv")).expect("a file"), design);
     for name in ["all.json", "all.txt", "all"] {
-        let told = sweep_with(&desk, "collect", &["store", "--out", name], 2);
-        assert!(told.contains(".csv, a .jsonl or a .parquet") && !desk.path(name).exists(), "{told}");
+        let printed = sweep_with(&desk, "collect", &["store", "--out", name], 2);
+        assert!(printed.contains(".csv, a .jsonl or a .parquet") && !desk.path(name).exists(), "{printed}");
     }
-    let told = sweep_with(&desk, "collect", &["store", "--out", "store/parts/all.jsonl"], 2);
-    assert!(told.contains("among the files of the sweep itself"), "{told}");
+    let printed = sweep_with(&desk, "collect", &["store", "--out", "store/parts/all.jsonl"], 2);
+    assert!(printed.contains("among the files of the sweep itself"), "{printed}");
     // an earlier collection is the program's until it is changed
     for name in ["all.csv", "all.jsonl", "all.parquet"] {
         sweep_with(&desk, "collect", &["store", "--out", name], 0);
@@ -619,15 +619,15 @@ fn a_plan_replaces_no_file_of_the_users() {
     // the file that is read; a case; no JSON
     for content in [text.as_str(), &bond(5).to_string(), "{ \"version\": 1 }", "x"] {
         desk.write("store/sweep.json", content);
-        let told = sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 2);
-        assert!(told.contains("store/sweep.json is no plan that this program wrote"), "{told}");
+        let printed = sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 2);
+        assert!(printed.contains("store/sweep.json is no plan that this program wrote"), "{printed}");
         assert_eq!(fs::read_to_string(desk.path("store/sweep.json")).expect("a file"), content);
     }
-    let told = sweep_with(&desk, "plan", &["sweep.json", "--out", "."], 2);
-    assert!(told.contains("is no plan"), "{told}");
+    let printed = sweep_with(&desk, "plan", &["sweep.json", "--out", "."], 2);
+    assert!(printed.contains("is no plan"), "{printed}");
     assert_eq!(fs::read_to_string(&file).expect("a sweep"), text);
     assert!(!desk.path("files").exists());
-    // a plan gives way to another
+    // a plan replaces another
     fs::remove_file(desk.path("store/sweep.json")).expect("removed");
     sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
     sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
@@ -640,8 +640,8 @@ fn columns_and_points_that_are_not_there_are_refused_by_the_plan() {
         let mut sweep = json!({ "kind": "sweep", "base": bond(5), "points": [{ "material.props.k_e": 900.0 }] });
         sweep.as_object_mut().expect("a sweep").extend(more.as_object().expect("members").clone());
         desk.case("sweep.json", &sweep);
-        let told = sweep_with(desk, "plan", &["sweep.json", "--out", "store"], 2);
-        assert!(told.contains(message), "{message}\n{told}");
+        let printed = sweep_with(desk, "plan", &["sweep.json", "--out", "store"], 2);
+        assert!(printed.contains(message), "{message}\n{printed}");
         assert!(!desk.path("store/sweep.json").exists());
     };
     for (more, message) in [
@@ -677,9 +677,9 @@ fn columns_and_points_that_are_not_there_are_refused_by_the_plan() {
     });
     desk.case("base.json", &base);
     desk.case("study.json", &study);
-    let told = desk.pullout(["study", "study.json", "--out", "out"]).expect(2).stderr;
+    let printed = desk.pullout(["study", "study.json", "--out", "out"]).expect(2).stderr;
     let message = "$.claims[0].quantity.column: the histories have no column 's1'; nearest valid name: 's11'";
-    assert_eq!(told.matches(message).count(), 1, "{told}");
+    assert_eq!(printed.matches(message).count(), 1, "{printed}");
     assert!(!desk.path("out").exists());
 }
 

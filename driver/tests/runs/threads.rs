@@ -18,12 +18,12 @@ fn same_with_any_number(case: &Path, overrides: &[&str]) {
     let (files, summary) = run("1");
     assert!(files.contains_key("history.csv"));
     for threads in ["2", "3"] {
-        let (found, told) = run(threads);
+        let (found, found_summary) = run(threads);
         assert_eq!(files.keys().collect::<Vec<_>>(), found.keys().collect::<Vec<_>>());
         for (name, content) in &files {
             assert!(content == &found[name], "{threads} threads: {name} differs");
         }
-        assert_eq!(told, summary, "{threads} threads");
+        assert_eq!(found_summary, summary, "{threads} threads");
     }
 }
 

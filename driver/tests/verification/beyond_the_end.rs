@@ -1,4 +1,4 @@
-//! Contact that begins beside its partner, leaves it over an end, and comes back.
+//! Contact that begins next to the end of its partner, leaves it over an end, and comes back.
 
 use super::grids::{Grids, Places, elastic, model, steps};
 use super::{model_of, run_to_end};
@@ -60,9 +60,9 @@ fn column() -> f64 {
     MODULUS * PRESS * WIDTH / (HEIGHT + DEPTH)
 }
 
-/// A block beside its base is pushed over it and pressed down: a column.
+/// A block next to its base is pushed onto it and pressed down: a column.
 #[test]
-fn a_block_that_starts_beside_its_base_stands_on_it() {
+fn a_block_that_starts_next_to_its_base_stands_on_it() {
     for surfaces in [["sole", "track"], ["track", "sole"]] {
         let grids = blocks(WIDTH, -8.0);
         let steps = json!([ { "drives": { "x": 8.0 } }, { "drives": { "press": PRESS }, "increments": 2 } ]);

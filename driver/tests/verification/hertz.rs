@@ -14,7 +14,7 @@ fn half_width_and_peak_pressure_are_hertz_with_one_point_on_an_edge_and_with_two
     }
 }
 
-/// `accepted`: how far the greatest pressure of a point may be off; what all points tell together is within 1 %.
+/// `accepted`: allowed error of the greatest pressure of a point; the value from all points together is within 1 %.
 fn half_width_and_peak_pressure_are_hertz(quadrature: &str, accepted: f64) {
     half_width_and_peak_pressure_are(&PAIR, &[quadrature], accepted);
 }

@@ -32,7 +32,7 @@ enum Along {
 }
 
 impl Along {
-    /// Constants of a plane strain computation that stand for those of the material.
+    /// Returns the constants for a plane strain computation that replace those of the material.
     fn constants(self, modulus: f64) -> [f64; 2] {
         match self {
             Self::Plane("plane_stress") | Self::Free => {
@@ -76,7 +76,7 @@ fn shaft_in_sleeve(along: Along, larger: f64, contact: Value, steps_of_case: Val
         Along::Plane(name) => (name, steps(0.0, FRAC_PI_2, 8)),
         _ => ("axisymmetric", steps(0.0, LENGTH, 2)),
     };
-    // a tube with a fine bore stands for a shaft in a plane, whose grid has no middle
+    // a tube with a fine bore replaces a shaft in a plane, whose grid has no middle
     let inside = if is_plane { 0.05 } else { 0.0 };
     let graded = |from: f64, to: f64, count: usize| -> Vec<f64> {
         if from == 0.0 || !is_plane {
@@ -176,7 +176,7 @@ fn shrink_fits_have_lames_pressure() {
     }
 }
 
-/// A shaft that the mesh has too thick or too thin presses nothing, and then bears as one that fits.
+/// A shaft that the mesh makes too thick or too thin has no pressure at first, and then carries load as one that fits.
 #[test]
 fn gaps_and_overlaps_of_the_mesh_are_closed_on_request() {
     for along in ALL {

@@ -34,8 +34,8 @@ fn arch(members: Value) -> Model {
     model(&case, &grids)
 }
 
-/// Under a displacement the whole path is had: the load's greatest value on it is the limit point of the load, which the run under the
-/// load reaches and names. The work passes through 0 on the way; the error of the energies is that of what was worked.
+/// Displacement control gives the whole path. The largest load on it is the limit point, which the run under load control
+/// reaches and names. The work passes through 0 on the way; the error of the energies is relative to the largest work so far.
 #[test]
 fn a_limit_point_of_a_load_is_named() {
     let held = json!({ "nodes": "apex", "direction": "x" });

@@ -71,7 +71,7 @@ fn orders(errors: &[f64]) -> Vec<f64> {
     errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
 }
 
-/// Errors as messages tell them.
+/// Formats errors for messages.
 fn scientific(errors: &[f64]) -> String {
     let words: Vec<String> = errors.iter().map(|error| format!("{error:.2e}")).collect();
     words.join(", ")

@@ -56,10 +56,11 @@ fn a_tie_passes_the_patch_test() {
 
 const RADIUS: f64 = 16.0;
 const LENGTH: f64 = 350.0;
-/// The fine zone: 1.5 diameters beside the bar, and below it.
+/// The fine zone: 1.5 diameters on both sides of the bar, and below it.
 const ZONE: [f64; 2] = [64.0, LENGTH + 48.0];
 
-/// The straight bar of chapter 8 in elastic concrete, fine beside the bar; the rest in lines of the same height, or coarse and tied.
+/// The straight bar of chapter 8 in elastic concrete, with a fine mesh next to the bar. The rest has lines of the same height, or
+/// is coarse and tied.
 fn bar(is_tied: bool) -> (Model, usize) {
     let mut grids = Grids::default();
     let (mut steel, mut fine) = (Places::new(), Places::new());
@@ -67,16 +68,16 @@ fn bar(is_tied: bool) -> (Model, usize) {
     depths.extend(&steps(-LENGTH, 0.0, 28)[1..]);
     let heights = [&depths[3..], &steps(0.0, 100.0, 6)[1..]].concat();
     grids.cells(&mut steel, "fibre", &[-RADIUS, 0.0, RADIUS], &heights, |_, _| true);
-    let beside = [0.0, 6.0, 14.0, 26.0, 48.0].map(|x| RADIUS + x);
-    let mut across: Vec<f64> = beside.iter().rev().map(|x| -x).chain([0.0]).collect();
-    across.extend(beside);
+    let offsets = [0.0, 6.0, 14.0, 26.0, 48.0].map(|x| RADIUS + x);
+    let mut across: Vec<f64> = offsets.iter().rev().map(|x| -x).chain([0.0]).collect();
+    across.extend(offsets);
     let is_block = |x: f64, y: f64| x.abs() > RADIUS || y < -LENGTH;
     grids.cells(&mut fine, "matrix", &across, &depths, is_block);
     let zone_elements = grids.groups.iter().map(|(.., elements)| elements.len()).sum();
     let mut own = Places::new();
     let outer = [-300.0, -240.0, -180.0, -125.0, -80.0, -ZONE[0], ZONE[0], 80.0, 125.0, 180.0, 240.0, 300.0];
     let (coarse, lines, base) = if is_tied {
-        // every fourth of the fine lines; all beside the corner where the held face begins, whose stresses coarse elements smear
+        // every fourth of the fine lines; all near the corner where the held face begins, whose stresses coarse elements smear
         let heights =
             [&steps(-625.0, -ZONE[1], 4)[..4], &[-ZONE[1]], &steps(-LENGTH, -50.0, 6), &steps(-37.5, 0.0, 3)].concat();
         (&mut own, heights, vec![-ZONE[0], 0.0, ZONE[0]])
@@ -151,7 +152,7 @@ fn a_bar_in_tied_zones_bears_what_it_does_in_one() {
     let size = one.iter().flatten().fold(0.0, |size: f64, stress| size.max(stress.abs()));
     let differences = one.iter().flatten().zip(other.iter().flatten()).map(|(a, b)| (a - b).abs() / size);
     let stress = worst(differences);
-    println!("{greatest:.0} N, {many} and {few} nodes: loads {apart:.1e}, stresses beside the tie {stress:.1e} apart");
+    println!("{greatest:.0} N, {many} and {few} nodes: loads {apart:.1e}, stresses near the tie {stress:.1e} apart");
     assert!(few < many && greatest > 45e3, "{few} of {many} nodes, {greatest} N");
     assert!(apart < 2e-3, "loads {apart:e}");
     assert!(one.len() == other.len() && stress < 0.05, "stresses {stress:e}");

@@ -65,7 +65,7 @@ impl BatchCall {
         let (ntens, ndi, _) = self.stress_state.counts();
         let ddsdde = if request.wants_tangent() { self.ddsdde.as_mut_ptr() } else { std::ptr::null_mut() };
         let count = |length: usize| i32::try_from(length).unwrap_or(i32::MAX);
-        // SAFETY: every array has as many values as its counts tell; the function is that of the contract.
+        // SAFETY: every array has as many values as its counts say; the function is that of the contract.
         unsafe {
             (self.function)(
                 self.points,

@@ -14,7 +14,7 @@ mod promises;
 mod proportional;
 pub mod reference;
 mod rotation;
-#[allow(missing_docs, reason = "sets of parameters, which stand beside their names")]
+#[allow(missing_docs, reason = "sets of parameters, next to their names")]
 pub mod samples;
 pub mod stability;
 mod tangent;
@@ -30,7 +30,7 @@ pub use umat_abi::table::rotated;
 use models::tensor::Spectral;
 use umat_abi::law::{Failure, Increment, Law, Request, Response, StressState, advance_values, parameters_of};
 
-/// Random numbers that a seed repeats, so that a failing state can be named.
+/// Random numbers that are reproducible from a seed, so that a failing state can be named.
 #[derive(Clone, Debug)]
 pub struct Random(pub fastrand::Rng);
 

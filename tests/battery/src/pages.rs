@@ -14,7 +14,7 @@ fn text(text: Text) -> String {
     unsafe { CStr::from_ptr(text.as_ptr()) }.to_string_lossy().replace('|', "\\|")
 }
 
-/// `2e18` rather than nineteen digits.
+/// Formats a number, large ones as `2e18`.
 fn number(value: f64) -> String {
     let (plain, exponential) = (format!("{value}"), format!("{value:e}"));
     if exponential.len() < plain.len() { exponential } else { plain }
@@ -55,7 +55,7 @@ fn states(info: &LawInfo) -> String {
     table(&["name", "unit", "meaning"], rows)
 }
 
-/// The page with this table behind the head, in place of one that stands there.
+/// Returns the page with this table after the head, in place of the table that is there.
 fn with_table(page: &str, head: &str, table: &str) -> String {
     let (before, behind) = page.split_once(head).expect("the head");
     let old = behind.trim_start_matches('\n').lines().take_while(|line| line.starts_with('|'));

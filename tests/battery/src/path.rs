@@ -1,4 +1,4 @@
-//! Proportional paths: what the number of increments must not change.
+//! Proportional paths: results that must not depend on the number of increments.
 
 use super::proportional::{deviation, equal, stress_after};
 use super::{Random, Sample};

@@ -25,7 +25,7 @@ pub struct Promises<'p> {
     pub path_ends: &'static [[f64; 6]],
     /// Random paths with up to 1000 increments, and with 100 000 as well.
     pub random_paths: [usize; 2],
-    /// Numbers of increments that must not change the end of a proportional path; empty: that is not promised.
+    /// Numbers of increments that must give the same end of a proportional path; empty: not promised.
     pub path_counts: fn(&Sample<'_>, StressState) -> &'static [u32],
 }
 

@@ -31,7 +31,7 @@ impl Table {
 
 /// Runs the strains of a reference file through law `L`; stresses must agree to 1e-13 · max|σ|,
 /// each `(column, state index)` as D = η/(1+η) to 1e-12. Returns the worst relative stress error and
-/// the number of rows compared (all, but for `nroots` > 1).
+/// the number of rows compared (all, except for `nroots` > 1).
 pub fn check<L: Law>(
     file: &str,
     stress_state: StressState,

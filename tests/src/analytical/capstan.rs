@@ -1,4 +1,4 @@
-//! A fibre that slides over a circular channel: Euler and Eytelwein's rope friction, with a bond beside it.
+//! A fibre that slides over a circular channel: Euler and Eytelwein's rope friction, with bond in addition.
 //!
 //! ```text
 //! dT/dθ = (r/R) (μ T + q r)          r: channel, R: line of the fibre's force, q: bond per length

@@ -26,7 +26,7 @@ fn the_elastic_fibre_solves_its_differential_equation() {
 }
 
 #[test]
-fn debonding_begins_where_elasticity_ends_and_peaks_where_told() {
+fn debonding_begins_where_elasticity_ends_and_peaks_where_given() {
     let bond = DroppingBond { stiffness: 400.0, strength: 2.0, friction: 1.0 };
     let (load, slip) = FIBRE.debonding(&bond, 0.0);
     assert!((FIBRE.elastic_load(bond.stiffness, slip) / load - 1.0).abs() < 1e-12);

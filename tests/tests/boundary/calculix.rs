@@ -15,7 +15,7 @@ fn point(loaded: &Loaded, name: &str) -> PointMemory {
     point.pnewdt = ON_ENTRY;
     point.cmname = [b' '; 80];
     point.cmname[..name.len()].copy_from_slice(name.as_bytes());
-    // what lies behind KSTEP is not JSTEP
+    // the memory after KSTEP is not JSTEP
     point.jstep = [1, i32::MIN, i32::MIN, i32::MIN];
     point
 }

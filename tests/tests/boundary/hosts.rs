@@ -79,7 +79,7 @@ fn a_null_tangent_means_stress_only() {
     });
 }
 
-/// TIME of length 1 lies right before memory that must not be read as a number: nothing reads it at all.
+/// TIME of length 1 lies right before memory that must not be read as a number. The law does not read it.
 #[test]
 fn time_of_length_one_and_names_of_length_one_are_enough() {
     for_each_law(|loaded, stress_state| {
@@ -90,7 +90,7 @@ fn time_of_length_one_and_names_of_length_one_are_enough() {
         arguments.time = ptr::from_ref(&*time);
         arguments.cmname = ptr::from_ref(&*name).cast::<c_char>();
         arguments.cmname_length = 1;
-        // SAFETY: short arrays are what is tested; a law that reads behind them is caught under valgrind.
+        // SAFETY: short arrays are what is tested; a law that reads past their ends is caught under valgrind.
         unsafe { arguments.call(loaded.umat) };
         assert_eq!(point.output_bits(), expected.output_bits());
     });
@@ -124,7 +124,7 @@ fn garbage_in_outputs_is_overwritten() {
             assert_eq!(point.tangent(), expected.tangent());
             assert_eq!(point.energies[..3], expected.energies[..3]);
             assert!(point.energies[..3].iter().all(|energy| energy.is_finite()));
-            // Nothing behind the NTENS² and NTENS entries is touched, nor are the thermal outputs.
+            // Nothing after the NTENS² and NTENS entries is touched, nor are the thermal outputs.
             let ntens = point.ntens();
             assert!(point.ddsdde[ntens * ntens..].iter().all(|x| x.to_bits() == garbage.to_bits()));
             assert_eq!(point.stress[ntens..], [0.0; 6][ntens..]);

@@ -73,8 +73,8 @@ fn its_order_of_shears_is_exchanged() {
         ordinary.call(loaded.umat);
         exchanged(&ordinary).output_bits() != expected.output_bits()
     };
-    let told_apart = LAWS.iter().filter(shows).count();
-    assert!(told_apart >= 3, "{told_apart}");
+    let distinguished = LAWS.iter().filter(shows).count();
+    assert!(distinguished >= 3, "{distinguished}");
 }
 
 #[test]

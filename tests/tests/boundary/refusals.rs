@@ -14,8 +14,8 @@ fn expect_refusal(loaded: &Loaded, mut point: PointMemory, what: &str) {
     let refused = if given { ntens } else { 0 };
     assert!(point.stress[..refused].iter().all(|x| x.is_nan()), "{name}, {what}: STRESS {:?}", point.stress);
     assert!(point.ddsdde[..refused * refused].iter().all(|x| x.is_nan()), "{name}, {what}: DDSDDE");
-    assert_eq!(point.stress[refused..], before.stress[refused..], "{name}, {what}: behind STRESS");
-    assert_eq!(point.ddsdde[refused * refused..], before.ddsdde[refused * refused..], "{name}, {what}: behind DDSDDE");
+    assert_eq!(point.stress[refused..], before.stress[refused..], "{name}, {what}: after STRESS");
+    assert_eq!(point.ddsdde[refused * refused..], before.ddsdde[refused * refused..], "{name}, {what}: after DDSDDE");
     assert_eq!(point.pnewdt, 0.5, "{name}, {what}");
     assert_eq!(point.statev, before.statev, "{name}, {what}");
     assert_eq!(point.energies, before.energies, "{name}, {what}");
@@ -135,7 +135,7 @@ fn a_fracture_energy_without_a_length_is_refused() {
 }
 
 #[test]
-fn a_missing_length_is_told_once() {
+fn a_missing_length_is_reported_once() {
     let stderr = stderr_of_child("refusals::child_gives_no_length");
     let messages: Vec<_> = stderr.lines().filter(|line| line.contains("pullout")).collect();
     let expected = "pullout: concrete_damage: G_f > 0 asks for a crack band, which needs the element's length (CELENT > 0), \
@@ -145,7 +145,7 @@ fn a_missing_length_is_told_once() {
 }
 
 #[test]
-#[ignore = "runs as a process of its own: a_missing_length_is_told_once"]
+#[ignore = "runs as a process of its own: a_missing_length_is_reported_once"]
 fn child_gives_no_length() {
     let law: &'static Sample = Box::leak(Box::new(with_crack_band(12)));
     let loaded = Loaded::new(law);

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Results and environments, which are no part of the tree, and what is of others.
 const PASSED_OVER: [&str; 7] = ["target", "out", "_build", ".venv", ".git", "_static", "__pycache__"];
 
-/// The pages that stand beside each law and module: a citation of one needs no path.
+/// Name of the page in the folder of each law and module: a citation of one needs no path.
 const PAGE_OF_A_MODULE: &str = "doc.md";
 
 /// Files whose lines may cite, by their suffixes.

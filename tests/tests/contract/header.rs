@@ -41,7 +41,7 @@ pub fn generate(entry_points: &[EntryPoint], metadata: &TokenStream) -> String {
     old_comments(&String::from_utf8(header).expect("UTF-8"))
 }
 
-/// C89 has no comments to the end of a line; cbindgen writes them behind its `#endif`.
+/// Replaces comments to the end of a line, which cbindgen writes after its `#endif`: C89 has none.
 fn old_comments(header: &str) -> String {
     let line = |line: &str| match line.split_once("// ") {
         Some((code, comment)) if code.starts_with("#endif") => format!("{code}/* {comment} */\n"),

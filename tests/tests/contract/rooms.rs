@@ -29,9 +29,9 @@ fn floor(package: &str) -> Option<usize> {
 fn packages() -> Vec<(String, PathBuf, Vec<String>)> {
     let mut cargo = Command::new(option_env!("CARGO").unwrap_or("cargo"));
     cargo.args(["metadata", "--no-deps", "--offline", "--format-version", "1"]).current_dir(workspace(""));
-    let told: Value = serde_json::from_slice(&cargo.output().expect("cargo metadata").stdout).expect("JSON");
+    let metadata: Value = serde_json::from_slice(&cargo.output().expect("cargo metadata").stdout).expect("JSON");
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-    let packages = told["packages"].as_array().expect("packages").iter().map(|package| {
+    let packages = metadata["packages"].as_array().expect("packages").iter().map(|package| {
         let needed = package["dependencies"].as_array().into_iter().flatten().filter(|d| d["kind"] != "dev");
         let needed = needed.map(|dependency| text(&dependency["name"])).collect();
         (text(&package["name"]), PathBuf::from(text(&package["manifest_path"])), needed)
@@ -49,7 +49,7 @@ fn crates_depend_on_lower_ones_only() {
     }
 }
 
-/// Adds the top modules that a source names behind `crate::`, or behind as many `super::` as lead to the crate's root.
+/// Adds the top modules that a source names after `crate::`, or after as many `super::` as lead to the crate's root.
 fn named(source: &str, depth: usize, found: &mut BTreeSet<String>) {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let code: String = source.lines().filter(|line| !line.trim_start().starts_with("//")).collect();

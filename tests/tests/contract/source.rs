@@ -38,7 +38,7 @@ impl Argument {
         Self { name, shape, doc, rust_type: field.ty.clone() }
     }
 
-    /// A CHARACTER length that Fortran compilers pass behind the arguments.
+    /// Returns whether it is a CHARACTER length, which Fortran compilers pass after the arguments.
     pub fn is_hidden_length(&self) -> bool {
         matches!(self.rust_type, Type::Path(_))
     }

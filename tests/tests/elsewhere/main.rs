@@ -1,4 +1,4 @@
-//! Our laws in the programs of others, from an installation: `cargo xtask install --prefix P`, then
+//! Our laws in third-party programs, from an installation: `cargo xtask install --prefix P`, then
 //! `PULLOUT_PREFIX=P cargo test -p end-to-end-tests --test elsewhere`. The Python programs need `PULLOUT_PYTHON`, a
 //! Python with what `examples/requirements.txt` lists. Without these variables the checks are skipped; without a `ccx` on the PATH those
 //! with CalculiX.
@@ -71,10 +71,10 @@ fn numbers(output: &[u8]) -> Vec<Vec<f64>> {
 fn the_program_knows_the_plugins_that_are_installed_with_it() {
     let Some(installation) = Installation::find() else { return };
     for law in shipped_laws().iter().map(String::as_str).chain(["pullout_laws"]) {
-        let told = installation.program().args(["plugin", "info", law]).output().expect("the program starts");
-        let told = String::from_utf8_lossy(&told.stdout).into_owned();
-        assert!(told.contains(&*installation.library(law).to_string_lossy()), "{told}");
-        assert!(told.contains("Process: pullout's own"), "{law}: {told}");
+        let info = installation.program().args(["plugin", "info", law]).output().expect("the program starts");
+        let info = String::from_utf8_lossy(&info.stdout).into_owned();
+        assert!(info.contains(&*installation.library(law).to_string_lossy()), "{info}");
+        assert!(info.contains("Process: pullout's own"), "{law}: {info}");
     }
 }
 

@@ -51,7 +51,7 @@ impl Job {
         words.extend([self.nstatv.to_string(), "--props".to_owned()]);
         words.extend(self.props.iter().map(|value| format!("{value:?}")));
         words.push("--targets".to_owned());
-        // a leading minus sign is behind the colon
+        // a leading minus sign comes after the colon
         words.extend(self.targets.iter().map(|(count, value)| format!("{count}:{value:?}")));
         words
     }

@@ -14,9 +14,9 @@ const ALL: u64 = 1000;
 const SHORT: u64 = 120;
 /// One in so many is run by a process as well.
 const RUN: u64 = 10;
-/// Marks a text that stands for what is written into the file without quotes.
+/// Marks a text that is written into the file without quotes.
 const RAW: &str = "@raw@";
-/// Marks a key that stands for the one before it.
+/// Marks a key that is written as the one before it.
 const TWICE: &str = "@twice@";
 
 pub fn run(form: &Form) -> Tally {
@@ -38,7 +38,7 @@ pub fn run(form: &Form) -> Tally {
         judged
     });
     if inventory(desk.path(), &out) != before {
-        tally.broken.push("files beside the results were changed".into());
+        tally.broken.push("files outside the results were changed".into());
     }
     tally
 }

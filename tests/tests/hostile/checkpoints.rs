@@ -1,4 +1,4 @@
-//! Checkpoints with other bytes, numbers, lengths: their hash tells it, and they are refused.
+//! Checkpoints with other bytes, numbers or lengths: their hash shows it, and they are refused.
 
 use crate::process::{self, Outcome, outcome, pullout};
 use crate::specimen::{DAMAGING, SNAPPING_BACK, Specimen};

@@ -79,7 +79,7 @@ fn killed(mut command: Command, after: Duration) {
     child.wait().expect("a child");
 }
 
-/// Kills a run over finished results, and looks for all rows of the old ones, and for whole rows of the new.
+/// Kills a run over finished results. All old rows must be there, and new rows must be complete.
 fn over_old_results(desk: &Path, case: &Path, out: &Path, random: &mut Rng) -> Result<(), String> {
     let run = |increments: &str| {
         let steps = format!("steps.0.increments={increments}");

@@ -7,8 +7,8 @@
 //! cargo test … --test hostile -- meshes                             # a module alone
 //! ```
 //!
-//! Expected of each: exit 0, 1, 2 or 3 in time; where it is not 0, a message that names the file; no panic, no signal, no
-//! more than a gigabyte; nothing changed beside the results. Each number stands for the same input everywhere.
+//! Expected of each: exit 0, 1, 2 or 3 in time; if not 0, a message that names the file; no panic, no signal, no
+//! more than a gigabyte; nothing changed outside the results. Each number gives the same input everywhere.
 //!
 //! The test program is `pullout` itself when it is called by that name, so that workers that it starts are it as well.
 

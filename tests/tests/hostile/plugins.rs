@@ -51,11 +51,11 @@ enum Class {
     Fails(&'static str),
     /// The library cannot be loaded, with these words.
     NotLoaded(&'static str),
-    /// The run is done, or fails in words.
-    InWords,
+    /// The run is done, or fails with a message.
+    WithMessage,
 }
 
-use Class::{Fails, Harmless, InWords, NotLoaded, Warned};
+use Class::{Fails, Harmless, NotLoaded, Warned, WithMessage};
 
 /// Each fault by its name in the source, what comes of it in a call, and when the library is loaded.
 const TABLE: [(&str, Class, Class); 82] = [
@@ -77,9 +77,9 @@ const TABLE: [(&str, Class, Class); 82] = [
     ("TRACE_AND_CRASH", Fails("SIGSEGV"), NotLoaded("SIGSEGV")),
     ("KILL_GROUP", Fails("SIGKILL"), NotLoaded("SIGKILL")),
     // only the superuser may become another one, and may lift a limit again
-    ("CHANGE_USER", InWords, InWords),
-    ("FEW_DESCRIPTORS", InWords, InWords),
-    ("SMALL_FILES", Fails("lowered the limit of the size of files"), InWords),
+    ("CHANGE_USER", WithMessage, WithMessage),
+    ("FEW_DESCRIPTORS", WithMessage, WithMessage),
+    ("SMALL_FILES", Fails("lowered the limit of the size of files"), WithMessage),
     ("QUICK_EXIT", Fails("exit code 0"), NotLoaded("exit code 0")),
     ("EXIT_AT_ONCE", Fails("exit code 0"), NotLoaded("exit code 0")),
     ("THREAD_EXIT", Fails(""), NotLoaded("")),
@@ -98,9 +98,9 @@ const TABLE: [(&str, Class, Class); 82] = [
     ("FORK_STAYS", Harmless, Harmless),
     ("CLOSE_AND_PRINT", Fails(CLOSED), Harmless),
     ("CLOSE_STDIN", Harmless, Harmless),
-    ("CLOSE_STDERR", Fails(CLOSED), InWords),
-    ("CLOSE_ALL", Fails(CLOSED), InWords),
-    ("NO_DESCRIPTORS", InWords, InWords),
+    ("CLOSE_STDERR", Fails(CLOSED), WithMessage),
+    ("CLOSE_ALL", Fails(CLOSED), WithMessage),
+    ("NO_DESCRIPTORS", WithMessage, WithMessage),
     ("CHANGE_FOLDER", Harmless, Harmless),
     ("UMASK", Harmless, Harmless),
     ("LOCALE", Harmless, Harmless),
@@ -242,12 +242,12 @@ fn case(host: Host, fault: usize) -> Value {
     case
 }
 
-/// A run, and what it left behind.
+/// A run and its traces.
 struct Attempt {
     outcome: Outcome,
     history: Option<String>,
     summary: Option<Value>,
-    /// Whether nothing beside the results was changed.
+    /// Whether nothing outside the results was changed.
     is_contained: bool,
     /// The run of the replay case, if there is one.
     replay: Option<Outcome>,
@@ -287,23 +287,23 @@ impl Attempt {
     fn judge(&self, class: Class, sound: &Self) -> Result<(), String> {
         let stderr = &self.outcome.stderr;
         let code =
-            self.outcome.judge(if class == InWords { &["misbehaving", "case.json"] } else { &["misbehaving"] })?;
+            self.outcome.judge(if class == WithMessage { &["misbehaving", "case.json"] } else { &["misbehaving"] })?;
         let wrong = |what: &str| Err(format!("{what}; exit {code}; stderr:\n{stderr}"));
         if !self.is_contained {
-            return wrong("files beside the results changed");
+            return wrong("files outside the results changed");
         }
         let (codes, words): (&[i32], _) = match class {
             Harmless => (&[0], ""),
             Warned(words) => (&[0], words),
             Fails(words) => (&[1], words),
             NotLoaded(words) => (&[3], words),
-            InWords => (&[0, 1], ""),
+            WithMessage => (&[0, 1], ""),
         };
         if !codes.contains(&code) {
             return wrong(&format!("not {class:?}"));
         }
         if !stderr.contains(words) {
-            return wrong(&format!("'{words}' is not told"));
+            return wrong(&format!("'{words}' is not reported"));
         }
         if class == Harmless && *stderr != sound.outcome.stderr {
             return wrong("words about nothing");

@@ -83,8 +83,8 @@ fn terminate(child: &Child) {
 }
 
 impl Outcome {
-    /// Checks that it ended in an allowed way: with a code, in words that name one of these files where something is
-    /// wrong.
+    /// Checks that it ended in an allowed way: with an exit code and, if something is wrong, a message that names one of these
+    /// files.
     pub fn judge(&self, names: &[&str]) -> Result<i32, String> {
         let wrong = |what: &str| Err(format!("{what}; stderr:\n{}", shortened(&self.stderr)));
         let Some(code) = self.status.code() else {
@@ -118,7 +118,7 @@ pub fn peak_of_children() -> u64 {
     u64::try_from(usage.max_rss()).unwrap_or_default() << 10
 }
 
-/// Every file below a folder with its size and time, but for those within `left_out`.
+/// Returns every file below a folder with its size and time, except those within `left_out`.
 pub fn inventory(folder: &Path, left_out: &Path) -> Vec<(PathBuf, u64, std::time::SystemTime)> {
     let mut files = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -146,7 +146,7 @@ pub fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Variable by which all processes of an attempt are known: what it starts has it in its environment.
+/// Environment variable that marks all processes of an attempt: child processes inherit it.
 pub const MARK: &str = "HOSTILE_ATTEMPT";
 /// Time in which everything that a plugin started must have ended.
 const LEFT_FOR: Duration = Duration::from_secs(2);

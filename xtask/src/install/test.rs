@@ -59,7 +59,7 @@ fn everything_is_put_under_the_prefix_and_can_be_put_there_again() {
         assert!(files.iter().all(|file| file.is_file()) && !prefix.join("share.unfinished").exists());
     }
     let without = folder.path().join("without");
-    beside_the_program(&crate::workspace(), &products, &without).expect("an installation");
+    all_but_the_program(&crate::workspace(), &products, &without).expect("an installation");
     let plugins = without.join("lib/pullout");
     assert!(plugins.join("libother.so").is_file());
     assert!(!plugins.join("abaqus").exists() && !plugins.join("kratos").exists() && !without.join("bin").exists());

@@ -3,7 +3,7 @@
 use super::{Components, DamageSurface, Point};
 use models::tensor::{Elasticity, Spectral, deviator, strain_norm_squared, trace};
 
-/// Ratio at which the uniaxial β gives way to the biaxial one: the text leaves it open. |σ|₂/|σ|₁ of `biaxial_damage`.
+/// Ratio |σ|₂/|σ|₁, as in `biaxial_damage`, at which the biaxial β replaces the uniaxial one. The text leaves it open.
 const BLEND_RATIO: f64 = 0.2;
 
 /// Damage, energy release rates and weights of the last step.
@@ -25,7 +25,7 @@ struct Weights {
     tensile: f64,
     /// β.
     beta: f64,
-    /// The β of eq. 5.31, which its own energy release rate Y_E = a + β b has in it.
+    /// The β of eq. 5.31, in which its own energy release rate Y_E = a + β b occurs.
     biaxial: f64,
 }
 

@@ -6,11 +6,11 @@ use std::path::Path;
 
 /// Double precision, as ABAQUS/Standard has it; good in both forms of source, as all of these.
 const ABA_PARAM: &str = "      implicit real*8 (a-h,o-z)\n      parameter (nprecd=2)\n";
-/// Text of `vaba_param.inc`: double precision, as ABAQUS/Explicit has it.
+/// Text of `vaba_param.inc`: double precision, as in ABAQUS/Explicit.
 const VABA_PARAM: &str = "      implicit real*8 (a-h,o-z)
       parameter (j_sys_Dimension=2, n_vec_Length=136, maxblk=n_vec_Length)
 ";
-/// What is left of it behind IMPLICIT NONE.
+/// The statements of it that remain valid after IMPLICIT NONE.
 const ABA_PARAM_TYPED: &str = "      integer nprecd\n      parameter (nprecd=2)";
 /// Types of the utility functions, which implicit typing would get wrong.
 const HEADER: &str = include_str!("../../../../umat-abi/utilities/include/SMAAspUserSubroutines.hdr");
@@ -34,7 +34,7 @@ const OURS: [(&str, &str); 5] = [
     ("smaaspuserutilities.hdr", ""),
     ("smaaspuserarrays.hdr", HEADER),
 ];
-/// C's.
+/// Include files for C sources.
 const FOR_C_SOURCES: [(&str, &str); 6] = [
     ("omi_for_c.h", FOR_C),
     ("aba_for_c.h", FOR_C),
@@ -53,7 +53,8 @@ pub(super) fn is_ours(name: &str) -> bool {
     text_of(name).is_some()
 }
 
-/// Returns what stands for an included file of ours in a unit that has begun with IMPLICIT NONE, which a second IMPLICIT contradicts.
+/// Returns the text that replaces one of our include files in a program unit that begins with IMPLICIT NONE. The file's own
+/// IMPLICIT statement would contradict it.
 pub(super) fn without_typing(name: &str) -> Option<&'static str> {
     name.eq_ignore_ascii_case("aba_param.inc").then_some(ABA_PARAM_TYPED)
 }

@@ -1,5 +1,5 @@
-//! Libraries that are built of a source because one was named where a library is expected: kept in the user's cache, by a hash of
-//! the source, what it includes, and the compiler.
+//! Libraries built because a source was named where a library is expected. They are kept in the user's cache under a hash of the
+//! source, the files it includes, and the compiler.
 
 use super::scan::Scan;
 use super::source::{Language, PluginSource};
@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use umat_abi::host::library_file_name;
 
-/// Returns the library of one source: the one that is kept, or one that is built now, which `tell` is told with all that is to be
-/// said of it.
+/// Returns the library of one source, from the cache or built now. If it is built now, `notify` receives the messages of the
+/// build.
 ///
 /// # Errors
 /// [`Refusal`].
-pub fn kept(file: &Path, tell: &dyn Fn(String)) -> Result<PathBuf, Refusal> {
+pub fn kept(file: &Path, notify: &dyn Fn(String)) -> Result<PathBuf, Refusal> {
     let source = PluginSource::new(file, None)?;
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let folder = cache().join(hash(&source));
@@ -30,12 +30,12 @@ pub fn kept(file: &Path, tell: &dyn Fn(String)) -> Result<PathBuf, Refusal> {
     let request =
         Request { sources: vec![file.to_owned()], output: Some(library), form: None, flags: Vec::new(), debug: false };
     let built = build(&request)?;
-    tell(format!("{}: built as {}", file.display(), built.library.display()));
-    built.words().into_iter().for_each(tell);
+    notify(format!("{}: built as {}", file.display(), built.library.display()));
+    built.words().into_iter().for_each(notify);
     Ok(built.library)
 }
 
-/// `pullout/libraries` in the user's cache, or where there is none among temporary files.
+/// Returns `pullout/libraries` in the user's cache or, if there is none, in the folder for temporary files.
 fn cache() -> PathBuf {
     let absolute = |name: &str| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let folder = absolute("XDG_CACHE_HOME").or_else(|| absolute("HOME").map(|home| home.join(".cache")));

@@ -7,7 +7,7 @@ pub(super) const FLAGS: [&str; 2] = ["-llapack", "-lblas"];
 /// Advice where they are not installed.
 pub(super) const ADVICE: &str = "--flag=-llapack --flag=-lblas (on Debian: apt install liblapack-dev), or MKL's flags";
 
-/// Names of routines without the letter of their numbers' kind.
+/// Names of routines without the letter for the type of numbers.
 const ROUTINES: [&str; 70] = [
     "asum", "axpy", "copy", "dot", "dotc", "dotu", "gbsv", "gebal", "gecon", "geequ", "gees", "geesx", "geev", "geevx",
     "gehrd", "gelqf", "gels", "gelsd", "gelss", "gelsy", "gemm", "gemv", "geqp3", "geqrf", "ger", "gesdd", "gesv",

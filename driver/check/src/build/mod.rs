@@ -29,8 +29,8 @@ use std::process::Command;
 use symbols::Symbols;
 use umat_abi::host::{library_file_name, real_path, utilities_path};
 
-/// The C part of a library of `--debug`, which says where it goes wrong: a mark for the host, which traps invalid operations,
-/// divisions by zero and overflow while it is called, and a handler that tells the lines of the source below a fatal signal.
+/// The C part of a library built with `--debug`. It holds a mark, on which the host traps invalid operations, divisions by zero
+/// and overflow during calls, and a handler that prints the source lines of a fatal signal.
 /// (Fortran's own handlers and `-ffpe-trap` work in Fortran main programs only.)
 const DEBUG: &str = include_str!("debug.c");
 
@@ -39,9 +39,9 @@ const DEBUG: &str = include_str!("debug.c");
 pub struct Request {
     /// Sources; `.o` files are linked as they are.
     pub sources: Vec<PathBuf>,
-    /// The library; `None`: `lib<first source>.so` in the present folder.
+    /// The library; `None`: `lib<first source>.so` in the current folder.
     pub output: Option<PathBuf>,
-    /// Form of all Fortran sources; `None`: as each suffix says.
+    /// Form of all Fortran sources; `None`: according to each suffix.
     pub form: Option<Form>,
     /// Further flags for every compiler.
     pub flags: Vec<String>,
@@ -56,7 +56,7 @@ pub struct Built {
     pub library: PathBuf,
     /// The entry points that it exports: `umat_`, `uinter_`, …
     pub entry_points: Vec<String>,
-    /// Names of utility routines of ABAQUS that it calls and this program does not offer.
+    /// Names of ABAQUS utility routines that it calls and pullout does not offer.
     pub not_offered: Vec<String>,
     /// Names of its routines that ABAQUS calls and this program does not: UEL, HETVAL, …
     pub not_called: Vec<String>,
@@ -128,7 +128,7 @@ pub fn build(request: &Request) -> Result<Built, Refusal> {
     includes::write(folder.path(), &scans)?;
     let order = scan::order(&scans).map_err(|circle| {
         let names: Vec<_> = circle.iter().map(|&k| sources[k].file.display().to_string()).collect();
-        let message = format!("cannot be ordered: modules of {} use each other", names.join(", "));
+        let message = format!("cannot be ordered: modules in {} USE each other", names.join(", "));
         Refusal::File { file: sources[circle[0]].file.clone(), message }
     })?;
     let (mut objects, mut remarks) = (Vec::new(), Vec::new());
@@ -193,9 +193,9 @@ fn may_be_written(output: &Path, sources: &[PluginSource]) -> Result<(), Refusal
 fn put(made: &Path, output: &Path) -> io::Result<()> {
     let output = real_path(output);
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let beside = tempfile::Builder::new().prefix(".pullout-build-").tempfile_in(folder)?;
-    std::fs::copy(made, &beside)?;
-    beside.persist(output).map_err(|error| error.error).map(drop)
+    let temporary = tempfile::Builder::new().prefix(".pullout-build-").tempfile_in(folder)?;
+    std::fs::copy(made, &temporary)?;
+    temporary.persist(output).map_err(|error| error.error).map(drop)
 }
 
 /// Returns what the objects call and no one defines: the utility routines are at hand for this question, but are not linked in.
@@ -254,7 +254,7 @@ fn default_output(sources: &[PathBuf]) -> PathBuf {
     library_file_name(&stem.to_string_lossy()).into()
 }
 
-/// Errors of a compiler that are told.
+/// Largest number of compiler errors that are printed.
 const MOST_ERRORS: usize = 12;
 
 /// Compiles one source, in the other form of Fortran if that of its suffix is not it.
@@ -377,7 +377,7 @@ fn compile_own(name: &str, text: &str, folder: &Path) -> Result<PathBuf, Refusal
     if done { Ok(object) } else { Err(refused("gcc", &file, &output, "")) }
 }
 
-/// A path that no compiler takes for an option.
+/// Returns a path that no compiler mistakes for an option.
 fn absolute(file: &Path) -> PathBuf {
     std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf())
 }

@@ -205,10 +205,10 @@ fn quoted(file: &Path) -> String {
     super::absolute(file).to_string_lossy().replace('\\', "\\\\").replace('"', "\\\"")
 }
 
-/// The sources in the order in which they must be compiled, otherwise as they are given.
+/// Returns the sources in an order in which they can be compiled, otherwise in the given order.
 ///
 /// # Errors
-/// Those that use each other's modules.
+/// The sources that use each other's modules.
 pub(super) fn order(scans: &[Scan]) -> Result<Vec<usize>, Vec<usize>> {
     let needs = |user: usize, owner: usize| {
         user != owner && scans[user].uses.iter().any(|name| scans[owner].defines.contains(name))

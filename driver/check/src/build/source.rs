@@ -44,7 +44,7 @@ pub(super) enum Language {
 }
 
 impl Language {
-    /// Returns the language that a file's suffix tells.
+    /// Returns the language of a file from its suffix.
     fn of(suffix: &str) -> Option<Self> {
         Some(match suffix {
             // capital C is C++, as compilers have it
@@ -60,7 +60,7 @@ impl Language {
         })
     }
 
-    /// The program; `None` where there is nothing to compile.
+    /// Returns the compiler; `None` if there is nothing to compile.
     pub(super) fn compiler(self) -> Option<&'static str> {
         match self {
             Self::Fortran(_) => Some("gfortran"),
@@ -75,7 +75,7 @@ impl Language {
         let form: &[&str] = match self {
             Self::Fortran(Form::Fixed) => &["-ffixed-form", "-ffixed-line-length-132", "-fd-lines-as-comments"],
             Self::Fortran(Form::Free) => &["-ffree-form", "-ffree-line-length-none"],
-            // unique symbols are shared across libraries whatever the loader is told
+            // unique symbols are shared across libraries, whatever flags the loader is given
             Self::Cpp => return vec!["-fno-gnu-unique"],
             Self::C | Self::Object => return Vec::new(),
         };
@@ -124,12 +124,12 @@ impl PluginSource {
         // Old sources have letters of any code page in their comments.
         let content = input::read(file, Input::Source).map_err(|error| refusal(error.to_string()))?;
         let text = if language == Language::Object { String::new() } else { String::from_utf8_lossy(&content).into() };
-        let told = form.or_else(|| directive(&text));
+        let given = form.or_else(|| directive(&text));
         let language = match language {
-            Language::Fortran(by_suffix) => Language::Fortran(told.unwrap_or(by_suffix)),
+            Language::Fortran(by_suffix) => Language::Fortran(given.unwrap_or(by_suffix)),
             other => other,
         };
-        Ok(Self { file: file.to_path_buf(), language, text, form_is_guessed: told.is_none() })
+        Ok(Self { file: file.to_path_buf(), language, text, form_is_guessed: given.is_none() })
     }
 
     /// The form of a Fortran source in a word; nothing for any other.
@@ -151,7 +151,7 @@ impl PluginSource {
         self.form_is_guessed.then(|| Self { language, ..self.clone() })
     }
 
-    /// Folders of libraries of headers alone that a source includes: Eigen's, which Debian keeps below a folder of its own.
+    /// Returns the folders of header-only libraries that a source includes: Eigen, which Debian installs in its own subfolder.
     pub(super) fn header_folders(&self) -> Vec<PathBuf> {
         const EIGEN: [&str; 3] = ["/usr/include/eigen3", "/usr/local/include/eigen3", "/opt/homebrew/include/eigen3"];
         let includes = |line: &str| {

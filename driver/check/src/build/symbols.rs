@@ -79,7 +79,7 @@ impl Symbols {
     }
 }
 
-/// The names behind "undefined reference to `NAME'" in a linker's words.
+/// Returns the names that a linker reports as "undefined reference to `NAME'".
 pub(super) fn undefined(words: &str) -> Vec<String> {
     const MARK: &str = "undefined reference to `";
     let names = words.split(MARK).skip(1).filter_map(|rest| rest.split('\'').next());

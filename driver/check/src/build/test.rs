@@ -15,7 +15,7 @@ fn language(name: &str, text: &str, form: Option<Form>) -> Language {
 }
 
 #[test]
-fn the_suffix_tells_the_language_and_the_form() {
+fn the_suffix_determines_the_language_and_the_form() {
     for (name, expected) in [
         ("a.f", Language::Fortran(Form::Fixed)),
         ("a.FOR", Language::Fortran(Form::Fixed)),
@@ -93,7 +93,7 @@ fn sources_are_ordered_by_their_modules() {
 
 /// What cases take for a source is what can be built.
 #[test]
-fn every_suffix_of_a_source_tells_a_language() {
+fn every_suffix_of_a_source_determines_a_language() {
     for suffix in umat_abi::host::SOURCES {
         assert_ne!(language(&format!("a.{suffix}"), "", None), Language::Object, "{suffix}");
     }

@@ -122,8 +122,8 @@ impl Refusals {
     fn report(self, ledger: &mut Ledger<'_>, all: &str, wrong: Verdict) {
         let figure = format!("{}/{} refused", self.tried - self.accepted.len(), self.tried);
         match self.accepted.first() {
-            None => ledger.add(Verdict::Pass, figure, self.said.told(all)),
-            Some(first) => ledger.add(wrong, figure, self.said.told(first)),
+            None => ledger.add(Verdict::Pass, figure, self.said.appended_to(all)),
+            Some(first) => ledger.add(wrong, figure, self.said.appended_to(first)),
         }
     }
 }
@@ -193,7 +193,8 @@ pub(super) fn counts(subject: &mut Subject<'_>, sample: &[SampledState], ledger:
     refusals.report(ledger, "", Verdict::Fail);
 }
 
-/// CELENT 0, NaN, negative and NULL: all alike, by a law that does not need it now or by a refusal; no division by it.
+/// Checks CELENT 0, NaN, negative and NULL. All must give the same answer, by a law that does not need CELENT here, or a refusal.
+/// The law must not divide by it.
 pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("CELENT unusable");
     if !matches!(subject.entry, CheckedEntryPoint::Umat(_)) {
@@ -222,5 +223,5 @@ pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[Sampled
             }
         }
     }
-    ledger.add(Verdict::Pass, "", said.told("0, NaN, negative, infinite and NULL alike"));
+    ledger.add(Verdict::Pass, "", said.appended_to("0, NaN, negative, infinite and NULL alike"));
 }

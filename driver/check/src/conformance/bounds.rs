@@ -1,5 +1,5 @@
-//! Arrays of a plain UMAT, UINTER or FRIC beside pages that cannot be touched: wrong use of NSTATV, NPROPS, NTENS, NDIR,
-//! NFDIR is seen when it happens.
+//! Places the arrays of a plain UMAT, UINTER or FRIC next to protected pages, so that wrong use of NSTATV, NPROPS, NTENS, NDIR
+//! or NFDIR is caught when it happens.
 
 use super::report::{Ledger, Verdict};
 use super::sample::SampledState;

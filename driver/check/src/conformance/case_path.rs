@@ -1,5 +1,5 @@
-//! The case's own path: the point before each of its increments, and what the plugin was called with. It tells the law's
-//! scale, and the states that the law has in use.
+//! The case's own path: the point before each increment and the arguments of the plugin's calls. It determines the scale of the
+//! law and the states that occur in use.
 
 use super::Options;
 use super::report::{Ledger, Report, Verdict};
@@ -25,7 +25,7 @@ pub(super) struct Increment {
     /// The point before it.
     pub(super) from: Committed,
     pub(super) step: Vec<f64>,
-    /// Outputs, STATEV and energies behind it.
+    /// Outputs, STATEV and energies after it.
     pub(super) answer: Vec<f64>,
 }
 
@@ -84,7 +84,7 @@ impl CasePath {
     }
 
     /// Adds the row; `fails`: not even the point before the first increment can be called.
-    pub(super) fn tell(&self, fails: bool, ledger: &mut Ledger<'_>) {
+    pub(super) fn report(&self, fails: bool, ledger: &mut Ledger<'_>) {
         let verdict = match self.remarks.is_empty() {
             _ if fails => Verdict::Fail,
             true => Verdict::Info,
@@ -98,7 +98,7 @@ impl CasePath {
         self.is_failed && self.increments.is_empty()
     }
 
-    /// Runs the same case once more, in a part of the time, with `between` behind each increment.
+    /// Runs the same case once more, in a fraction of the time. `between` is called after each increment.
     pub(super) fn again(
         &self,
         program: &Program,
@@ -111,7 +111,7 @@ impl CasePath {
         Self::along(program, self.entry, options, time_limit, databases, between).0
     }
 
-    /// Runs a case, with `between` behind each increment; the path, and why it was left if it was.
+    /// Runs a case and calls `between` after each increment. Returns the path, and why it ended early if it did.
     fn along(
         program: &Program,
         entry: CheckedEntryPoint,
@@ -152,7 +152,7 @@ impl CasePath {
         these.zip(others)
     }
 
-    /// The largest magnitude of each input, at the ends of the increments.
+    /// Returns the largest magnitude of each input at the ends of the increments.
     pub(super) fn sizes(&self) -> Vec<f64> {
         let largest = |k: usize| {
             let ends = self.increments.iter().map(|increment| (increment.from.input[k] + increment.step[k]).abs());
@@ -187,7 +187,7 @@ struct Keeper<'k> {
     /// Processor time ([`super::processor_time`]) at which it ends.
     end: Duration,
     longest: u64,
-    /// Called behind each increment.
+    /// Called after each increment.
     between: &'k mut dyn FnMut(),
 }
 

@@ -56,7 +56,7 @@ pub(super) fn repeatability(subject: &mut Subject<'_>, sample: &[SampledState], 
     ledger.add(Verdict::Pass, "bit for bit", "");
 }
 
-/// Asks for a small step from the virgin state: at first before other calls fill a memory, then behind them.
+/// Calls the law for a small step from the virgin state: once before other calls can fill a memory, once after them.
 pub(super) fn first_call(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) -> Answer {
     const SMALL: f64 = 1e-6;
     ledger.begin("order of calls");
@@ -98,7 +98,7 @@ pub(super) fn call_order(
     ledger.add(Verdict::Pass, "bit for bit", words);
 }
 
-/// Runs the case again, as it was run, beside another point that goes its way backwards; returns what differs.
+/// Runs the case again while the calls of another point go along the same path backwards. Returns the first difference.
 fn run_again(subject: &mut Subject<'_>, options: &Options, databases: &mut ExternalDatabases) -> Option<String> {
     let path = subject.path.clone().filter(|path| !path.increments.is_empty())?;
     let mut others = path.increments.iter().rev().cycle();

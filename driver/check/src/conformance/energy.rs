@@ -1,5 +1,4 @@
-//! Work against stored and dissipated energy, on paths that are subdivided until the trapezoidal rule
-//! tells the truth.
+//! Compares the work with the stored and dissipated energy. Paths are subdivided until the trapezoidal rule is accurate.
 
 use super::case_path::CasePath;
 use super::random::Random;
@@ -84,7 +83,7 @@ pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     let mut paths: Vec<Path> = (0..wanted)
         .map(|_| Path { targets: (0..LEGS).map(|_| target(subject, &mut random)).collect(), errors: Vec::new() })
         .collect();
-    let (mut errors, mut fall, mut returned, mut is_told) = (Vec::new(), 0.0_f64, false, true);
+    let (mut errors, mut fall, mut returned, mut is_decided) = (Vec::new(), 0.0_f64, false, true);
     let mut why = String::new();
     for halvings in 0..=MOST_HALVINGS {
         let increments = INCREMENTS << halvings;
@@ -93,7 +92,7 @@ pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
             break;
         }
         if halvings > HALVINGS && !affordable() {
-            is_told = false;
+            is_decided = false;
             break;
         }
         paths.retain_mut(|path| {
@@ -124,7 +123,7 @@ pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     let [.., before, last] = errors[..] else { unreachable!("two subdivisions at least") };
     let verdict = match converges(&errors) {
         true => Verdict::Pass,
-        false if subject.described() && is_told => Verdict::Fail,
+        false if subject.described() && is_decided => Verdict::Fail,
         false => Verdict::Warn,
     };
     let detail = format!(
@@ -132,7 +131,7 @@ pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
         errors.len() - 1,
         order(&errors),
         paths.len(),
-        if is_told { "" } else { "; undecided: the plugin is too slow for more halvings" }
+        if is_decided { "" } else { "; undecided: the plugin is too slow for more halvings" }
     );
     ledger.add(verdict, format!("{last:.1e}"), detail);
     // Nothing promises it: some published laws do not dissipate at every step.
@@ -172,7 +171,7 @@ fn volume(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
         let motion = incremental_motion(&point.gradient, &there);
         let strain = motion.map_or_else(Vec::new, |motion| subject.entry.of_six(&motion.strain_increment));
         let volumes = [point.gradient.determinant(), there.determinant()];
-        // stresses before the increment are as those behind it: turned
+        // the stresses before and after the increment are both rotated
         for (component, by) in strain.iter().enumerate() {
             work += 0.5 * (volumes[0] * point.output[component] + volumes[1] * next.output[component]) * by;
         }
@@ -209,13 +208,13 @@ fn converges(errors: &[f64]) -> bool {
         || last <= tolerances::ENERGY && order(errors) >= tolerances::ENERGY_REDUCTION.log2()
 }
 
-/// Returns whether the error has stopped to change with the increment: energy is missing, and finer increments
-/// tell no more. (Where a stress jumps, the errors of successive halvings differ by chance.)
+/// Returns whether the error has stopped changing with the increment: energy is missing, and finer increments
+/// do not help. (Where a stress jumps, the errors of successive halvings differ by chance.)
 fn stays(errors: &[f64]) -> bool {
     errors.last_chunk::<4>().is_some_and(|last| last.windows(2).all(|pair| (pair[1] / pair[0]).log2().abs() < SAME))
 }
 
-/// The slope of log₂(error) over the number of halvings, by least squares.
+/// Returns the slope of log₂(error) over the number of halvings, by least squares.
 fn order(errors: &[f64]) -> f64 {
     let middle = 0.5 * (errors.len() as f64 - 1.0);
     let (mut product, mut square) = (0.0, 0.0);

@@ -8,7 +8,7 @@ use umat_abi::host::{
     UmatCall,
 };
 
-/// The answer, and whether it wrote behind an array: the answer counts all the same, the overrun has a row of its own.
+/// The answer, and whether the call wrote past the end of an array. The answer counts all the same; the overrun has its own row.
 pub(super) type Called = (Answer, Result<(), Overrun>);
 
 /// The arguments of a UMAT.
@@ -33,13 +33,13 @@ fn share_of_fields(share: f64) -> f64 {
     if share > INSTANT { share } else { 0.0 }
 }
 
-/// Tells a contact law temperature and field variables.
+/// Passes temperature and field variables to a contact law.
 fn set_fields(fields: &mut SurfaceFields, setting: &Setting, share: f64) {
     let (temperature, [starts, ends]) = setting.over(share_of_fields(share));
     fields.set(temperature, [&starts, &ends]);
 }
 
-/// The answer that all three give alike.
+/// Makes the answer in the form common to all three entry points.
 fn answer<I, O>(call: &PluginCall<I, O>, [rows, columns]: [usize; 2], not_finite: Option<NotFinite>) -> Answer {
     Answer {
         outcome: call.outcome(),

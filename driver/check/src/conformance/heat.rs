@@ -20,9 +20,9 @@ const DERIVATIVES: [(&str, Measure); 3] = [
 enum Kind {
     /// Left at 0.
     Zero,
-    /// Right, but for a factor on all entries.
+    /// Correct except for a factor on all entries.
     Scaled(f64),
-    /// Right, but for a factor on the shears.
+    /// Correct except for a factor on the shear components.
     Shears(f64),
     Wrong,
 }
@@ -97,7 +97,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: 
             .collect();
         let is_choice = kinds.iter().all(|kind| *kind == Kind::Zero);
         let with = if is_of_heat { with } else { "" };
-        findings.tell(subject, measure, with, (&(summary(&kinds) + with), is_choice), ledger);
+        findings.report(subject, measure, with, (&(summary(&kinds) + with), is_choice), ledger);
     }
 }
 

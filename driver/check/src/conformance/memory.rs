@@ -51,7 +51,7 @@ pub(super) fn inputs_untouched(subject: &Subject<'_>, sample: &[SampledState], l
     ledger.add(Verdict::Pass, "", "");
 }
 
-/// Writes behind the ends of arrays, in any call of any check.
+/// Reports writes past the ends of arrays in any call of any check.
 pub(super) fn overruns(subject: &Subject<'_>, ledger: &mut Ledger<'_>) {
     if subject.overruns.is_empty() {
         return ledger.row("array bounds", Verdict::Pass, "", "");

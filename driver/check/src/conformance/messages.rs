@@ -15,8 +15,8 @@ pub(super) struct Capture {
 }
 
 impl Capture {
-    /// Starts to listen, except to a library that is made to be debugged: what such a library reports of a trap comes
-    /// while the process ends, for whoever started it.
+    /// Starts to listen, except to a library built with `--debug`: it reports a trap while the process ends, to the process
+    /// that started it.
     pub(super) fn start(library: &Library) -> Self {
         if library.traps() {
             return Self { streams: None };
@@ -29,8 +29,8 @@ impl Capture {
         Self { streams }
     }
 
-    /// `detail`, and how many messages there were, with the first.
-    pub(super) fn told(mut self, detail: impl Into<String>) -> String {
+    /// Returns `detail` with the plugin's first message and the number of further lines.
+    pub(super) fn appended_to(mut self, detail: impl Into<String>) -> String {
         let mut text = String::new();
         if let Some((file, _)) = &mut self.streams {
             let _ = file.rewind();

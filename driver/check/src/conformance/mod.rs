@@ -1,12 +1,12 @@
-//! `pullout plugin check`: a plugin against what its metadata claims, through the ABI.
+//! `pullout plugin check`: tests a plugin against the claims of its metadata, through the ABI.
 //!
 //! Every check drives the plugin itself, as a host does, on a sample of random histories, and compares the
 //! answers with each other: differences of the stress with the tangent, a call with its repetition, a path
 //! with the rotated path, work with energy. A law that breaks a claim fails; a plain UMAT, which claims
 //! nothing, gets warnings and information.
 //!
-//! The checks call the plugin in this process; only those for accesses outside its arrays do so in child processes. What
-//! takes the process down is the business of the workers around it, one for each [`Group`]: each finds the same sample.
+//! The checks call the plugin in this process; only those for accesses outside its arrays use child processes. Crashes of the
+//! process are handled by workers around it, one for each [`Group`]; all groups use the same sample.
 
 mod bad_input;
 mod bounds;
@@ -56,7 +56,7 @@ pub struct Options {
     pub characteristic_length: Option<f64>,
     /// Number of random histories per stress state.
     pub states: usize,
-    /// The case whose path tells the law's scale.
+    /// The case whose path determines the scale of the law.
     pub program: Option<Arc<Program>>,
     /// Makes the rows of one group only.
     pub group: Option<Group>,
@@ -92,7 +92,7 @@ impl Default for Options {
     }
 }
 
-/// Checks that are made in one process, where a plugin may end it.
+/// Checks that share one process, which the plugin may end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 pub enum Group {
     /// The metadata, the case's path and the sample around it.
@@ -192,7 +192,7 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
             Err(_) => {}
         }
     }
-    // what keeps the case from its first increment is told once: everything else rests on the point before it
+    // a failure before the first increment is reported once: all other checks need the point before it
     subjects.retain_mut(|subject| begins(subject, options, &mut Ledger::new(&mut report, subject.label)));
     for subject in &mut subjects {
         let label = subject.label;
@@ -231,13 +231,13 @@ fn entries(law: Option<&LawDescription>, path: Option<&CasePath>, options: &Opti
     entries
 }
 
-/// Tells of the case's path; returns whether the plugin answers at its start, so that more can be said.
+/// Reports the case's path. Returns whether the plugin answers at its start, so that further checks are possible.
 fn begins(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) -> bool {
     let Some(path) = subject.path.clone() else { return true };
-    // that it does not survive its first increment is told already
+    // that it does not survive its first increment has been reported already
     ledger.is_muted = !options.wants(Group::States) || options.longest_path == Some(0);
     let has_answer = !path.fails_at_once() || (path.start.is_some() && virgin::answers(subject));
-    path.tell(!has_answer || !subject.overruns.is_empty(), ledger);
+    path.report(!has_answer || !subject.overruns.is_empty(), ledger);
     has_answer
 }
 

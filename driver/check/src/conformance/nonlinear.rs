@@ -129,7 +129,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: 
         if irreversible > 0 || !has_histories {
             None
         } else {
-            // what only tells something does not make the law irreversible
+            // a state variable that is output alone does not make the law irreversible
             influential(subject).map(|state| {
                 format!(
                     "no state yielded: the stress depends on {state}, and every sampled step is undone by the way back"
@@ -177,8 +177,8 @@ fn nonlinear_beyond(subject: &mut Subject<'_>, sample: &[SampledState]) -> Optio
     None
 }
 
-/// A state variable on which the stress depends, other than those that are known. Asked in a process of its own first: values that
-/// the law never gives may end it.
+/// Returns a state variable on which the stress depends, other than the known ones. A separate process tries first: values that
+/// the law never produces may end it.
 fn influential_state(
     subject: &mut Subject<'_>,
     sample: &[SampledState],

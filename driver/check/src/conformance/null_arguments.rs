@@ -41,5 +41,5 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: 
         }
     }
     let verdict = if errors.is_empty() { Verdict::Pass } else { Verdict::Fail };
-    ledger.add(verdict, format!("{} arguments", names.len()), said.told(errors.join("; ")));
+    ledger.add(verdict, format!("{} arguments", names.len()), said.appended_to(errors.join("; ")));
 }

@@ -23,7 +23,7 @@ const SMALL_STEP: f64 = 1e-3 * STEP;
 const SHARE: f64 = 0.5;
 /// Bits of a double's mantissa that REAL*4 has not.
 const LOST_BITS: u64 = (1 << 29) - 1;
-/// The last of the bits that REAL*4 has: numbers like 0.5 or 31800 have none of them.
+/// The last bits of a REAL*4 mantissa: they are zero in numbers such as 0.5 or 31800.
 const LAST_BITS: u64 = 0xff << 29;
 
 /// The row "double precision" of a plain UMAT.

@@ -115,7 +115,7 @@ impl Report {
         }
     }
 
-    /// Returns how many checks failed and how many warn, in words, and which these are.
+    /// Returns a sentence with the number of failed checks and of warnings, and their names.
     pub fn conclusion(&self) -> String {
         let count = match self.rows.len() {
             1 => "1 check".to_owned(),
@@ -164,10 +164,10 @@ pub struct Judged {
     pub replays: Vec<Value>,
 }
 
-/// Checks of the laws of a library: what `pullout plugin check --json` prints, and what a process tells another one.
+/// Checks of the laws of a library, as `pullout plugin check --json` prints them and as one process sends them to another.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Judgement {
-    /// That of a law that failed, before that of one that was not tested.
+    /// Verdict of a law that failed; otherwise of one that was not tested; otherwise passed.
     pub verdict: Verdict,
     /// Laws.
     pub laws: Vec<Judged>,

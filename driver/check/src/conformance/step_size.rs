@@ -10,7 +10,7 @@ use umat_abi::metadata::flags;
 
 const COUNTS: [u32; 4] = [1, 10, 100, 1000];
 const PATHS: usize = 20;
-/// Time that a slow law may take, s.
+/// Time limit for a slow law, s.
 const TIME: f64 = 2.0;
 
 /// The end stress of a path from the virgin state, or why an increment has none. Where F follows the strain, it is F that
@@ -35,7 +35,7 @@ fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<
     Ok(point.output)
 }
 
-/// Errors against 1000 increments; a law that claims to be exact must be.
+/// Checks the errors relative to 1000 increments. A law that claims to be exact must be exact.
 pub(super) fn check(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     ledger.begin("increment size");
     let mut random = Random::of_check(0x57E9);

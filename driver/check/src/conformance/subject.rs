@@ -75,7 +75,7 @@ impl CheckedEntryPoint {
         if let Self::Umat(stress_state) = self { stress_state.six(values) } else { [0.0; 6] }
     }
 
-    /// The components that a UMAT has of a tensor; none for contact.
+    /// Returns the components of a tensor that a UMAT has; none for contact.
     pub(super) fn of_six(self, six: &[f64; 6]) -> Vec<f64> {
         let Self::Umat(stress_state) = self else { return Vec::new() };
         stress_state.components().iter().map(|&i| six[i]).collect()
@@ -114,7 +114,7 @@ pub(super) struct Setting {
 }
 
 impl Setting {
-    /// Reads the setting of a call of a contact law, which is told both at the end of the increment.
+    /// Reads the setting of a contact law's call. Such a law gets temperature and field variables at the end of the increment.
     pub(super) fn of_contact(call: &SurfaceFields, time_increment: f64) -> Self {
         let [end, increment] = call.temperature();
         let [ends, increments] = call.predef().map(|pairs| pairs.iter().copied().step_by(2).collect::<Vec<f64>>());
@@ -191,7 +191,7 @@ pub(super) struct Answer {
     pub(super) flags: [i32; 2],
     /// A result that no host can go on with.
     pub(super) not_finite: Option<NotFinite>,
-    /// Tractions that LM of FRIC tells to use; those of the other entry points are always given.
+    /// Tractions that FRIC asks the host to use by its LM. The other entry points always give theirs.
     pub(super) given: Result<FricAnswer, String>,
 }
 
@@ -211,7 +211,7 @@ impl Answer {
             && self.outcome == other.outcome
     }
 
-    /// RPL and its derivatives, one behind the other.
+    /// Returns RPL and its derivatives, one after the other.
     pub(super) fn heat_values(&self) -> [f64; 14] {
         let Heat { rpl, ddsddt: [a, b, c, d, e, f], drplde: [g, h, i, j, k, l], drpldt } = self.heat;
         [rpl, drpldt, a, b, c, d, e, f, g, h, i, j, k, l]
@@ -239,7 +239,7 @@ pub(super) enum NoAnswer {
     /// Failure that any host recognises; a cut-back request left the arrays as they were.
     #[error("{0}")]
     Call(CallFailure),
-    /// A refusal, or no tractions, in words.
+    /// The message of a refusal, or of missing tractions.
     #[error("{0}")]
     Refused(String),
 }
@@ -316,7 +316,7 @@ pub(super) struct Subject<'p> {
     pub(super) calls: u64,
     /// Time of a call, s.
     pub(super) call_time: f64,
-    /// Arrays written behind their ends, and in how many calls.
+    /// Arrays that were written past their ends, and the number of such calls.
     pub(super) overruns: BTreeMap<&'static str, usize>,
     call: Call,
 }
@@ -475,7 +475,7 @@ impl<'p> Subject<'p> {
         start.cloned().unwrap_or_else(|| Committed::zero(self.entry, self.nstatv))
     }
 
-    /// The point before the first increment, about to make one with the DTIME, DTEMP and DPRED of another.
+    /// Returns the point before the first increment, with the DTIME, DTEMP and DPRED of another increment.
     pub(super) fn virgin_during(&self, other: &Committed) -> Committed {
         let mut virgin = self.virgin();
         let Setting { time_increment, temperature, fields } = &other.setting;
@@ -506,7 +506,7 @@ impl<'p> Subject<'p> {
         self.path.as_ref().map_or(1.0, |path| path.taken.max(1) as f64)
     }
 
-    /// The point after an accepted step.
+    /// Returns the point after an accepted step.
     pub(super) fn advanced(&self, from: &Committed, step: &[f64], answer: &Answer) -> Committed {
         let mut setting = from.setting.clone();
         setting.temperature[0] += self.share * setting.temperature[1];
@@ -541,7 +541,7 @@ impl<'p> Subject<'p> {
         symmetric(&self.entry.six(input), 2.0)
     }
 
-    /// The point behind F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.
+    /// Returns the point after F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.
     /// `None`: there is no such motion, or no answer.
     pub(super) fn deformed(&mut self, from: &Committed, end: &Matrix3<f64>) -> Option<Committed> {
         self.moved(from, end, |subject, before, step| subject.after(before, step).ok())
@@ -596,7 +596,7 @@ impl<'p> Subject<'p> {
         });
     }
 
-    /// The stress that an elastic material would have at this input: what rounding is measured by.
+    /// Returns the stress of an elastic material at this input: the scale for rounding errors.
     pub(super) fn elastic_size(&self, input: &[f64]) -> f64 {
         let sizes = input.iter().zip(&self.size).fold(0.0_f64, |m, (x, size)| m.max((x / size).abs()));
         largest(&self.output_size) * sizes
@@ -608,11 +608,12 @@ impl<'p> Subject<'p> {
         named.map_or_else(|| format!("sdv{}", k + 1), |state| state.name.clone())
     }
 
-    /// Returns whether state variable `k` may tell a history: the last two of a UMAT with metadata tell the strain and an energy.
+    /// Returns whether state variable `k` may hold a history. The last two of a UMAT with metadata do not: they hold the thickness
+    /// strain and an energy.
     pub(super) fn is_history(&self, k: usize) -> bool {
-        let told = ["strain_33", "dissipated_energy"];
+        let outputs = ["strain_33", "dissipated_energy"];
         let law = self.plugin.law.as_ref();
-        law.and_then(|law| law.states.get(k)).is_none_or(|state| !told.contains(&state.name.as_str()))
+        law.and_then(|law| law.states.get(k)).is_none_or(|state| !outputs.contains(&state.name.as_str()))
     }
 
     /// Names of optional arguments and of the tangent.
@@ -677,7 +678,7 @@ impl<'p> Subject<'p> {
         }
     }
 
-    /// One call, whatever it returns: the tangents filled with `filling` before, with something wrong or not.
+    /// Makes one call, whatever it returns. The tangents are filled with `filling` before; `alteration` may spoil an input.
     pub(super) fn call(&mut self, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Answer {
         self.calls += 1;
         worker::note_call();

@@ -13,7 +13,7 @@ const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 const TIME: f64 = 4.0;
 /// Increments of the case's path that are looked at as they are.
 const ALONG_THE_PATH: usize = 20;
-/// Wrong states that are looked at to find out what the tangent is.
+/// Largest number of wrong states that are examined to identify the tangent.
 const CLASSIFIED: usize = 12;
 
 /// Findings at one state.
@@ -57,7 +57,7 @@ pub(super) struct Findings<'s> {
 }
 
 impl<'s> Findings<'s> {
-    /// Looks at a matrix of derivatives at all states; differences of what is smaller than `least` tell nothing.
+    /// Examines a matrix of derivatives at all states. Differences of values smaller than `least` carry no information.
     pub(super) fn of(
         subject: &mut Subject<'_>,
         states: impl Iterator<Item = &'s SampledState>,
@@ -83,7 +83,7 @@ impl<'s> Findings<'s> {
         this
     }
 
-    /// Returns how many there are of each kind, in words.
+    /// Returns a text with the number of each kind.
     fn counts(&self) -> String {
         let Self { count, kinks, undecided, .. } = self;
         let mut counts = format!("{count} states, {kinks} at kinks, {undecided} undecided");
@@ -98,8 +98,8 @@ impl<'s> Findings<'s> {
         self.wrong.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error))
     }
 
-    /// Adds the row: consistent in the words of `with`, or what the wrong ones are, which may be a choice.
-    pub(super) fn tell(
+    /// Adds the row: consistent, with the text `with`, or a description of the errors. `is_choice`: they may be intended.
+    pub(super) fn report(
         &self,
         subject: &Subject<'_>,
         measure: Measure,
@@ -147,9 +147,9 @@ enum Kind {
     Unloading,
     /// The derivative with rows and columns exchanged.
     Transposed,
-    /// The derivative, but for shears that are twice what they should be.
+    /// The derivative, except for shear components that are twice too large.
     DoubledShear,
-    /// Right, but for a factor on what loading adds to the unloading stiffness.
+    /// Correct except for a factor on the part that loading adds to the unloading stiffness.
     Scaled(f64),
     Wrong,
 }
@@ -197,7 +197,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: 
         findings.wrong.iter().take(CLASSIFIED).map(|(state, m)| classify(subject, state, m)).collect();
     let is_choice =
         kinds.iter().all(|kind| matches!(kind, Kind::Elastic | Kind::Cauchy | Kind::Secant | Kind::Unloading));
-    findings.tell(subject, measure, with, (&summary(&kinds), is_choice), ledger);
+    findings.report(subject, measure, with, (&summary(&kinds), is_choice), ledger);
 }
 
 /// States of the case's path as they are, and how many of the sample, that are looked at in so many calls each.
@@ -235,9 +235,9 @@ struct Scale {
 }
 
 impl Scale {
-    /// Solids: the largest entry. Interfaces: each row times the inputs' sizes, against the row's largest or the
-    /// virgin one, because a normal stiffness says nothing of a shear. A row of zeros in all matrices is right, and so are entries
-    /// of less than `least` times the tolerance.
+    /// Determines the scale of errors. Solids: the largest entry. Interfaces: the largest entry of each row (times the inputs'
+    /// sizes) or its virgin value, because a normal stiffness does not scale a shear. A row of zeros in all matrices is correct, and
+    /// so are entries smaller than `least` times the tolerance.
     fn new(subject: &Subject<'_>, measure: Measure, matrices: &[&[f64]], least: f64) -> Self {
         let columns = measure.columns(subject.entry);
         let entries = columns * measure.rows(subject.entry);
@@ -270,7 +270,7 @@ impl Scale {
 pub(super) enum Measure {
     /// The output itself by the inputs.
     Output,
-    /// (1/J) ∂(Jσ)/∂D by symmetric changes of F₁: the Jaumann rate of the Kirchhoff stress, as ABAQUS wants it.
+    /// (1/J) ∂(Jσ)/∂D by symmetric changes of F₁: the Jaumann rate of the Kirchhoff stress, as ABAQUS requires.
     Kirchhoff,
     /// ∂σ/∂D by the same.
     Cauchy,
@@ -330,7 +330,7 @@ impl Measure {
 
     /// The magnitude of each input at a state.
     pub(super) fn sizes(self, subject: &Subject<'_>, from: &Committed, step: &[f64]) -> Vec<f64> {
-        /// Of a temperature that is told to be 0.
+        /// Size of a temperature that is given as 0.
         const DEGREE: f64 = 1.0;
         if !self.is_by_temperature() {
             return local_sizes(subject, from, step);
@@ -340,8 +340,8 @@ impl Measure {
     }
 }
 
-/// The answer beside the end of a step, where one input, or the temperature, is greater.
-fn beside(
+/// Returns the answer near the end of a step, with one input, or the temperature, increased.
+fn perturbed(
     subject: &mut Subject<'_>,
     from: &Committed,
     step: &[f64],
@@ -379,7 +379,7 @@ fn differences(
         let mut shifted = |factor: f64| {
             let by = factor * h * sizes[j];
             if !deforms {
-                return Some(measure.value(beside(subject, from, step, (j, by), measure)?));
+                return Some(measure.value(perturbed(subject, from, step, (j, by), measure)?));
             }
             // F₁ + ½ ε (eᵢ⊗eⱼ + eⱼ⊗eᵢ) F₁
             let mut unit = vec![0.0; m];
@@ -448,7 +448,7 @@ fn near_kink(
     for j in 0..columns {
         for h in [1e-6, 1e-4] {
             let sides =
-                [-1.0, 1.0].map(|sign| beside(subject, &state.from, &state.step, (j, sign * h * sizes[j]), measure));
+                [-1.0, 1.0].map(|sign| perturbed(subject, &state.from, &state.step, (j, sign * h * sizes[j]), measure));
             let [Some(before), Some(after)] = sides else { return true };
             let jump = |there: &Answer| scale.difference(&measure.reported(there), &reported).0 > TANGENT_JUMP;
             let jumps = jump(&before) || jump(&after);
@@ -565,8 +565,8 @@ pub(super) fn shear_stiffness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>
     }
 }
 
-/// The factor α with DDSDDE = unloading + α (derivative − unloading), if there is one that explains how DDSDDE differs from
-/// the derivative.
+/// Returns the factor α with DDSDDE = unloading + α (derivative − unloading), if such a factor explains the difference between
+/// DDSDDE and the derivative.
 fn loading_factor(tangent: &[f64], unloading: &[f64], derivative: &[f64]) -> Option<f64> {
     let loading: Vec<f64> = derivative.iter().zip(unloading).map(|(d, u)| d - u).collect();
     let found: Vec<f64> = tangent.iter().zip(unloading).map(|(t, u)| t - u).collect();

@@ -16,7 +16,7 @@ pub(super) const SYMMETRY: f64 = 1e-12;
 /// Rotated path against path, relative to the largest stress: the rotation rounds the strains to 1e-16, laws
 /// with powers of the strain amplify that.
 pub(super) const ROTATION: f64 = 1e-10;
-/// Rounding error that remains of a turned and strained deformation gradient, as a strain.
+/// Rounding error of a rotated and strained deformation gradient, as a strain.
 pub(super) const ROUNDING_OF_F: f64 = 16.0 * f64::EPSILON;
 /// Zero increment: the same formula at the same strain.
 pub(super) const ZERO_INCREMENT: f64 = 1e-12;

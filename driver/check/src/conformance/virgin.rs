@@ -18,7 +18,8 @@ pub(super) fn answers(subject: &mut Subject<'_>) -> bool {
     answer.is_ok()
 }
 
-/// Zero step from the start: no stress but an initial one. (Contact in a soft layer begins before the gap closes: there the shear.)
+/// Checks a zero step from the start: there must be no stress except an initial one. (Contact in a soft layer begins before the
+/// gap closes; there the shear must be zero.)
 pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     ledger.begin("virgin state");
     let virgin = subject.virgin();
@@ -68,7 +69,8 @@ fn typical_states(subject: &Subject<'_>, sample: &[SampledState]) -> Vec<f64> {
     (0..subject.nstatv).map(|k| sample.iter().fold(0.0_f64, |m, state| m.max(state.from.statev[k].abs()))).collect()
 }
 
-/// A step of zero leaves stress, states and energies as they are; but it settles what a law that extrapolates lags behind.
+/// Checks that a zero step leaves stress, states and energies unchanged. A law that extrapolates may catch up on the damage by
+/// which it lags.
 pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     ledger.begin("zero increment");
     let zero = vec![0.0; subject.entry.inputs()];
@@ -106,7 +108,7 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[SampledState],
     let verdict = match worst.0 <= tolerances::ZERO_INCREMENT {
         true => Verdict::Pass,
         false if extrapolates(subject) => {
-            let detail = format!("applies the damage that the extrapolating law lags behind: {}", worst.1);
+            let detail = format!("applies the damage by which the extrapolating law lags: {}", worst.1);
             return ledger.add(Verdict::Info, format!("{:.1e}", worst.0), detail);
         }
         false => subject.blame(),
@@ -114,7 +116,7 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[SampledState],
     ledger.add(verdict, format!("{:.1e}", worst.0), worst.1);
 }
 
-/// Returns whether the law tells what its extrapolation costs.
+/// Returns whether the law reports the work that its extrapolation costs.
 fn extrapolates(subject: &Subject<'_>) -> bool {
     subject.plugin.law.as_ref().is_some_and(|law| law.state_index(OVERSTRESS_WORK).is_some())
 }
@@ -136,8 +138,8 @@ pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[SampledState], ledg
     ledger.add(Verdict::Pass, "", "");
 }
 
-/// Checks plane stress against the response in space with the ε33 for which σ33 is 0: where a law tells ε33 it is this one, and at
-/// finite strain, where the thickness counts, the stresses are the same.
+/// Checks plane stress against the three-dimensional response with the ε33 that makes σ33 zero. If the law reports ε33, it must be
+/// this one. At finite strain, where the thickness matters, the stresses must agree as well.
 pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     const STEPS: usize = 20;
     /// Part of a step that is a small strain.
@@ -162,7 +164,7 @@ pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     let mut ends: Vec<Vec<f64>> = ends.collect();
     ends.resize_with(STEPS.max(ends.len()), || target(subject, &mut random));
     let blank = subject.blank();
-    let (mut least, mut worst, mut told) = (f64::INFINITY, (0.0, String::new()), (0.0, String::new()));
+    let (mut least, mut worst, mut strain) = (f64::INFINITY, (0.0, String::new()), (0.0, String::new()));
     let mut compare = |end: &[f64]| {
         let answer = subject.evaluate(&blank, end).ok()?;
         let through = subject.evaluate_through(&mut space, &blank, end)?;
@@ -179,8 +181,8 @@ pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
         }
         if let Some((law, space)) = found.filter(|_| error <= SAME) {
             let error = (law - space).abs() / largest(&end).max(space.abs());
-            if error > told.0 {
-                told = (error, format!("strain_33 is {law:.6e} where s33 is 0 at {space:.6e}, at strains {end:.4?}"));
+            if error > strain.0 {
+                strain = (error, format!("strain_33 is {law:.6e} where s33 is 0 at {space:.6e}, at strains {end:.4?}"));
             }
         }
     }
@@ -188,11 +190,11 @@ pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
         return unseen(ledger, "with NTENS 6 and s33 = 0 it is another law at small strains already");
     }
     let stresses = if subject.finite { worst.0 } else { 0.0 };
-    match (told.0 <= SAME, stresses <= SAME.max(10.0 * least)) {
+    match (strain.0 <= SAME, stresses <= SAME.max(10.0 * least)) {
         (true, true) => {
-            ledger.add(Verdict::Pass, format!("{:.1e}", stresses.max(told.0)), "as with NTENS 6 and s33 = 0")
+            ledger.add(Verdict::Pass, format!("{:.1e}", stresses.max(strain.0)), "as with NTENS 6 and s33 = 0")
         }
-        (false, _) => ledger.add(Verdict::Fail, format!("{:.1e}", told.0), told.1),
+        (false, _) => ledger.add(Verdict::Fail, format!("{:.1e}", strain.0), strain.1),
         (true, false) => {
             let why = "at finite strain not the stress of the present thickness (F33), which small strains do not show";
             ledger.add(Verdict::Fail, format!("{:.1e}", worst.0), format!("{why}; {}", worst.1));
@@ -200,7 +202,7 @@ pub(super) fn thickness(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     }
 }
 
-/// Plane strain, and plane stress with the ε33 that it found, give the stresses of the 3D response.
+/// Checks that plane strain, and plane stress with the ε33 that it returned, give the stresses of the 3D response.
 pub(super) fn agreement_with_three_d(subjects: &mut [Subject<'_>], report: &mut Report) {
     let Some(solid) = subjects.iter().position(|s| s.entry == CheckedEntryPoint::Umat(StressState::ThreeD)) else {
         return;

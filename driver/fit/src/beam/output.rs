@@ -33,10 +33,10 @@ pub fn write(
     let curve = measured.iter().zip(&computed).map(|(&(cmod, load), &(_, computed))| [cmod, load, computed]);
     directory.write("curve.csv", table("cmod,load,computed", curve))?;
     let stresses = fit.full.openings.iter().zip(&fit.full.fitted.estimates[2..]);
-    let told = |(&w, estimate): (&f64, &Estimate)| {
+    let row = |(&w, estimate): (&f64, &Estimate)| {
         [w, estimate.value, estimate.standard_error, fit.fast.at(w), fit.full.law.at(w)]
     };
-    let sigma: Vec<[f64; 5]> = stresses.map(told).collect();
+    let sigma: Vec<[f64; 5]> = stresses.map(row).collect();
     let header = "w,sigma,standard_error,sigma_fast,sigma_total";
     let sigma = match &fit.full.band {
         None => table(header, sigma),
@@ -161,7 +161,7 @@ fn figures(measured: &[(f64, f64)], fit: &BeamFit) -> [Figure; 2] {
     [
         figure(
             "sigma_w",
-            "σ(w) behind the test",
+            "σ(w) from the test",
             ["w", "sigma"],
             vec![
                 Line::numbered("from the test", law(&fit.full.law), 0),

@@ -1,6 +1,6 @@
 //! `report.html` of a fit.
 
-use super::{explanation, numbers, percent, untold};
+use super::{explanation, numbers, percent, unidentifiable};
 use crate::{FittedLaw, LoadSlipCurve, Request, SlipAt};
 use maud::{Markup, html};
 use pullout_report::page;
@@ -53,7 +53,7 @@ fn what_was_fitted(source: &str, curve: &LoadSlipCurve, request: &Request) -> Ma
 
 fn fitted(law: &FittedLaw) -> Markup {
     let (regression, quantities) = (law.regression.quantities(), law.law.quantities());
-    let untold = untold(law);
+    let unidentifiable = unidentifiable(law);
     html! {
         h2 { "Form " (law.law.form()) }
         @if let Some(message) = &law.trouble { div.message { (message) } }
@@ -61,7 +61,7 @@ fn fitted(law: &FittedLaw) -> Markup {
             "RMS difference " (percent(law.quality.rms)) " of the peak, by regression alone " (percent(law.regression_rms))
             "; R² " (format!("{:.5}", law.quality.r_squared)) "; " (law.runs) " runs."
         }
-        @if !untold.is_empty() { p.warnings { "Not identifiable: " (untold.join(", ")) "." } }
+        @if !unidentifiable.is_empty() { p.warnings { "Not identifiable: " (unidentifiable.join(", ")) "." } }
         div.scroll { table {
             tr {
                 th { "Number" } th { "Unit" } th.number { "Regression" } th.number { "Value" }

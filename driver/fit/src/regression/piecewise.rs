@@ -36,7 +36,7 @@ pub fn piecewise(points: &[BondPoint], count: usize) -> Option<Piecewise> {
     Some(Piecewise { points: law })
 }
 
-/// Indices of the last points of `count` lines of their own, the first through the origin.
+/// Returns the indices of the last points of `count` independent lines, the first through the origin.
 fn stretches(points: &[BondPoint], count: usize) -> Option<Vec<usize>> {
     let n = points.len();
     let sums = Sums::of(points.iter().map(|point| [point.slip, point.traction, 1.0]));

@@ -2,20 +2,20 @@
 
 use super::Turns;
 
-/// Values so little outside a branch, as a part of their distance from its beginning, are at its end: they were rounded.
+/// Fraction of the distance from the beginning of a branch. Values outside the branch by less were rounded: they are at its end.
 const ROUNDING: f64 = 1e-9;
 
 /// Reason why a run has no value at a point of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Off {
-    /// Its branch begins behind the point: at a turn, or where the run begins.
+    /// Its branch begins after the point: at a reversal, or where the run begins.
     Before {
         /// First x of the branch.
         start: f64,
         /// Whether the run turns back there.
         at_turn: bool,
     },
-    /// Its branch ends before the point: at a turn, or where the run ends.
+    /// Its branch ends before the point: at a reversal, or where the run ends.
     Behind {
         /// Last x of the branch.
         end: f64,

@@ -5,7 +5,8 @@
 //! compared; they are counted.
 //!
 //! A file whose x turns back, as in cycles, is compared **branch by branch**: its second branch with the history's second one,
-//! and so on: loops that are small are those of which the history has the same ones. Where the history has no further branch, the points behind are left out, and a warning says so.
+//! and so on. Small loops count as branches only if the history has the same ones. If the history has no further branch, the
+//! remaining points are left out, with a warning.
 
 use super::extremes;
 use super::history::Rows;
@@ -24,8 +25,8 @@ pub use grid::{Off, OnGrid};
 /// little outside the branch still belongs to it (scaling rounds).
 const NOISE: f64 = 1e-9;
 
-/// x that falls back by no more than this part of the range of a file may be scatter, also if the run has no such loop; by more, it turns
-/// back. Turns of a file and of a run this far apart are not the same.
+/// Fraction of a file's range of x. If x falls back by no more, that may be scatter, even if the run has no such loop; if by more,
+/// it is a reversal. Reversals of a file and of a run that are further apart are not the same.
 const SCATTER: f64 = 0.05;
 
 /// Parts of the range of a file by which x turns back, for loops of which the run has the same ones.
@@ -57,7 +58,7 @@ struct Turning {
     threshold: f64,
     /// 0 before it is known.
     direction: f64,
-    /// Index and value of the last extremes since the last turn.
+    /// Index and value of the extremes since the last reversal.
     extremes: Option<[(usize, f64); 2]>,
     found: Vec<(usize, f64)>,
 }
@@ -269,8 +270,8 @@ impl Branch {
         })
     }
 
-    /// Follows the branch. Of its rows stay the first one, the first at the end, and both ends of each stretch from one
-    /// row to the next that `wants` says yes to, given the direction and both x along it.
+    /// Follows the branch. It keeps the first row, the first row at the end, and both ends of each interval between rows for which
+    /// `wants` returns true, given the direction and both x along it.
     fn traced(pairs: &Pairs<'_>, wants: &mut dyn FnMut(f64, [f64; 2]) -> bool) -> io::Result<Self> {
         let (mut start, mut least, mut greatest) = (None, f64::INFINITY, f64::NEG_INFINITY);
         pairs(&mut |x, _| {

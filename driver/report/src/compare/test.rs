@@ -149,7 +149,7 @@ proptest::proptest! {
     }
 }
 
-/// A curve is itself on its own x, to the bit, also behind turns; what it does not reach is named.
+/// A curve on its own x is itself, to the bit, also after reversals; what it does not reach is named.
 #[test]
 fn a_curve_on_its_own_grid_is_itself() {
     let x = [0.0, 0.1, 0.3, 0.25, 0.2, 0.3, 0.7];

@@ -15,8 +15,8 @@ const FILE: &str = ".pullout.lock";
 /// Kind of the error that another process has the lock.
 const TAKEN: io::ErrorKind = io::ErrorKind::ResourceBusy;
 
-/// The right to write into a directory. The kernel takes it back when the process ends, however it ends: a file that was
-/// left behind by a killed one locks nothing.
+/// The right to write into a directory. The kernel takes it back when the process ends, however it ends: the lock file of a
+/// killed process locks nothing.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,

@@ -80,8 +80,8 @@ impl Manifest {
         match input::read(&path, Input::Result) {
             Ok(text) => {
                 let manifest: Option<Self> = serde_json::from_slice(&text).ok();
-                // whoever can write into the folder can write a manifest: what it names lies in the folder, and is called as
-                // results are
+                // anyone who can write into the folder can write a manifest: it may name only files in the folder whose names are
+                // those of results
                 let ours = manifest.filter(Self::names_results);
                 ours.map(Some).ok_or_else(|| super::super::malformed(&path, "not ours"))
             }
@@ -95,14 +95,14 @@ impl Manifest {
         write_whole(&path, format!("{}\n", serde_json::to_string_pretty(self)?).as_bytes())
     }
 
-    /// Returns whether everything that it names is called as results are: files, and folders of earlier results with theirs.
+    /// Returns whether all its names are names of results: files, and folders of earlier results with their files.
     fn names_results(&self) -> bool {
         let mut names = self.files.keys().chain(self.earlier.values().flatten());
         names.all(|name| names::lies_within(name) && names::is_of_results(name))
             && self.earlier.keys().all(|folder| names::is_aside(folder))
     }
 
-    /// Folders that files of results lie in, but for the directory itself.
+    /// Returns the folders that contain result files, without the directory itself.
     pub(super) fn folders(&self) -> BTreeSet<PathBuf> {
         let mut folders = BTreeSet::from(["fields", "plots"].map(PathBuf::from));
         for name in self.files.keys().chain(&self.aside()) {
@@ -122,7 +122,7 @@ impl Manifest {
         self.files.keys().flat_map(|pattern| names::present(pattern, directory)).collect()
     }
 
-    /// Returns whether the program wrote what has this name.
+    /// Returns whether pullout wrote the file of this name.
     pub(super) fn owns(&self, name: &str, directory: &Path) -> bool {
         match self.files.get(name) {
             Some(Some(content)) => content.is_in(&directory.join(name)),
@@ -163,7 +163,7 @@ impl Manifest {
         self.earlier.clear();
     }
 
-    /// Notes the content of everything that is being written.
+    /// Records the content of all files that were being written.
     pub(super) fn close(&mut self, directory: &Path) -> io::Result<()> {
         let (written, known): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.files).into_iter().partition(|(_, content)| content.is_none());

@@ -1,18 +1,18 @@
-//! The result directory: who may write in it, and which of its files are the program's.
+//! The result directory: who may write in it, and which of its files belong to pullout.
 //!
 //! ```text
-//! DIR/manifest.json      what the program wrote here, each file with its content (manifest)
+//! DIR/manifest.json      what pullout wrote here, each file with its content (manifest)
 //! DIR/.pullout.lock      while something writes here: process and host (lock)
 //! DIR/previous/          earlier results, from when a run begins until the new summary stands
 //! DIR/history.csv, …     results
 //! ```
 //!
-//! Only what the manifest lists, with the content that it lists, is ever replaced or removed; the rest is the user's. What
-//! of the user's has a name that results may need stands in the way: the directory is refused before anything runs, or
-//! `--overwrite` treats these files like results. What a case is read from is never touched.
+//! Only files in the manifest whose content matches the manifest are ever replaced or removed; all others belong to the user. If
+//! a user's file has a name that results may need, the directory is refused before anything runs, or `--overwrite` treats the
+//! file like a result. Input files of a case are never touched.
 //!
-//! A run that is killed leaves its manifest open: what it claimed is the program's with any content. The next run sets that
-//! aside as well, so that nothing is removed before a new summary stands.
+//! A killed run leaves its manifest open: the names that it claimed belong to pullout with any content. The next run sets these
+//! files aside as well, so that nothing is removed before a new summary is complete.
 
 use super::at;
 use manifest::Manifest;
@@ -32,9 +32,9 @@ pub use names::Kind;
 
 /// File that says what the program wrote.
 pub(crate) const MANIFEST: &str = "manifest.json";
-/// A file while it is written, beside its place.
+/// Name of a file while it is written, next to its final place.
 const PARTIAL: &str = ".pullout.partial";
-/// Names of files that a message lists.
+/// Largest number of file names in a message.
 const MOST_NAMES: usize = 10;
 
 /// Manner of opening a directory.
@@ -194,7 +194,7 @@ impl ResultDirectory {
         Ok(())
     }
 
-    /// Sets earlier results aside, but for those whose names fit one of `kept`, and claims what the new ones need.
+    /// Sets earlier results aside, except those whose names match one of `kept`, and claims the names that the new ones need.
     ///
     /// # Errors
     /// A file that cannot be written or moved.
@@ -305,7 +305,7 @@ impl Drop for ResultDirectory {
     }
 }
 
-/// Writes a file beside its place and moves it there; what a failure leaves of it is removed.
+/// Writes a file next to its final place and moves it there. If that fails, the partial file is removed.
 pub(super) fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
     let partial = path.with_file_name(PARTIAL);
     let write = || {

@@ -73,7 +73,7 @@ const FIT: [&str; 16] = [
     "plots/*.svg",
 ];
 
-/// Files of pictures, beside results or in a directory of their own.
+/// Picture files, next to results or in a directory of their own.
 const PICTURES: [&str; 12] = [
     "*.svg",
     "*.png",
@@ -170,7 +170,7 @@ pub(super) fn lies_within(name: &str) -> bool {
     !name.is_empty() && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
-/// Returns whether a name fits a pattern: `#` stands for digits, `*` for anything but `/`.
+/// Returns whether a name matches a pattern: `#` matches digits, `*` anything except `/`.
 pub(super) fn fits(pattern: &str, name: &str) -> bool {
     let Some(wild) = pattern.find(['*', '#']) else { return pattern == name };
     let (before, rest) = pattern.split_at(wild);

@@ -249,8 +249,8 @@ fn patterns() {
     }
 }
 
-/// A folder beside a result directory, with a file that nobody may touch.
-fn beside(folder: &Path) -> (PathBuf, PathBuf) {
+/// Makes a result directory and a folder next to it, whose files nobody may touch.
+fn with_neighbour(folder: &Path) -> (PathBuf, PathBuf) {
     let (path, elsewhere) = (folder.join("out"), folder.join("elsewhere"));
     fs::create_dir_all(&elsewhere).unwrap();
     for name in ["a.svg", "000000.vtu", "000001.vtu", "victim"] {
@@ -263,7 +263,7 @@ fn beside(folder: &Path) -> (PathBuf, PathBuf) {
 #[test]
 fn a_forged_manifest_names_nothing_outside() {
     let folder = tempfile::tempdir().unwrap();
-    let (path, elsewhere) = beside(folder.path());
+    let (path, elsewhere) = with_neighbour(folder.path());
     let victim = elsewhere.join("victim").to_str().unwrap().to_owned();
     for name in ["../elsewhere/victim", &victim, "plots/../../elsewhere/victim", "", ".."] {
         let forged = [
@@ -312,7 +312,7 @@ fn a_forged_manifest_claims_no_file_of_the_users() {
 fn nothing_is_written_or_removed_through_a_link() {
     for link in ["plots", "fields", "previous", ".pullout.lock", ".pullout.partial", "history.csv", "manifest.json"] {
         let folder = tempfile::tempdir().unwrap();
-        let (path, elsewhere) = beside(folder.path());
+        let (path, elsewhere) = with_neighbour(folder.path());
         let _ = fs::remove_dir_all(path.join(link)).or_else(|_| fs::remove_file(path.join(link)));
         let is_folder = ["plots", "fields", "previous"].contains(&link);
         let target = if is_folder { elsewhere.clone() } else { elsewhere.join("victim") };

@@ -43,7 +43,7 @@ impl HistoryWriter {
         Ok(Self::of(file, path, values, header.len() as u64, is_hashed.then(|| Sha256::new_with_prefix(&header))))
     }
 
-    /// Goes on with a file after so many bytes; what is behind them is dropped.
+    /// Continues a file after so many bytes. The rest is dropped.
     ///
     /// # Errors
     /// The file cannot be opened, or is shorter.
@@ -158,7 +158,7 @@ impl History {
     }
 
     /// Returns what a run left in its folder, each table read by `read`: `history.csv`, or else the tables of a case of kind
-    /// "bridging", whose columns stand beside each other and are of different lengths.
+    /// "bridging", whose columns stand side by side and have different lengths.
     ///
     /// # Errors
     /// A file cannot be read.
@@ -231,7 +231,7 @@ impl HistoryFile {
         Ok(csv::ReaderBuilder::new().buffer_capacity(1 << 16).from_reader(file.take(self.finished)))
     }
 
-    /// Hands on the numbers in some columns, row by row, until told to stop.
+    /// Passes the numbers in some columns to `row`, row by row, until it returns [`ControlFlow::Break`].
     fn each(&self, wanted: &[usize], row: &mut dyn FnMut(&[f64]) -> ControlFlow<()>) -> io::Result<()> {
         let mut reader = self.reader()?;
         let mut record = csv::StringRecord::new();
@@ -292,8 +292,8 @@ impl HistoryFile {
         Ok(History { columns: wanted.into_iter().map(|k| self.columns[k].clone()).collect(), data })
     }
 
-    /// Returns what pictures need of it: all rows of a history of usual length; of a longer one, of each of many stretches the
-    /// first and last row and those where a column is greatest, least, or no number. Peaks, loops and gaps stay.
+    /// Returns the rows that pictures need: all rows of a history of usual length. A longer history is cut into many sections, and
+    /// each keeps its first and last row and the rows where a column is largest, smallest or NaN. Peaks, loops and gaps remain.
     ///
     /// # Errors
     /// The file cannot be read, or holds something else.
@@ -301,7 +301,7 @@ impl HistoryFile {
         self.thinned(MOST_VALUES)
     }
 
-    /// See [`HistoryFile::for_pictures`]; at most about so many values are kept.
+    /// Thins the rows as for [`HistoryFile::for_pictures`]. It keeps about `most` values.
     fn thinned(&self, most: usize) -> io::Result<History> {
         let columns = self.columns.len().max(1);
         let rows = self.rows()?;
@@ -379,12 +379,12 @@ fn whole_lines(path: &Path) -> io::Result<u64> {
     Ok(0)
 }
 
-/// A source of rows, of which two columns can be gone through again and again.
+/// A source of rows in which two columns can be traversed repeatedly.
 pub trait Rows {
     /// Names of the columns.
     fn columns(&self) -> &[String];
 
-    /// Hands on x and y of each row until told to stop; nothing if there are no such columns.
+    /// Passes x and y of each row to `each` until it returns [`ControlFlow::Break`]; nothing if there are no such columns.
     ///
     /// # Errors
     /// They cannot be read.

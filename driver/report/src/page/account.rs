@@ -1,4 +1,4 @@
-//! Account of a run's input, in words and tables.
+//! Describes the input of a run in text and tables.
 
 use pullout_case::Case;
 use pullout_run::bridging;
@@ -52,7 +52,7 @@ pub(crate) struct LawAccount {
 #[derive(Default)]
 pub(crate) struct Parameter {
     pub name: String,
-    /// Exact value, with the name of the choice it stands for.
+    /// Exact value, with the name of the choice if it is one.
     pub value: String,
     pub unit: String,
     pub meaning: String,
@@ -75,7 +75,7 @@ impl Account {
         }
     }
 
-    /// Returns all of it that tells runs apart, by name.
+    /// Returns everything that distinguishes runs, by name.
     pub fn inputs(&self) -> BTreeMap<String, String> {
         let of = |owner: &str, parameters: &[Parameter]| -> Vec<(String, String)> {
             let named = |parameter: &Parameter| (format!("{owner}{}", parameter.name), parameter.value.clone());
@@ -135,10 +135,10 @@ impl Account {
         let law = program.plugin.law.as_ref();
         let columns = program.columns();
         let (mode, (steps, steps_left_out)) = match &program.kind {
-            Kind::Point(point) => (point_mode(point), tell(&point.steps, |of| step(of, point_goal, &columns))),
+            Kind::Point(point) => (point_mode(point), described(&point.steps, |of| step(of, point_goal, &columns))),
             Kind::Interface(contact) => (
                 interface_mode(contact),
-                tell(&contact.steps, |of| {
+                described(&contact.steps, |of| {
                     step(of, |goal| interface_goal(goal, matches!(of.pace, Pace::Rows(_))), &columns)
                 }),
             ),
@@ -158,31 +158,32 @@ impl Account {
 
 /// The entries of an object in one line: "diameter 0.75, length 60".
 fn entries(value: &impl serde::Serialize) -> String {
-    fn told(value: &serde_json::Value) -> String {
+    fn text_of(value: &serde_json::Value) -> String {
         match value {
             serde_json::Value::Object(entries) => {
                 let entry = |(key, value): (&String, &serde_json::Value)| match value {
                     // what kind it is
                     serde_json::Value::String(kind) if key == "type" || key == "model" => kind.clone(),
-                    serde_json::Value::Object(_) => format!("{key} ({})", told(value)),
-                    value => format!("{key} {}", told(value)),
+                    serde_json::Value::Object(_) => format!("{key} ({})", text_of(value)),
+                    value => format!("{key} {}", text_of(value)),
                 };
                 entries.iter().filter(|(_, value)| !value.is_null()).map(entry).collect::<Vec<_>>().join(", ")
             }
-            serde_json::Value::Array(values) => values.iter().map(told).collect::<Vec<_>>().join(" × "),
+            serde_json::Value::Array(values) => values.iter().map(text_of).collect::<Vec<_>>().join(" × "),
             serde_json::Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), exact),
             serde_json::Value::String(text) => text.clone(),
             other => other.to_string(),
         }
     }
-    serde_json::to_value(value).map(|value| told(&value)).unwrap_or_default()
+    serde_json::to_value(value).map(|value| text_of(&value)).unwrap_or_default()
 }
 
-fn tell<S>(steps: &[S], step: impl Fn(&S) -> String) -> (Vec<String>, usize) {
+/// Returns the texts of the first steps, and the number of those left out.
+fn described<S>(steps: &[S], step: impl Fn(&S) -> String) -> (Vec<String>, usize) {
     (steps.iter().take(MOST_STEPS).map(step).collect(), steps.len().saturating_sub(MOST_STEPS))
 }
 
-/// PROPS with what the metadata say of them.
+/// Returns PROPS with their metadata.
 fn parameters(law: Option<&LawDescription>, props: &[f64]) -> Vec<Parameter> {
     let described = |index: usize| {
         let parameters = &law?.parameters;

@@ -33,7 +33,7 @@ pub(crate) fn write(
     drawings: &Drawings,
     viewer: Option<&Markup>,
 ) -> io::Result<()> {
-    // what could not be drawn is told in both
+    // summary and report both name what could not be drawn
     if !drawings.warnings.is_empty() {
         summary.warnings.extend(drawings.warnings.iter().cloned());
         directory.write(summary::FILE, summary.text()?)?;
@@ -46,8 +46,8 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
     if let Some(findings) = &summary.bridging {
         return page(title, &bridging::body(account, summary, findings, pictures));
     }
-    let (solver, telling): (Vec<&Picture>, Vec<&Picture>) = pictures.iter().partition(|picture| is_of_solver(picture));
-    let (first, others) = telling.split_first().map_or((None, &[][..]), |(first, others)| (Some(*first), others));
+    let (solver, results): (Vec<&Picture>, Vec<&Picture>) = pictures.iter().partition(|picture| is_of_solver(picture));
+    let (first, others) = results.split_first().map_or((None, &[][..]), |(first, others)| (Some(*first), others));
     let body = html! {
         div.answer {
             (status(summary, &format!("{} increments in", summary.increments)))
@@ -192,7 +192,7 @@ pub fn description(text: &str) -> Markup {
     }
 }
 
-/// Program, machine and the files of the plugins.
+/// Returns program, machine and the files of the plugins.
 fn provenance(account: &Account, summary: &Summary) -> Markup {
     let row = |key: &str, value: Markup| html! { tr { td.key { (key) } td { (value) } } };
     let machine = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);

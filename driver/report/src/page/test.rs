@@ -32,7 +32,7 @@ fn page_of(summary: &Summary) -> String {
 }
 
 #[test]
-fn tells_everything() {
+fn shows_everything() {
     let page = page_of(&summary::test::summary());
     let expected = [
         "<title>A &lt;title&gt; &amp; more</title>",
@@ -83,7 +83,7 @@ fn what_rounding_leaves_is_no_peak() {
 }
 
 #[test]
-fn no_wall_time_is_told_as_that_of_a_call() {
+fn no_wall_time_is_shown_as_that_of_a_call() {
     assert!(!page_of(&summary::test::summary()).contains("per plugin call"));
 }
 
@@ -142,8 +142,8 @@ fn the_page_is_written_or_the_error_names_it() {
     let mut directory = ResultDirectory::join(folder.path(), directory::Kind::Run).unwrap();
     let drawings = Drawings { warnings: vec!["the picture a could not be drawn: why".into()], ..Drawings::default() };
     write(&mut directory, &account(), &mut summary::test::summary(), &drawings, None).unwrap();
-    let told = Summary::read(&folder.path().join(summary::FILE)).unwrap().warnings;
-    assert!(told.contains(&drawings.warnings[0]), "{told:?}");
+    let warnings = Summary::read(&folder.path().join(summary::FILE)).unwrap().warnings;
+    assert!(warnings.contains(&drawings.warnings[0]), "{warnings:?}");
     assert!(std::fs::read_to_string(&path).unwrap().starts_with("<!DOCTYPE html>"));
     let missing = folder.path().join("report.html/none");
     let error = ResultDirectory::join(&missing, directory::Kind::Run).unwrap_err();
@@ -152,7 +152,7 @@ fn the_page_is_written_or_the_error_names_it() {
 
 /// `linear_elastic` along a ramp with a relation, a row of a table and a bound.
 fn program() -> Program {
-    let found = Found::by_name("linear_elastic", &search_paths(&[])).expect("plugins are built beside the tests");
+    let found = Found::by_name("linear_elastic", &search_paths(&[])).expect("plugins are built next to the tests");
     let library = pullout_run::isolation::load(&found.path).expect("a library");
     let law = library.laws().iter().find(|law| law.name == "linear_elastic").expect("the law").clone();
     let mut controls = [Control::FREE; 6];
@@ -208,7 +208,7 @@ fn program() -> Program {
 }
 
 #[test]
-fn a_program_is_told_in_words() {
+fn a_program_is_described_by_sentences() {
     let account = Account::of_point(&program());
     let expected = "100 increments, time 1: e11 → −0.005, g12 held; 2 e22 + −0.52 s11 = 3; until |e11| > 0.01";
     assert_eq!(account.steps[0], expected);

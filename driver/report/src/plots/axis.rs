@@ -151,7 +151,7 @@ pub(super) fn drawable(value: f64) -> bool {
     value.abs() <= 1e290
 }
 
-/// Decimals that tell neighbouring ticks apart.
+/// Returns the number of decimals that distinguishes neighbouring ticks.
 fn decimals(range: &Range<f64>, ticks: usize) -> usize {
     let points = RangedCoordf64::from(range.clone()).key_points(BoldPoints(ticks));
     let step = points.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);

@@ -8,8 +8,8 @@ pub(super) const MOST_POINTS: usize = 2000;
 /// Picks x or y of a point.
 pub(super) type Coordinate = fn(&(f64, f64)) -> f64;
 
-/// Thins out to at most `most` points (if ≥ 12) in the same order: the run of points is cut into stretches, and of each the first, the last and
-/// the extremes of x and of y stay. Peaks and loops keep their true height.
+/// Reduces points to at most `most` (if ≥ 12) in the same order. The sequence is cut into sections, and each keeps its first and
+/// last point and the extremes of x and y. Peaks and loops keep their true height.
 pub(super) fn decimate(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
     if points.len() <= most {
         return points.to_vec();

@@ -95,14 +95,14 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
     /// The history's columns it comes from.
     pub columns: (String, String),
-    /// Colour and dash that tell it from the others.
+    /// Colour and dash that distinguish it from the others.
     pub style: Style,
     /// Whether its points have marks: few points, each a result.
     pub marked: bool,
 }
 
 impl Line {
-    /// A curve that is of no history, told from others by its number.
+    /// Makes a curve that belongs to no history. Its number distinguishes it from others.
     pub fn numbered(label: impl Into<String>, points: Vec<(f64, f64)>, number: usize) -> Self {
         let style = Style { color: number, dash: number };
         Self { label: label.into(), points, columns: Default::default(), style, marked: false }
@@ -252,7 +252,7 @@ impl Figure {
         lines.iter().enumerate().map(of_line).collect()
     }
 
-    /// The drawn points of each line, in the axes' numbers, by uninterrupted stretches.
+    /// Returns the drawn points of each line, in the units of the axes, by uninterrupted sections.
     fn scaled_lines(&self, x: &Axis, y: &Axis) -> Vec<Vec<Vec<(f64, f64)>>> {
         let scaled = |line: &Line| {
             if self.has_bars() && line.marked {
@@ -270,7 +270,7 @@ impl Figure {
         self.lines.iter().map(scaled).collect()
     }
 
-    /// Lines and single points that a legend must not cover.
+    /// Returns the lines and single points that a legend must not cover.
     fn occupied(&self, x: &Axis, y: &Axis) -> Vec<Vec<(f64, f64)>> {
         let points = self.marks.iter().flat_map(|marks| drawable_stretches(&marks.points).flatten());
         let points = points.map(|&(across, up)| vec![(x.scaled(across), y.scaled(up))]);
@@ -303,7 +303,7 @@ impl Figure {
         shades.map_or(PALETTE[style.color % PALETTE.len()], |count| shade(style.color, count))
     }
 
-    /// Measured points are as dark as text beside a single line; among several they take their line's colour.
+    /// Returns the colour of measured points: that of text next to a single line, that of their line among several.
     pub(super) fn mark_color(&self, marks: &Marks) -> RGBColor {
         let owner = marks.line.filter(|_| self.lines.len() > 1).and_then(|line| self.lines.get(line));
         owner.map_or(INK, |line| self.color(line.style))
@@ -363,7 +363,7 @@ impl Figure {
 }
 
 impl Key {
-    /// Rows of colours (or their bar), then rows of dashes.
+    /// Returns the rows of the legend: colours (or their bar), then dashes.
     fn entries(&self, color: impl Fn(Style) -> RGBColor) -> Vec<LegendEntry> {
         let line =
             |style, color, label: &String| LegendEntry { sample: Sample::Line(style), color, label: label.clone() };
@@ -510,13 +510,13 @@ pub(super) fn draw_mark<'a>(root: &Root<'a>, shape: usize, (x, y): (i32, i32), c
 }
 
 impl Style {
-    /// Two px wide; the few units more stand for the dash.
+    /// Makes a pen two px wide. The few extra units encode the dash.
     pub(super) fn pen(self, color: RGBColor) -> ShapeStyle {
         color.stroke_width((2 * UNIT) as u32 + (self.dash % (DASHES.len() + 1)) as u32)
     }
 }
 
-/// Gives lines whose width says so their dashes.
+/// Gives lines whose width encodes a dash their dashes.
 fn dash(svg: &str) -> String {
     DASHES.iter().zip(2 * UNIT + 1..).fold(svg.to_owned(), |svg, (dash, width)| {
         let lengths: Vec<String> = dash.iter().map(|length| (length * UNIT).to_string()).collect();
@@ -534,8 +534,8 @@ pub(super) fn centered(size: i32) -> TextStyle<'static> {
     font(size).pos(Pos::new(HPos::Center, VPos::Center))
 }
 
-/// The font of text that begins here, at half its height.
-pub(super) fn beside(size: i32) -> TextStyle<'static> {
+/// Returns the font of text that begins at the given point, at half its height.
+pub(super) fn left_aligned(size: i32) -> TextStyle<'static> {
     font(size).pos(Pos::new(HPos::Left, VPos::Center))
 }
 

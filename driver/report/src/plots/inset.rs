@@ -13,7 +13,7 @@ const AXIS_SIZES: AxisSizes = AxisSizes { marks: 3, numbers: 11, names: 11 };
 const TICKS: usize = 4;
 /// A spike stands above three quarters of its height along less than this part of what the picture shows along x.
 const NARROW: f64 = 0.03;
-/// Narrower windows, relative to the greatest abscissa, have no numbers that tell their ticks apart.
+/// Smallest width of a window, relative to the greatest abscissa. The numbers at the ticks of a narrower one would be equal.
 const LEAST_WIDTH: f64 = 1e-6;
 /// Fewer points up there are no spike to look at.
 const FEWEST: usize = 6;

@@ -1,7 +1,7 @@
-//! The legend: in a corner where nothing is drawn, else below the picture.
+//! Draws the legend in a corner where nothing is drawn, or below the picture.
 
 use super::axis::Axis;
-use super::figure::{CHARACTER, Corners, Drawn, Root, Style, UNIT, WIDTH, beside, draw_mark, shade};
+use super::figure::{CHARACTER, Corners, Drawn, Root, Style, UNIT, WIDTH, draw_mark, left_aligned, shade};
 use super::markup;
 use plotters::prelude::*;
 
@@ -114,7 +114,7 @@ impl Legend {
                     }
                 }
             }
-            root.draw(&Text::new(entry.label.clone(), (x + (SAMPLE + 8) * UNIT, y), beside(TEXT_SIZE)))?;
+            root.draw(&Text::new(entry.label.clone(), (x + (SAMPLE + 8) * UNIT, y), left_aligned(TEXT_SIZE)))?;
         }
         Ok(())
     }

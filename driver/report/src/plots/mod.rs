@@ -1,8 +1,8 @@
 //! The pictures of a run, or of several on top of each other, as SVG.
 //!
-//! [`Spec`] says what a history's columns mean and which measured curves belong to it; it is kept beside the pictures
-//! so that [`redraw`] makes them anew without the case. `selection` decides which pictures there are,
-//! [`figure`] draws one; `field` draws what a mesh carries.
+//! [`Spec`] says what a history's columns mean and which measured curves belong to it. It is kept next to the pictures,
+//! so that [`redraw`] can redraw them without the case. `selection` decides which pictures there are,
+//! [`figure`] draws one, `field` draws fields on a mesh.
 
 use super::directory::ResultDirectory;
 use super::history::History;
@@ -34,7 +34,7 @@ mod test;
 
 /// Folder of the pictures of a run in its result directory.
 pub const FOLDER: &str = "plots";
-/// File beside the pictures that holds the [`Spec`].
+/// File next to the pictures that holds the [`Spec`].
 pub const SPEC_FILE: &str = "spec.json";
 
 /// Description of a run that its pictures need besides its history.
@@ -50,7 +50,7 @@ pub struct Spec {
     pub units: BTreeMap<String, String>,
     /// Measured curves.
     pub curves: Vec<Curve>,
-    /// What the run was given, in words: overlaid runs are named by what differs.
+    /// Texts of the run's inputs. Overlaid runs are named by the inputs that differ.
     #[serde(default)]
     pub inputs: BTreeMap<String, String>,
     /// Titles and legends of pictures, by their names.
@@ -139,7 +139,7 @@ impl Drawings {
         Ok(())
     }
 
-    /// Adds others behind these.
+    /// Appends other pictures and warnings.
     pub fn append(&mut self, others: Self) {
         self.pictures.extend(others.pictures);
         self.warnings.extend(others.warnings);
@@ -154,7 +154,7 @@ fn guarded<T>(draw: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     })
 }
 
-/// Draws a run into a folder of a result directory and leaves the spec there.
+/// Draws a run into a folder of a result directory and writes the spec there.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -247,7 +247,7 @@ impl Curve {
     }
 }
 
-/// Law, subject and units of a material or contact point.
+/// Returns law, subject and units of a material or contact point.
 fn of_point(program: &Program) -> (String, CaseKind, BTreeMap<String, String>) {
     let law = program.plugin.law.as_ref();
     let units = law.map(|law| law.states.iter().map(|state| (state.name.clone(), state.unit.clone())).collect());

@@ -31,7 +31,7 @@ impl DrawnRun {
     }
 }
 
-/// Pictures that are to be drawn into a folder of a result directory.
+/// Pictures to draw into a folder of a result directory.
 pub struct Redrawing<'a> {
     folder: &'a str,
     figures: Vec<Figure>,
@@ -87,7 +87,7 @@ impl<'a> Redrawing<'a> {
         Self { folder, figures, drawn, taken, exports }
     }
 
-    /// The names of all files that are written, as seen from the directory.
+    /// Returns the names of all written files, relative to the directory.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         let taken = self.taken.iter().map(|(_, name)| name);
         self.drawn.iter().chain(taken).chain(self.exports.iter().map(|(_, name, _)| name)).map(String::as_str)

@@ -1,4 +1,4 @@
-//! Choice of the pictures of a run, and their contents.
+//! Chooses the pictures of a run and their contents.
 
 use super::figure::{Figure, Key, Line, Marks, PALETTE, Style};
 use super::quantity::{Quantity, capital, group_of};
@@ -39,7 +39,7 @@ pub fn figures(runs: &[PlottedRun<'_>]) -> Vec<Figure> {
     figures
 }
 
-/// The peak of the first curve, if it falls behind it; the end of a path is none.
+/// Returns the peak of the first curve, if the curve falls after it. The end of a path is no peak.
 fn peak(figure: &Figure) -> Option<Marks> {
     let points = &figure.lines.first()?.points;
     let finite = || points.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
@@ -183,7 +183,7 @@ impl Layout {
         }
     }
 
-    /// The name of a line: what tells it from the others. `own`: that of its run, if there are several.
+    /// Returns the name of a line, which distinguishes it from the others. `own`: the name of its run, if there are several.
     fn label(&self, run: &PlottedRun<'_>, own: Option<&String>, x: &str, y: &str) -> String {
         let given = run.spec.captions.get(&self.name).and_then(|caption| caption.legend.get(y));
         match (own, given.cloned().or_else(|| self.name_of_pair(run, x, y))) {
@@ -223,7 +223,7 @@ fn names(runs: &[PlottedRun<'_>]) -> Vec<String> {
     if keys.len() <= MOST_INPUTS {
         let value = |run: &PlottedRun<'_>, key: &String| {
             let value = run.spec.inputs.get(key).map_or("–", String::as_str);
-            // a step is told in words
+            // a step is a sentence
             if value.contains(": ") { format!("{key}: {value}") } else { format!("{key} = {value}") }
         };
         let named = |run: &PlottedRun<'_>| keys.iter().map(|key| value(run, key)).collect::<Vec<_>>().join(", ");
@@ -396,7 +396,7 @@ fn columns(run: &PlottedRun<'_>, wanted: impl Fn(&str) -> bool) -> Vec<String> {
     run.history.columns().iter().filter(|column| wanted(column)).cloned().collect()
 }
 
-/// Returns whether a column changes by more than rounding leaves beside the greatest value of its group.
+/// Returns whether a column changes by more than the rounding of the largest value in its group.
 fn moves(run: &PlottedRun<'_>, column: &str) -> bool {
     let group = group_of(column);
     let is_alike = |other: &&String| *other == column || (group != Group::Other && group_of(other) == group);

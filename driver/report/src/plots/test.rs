@@ -62,7 +62,7 @@ fn a_picture_has_its_axes_lines_and_marks() {
 }
 
 #[test]
-fn dashes_and_colours_tell_lines_apart() {
+fn dashes_and_colours_distinguish_lines() {
     let styled = |color, dash| Line { style: Style { color, dash }, ..line("l", vec![(0.0, 0.0), (1.0, 1.0)]) };
     let svg = figure(vec![styled(0, 0), styled(0, 1), styled(1, 2), styled(1, 9)], vec![]).svg().unwrap();
     let document = roxmltree::Document::parse(&svg).unwrap();

@@ -71,7 +71,7 @@ impl Progress {
         Self::new(&case.name(), extent, shown(case), quiet)
     }
 
-    /// Shows the progress of a run of some extent. `shown`: what to tell of the present state, as (name, index among the
+    /// Shows the progress of a run of some extent. `shown`: the values of the current state to show, as (name, index among the
     /// values of a row), for example `("s11", 7)`.
     fn new(title: &str, extent: Extent, shown: Vec<(String, usize)>, quiet: bool) -> Self {
         let display = if quiet {
@@ -160,7 +160,7 @@ impl Drop for Progress {
     }
 }
 
-/// Columns that a progress line tells: the first strain and stress, slip and traction, or slip and load.
+/// Returns the columns that a progress line shows: the first strain and stress, slip and traction, or slip and load.
 fn shown(case: &Case) -> Vec<(String, usize)> {
     let names: &[&str] = match case {
         Case::Path(program) => match &program.kind {
@@ -201,8 +201,8 @@ impl Pace {
     }
 }
 
-/// Schedule of progress lines: about every tenth of the run, not sooner than a least pause after the last, not later
-/// than a greatest one. A run of under two seconds prints none.
+/// Schedule of progress lines: about every tenth of the run, but with a smallest and a largest pause between lines. A run of
+/// less than two seconds prints none.
 #[derive(Default)]
 pub struct Schedule {
     last: Duration,

@@ -52,7 +52,7 @@ fn row(values: &[f64]) -> Row<'_> {
 }
 
 #[test]
-fn increments_of_any_size_are_told_by_the_time() {
+fn increments_of_any_size_are_measured_by_the_time() {
     let text = Shared::default();
     let lines = Display::Lines { title: "run".into(), schedule: Schedule::default(), to: Box::new(text.clone()) };
     let start = Instant::now() - Duration::from_secs(3);
@@ -65,7 +65,7 @@ fn increments_of_any_size_are_told_by_the_time() {
 }
 
 #[test]
-fn a_line_tells_how_far_and_where() {
+fn a_line_shows_how_far_and_where() {
     let text = Shared::default();
     let lines = Display::Lines { title: "run".into(), schedule: Schedule::default(), to: Box::new(text.clone()) };
     let start = Instant::now() - Duration::from_secs(3);

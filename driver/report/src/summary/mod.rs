@@ -111,7 +111,7 @@ impl Summary {
         Ok(serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n")
     }
 
-    /// The peaks as people read them: what is nothing beside the greatest value of its kind is 0.
+    /// Returns the peaks for people: a value that is rounding compared with the largest of its kind becomes 0.
     pub fn peaks_without_rounding(&self) -> IndexMap<&str, Peak> {
         let mut greatest: Vec<(&str, Group, f64)> = Vec::new();
         // of one kind is what has a unit in common, and numbers without one of the same group

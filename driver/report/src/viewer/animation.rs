@@ -1,4 +1,4 @@
-//! A specimen in motion: the states of a report's viewer as a looping GIF, beside the curve with the place on it.
+//! Animates a specimen: the states of a report's viewer as a looping GIF, next to the curve with the current point.
 
 use super::{NO_VALUE, STEPS};
 use flate2::read::DeflateDecoder;
@@ -35,7 +35,7 @@ struct Scenes {
     view: [f64; 4],
 }
 
-/// What stands in the report beside the numbers.
+/// The data of a report other than its numbers.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct AnimationHeader {
@@ -63,7 +63,7 @@ struct AnimationFrame {
     slip: f64,
     load: f64,
     contacts: usize,
-    /// Triangles and edges that are left, behind and in front.
+    /// Triangles and edges that remain, in the background and in the foreground.
     left: [[usize; 2]; 2],
 }
 
@@ -136,12 +136,12 @@ impl Scenes {
         Some(scenes)
     }
 
-    /// The number between the ends of a range that a step of it stands for.
+    /// Returns the number between the ends of a range that one of its steps encodes.
     fn between([low, high]: [f64; 2], step: f64) -> f64 {
         low + (high - low) * step / STEPS
     }
 
-    /// Where all nodes are in the first and the last state, and a little around.
+    /// Returns the box around all nodes in the first and the last state, with a margin.
     fn extent(&self) -> [f64; 4] {
         let mut extent = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
         let last = &self.displacements[self.displacements.len() - 1];
@@ -210,7 +210,7 @@ impl Scenes {
     }
 }
 
-/// The text of a script of a page.
+/// Returns the text of a script of a page.
 fn script<'a>(page: &'a str, tag: &str) -> Option<&'a str> {
     page.split_once(tag)?.1.split_once("</script>").map(|(text, _)| text)
 }

@@ -20,12 +20,12 @@ fn differences_add_up_to_the_states() {
 }
 
 #[test]
-fn steps_tell_values_to_a_hundred_thousandth_of_their_range() {
+fn steps_resolve_values_to_a_hundred_thousandth_of_their_range() {
     let ends = range([2.5_f32, f32::NAN, -1.0, 0.3].into_iter());
     assert_eq!(ends, [-1.0, 2.5]);
     for value in [-1.0_f32, -0.2, 0.3, 1.7, 2.5] {
-        let told = -1.0 + 3.5 * f64::from(step(value, ends)) / STEPS;
-        assert!((told - f64::from(value)).abs() < 1e-5 * 3.5, "{value}: {told}");
+        let decoded = -1.0 + 3.5 * f64::from(step(value, ends)) / STEPS;
+        assert!((decoded - f64::from(value)).abs() < 1e-5 * 3.5, "{value}: {decoded}");
     }
     assert_eq!((step(9.0, ends), step(-9.0, ends), step(f32::NAN, ends)), (65534, 0, NO_VALUE));
 }

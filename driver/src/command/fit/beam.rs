@@ -24,7 +24,7 @@ pub(in super::super) struct Beam {
     /// Factor on the load: 1000 if the load is in kN.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = super::positive, allow_negative_numbers = true)]
     load_factor: f64,
-    /// Shape of the σ(w) that is sought of strengths.
+    /// Shape of the σ(w) that is fitted to strengths.
     #[arg(long, value_enum, default_value_t = Shapes::Smooth)]
     shape: Shapes,
     /// Result directory [default: out/<test file stem>/].
@@ -40,12 +40,12 @@ pub(in super::super) struct Beam {
     quiet: bool,
 }
 
-/// Shapes of a σ(w) that is sought of strengths.
+/// Shapes of the σ(w) that is fitted to strengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Shapes {
-    /// As smooth as the strengths allow, never negative; it falls beyond its greatest value.
+    /// As smooth as the strengths allow, never negative, and decreasing after its peak.
     Smooth,
-    /// Two straight lines that fall.
+    /// Two descending straight lines.
     Bilinear,
 }
 
@@ -58,7 +58,7 @@ impl Beam {
             Shapes::Bilinear => Shape::Bilinear,
         };
         if shape != Shape::Smooth && matches!(test, Measured::Curve(_)) {
-            let message = "--shape: a curve tells σ at its openings; give it with strengths f_L, f_R1 … f_R4";
+            let message = "--shape: needs strengths f_L, f_R1 … f_R4; a curve gives σ at its openings by itself";
             return Err(Refusal::input(format!("{}: {message}", self.test.display())));
         }
         let source = self.reading.source(&self.case);

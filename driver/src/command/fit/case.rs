@@ -7,7 +7,7 @@ use pullout_run::isolation::prints::Prints;
 use pullout_run::number::significant;
 use std::path::PathBuf;
 
-/// Arguments of a fit of a case, beside `fit bond` and `fit beam`: with one of these, none of them is required.
+/// Arguments of `fit CASE`. With the subcommands `fit bond` and `fit beam`, none of them is required.
 #[derive(Debug, clap::Args)]
 pub(in super::super) struct CaseFitArguments {
     /// The case with the initial values. To fit several tests together, give a --data for each, and one case for each

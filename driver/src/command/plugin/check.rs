@@ -1,4 +1,4 @@
-//! `pullout plugin check`: in this process, or each group of checks in one of its own where the library may not run here.
+//! `pullout plugin check`: checks in this process or, if the library may not run here, each group in its own process.
 
 use super::super::{DONE, FAILED, Isolation, NOT_TESTED, Refusal, say};
 use super::{TIME_LIMIT, file_of, no_plugin};
@@ -24,13 +24,13 @@ pub(in crate::command) struct CheckArguments {
     #[command(flatten)]
     of: Subject,
     /// Check along the path of this case, with its parameters, mode, times, temperatures and initial state. A library
-    /// without metadata needs it. A FILE takes the place of the library that the case names.
+    /// without metadata needs it. If you name a FILE, it replaces the library of the case.
     #[arg(long, value_name = "CASE.json")]
     case: Option<PathBuf>,
     /// Override an entry of the case, e.g. steps.0.increments=5 (VALUE is JSON, otherwise a string).
     #[arg(long = "set", value_name = "a.b.c=VALUE")]
     overrides: Vec<String>,
-    /// NSTATV that replaces the case's.
+    /// NSTATV to use instead of the case's.
     #[arg(long, value_name = "N")]
     nstatv: Option<usize>,
     /// Print rows and verdict as JSON.
@@ -40,16 +40,16 @@ pub(in crate::command) struct CheckArguments {
     pub(super) isolation: Isolation,
 }
 
-/// Library that is checked, and numbers that go to it.
+/// Library to check, and its inputs.
 #[derive(Clone, Debug, Serialize, Deserialize, clap::Args)]
 struct Subject {
     /// A law's name, or a shared library.
     #[arg(value_name = "NAME|FILE.so")]
     plugin: String,
-    /// PROPS that replace those of the case, or the defaults of the metadata.
+    /// PROPS to use instead of those of the case, or of the defaults of the metadata.
     #[arg(long, value_name = "P1,P2,...", allow_hyphen_values = true, value_delimiter = ',')]
     props: Option<Vec<f64>>,
-    /// Mode that replaces the case's. Without a case, only this mode is checked.
+    /// Mode to use instead of the case's. Without a case, only this mode is checked.
     #[arg(long, value_name = "3d|plane_strain|axisymmetric|plane_stress")]
     mode: Option<String>,
     /// Number of sampled states for each stress state.
@@ -62,7 +62,7 @@ struct Subject {
 }
 
 impl CheckArguments {
-    /// The entries of the case that change.
+    /// The overridden entries of the case.
     fn overrides(&self) -> Vec<String> {
         let entry = |key: &str, value: Option<String>| value.map(|value| format!("{key}={value}"));
         let changes = [
@@ -73,7 +73,7 @@ impl CheckArguments {
         self.overrides.iter().cloned().chain(changes.into_iter().flatten()).collect()
     }
 
-    /// The checks of a library that are asked for.
+    /// Returns the requested checks of a library.
     fn checks(&self, library: &Path) -> Checks {
         let (overrides, plugin_paths) = (self.overrides(), self.of.plugin_paths.clone());
         let mut case = self.case.as_ref().map(|case| CaseSource { overrides, plugin_paths, ..CaseSource::file(case) });
@@ -87,7 +87,7 @@ impl CheckArguments {
     }
 }
 
-/// Whether a case names one of these files, itself or by the name of a law that is found there.
+/// Returns whether a case names one of these files, by its path or by the name of a law in it.
 fn calls(source: &CaseSource, files: &[&Path]) -> bool {
     let text = source.text().unwrap_or_default();
     let named = text["material"]["plugin"].as_str().unwrap_or_default();
@@ -95,19 +95,19 @@ fn calls(source: &CaseSource, files: &[&Path]) -> bool {
     file.is_some_and(|file| files.iter().any(|known| real_path(&file) == real_path(known)))
 }
 
-/// Checks of a library, all or those of a group.
+/// Checks of a library: all, or those of one group.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(in crate::command) struct Checks {
     of: Subject,
-    /// The case around whose path they are made.
+    /// The case along whose path the checks are made.
     case: Option<CaseSource>,
-    /// The group that another process asks for.
+    /// The group that another process requests.
     group: Option<Group>,
     /// States that are left out.
     skip: Vec<usize>,
-    /// Increments of the case at most.
+    /// Largest number of increments of the case.
     longest_path: Option<u64>,
-    /// Time for the group, s.
+    /// Time limit of the group, s.
     seconds: Option<f64>,
 }
 
@@ -117,23 +117,23 @@ impl Work for Checks {
 }
 
 impl Checks {
-    /// All checks of a library.
+    /// Returns all checks of a library.
     fn of(of: Subject, case: Option<CaseSource>) -> Self {
         Self { of, case, group: None, skip: Vec::new(), longest_path: None, seconds: None }
     }
 
-    /// Makes the checks of a group for another process, which is told of each event.
+    /// Makes the checks of a group for another process, which receives each event.
     pub(in crate::command) fn carry_out(&self) -> Result<u8, Refusal> {
         with_library(self, &file_of(&self.of.plugin, &self.of.plugin_paths)?, false).map(|_| DONE)
     }
 }
 
-/// What a law is called above its rows.
+/// Returns the header above the rows of a law.
 fn header(name: &str, library: &Path) -> String {
     format!("{name} ({})\n", library.display())
 }
 
-/// The exit code of a verdict.
+/// Returns the exit code of a verdict.
 fn code_of(judgement: &Judgement) -> u8 {
     match judgement.verdict {
         Verdict::Fail => FAILED,
@@ -142,7 +142,7 @@ fn code_of(judgement: &Judgement) -> u8 {
     }
 }
 
-/// Checks a library, by its law's name or by its path; the exit code.
+/// Checks a library, given by its law's name or by its path. Returns the exit code.
 pub(super) fn run(arguments: &CheckArguments) -> Result<u8, Refusal> {
     let case = arguments.case.as_deref();
     if case.is_none() && (arguments.nstatv.is_some() || !arguments.overrides.is_empty()) {
@@ -159,7 +159,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<u8, Refusal> {
     Ok(judged.map_or_else(|code| code, |judgement| code_of(&judgement)))
 }
 
-/// Makes checks for another process, which is told of the judgement alone.
+/// Makes checks for another process, which receives the judgement alone.
 pub(in crate::command) fn examine(asked: Examination) -> Result<u8, Refusal> {
     let Examination { case, plugin, states } = asked;
     let of = Subject { plugin, props: None, mode: None, states, plugin_paths: case.plugin_paths.clone() };
@@ -171,25 +171,26 @@ pub(in crate::command) fn examine(asked: Examination) -> Result<u8, Refusal> {
     Ok(judged.map_or_else(|code| code, |judgement| code_of(&judgement)))
 }
 
-/// Makes all checks; the exit code where nothing can be judged, which was said. `is_told`: the user is told of rows as they come.
-fn judge(checks: Checks, file: &Path, is_told: bool) -> Result<Result<Judgement, u8>, Refusal> {
+/// Makes all checks. If nothing can be judged, the error has been printed and the exit code is returned. `prints_rows`: whether
+/// rows are printed as they come.
+fn judge(checks: Checks, file: &Path, prints_rows: bool) -> Result<Result<Judgement, u8>, Refusal> {
     let of_case = || checks.case.as_ref()?.need();
     if let Some(need) = of_case().or_else(|| Need::of_library(file, TIME_LIMIT)) {
-        return children::run(checks, file, need, is_told);
+        return children::run(checks, file, need, prints_rows);
     }
-    Ok(Ok(Judgement::of(with_library(&checks, file, is_told)?)))
+    Ok(Ok(Judgement::of(with_library(&checks, file, prints_rows)?)))
 }
 
 /// Loads a library and checks it.
-fn with_library(checks: &Checks, file: &Path, is_told: bool) -> Result<Vec<Judged>, Refusal> {
+fn with_library(checks: &Checks, file: &Path, prints_rows: bool) -> Result<Vec<Judged>, Refusal> {
     worker::let_calls_come_back();
     // what it prints in thousands of calls is nobody's
     let _prints = Prints::discard();
-    here(checks, &isolation::load(file).map_err(no_plugin)?, is_told)
+    here(checks, &isolation::load(file).map_err(no_plugin)?, prints_rows)
 }
 
-/// Checks a library in this process. `is_told`: the user is told of rows as they come.
-fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>, Refusal> {
+/// Checks a library in this process. `prints_rows`: whether rows are printed as they come.
+fn here(checks: &Checks, library: &Library, prints_rows: bool) -> Result<Vec<Judged>, Refusal> {
     let mut options = Options {
         states: checks.of.states,
         group: checks.group,
@@ -199,7 +200,7 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
         ..Options::default()
     };
     let plugins = plugins(checks, library, &mut options)?;
-    options.listener = match is_told {
+    options.listener = match prints_rows {
         false => Some(|event| isolation::send(&event)),
         true => Some(|event| {
             if let Event::Row(row) = event {
@@ -211,11 +212,11 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
     for plugin in plugins {
         let path = plugin.library.path();
         isolation::send(&Event::Law(plugin.name.clone(), path.to_owned()));
-        if is_told {
+        if prints_rows {
             say(&header(&plugin.name, path));
         }
         let report = conformance::check(&plugin, &options);
-        if is_told {
+        if prints_rows {
             say(&format!("{}\n\n", report.conclusion()));
         }
         let library = path.display().to_string();
@@ -224,7 +225,7 @@ fn here(checks: &Checks, library: &Library, is_told: bool) -> Result<Vec<Judged>
     Ok(judged)
 }
 
-/// The laws to be checked: the case's, or all of the library.
+/// Returns the laws to check: the case's, or all of the library.
 fn plugins(checks: &Checks, library: &Library, options: &mut Options) -> Result<Vec<Plugin>, Refusal> {
     let wrong = |message: String| Err(Refusal::input(message));
     let path = library.path();

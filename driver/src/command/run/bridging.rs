@@ -14,7 +14,7 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::time::Instant;
 
-/// Runs a case, and writes its results. The second result is what could not be written.
+/// Runs a case and writes its results. The second result is the error if something could not be written.
 pub(super) fn run_case(
     case: &Case,
     program: &BridgingProgram,
@@ -46,11 +46,11 @@ fn curves(
         keep_failed: true,
         overwrite: false,
     };
-    let tell = |name: &str, code: u8, count: usize, of: usize| {
+    let report = |name: &str, code: u8, count: usize, of: usize| {
         if !job.options.quiet {
             let how = if code == DONE { "done" } else { "FAILED" };
             say(&format!("[{count}/{of}] fibre at {name}: {how}\n"));
         }
     };
-    pullout_study::curves_of_fibres(simulations, &job.case, &execution, &tell).map(Some)
+    pullout_study::curves_of_fibres(simulations, &job.case, &execution, &report).map(Some)
 }

@@ -10,12 +10,12 @@ use std::fmt::Display;
 use std::fs;
 use std::path::PathBuf;
 
-/// Returns whether anything of it was asked for.
+/// Returns whether checkpoints or a restart were requested.
 fn is_asked_for(job: &Job) -> bool {
     job.options.checkpoint_every.is_some() || job.goes_on
 }
 
-/// Checks that a case may have what was asked for; the error is the reason why not.
+/// Checks that a case supports what was requested. The error is the reason why it does not.
 pub(super) fn suits(job: &Job, is_specimen: bool) -> Result<(), String> {
     if is_specimen || !is_asked_for(job) {
         return Ok(());
@@ -23,7 +23,7 @@ pub(super) fn suits(job: &Job, is_specimen: bool) -> Result<(), String> {
     Err("only runs of kind \"pullout\" have checkpoints: leave --checkpoint-every and --restart out".into())
 }
 
-/// Returns warnings of libraries that may keep in their own memory what a restart needs.
+/// Returns warnings about libraries that may keep data for a restart in their own memory.
 pub(super) fn warnings(job: &Job, case: &Case) -> Vec<String> {
     let Case::Pullout(program) = case else { return Vec::new() };
     let undescribed = program.laws().into_iter().filter(|(_, law)| is_asked_for(job) && law.law.is_none());
@@ -37,7 +37,7 @@ pub(super) fn warnings(job: &Job, case: &Case) -> Vec<String> {
     libraries.iter().map(warning).collect()
 }
 
-/// Returns what a case's run does with checkpoints.
+/// Returns the checkpoints of a case's run.
 pub(super) fn checkpoints(job: &Job, case: &Case) -> Result<Checkpoints, String> {
     let Case::Pullout(program) = case else {
         return suits(job, false).map(|()| Checkpoints::default());

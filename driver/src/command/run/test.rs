@@ -4,7 +4,7 @@ use pullout_engine::Job;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// Options of `pullout run`, and each with a value: another process is told of them.
+/// Options of `pullout run`, each with a value: they are passed to the worker.
 const FORWARDED: [(&str, &str); 12] = [
     ("out", "--out=elsewhere"),
     ("overrides", "--set=steps.0.increments=5"),
@@ -20,8 +20,8 @@ const FORWARDED: [(&str, &str); 12] = [
     ("json", "--json"),
     ("echo", "--echo"),
 ];
-/// What is no part of a job: its case is named in it, all processes are told in another way where plugins are called, and what
-/// happens around a run is no other process's.
+/// Arguments that are no part of a job: the job names its case, all processes learn in another way where plugins are called, and
+/// `--watch` and `--open` concern this process alone.
 const NOT_FORWARDED: [&str; 4] = ["cases", "in_process", "watch", "open"];
 
 /// The job of a command line, as another process gets it.
@@ -38,7 +38,7 @@ fn handed_over(options: &[&str]) -> Value {
 }
 
 #[test]
-fn another_process_is_told_of_each_option() {
+fn each_option_is_passed_to_another_process() {
     let line = CommandLine::command();
     let run = line.find_subcommand("run").expect("the command");
     let known: BTreeSet<&str> = run.get_arguments().map(|argument| argument.get_id().as_str()).collect();

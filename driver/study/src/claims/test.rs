@@ -78,29 +78,29 @@ fn trend(tolerance: f64) -> Expectation {
 fn a_trend_is_refuted_by_one_step_and_kept_open_by_a_run_that_failed() {
     let all = [0, 1, 2];
     for (peaks, tolerance, expected) in [
-        ([Some(1.0), Some(2.0), Some(3.0)], 0.0, Verdict::Found),
-        ([Some(1.0), Some(3.0), Some(2.0)], 0.0, Verdict::NotFound),
-        ([Some(1.0), Some(1.0), Some(2.0)], 0.0, Verdict::NotFound),
-        ([Some(1.0), Some(2.0), Some(1.95)], 0.05, Verdict::Found),
-        ([Some(1.0), FAILED, Some(2.0)], 0.0, Verdict::CannotBeTold),
-        ([Some(2.0), FAILED, Some(1.0)], 0.0, Verdict::NotFound),
-        ([FAILED, FAILED, FAILED], 0.0, Verdict::CannotBeTold),
+        ([Some(1.0), Some(2.0), Some(3.0)], 0.0, Verdict::Holds),
+        ([Some(1.0), Some(3.0), Some(2.0)], 0.0, Verdict::Fails),
+        ([Some(1.0), Some(1.0), Some(2.0)], 0.0, Verdict::Fails),
+        ([Some(1.0), Some(2.0), Some(1.95)], 0.05, Verdict::Holds),
+        ([Some(1.0), FAILED, Some(2.0)], 0.0, Verdict::Undecided),
+        ([Some(2.0), FAILED, Some(1.0)], 0.0, Verdict::Fails),
+        ([FAILED, FAILED, FAILED], 0.0, Verdict::Undecided),
     ] {
         assert_eq!(verdict(&[&peaks], &all, trend(tolerance)).0, expected, "{peaks:?} {tolerance}");
     }
     let falling = Expectation::Trend { trend: Direction::Decreasing, tolerance: None };
-    assert_eq!(verdict(&[&[Some(3.0), Some(2.0)]], &[0, 1], falling).0, Verdict::Found);
+    assert_eq!(verdict(&[&[Some(3.0), Some(2.0)]], &[0, 1], falling).0, Verdict::Holds);
 }
 
 #[test]
 fn an_extreme_is_greater_than_all_others() {
     let peaks = [Some(1.0), Some(3.0), Some(2.0)];
-    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Maximum { maximum_at: 1 }).0, Verdict::Found);
-    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Maximum { maximum_at: 2 }).0, Verdict::NotFound);
-    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Minimum { minimum_at: 0 }).0, Verdict::Found);
+    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Maximum { maximum_at: 1 }).0, Verdict::Holds);
+    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Maximum { maximum_at: 2 }).0, Verdict::Fails);
+    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Minimum { minimum_at: 0 }).0, Verdict::Holds);
     let open = [Some(1.0), Some(3.0), FAILED];
-    assert_eq!(verdict(&[&open], &[0, 1, 2], Expectation::Maximum { maximum_at: 1 }).0, Verdict::CannotBeTold);
-    assert_eq!(verdict(&[&open], &[0, 1, 2], Expectation::Maximum { maximum_at: 0 }).0, Verdict::NotFound);
+    assert_eq!(verdict(&[&open], &[0, 1, 2], Expectation::Maximum { maximum_at: 1 }).0, Verdict::Undecided);
+    assert_eq!(verdict(&[&open], &[0, 1, 2], Expectation::Maximum { maximum_at: 0 }).0, Verdict::Fails);
 }
 
 #[test]
@@ -108,13 +108,13 @@ fn a_maximum_between_two_values_of_x_is_at_neither_end() {
     let all = [0, 1, 2, 3];
     let between = |lower, upper| Expectation::MaximumBetween { maximum_between: [lower, upper] };
     for (peaks, range, expected) in [
-        ([Some(1.0), Some(2.0), Some(3.0), Some(2.5)], [0.0, 30.0], Verdict::Found),
-        ([Some(1.0), Some(2.0), Some(3.0), Some(2.5)], [20.0, 40.0], Verdict::NotFound),
-        ([Some(1.0), Some(2.0), Some(3.0), Some(3.5)], [0.0, 30.0], Verdict::NotFound),
-        ([Some(1.0), Some(2.0), Some(3.0), Some(3.0)], [0.0, 30.0], Verdict::NotFound),
-        ([Some(1.0), FAILED, Some(3.0), Some(3.5)], [0.0, 30.0], Verdict::CannotBeTold),
-        ([Some(1.0), Some(2.0), Some(3.0), FAILED], [0.0, 30.0], Verdict::CannotBeTold),
-        ([Some(4.0), Some(2.0), Some(3.0), FAILED], [0.0, 30.0], Verdict::NotFound),
+        ([Some(1.0), Some(2.0), Some(3.0), Some(2.5)], [0.0, 30.0], Verdict::Holds),
+        ([Some(1.0), Some(2.0), Some(3.0), Some(2.5)], [20.0, 40.0], Verdict::Fails),
+        ([Some(1.0), Some(2.0), Some(3.0), Some(3.5)], [0.0, 30.0], Verdict::Fails),
+        ([Some(1.0), Some(2.0), Some(3.0), Some(3.0)], [0.0, 30.0], Verdict::Fails),
+        ([Some(1.0), FAILED, Some(3.0), Some(3.5)], [0.0, 30.0], Verdict::Undecided),
+        ([Some(1.0), Some(2.0), Some(3.0), FAILED], [0.0, 30.0], Verdict::Undecided),
+        ([Some(4.0), Some(2.0), Some(3.0), FAILED], [0.0, 30.0], Verdict::Fails),
     ] {
         let [lower, upper] = range;
         assert_eq!(verdict(&[&peaks], &all, between(lower, upper)).0, expected, "{peaks:?} {range:?}");
@@ -122,29 +122,29 @@ fn a_maximum_between_two_values_of_x_is_at_neither_end() {
 }
 
 #[test]
-fn nearness_is_relative_and_told_in_per_cent() {
+fn nearness_is_relative_and_given_in_per_cent() {
     let peaks = [Some(1.01), Some(1.0)];
     let within = |tolerance| Expectation::Within { within: Positive(tolerance), of: 1 };
     let (found, figures) = verdict(&[&peaks], &[0, 1], within(0.011));
-    assert_eq!((found, figures[0].as_str()), (Verdict::Found, "s0: m0 1.01 (1 %), m1 1"));
-    assert_eq!(verdict(&[&peaks], &[0, 1], within(0.009)).0, Verdict::NotFound);
+    assert_eq!((found, figures[0].as_str()), (Verdict::Holds, "s0: m0 1.01 (1 %), m1 1"));
+    assert_eq!(verdict(&[&peaks], &[0, 1], within(0.009)).0, Verdict::Fails);
     // proportional curves: the area between them has the same share
     let curve = |tolerance| Expectation::Curve { curve_within: Positive(tolerance), of: 1 };
-    assert_eq!(verdict(&[&peaks], &[0], curve(0.0101)).0, Verdict::Found);
-    assert_eq!(verdict(&[&peaks], &[0], curve(0.0099)).0, Verdict::NotFound);
-    assert_eq!(verdict(&[&[FAILED, Some(1.0)]], &[0], curve(1.0)).0, Verdict::CannotBeTold);
+    assert_eq!(verdict(&[&peaks], &[0], curve(0.0101)).0, Verdict::Holds);
+    assert_eq!(verdict(&[&peaks], &[0], curve(0.0099)).0, Verdict::Fails);
+    assert_eq!(verdict(&[&[FAILED, Some(1.0)]], &[0], curve(1.0)).0, Verdict::Undecided);
 }
 
 #[test]
 fn series_are_compared_member_by_member() {
     let [low, high] = [[Some(2.0), Some(2.0)], [Some(1.0), Some(3.0)]];
-    assert_eq!(verdict(&[&low, &high], &[0], Expectation::Above { above: 1 }).0, Verdict::Found);
-    assert_eq!(verdict(&[&low, &high], &[0, 1], Expectation::Above { above: 1 }).0, Verdict::NotFound);
-    assert_eq!(verdict(&[&low, &high], &[1], Expectation::Below { below: 1 }).0, Verdict::Found);
+    assert_eq!(verdict(&[&low, &high], &[0], Expectation::Above { above: 1 }).0, Verdict::Holds);
+    assert_eq!(verdict(&[&low, &high], &[0, 1], Expectation::Above { above: 1 }).0, Verdict::Fails);
+    assert_eq!(verdict(&[&low, &high], &[1], Expectation::Below { below: 1 }).0, Verdict::Holds);
     let over =
         |less_than| Expectation::OverSeries { over_series: 1, greater_than: Some(0.5), less_than: Some(less_than) };
-    assert_eq!(verdict(&[&low, &high], &[0, 1], over(2.1)).0, Verdict::Found);
-    assert_eq!(verdict(&[&low, &high], &[0, 1], over(1.9)).0, Verdict::NotFound);
+    assert_eq!(verdict(&[&low, &high], &[0, 1], over(2.1)).0, Verdict::Holds);
+    assert_eq!(verdict(&[&low, &high], &[0, 1], over(1.9)).0, Verdict::Fails);
 }
 
 #[test]
@@ -152,15 +152,15 @@ fn ratios_bounds_and_ends() {
     let peaks = [Some(2.0), Some(3.0), FAILED];
     let ratio = |to| Expectation::Ratio { ratio_of: 1, to, greater_than: Some(1.4), less_than: Some(1.6) };
     let (found, figures) = verdict(&[&peaks], &[0, 1], ratio(0));
-    assert_eq!((found, figures[0].as_str()), (Verdict::Found, "s0: m1 / m0 = 1.5"));
-    assert_eq!(verdict(&[&peaks], &[0, 1], ratio(1)).0, Verdict::NotFound);
-    assert_eq!(verdict(&[&peaks], &[0, 1], ratio(2)).0, Verdict::CannotBeTold);
+    assert_eq!((found, figures[0].as_str()), (Verdict::Holds, "s0: m1 / m0 = 1.5"));
+    assert_eq!(verdict(&[&peaks], &[0, 1], ratio(1)).0, Verdict::Fails);
+    assert_eq!(verdict(&[&peaks], &[0, 1], ratio(2)).0, Verdict::Undecided);
     let bounds = Expectation::Bounds { greater_than: Some(2.0), less_than: None };
-    assert_eq!(verdict(&[&peaks], &[1], bounds.clone()).0, Verdict::Found);
-    assert_eq!(verdict(&[&peaks], &[0], bounds).0, Verdict::NotFound);
-    assert_eq!(verdict(&[&peaks], &[0, 1], Expectation::Done { done: true }).0, Verdict::Found);
-    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Done { done: true }).0, Verdict::NotFound);
-    assert_eq!(verdict(&[&peaks], &[2], Expectation::Done { done: false }).0, Verdict::Found);
+    assert_eq!(verdict(&[&peaks], &[1], bounds.clone()).0, Verdict::Holds);
+    assert_eq!(verdict(&[&peaks], &[0], bounds).0, Verdict::Fails);
+    assert_eq!(verdict(&[&peaks], &[0, 1], Expectation::Done { done: true }).0, Verdict::Holds);
+    assert_eq!(verdict(&[&peaks], &[0, 1, 2], Expectation::Done { done: true }).0, Verdict::Fails);
+    assert_eq!(verdict(&[&peaks], &[2], Expectation::Done { done: false }).0, Verdict::Holds);
 }
 
 #[test]
@@ -177,6 +177,6 @@ fn columns_are_looked_up_where_the_claim_says() {
         (at(Where::X(0.5), &["all", "all"]), 0.125),
     ] {
         let (found, figures) = of_quantity(&[&[Some(1.0)]], &[0], quantity.clone(), lies(value));
-        assert_eq!(found, Verdict::Found, "{quantity:?}: {figures:?}");
+        assert_eq!(found, Verdict::Holds, "{quantity:?}: {figures:?}");
     }
 }

@@ -107,7 +107,7 @@ fn uinter_at_a_contact_point() {
     let expected: &[Argument<'_>] = &[
         // pressure and shear at the start
         ("stress", &[-STIFFNESS * FROM[1], -STIFFNESS * FROM[0]]),
-        // three increments are behind, and the equilibrium at the start
+        // after three increments, and the equilibrium at the start
         ("statev", &[4.0]),
         ("sed", &[4.0]),
         ("sfd", &[8.0]),
@@ -158,7 +158,7 @@ fn fric_at_a_contact_point() {
     let expected: &[Argument<'_>] = &[
         ("lm", &[0.0]),
         ("tau", &[-STIFFNESS * FROM[0]]),
-        // three increments are behind, and the equilibrium at the start, where the surfaces touch
+        // after three increments, and the equilibrium at the start, where the surfaces touch
         ("sed", &[4.0]),
         ("sfd", &[8.0]),
         ("statev", &[4.0]),

@@ -144,7 +144,7 @@ fn matches(model: &str, nlgeom: bool, call: &Printed) {
     let counts: [f64; 3] = if model == "plane_stress" { [3.0, 2.0, 1.0] } else { [4.0, 3.0, 1.0] };
     let expected: [(&str, &[f64]); 36] = [
         ("stress", &picked(stress)),
-        // three increments are behind, and the equilibrium at the start
+        // after three increments, and the equilibrium at the start
         ("statev", &[14.0, 20.0]),
         ("ddsdde", &vec![0.0; n * n]),
         ("sse", &[4.0]),

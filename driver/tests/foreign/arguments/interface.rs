@@ -98,7 +98,7 @@ fn fric_at_a_point() {
 
 /// LM by what the point did in the increment before: 1 at first, 0 where it slipped, 2 where nothing pressed.
 #[test]
-fn fric_is_told_whether_it_was_open() {
+fn fric_is_given_whether_it_was_open() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "print.c", &[]) else { return };
     let step = |slip: f64, p: f64| json!({ "increments": 1, "target": { "slip": slip, "p": p } });
@@ -108,12 +108,12 @@ fn fric_is_told_whether_it_was_open() {
         "steps": [step(0.01, 5.0), step(0.02, -1.0), step(0.03, 5.0), step(0.03, 6.0), step(0.04, 5.0)],
     });
     let calls = calls(&run(&desk, "open", &case).log(), "FRIC");
-    let told: Vec<_> = calls.iter().map(|call| &*call["lm"]).collect();
+    let modes: Vec<_> = calls.iter().map(|call| &*call["lm"]).collect();
     // a step without slip sticks
-    assert_eq!(told, ["1", "0", "2", "0", "1"]);
+    assert_eq!(modes, ["1", "0", "2", "0", "1"]);
 }
 
-/// A table's columns, and what is told at the initial place; without field variables there is one of 0 to read.
+/// A table's columns, and the values given at the initial place; without field variables there is one of 0 to read.
 #[test]
 fn a_table_has_temperatures_of_a_contact_point() {
     let desk = Desk::new();
@@ -125,8 +125,8 @@ fn a_table_has_temperatures_of_a_contact_point() {
         "steps": [{ "table": "path.csv" }, { "increments": 1, "target": { "slip": 0.03 } }],
     });
     let calls = calls(&run(&desk, "table", &case).log(), "UINTER");
-    let told: Vec<_> = calls.iter().map(|call| [&*call["temp"], &*call["dtemp"]]).collect();
-    assert_eq!(told, [["20,20", "0,0"], ["70,70", "50,50"], ["40,40", "-30,-30"], ["40,40", "0,0"]]);
+    let temperatures: Vec<_> = calls.iter().map(|call| [&*call["temp"], &*call["dtemp"]]).collect();
+    assert_eq!(temperatures, [["20,20", "0,0"], ["70,70", "50,50"], ["40,40", "-30,-30"], ["40,40", "0,0"]]);
     assert!(calls.iter().all(|call| call["npred"] == "1" && call["predef"] == "0,0"));
     case["steps"][0]["predef"] = json!([1.0]);
     let refused = desk.case("refused.json", &case);

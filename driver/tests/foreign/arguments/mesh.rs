@@ -57,7 +57,7 @@ impl Patch {
             .collect()
     }
 
-    /// The values of those drives that displace each node as told.
+    /// Returns the values of the drives that give each node its displacement.
     pub fn drives(
         &self,
         which: std::ops::RangeInclusive<usize>,

@@ -46,8 +46,9 @@ fn expect_within(rounding: f64, call: &Printed, expected: &[Argument<'_>], names
     for (name, text) in names {
         assert_eq!(call[*name], format!("{text:_<80},80"), "{name}");
     }
-    let told: Vec<&str> = expected.iter().map(|(name, _)| *name).chain(names.iter().map(|(name, _)| *name)).collect();
-    let forgotten: Vec<_> = call.keys().filter(|name| !told.contains(&name.as_str())).collect();
+    let matched: Vec<&str> =
+        expected.iter().map(|(name, _)| *name).chain(names.iter().map(|(name, _)| *name)).collect();
+    let forgotten: Vec<_> = call.keys().filter(|name| !matched.contains(&name.as_str())).collect();
     assert!(forgotten.is_empty(), "not matched: {forgotten:?}");
 }
 
@@ -95,7 +96,7 @@ const FRIC_ALWAYS: &[Argument<'_>] = &[
     ("pnewdt", &[LARGE]),
     ("taulm", &[0.0]),
     ("ddpddh", &[0.0]),
-    // no contact element: NODE tells the point
+    // no contact element: NODE identifies the point
     ("noel", &[1.0]),
     ("npt", &[1.0]),
     ("npatch", &[1.0]),

@@ -245,11 +245,11 @@ fn plane_stress_at_finite_strain() {
     let f = values(&calls(&run.log(), "UMAT").pop().expect("a call")["dfgrd1"]);
     assert!((f[8] * 0.2_f64.exp() - 1.0).abs() < 1e-14 && f[1] > 0.1 && f[1] == f[3], "{f:?}");
     assert!(run.history.last("F33").is_nan() && run.history.last("e33").is_nan());
-    // told once, with the column that follows from it
+    // reported once, with the column that follows from it
     let warnings = run.summary["warnings"].as_array().expect("a list");
-    let told: Vec<_> = warnings.iter().filter(|warning| warning.to_string().contains("NaN")).collect();
-    assert!(told.len() == 1 && told[0].to_string().contains("F33 and the column e33 are NaN"), "{warnings:?}");
-    // trial calls find that it serves three components
+    let reported: Vec<_> = warnings.iter().filter(|warning| warning.to_string().contains("NaN")).collect();
+    assert!(reported.len() == 1 && reported[0].to_string().contains("F33 and the column e33 are NaN"), "{warnings:?}");
+    // trial calls find that it works with three components
     case["measure"] = json!("nominal");
     let failed = desk.run(&desk.case("nominal.json", &case), &[], "nominal", 1).outcome.stderr;
     assert!(failed.contains("$.measure") && failed.contains("mode 3d"), "{failed}");

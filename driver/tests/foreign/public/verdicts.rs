@@ -35,7 +35,7 @@ fn judged(law: &PublishedLaw, sound: Row, planted: Row) {
 }
 
 #[test]
-fn a_shear_strain_taken_for_the_tensors_is_told() {
+fn a_shear_strain_taken_for_the_tensors_is_reported() {
     let desk = Desk::new();
     let Some(library) = cases::MAZARS.built(&desk, &["--flag=-DTENSOR_SHEAR"]) else { return };
     let outcome = checked(&desk, &library, &(cases::MAZARS.case)(library.clone()), 0);

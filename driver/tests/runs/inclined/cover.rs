@@ -1,4 +1,4 @@
-//! Concrete in front of and behind a fibre, from the case to the curve.
+//! Concrete in front of a fibre and at its back, from the case to the curve.
 
 use super::run;
 use crate::program::{Desk, Run, Table, xml_of_fields};
@@ -9,7 +9,7 @@ use fe_core::mesh::{ElementDefinition, MeshDefinition};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
-/// A fibre in elastic concrete, whose bond bears 3 MPa across it.
+/// Makes a fibre in elastic concrete, whose bond carries 3 MPa in the normal direction.
 fn fibre(specimen: Value, slip: f64) -> Value {
     let mut case = super::fibre(specimen, slip);
     case["contact"]["law"]["props"]["p_0"] = json!(3);
@@ -116,7 +116,7 @@ fn a_cover_is_of_the_matrix_and_joins_the_halves() {
         let worst = worst(run.history.column("energy_error").iter().map(|error| error.abs()));
         assert!(worst < 1e-3, "{worst:e}");
         let report = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");
-        assert!(report.contains("plane strain, thickness 2.854 mm"), "the part 'cover' is told");
+        assert!(report.contains("plane strain, thickness 2.854 mm"), "the part 'cover' is reported");
         let picture = std::fs::read_to_string(run.folder.join("plots/deformed_mesh.svg")).expect("a picture");
         assert!(picture.contains("cover"));
         let fields = xml_of_fields(&run.folder.join("fields/000000.vtu"));
@@ -146,7 +146,7 @@ fn a_file_may_have_a_cover() {
 /// One Q8 from wall to wall, with a middle node of its own in the middle of the hole: its lower end lies on two edges of the
 /// hole's end and on the fibre's tail.
 #[test]
-fn a_cover_may_end_beside_the_nodes_of_the_hole() {
+fn a_cover_may_end_between_the_nodes_of_the_hole() {
     let desk = Desk::new();
     let mut definition = perpendicular_fibre(&perpendicular(false)).unwrap().definition;
     definition.parts.push(fe_core::mesh::Part::new("cover", fe_core::kinematics::PlaneModel::PlaneStrain, 1.0));
@@ -180,7 +180,7 @@ fn a_cover_may_end_beside_the_nodes_of_the_hole() {
 }
 
 #[test]
-fn what_a_cover_cannot_be_is_told() {
+fn what_a_cover_cannot_be_is_reported() {
     let desk = Desk::new();
     let refused = |specimen: Value, part: Option<&str>, words: &str| {
         let mut case = fibre(specimen, 0.1);

@@ -52,7 +52,7 @@ const COMPARED: usize = 40;
 const PATHS: f64 = 0.05;
 
 impl Form {
-    /// Throws states at it, on several threads. `done` is told of each share of the states, in any order.
+    /// Throws states at it, on several threads. `done` receives the size of each share of the states, in any order.
     ///
     /// # Panics
     /// If the law panics.

@@ -6,7 +6,7 @@ use umat_abi::law::Response;
 
 static CALLS: AtomicU64 = AtomicU64::new(0);
 
-/// σ11 grows by 1e-12 of itself with each call.
+/// Planted error: σ11 grows by a factor of 1 + 1e-12 with each call.
 pub struct Memory;
 
 impl Fault for Memory {

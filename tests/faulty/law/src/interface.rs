@@ -24,7 +24,7 @@ impl Share for Whole {
     const NAME: &'static std::ffi::CStr = c"sound_interface";
 }
 
-/// Half of it: an error.
+/// Half of the term: an error.
 #[derive(Debug)]
 pub struct Half;
 impl Share for Half {

@@ -1,5 +1,5 @@
-//! Two damage laws small enough to be right at a glance. The plugins beside this crate plant one error
-//! each into them, and `driver/tests/conformance.rs` sees that the conformance test finds it.
+//! Two damage laws small enough to be right at a glance. The plugins next to this crate plant one error
+//! each into them, and `driver/tests/conformance.rs` checks that the conformance test finds it.
 
 mod interface;
 mod solid;

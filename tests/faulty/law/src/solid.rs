@@ -30,7 +30,7 @@ pub struct Parts {
 pub trait Fault {
     /// The law's name.
     const NAME: &'static CStr;
-    /// Flags claimed beside those of the law.
+    /// Flags claimed in addition to those of the law.
     const FLAGS: u32 = 0;
     /// Spoils the response and the new state.
     fn plant(_response: &mut Response, _state: &mut State, _parts: &Parts) {}

@@ -3,7 +3,7 @@
 use faulty_law::{Damage, Fault, Parts, State};
 use umat_abi::law::Response;
 
-/// An index out of range, say.
+/// Planted error: a panic, for example by an index out of range.
 pub struct Panicking;
 
 impl Fault for Panicking {

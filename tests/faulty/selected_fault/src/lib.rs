@@ -44,7 +44,7 @@ impl Fault for Selected {
 
 /// Errors in the entry point.
 unsafe fn body(a: &UmatArguments) {
-    // SAFETY: forwarded to the caller, who passes valid counts; the faults write within the arrays they are told of,
+    // SAFETY: forwarded to the caller, who passes valid counts; the faults write within the arrays they are given,
     // and DSTRAN and PROPS, the planted errors.
     unsafe {
         let count = usize::try_from(*a.nprops).unwrap_or(0);

@@ -11,7 +11,7 @@ impl Fault for Overrun {
 }
 
 unsafe fn body(arguments: &UmatArguments) {
-    // SAFETY: forwarded to the caller; the write behind STATEV is the planted error, into the host's canaries.
+    // SAFETY: forwarded to the caller; the write past STATEV is the planted error, into the host's canaries.
     unsafe {
         umat_abi::export::umat::<Damage<Overrun>>(arguments);
         const STATES: i32 = 3;

@@ -88,7 +88,7 @@ fn check(call: &Call) {
     let sample = &LAWS[call.law];
     let n = call.points;
     let [ntens, ndi] = call.counts;
-    // arrays are as long as their counts tell, as far as memory goes
+    // arrays are as long as their counts say, as far as memory goes
     let length = |given: i32, most: usize| usize::try_from(given).map_or(0, |given| given.min(most));
     let rows = if (1..=6).contains(&ntens) { ntens as usize } else { 6 };
     let nprops = call.nprops.min(64);
@@ -118,7 +118,7 @@ fn check(call: &Call) {
         null(&mut arguments, which.index(pointers));
     }
     let a = &arguments;
-    // SAFETY: every pointer is NULL or valid for what the counts tell.
+    // SAFETY: every pointer is NULL or valid for the sizes that the counts give.
     unsafe {
         function(
             a.n, a.ntens, a.ndi, a.props, a.nprops, a.strain, a.dstrain, a.stress, a.statev, a.nstatv, a.ddsdde,
@@ -162,18 +162,20 @@ fn check(call: &Call) {
             && numbers(&states[..sample.states.min(states.len())])
             && if a.ddsdde.is_null() { tangent_kept } else { numbers(&tangent) };
         let refused = states_kept && spoilt(&stress, a.stress, stress_kept) && spoilt(&tangent, a.ddsdde, tangent_kept);
-        // without STATUS a cut-back is told by the stress
+        // without STATUS the stress shows a cut-back
         let kept = if a.status.is_null() { refused } else { stress_kept && states_kept && tangent_kept };
-        let told = |result: i32| a.status.is_null() || status[k + 1] == result;
+        let has_status = |result: i32| a.status.is_null() || status[k + 1] == result;
         let well = match (accepted, finite) {
-            (false, true) => refused && told(batch_results::REFUSED),
-            (false, false) => refused && told(batch_results::REFUSED) || kept && told(batch_results::CUT_BACK),
-            (true, false) => kept && told(batch_results::CUT_BACK),
-            (true, true) if lacks_length => refused && told(batch_results::REFUSED),
+            (false, true) => refused && has_status(batch_results::REFUSED),
+            (false, false) => {
+                refused && has_status(batch_results::REFUSED) || kept && has_status(batch_results::CUT_BACK)
+            }
+            (true, false) => kept && has_status(batch_results::CUT_BACK),
+            (true, true) if lacks_length => refused && has_status(batch_results::REFUSED),
             (true, true) => {
-                done && told(batch_results::DONE)
-                    || kept && told(batch_results::CUT_BACK)
-                    || may_be_refused && refused && told(batch_results::REFUSED)
+                done && has_status(batch_results::DONE)
+                    || kept && has_status(batch_results::CUT_BACK)
+                    || may_be_refused && refused && has_status(batch_results::REFUSED)
             }
         };
         assert!(well, "point {k} of {n}: {stress:?} {states:?} {tangent:?}, {}", context());

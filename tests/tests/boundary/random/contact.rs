@@ -321,7 +321,7 @@ fn check_uinter(call: &Call) {
     mark(&mut outputs, &given, a.ndir.is_null());
     let (library, named) = call.library(a.ciname);
     let function = library.uinter(None).expect("uinter_");
-    // SAFETY: every pointer is NULL or valid for what the counts tell, as far as a law may use it; the name is padded,
+    // SAFETY: every pointer is NULL or valid for the sizes that the counts give, as far as a law may use it; the name is padded,
     // NUL-terminated or has 80 bytes.
     unsafe { arguments.call(function) };
 
@@ -337,13 +337,13 @@ fn check_uinter(call: &Call) {
     // hard contact without a penalty, for which a host would fill in its own
     let may_refuse = props.get(3) == Some(&0.0);
     let allowed = allowed(sound, &law().validate(&props, None), finite, may_refuse);
-    let told = (!a.pnewdt.is_null()).then(|| [call.pnewdt, reached.values()[0]]);
-    judge(&outputs, told, allowed, &|| format!("UINTER with {props:?}, {statev:?}"));
+    let pnewdt = (!a.pnewdt.is_null()).then(|| [call.pnewdt, reached.values()[0]]);
+    judge(&outputs, pnewdt, allowed, &|| format!("UINTER with {props:?}, {statev:?}"));
     assert!(reached.is_intact() && inputs.iter().all(Fenced::is_intact) && flags == [-1; 3]);
     assert_eq!(inputs.each_ref().map(Fenced::bits), before, "an input was written");
 }
 
-/// Notes which outputs the call is told of.
+/// Notes which outputs the call is given.
 fn mark(outputs: &mut [Output], given: &[*mut f64], countless: bool) {
     for (output, pointer) in outputs.iter_mut().zip(given) {
         output.given = !pointer.is_null();
@@ -463,8 +463,8 @@ fn check_fric(call: &Call) {
     let finite = slips.chain(statev.iter().take(law().states.len())).all(|x| x.is_finite());
     let validation = law().validate(&props, None);
     let allowed = if is_open { &[Answer::Done] } else { allowed(sound, &validation, finite, false) };
-    let told = (!a.pnewdt.is_null()).then(|| [call.pnewdt, reached.values()[0]]);
-    judge(&outputs, told, allowed, &|| format!("FRIC with {props:?}, {statev:?}"));
+    let pnewdt = (!a.pnewdt.is_null()).then(|| [call.pnewdt, reached.values()[0]]);
+    judge(&outputs, pnewdt, allowed, &|| format!("FRIC with {props:?}, {statev:?}"));
     assert!(reached.is_intact() && inputs.iter().all(Fenced::is_intact) && lm[1] == 77);
     assert!(lm[0] == call.lm || lm[0] == 0 && allowed.contains(&Answer::Done), "LM {}", lm[0]);
     assert_eq!(inputs.each_ref().map(Fenced::bits), before, "an input was written");

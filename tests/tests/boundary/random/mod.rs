@@ -118,7 +118,7 @@ struct Output {
     written: usize,
     /// Number of cells at its start that become NaN in a refusal.
     spoilt: usize,
-    /// The call was told of it.
+    /// Whether the call was given it.
     given: bool,
 }
 
@@ -154,17 +154,18 @@ fn judge(outputs: &[Output], pnewdt: Option<[f64; 2]>, allowed: &[Answer], conte
         assert!(output.memory.is_intact(), "written around {}: {}", output.name, context());
     }
     let matches = |answer: Answer| {
-        let told = match (answer, pnewdt) {
+        let agrees = match (answer, pnewdt) {
             (_, None) => true,
             (Answer::Done, Some([before, after])) => before.to_bits() == after.to_bits(),
             (_, Some([_, after])) => after > 0.0 && after < 1.0,
         };
-        told && outputs.iter().all(|output| match answer {
-            Answer::Done => output.is_written(),
-            Answer::Untouched if pnewdt.is_none() && ["STRESS", "TAU"].contains(&output.name) => output.is_spoilt(),
-            Answer::Untouched => output.is_untouched(),
-            Answer::Refused => output.is_spoilt(),
-        })
+        agrees
+            && outputs.iter().all(|output| match answer {
+                Answer::Done => output.is_written(),
+                Answer::Untouched if pnewdt.is_none() && ["STRESS", "TAU"].contains(&output.name) => output.is_spoilt(),
+                Answer::Untouched => output.is_untouched(),
+                Answer::Refused => output.is_spoilt(),
+            })
     };
     if !allowed.iter().any(|answer| matches(*answer)) {
         let found: Vec<_> =

@@ -110,7 +110,7 @@ fn states_after(loaded: &Loaded, stress_state: StressState, increments: usize) -
     point
 }
 
-/// `values` as far as `given` goes, `filler` behind.
+/// Returns so many numbers: those of `values`, then `filler`.
 fn resized(values: &[f64], length: usize, filler: f64) -> Vec<f64> {
     (0..length).map(|k| values.get(k).copied().unwrap_or(filler)).collect()
 }
@@ -119,7 +119,7 @@ fn check(call: &Call) {
     let loaded = &OWN[call.law];
     let law = loaded.law;
     let [ntens, ndi, nshr] = call.counts;
-    // arrays are as long as their counts tell, as far as memory goes
+    // arrays are as long as their counts say, as far as memory goes
     let length = |given: i32, most: usize| usize::try_from(given).map_or(0, |given| given.min(most));
     let components = if (1..=6).contains(&ntens) { ntens as usize } else { 6 };
     let start = states_after(loaded, call.stress_state, call.history);
@@ -208,7 +208,7 @@ fn check(call: &Call) {
         outputs.iter_mut().for_each(|output| output.spoilt = 0);
     }
     let function = if call.by_name { ALL.1 } else { loaded.umat };
-    // SAFETY: every pointer is NULL or valid for what the counts tell, as far as a law may use it; the name is padded,
+    // SAFETY: every pointer is NULL or valid for the sizes that the counts give, as far as a law may use it; the name is padded,
     // NUL-terminated or has 80 bytes.
     unsafe { arguments.call(function) };
 
@@ -241,8 +241,8 @@ fn check(call: &Call) {
         (true, true) if may_be_refused => &[Answer::Done, Answer::Untouched, Answer::Refused],
         (true, true) => &[Answer::Done, Answer::Untouched],
     };
-    let told = (!a.pnewdt.is_null()).then(|| [call.pnewdt, reached.values()[0]]);
-    judge(&outputs, told, allowed, &|| format!("{} with {props:?}, {statev:?}", law.name));
+    let pnewdt = (!a.pnewdt.is_null()).then(|| [call.pnewdt, reached.values()[0]]);
+    judge(&outputs, pnewdt, allowed, &|| format!("{} with {props:?}, {statev:?}", law.name));
     assert!(reached.is_intact(), "written around PNEWDT");
     assert!(
         inputs.iter().all(Fenced::is_intact) && inputs.each_ref().map(Fenced::bits) == before,

@@ -71,7 +71,7 @@ fn check(call: &Call) {
     let mut bytes = vec![SIGN; call.capacity + 2 * FENCE];
     let pointer = if call.null[0] { std::ptr::null() } else { props.pointer().cast_const() };
     let message = if call.null[1] { std::ptr::null_mut() } else { bytes[FENCE..].as_mut_ptr().cast() };
-    // SAFETY: NULL, or valid for what the counts tell.
+    // SAFETY: NULL, or valid for the sizes that the counts give.
     let status = unsafe { (law.validate)(pointer, count, call.length, message, call.capacity) };
     assert!([validation::OK, validation::INVALID, validation::NEEDS_LENGTH].contains(&status), "{status}");
     assert!(!(call.null[0] || count < 0) || status == validation::INVALID);

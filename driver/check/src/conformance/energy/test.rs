@@ -8,7 +8,7 @@ fn errors_that_stay_do_not_converge() {
     assert!(!converges(&[1e-3; 9]) && !converges(&[2e-3, 1e-3, 1e-3, 1e-3]));
     assert!(stays(&[1e-3; 9]) && stays(&[0.5, 0.302, 0.3005, 0.3001, 0.3]) && !stays(&[0.3; 3]));
     assert!(!stays(&falls(1)) && !stays(&falls(2)) && !stays(&[0.3, 0.3, f64::NAN, 0.3]));
-    // a jump of the stress at random places of its increments: finer ones tell
+    // the stress jumps at random places of the increments: finer ones show it
     let jump = [6.1e-4, 1.2e-3, 8.4e-4, 6.6e-4];
     assert!(!stays(&jump) && !converges(&jump) && converges(&[&jump[..], &[2e-4, 1.2e-4, 5e-5]].concat()));
     // convergent, and useless

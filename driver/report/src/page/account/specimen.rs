@@ -1,6 +1,6 @@
-//! A specimen in words and tables.
+//! Describes a specimen in text and tables.
 
-use super::{Account, LawAccount, bound, called, count, parameters, tell, until_and_every};
+use super::{Account, LawAccount, bound, called, count, described, parameters, until_and_every};
 use fe_core::kinematics::PlaneModel;
 use fe_core::model::{
     ContactPair, Controls, Enforcement, Interference, Model, Quadrature, Skipping, Step, StepControl, Support, Width,
@@ -25,7 +25,7 @@ pub(super) fn account(program: &PulloutProgram) -> Account {
         .collect();
     let pairs: Vec<(&Step, Option<&Until>)> =
         model.steps.iter().zip(program.step_untils.iter().map(Option::as_ref)).collect();
-    let (steps, steps_left_out) = tell(&pairs, |(step, until)| one_step(step, *until, model, &columns));
+    let (steps, steps_left_out) = described(&pairs, |(step, until)| one_step(step, *until, model, &columns));
     Account {
         law: laws.first().map(|law| law.law.clone()).unwrap_or_default(),
         mode: format!(

@@ -1,7 +1,7 @@
 use super::*;
 
 #[test]
-fn energies_are_told_with_their_shares_and_what_is_missing() {
+fn energies_are_listed_with_their_shares_and_what_is_missing() {
     let interface = [("interface_energy", 5.0), ("interface_stored_energy", 1.0), ("interface_dissipation", 4.0)];
     let energies = [("external_work", 8.0), ("elastic_energy", 2.0)].into_iter().chain(interface);
     let mut found = Findings { energy_error_max: Some(0.125), ..Findings::default() };

@@ -2,8 +2,8 @@
 
 use super::super::axis::Axis;
 use super::super::figure::{
-    AxisSizes, Drawn, INK, LABEL_SIZE, PALETTE, Root, TICK_SIZE, UNIT, beside, centered, draw_axes, draw_title, finish,
-    left_of, outline, pixels, text_width, thin, wrapped,
+    AxisSizes, Drawn, INK, LABEL_SIZE, PALETTE, Root, TICK_SIZE, UNIT, centered, draw_axes, draw_title, finish,
+    left_aligned, left_of, outline, pixels, text_width, thin, wrapped,
 };
 use super::super::guarded;
 use super::super::markup;
@@ -20,7 +20,7 @@ pub(super) const NO_VALUE: &str = "#d9d9d9";
 const BAR_OFFSET: i32 = 16;
 const BAR_WIDTH: i32 = 16;
 const BAR_TEXT: i32 = 7;
-/// Least distance between numbers beside the bar, px.
+/// Smallest distance between numbers next to the bar, px.
 const LINE: f64 = 15.0;
 
 /// Content to the right of the plot.
@@ -31,7 +31,7 @@ pub(super) enum Side<'a> {
     Names(&'a [(RGBColor, &'a str)]),
 }
 
-/// A picture but for the field itself.
+/// A picture without the field itself.
 pub(super) struct Canvas {
     view: View,
     svg: String,
@@ -142,7 +142,7 @@ impl Side<'_> {
         }
     }
 
-    /// Draws it beside a plot of this height in px whose upper right corner is given.
+    /// Draws it next to a plot of this height in px whose upper right corner is given.
     fn draw<'a>(&self, root: &Root<'a>, (x, y): (i32, i32), height: i32) -> Drawn<'a, ()> {
         let left = x + BAR_OFFSET * UNIT;
         match self {
@@ -166,18 +166,18 @@ impl Side<'_> {
     }
 }
 
-/// A square of a colour with a name beside it.
+/// Draws a square of a colour with a name next to it.
 fn draw_swatch<'a>(root: &Root<'a>, (x, y): (i32, i32), color: RGBColor, name: &str) -> Drawn<'a, ()> {
     let side = BAR_WIDTH * UNIT;
     let corners = [(x, y), (x + side, y + side)];
     root.draw(&Rectangle::new(corners, color.filled()))?;
     root.draw(&outline(corners, INK))?;
-    root.draw(&Text::new(name.to_owned(), (x + side + BAR_TEXT * UNIT, y + side / 2), beside(TICK_SIZE)))?;
+    root.draw(&Text::new(name.to_owned(), (x + side + BAR_TEXT * UNIT, y + side / 2), left_aligned(TICK_SIZE)))?;
     Ok(())
 }
 
 impl Levels {
-    /// Characters of the longest number beside the bar.
+    /// Returns the number of characters of the longest number next to the bar.
     fn widest(&self) -> usize {
         let ends = [self.range.0, self.range.1].map(|end| self.end_text(end));
         let levels = self.between.iter().map(|&level| self.text(level));
@@ -202,7 +202,7 @@ impl Levels {
         let place = |share: f64, text: String| -> Drawn<'a, ()> {
             let tick = vec![(right, up(share)), (right + 4 * UNIT, up(share))];
             root.draw(&PathElement::new(tick, thin(INK)))?;
-            root.draw(&Text::new(text, (right + BAR_TEXT * UNIT, up(share)), beside(TICK_SIZE)))?;
+            root.draw(&Text::new(text, (right + BAR_TEXT * UNIT, up(share)), left_aligned(TICK_SIZE)))?;
             Ok(())
         };
         if self.between.is_empty() {

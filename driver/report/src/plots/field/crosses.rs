@@ -40,7 +40,7 @@ pub fn crosses(
     expect_length("stresses", stresses.len(), mesh.nodes.len())?;
     let Shown { positions, view, seen } = picture.shown()?;
     let drawn = positions.as_slice();
-    // what lies behind is hidden, or else too small for a cross
+    // an element in the background is hidden, or too small for a cross
     let shown = seen.iter().filter(|&&index| !mesh.behind.contains(&mesh.elements[index].part));
     let candidates = shown.flat_map(|&index| {
         let element = &mesh.elements[index];

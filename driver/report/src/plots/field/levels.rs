@@ -4,7 +4,7 @@ use super::super::axis::exponent;
 use super::super::quantity::Quantity;
 use pullout_run::number::{signed, significant};
 
-/// Colours at most, but for the two ends.
+/// Largest number of colours, without the two ends.
 const MOST_BANDS: f64 = 13.0;
 
 /// Bands of values: below the first level, between two, above the last.
@@ -46,7 +46,7 @@ impl Levels {
         Self { range: (least, greatest), between, label: quantity.label(exponent), scale, decimals }
     }
 
-    /// Returns how many bands.
+    /// Returns the number of bands.
     pub fn count(&self) -> usize {
         self.between.len() + 1
     }

@@ -86,7 +86,8 @@ pub enum PictureError {
     /// No element inside the window, or no finite position.
     #[error("there is nothing to draw: no element lies in the window")]
     Nothing,
-    /// A mesh that does not fit itself, not one value per node, a window without area, or a failure of the drawing library, in words.
+    /// Message about an inconsistent mesh, a number of values that is not one per node, a window without area, or a failure of the
+    /// drawing library.
     #[error("{0}")]
     Wrong(String),
 }
@@ -192,7 +193,7 @@ impl<'a> FieldPicture<'a> {
         }
     }
 
-    /// Returns this with more behind it.
+    /// Returns the note, followed by `more`.
     fn note_with(&self, more: &str) -> String {
         let note = self.note();
         let separator = if note.is_empty() { "" } else { "; " };
@@ -205,7 +206,7 @@ struct Shown {
     /// Positions of all nodes as drawn, mm.
     positions: Vec<[f64; 2]>,
     view: View,
-    /// Indices of the elements in the view, of which there are some.
+    /// Indices of the elements in the view, at least one.
     seen: Vec<usize>,
 }
 

@@ -22,7 +22,7 @@ pub(super) struct Surface<'a> {
     patches: Vec<(usize, Vec<GridPoint>)>,
     /// Mean size of an element, px.
     pub element_size: f64,
-    /// `Some(true)`: only elements behind; `Some(false)`: only the others; `None`: all.
+    /// `Some(true)`: only elements in the background; `Some(false)`: only the others; `None`: all.
     behind: Option<bool>,
 }
 
@@ -56,7 +56,7 @@ impl<'a> Surface<'a> {
         Self { mesh, positions, lattices, patches, element_size, behind: None }
     }
 
-    /// Splits it into layers, each to be drawn over the one before: the elements that lie behind, and the rest.
+    /// Splits it into layers, each to be drawn over the previous one: the elements in the background, and the rest.
     pub fn layers(self) -> Vec<Self> {
         if self.mesh.behind.is_empty() {
             return vec![self];
@@ -175,7 +175,7 @@ pub(super) fn extent(element: &PictureElement, positions: &[[f64; 2]]) -> f64 {
     side(0).max(side(1))
 }
 
-/// The part of a triangle where the value is not less than the level.
+/// Returns the part of a triangle where the value is at least the level.
 fn clipped(triangle: [(GridPoint, f64); 3], level: f64) -> Vec<GridPoint> {
     let mut polygon = Vec::with_capacity(4);
     for k in 0..3 {

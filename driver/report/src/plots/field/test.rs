@@ -200,7 +200,7 @@ fn pictures_stay_small() {
 }
 
 #[test]
-fn elements_without_a_value_are_grey_and_values_beyond_the_range_are_told() {
+fn elements_without_a_value_are_grey_and_values_beyond_the_range_are_reported() {
     let mesh = ring(4, 2);
     let field = hoop(&mesh);
     let holes: Vec<f64> = mesh
@@ -390,7 +390,7 @@ fn zones_have_a_colour_for_each_class_that_is_there() {
     assert!(zones(&FieldPicture::new("Zones", &mesh), &of[1..], &classes).is_err());
 }
 
-/// The part that lies behind is drawn first, with its edges: the later part hides it.
+/// The part in the background is drawn first, with its edges: the later part hides it.
 #[test]
 fn what_lies_behind_is_hidden_by_what_lies_before_it() {
     let square =

@@ -38,8 +38,8 @@ pub fn zones(picture: &FieldPicture<'_>, of: &[usize], classes: &[Class<'_>]) ->
     Ok(canvas.finish(&body))
 }
 
-/// Draws the elements in the colours of their classes; classes that are seen are named beside them. `inner`: width, px, and other
-/// attributes of the lines inside parts, by the size of an element; `boundary`: width of those around parts.
+/// Draws the elements in the colours of their classes and names the visible classes next to them. `inner`: width, px, and other
+/// attributes of the lines inside parts, by the size of an element; `boundary`: width of the lines around parts.
 fn in_classes(
     picture: &FieldPicture<'_>,
     classes: &[Class<'_>],

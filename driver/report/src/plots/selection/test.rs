@@ -142,7 +142,7 @@ fn runs_of_one_title_are_named_by_what_differs() {
 }
 
 #[test]
-fn runs_are_told_apart_by_title_and_share_a_measured_curve() {
+fn runs_are_named_by_title_and_share_a_measured_curve() {
     let history = biaxial();
     let mut first = spec(CaseKind::Point { controlled: vec![1] });
     first.curves = vec![curve("e22", "s22")];

@@ -1,4 +1,4 @@
-//! The frames of an animation, and the file of them.
+//! Draws the frames of an animation and writes their file.
 
 use super::Scenes;
 use crate::plots::export::draw_upon;
@@ -15,7 +15,7 @@ use std::io;
 
 /// Width and height, px.
 const SIZE: [u32; 2] = [880, 400];
-/// Width of the specimen; the curve is beside it.
+/// Width of the specimen; the curve is next to it.
 const MESH_WIDTH: f64 = 500.0;
 /// Where the curve begins, px, and its width.
 const CURVE: [f64; 3] = [516.0, 24.0, 356.0];

@@ -1,4 +1,4 @@
-//! Each group of checks in a process of its own: what ends one does not end the others.
+//! Runs each group of checks in its own process: what ends one does not end the others.
 
 use super::{Checks, TIME_LIMIT, header, no_plugin};
 use crate::command::{DONE, Refusal, complain, isolated, say};
@@ -14,9 +14,9 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Longest time of all groups, so that a check ends within twenty seconds where it need not wait for a processor.
+/// Time limit of all groups together, so that a check ends within twenty seconds unless it must wait for a processor.
 const TIME_OF_ALL: Duration = Duration::from_secs(19);
-/// Ends of a process that the sample is drawn again for, without what led to it.
+/// How often the sample is drawn again after a state ended the process, without that state.
 const MOST_ENDS: usize = 16;
 /// The row that every group has.
 const BOUNDS: &str = "array bounds";
@@ -40,12 +40,12 @@ enum Heard {
 
 /// Findings of all groups.
 struct Tally {
-    /// Whether the user is told of rows as they come.
-    is_told: bool,
+    /// Whether rows are printed as they come.
+    prints_rows: bool,
     /// The case, if there is one.
     case: CaseSource,
     judged: Vec<Judged>,
-    /// Writes behind arrays, by law and entry point: what the first group found that found any.
+    /// Writes past the ends of arrays, by law and entry point: the finding of the first group that found any.
     bounds: Vec<(usize, Row)>,
 }
 
@@ -54,14 +54,14 @@ pub(super) fn run(
     mut checks: Checks,
     library: &Path,
     mut need: Need,
-    is_told: bool,
+    prints_rows: bool,
 ) -> Result<Result<Judgement, u8>, Refusal> {
     isolated::warn_about_in_process(checks.case.as_ref().map_or(library, |case| &case.file), &need, false);
     for limit in need.libraries.values_mut().filter(|limit| **limit == isolation::CALL_TIME_LIMIT) {
         *limit = TIME_LIMIT;
     }
     let case = checks.case.clone().unwrap_or_else(|| CaseSource::file(Path::new("")));
-    let mut tally = Tally { is_told, case, judged: Vec::new(), bounds: Vec::new() };
+    let mut tally = Tally { prints_rows, case, judged: Vec::new(), bounds: Vec::new() };
     let mut spent = Duration::ZERO;
     let groups = Group::value_variants();
     for (index, group) in groups.iter().enumerate() {
@@ -84,7 +84,7 @@ pub(super) fn run(
                     return Err(Refusal::input(message));
                 }
             };
-            let told = tally.read(events);
+            let output = tally.read(events);
             let failure = match end {
                 End::Done(DONE) => break,
                 End::Done(code) => return Ok(Err(code)),
@@ -92,21 +92,22 @@ pub(super) fn run(
                 End::Failed(failure) => failure,
             };
             if failure.is_out_of_time {
-                tally.leave(library, *group, &told, &failure, time_limit);
+                tally.leave(library, *group, &output, &failure, time_limit);
                 break;
             }
-            // what the plugin does not survive at all is told once
-            if checks.longest_path == Some(0) && told.begun.as_ref().is_some_and(|(check, _)| check == "virgin state") {
+            // a call that the plugin never survives is reported once
+            if checks.longest_path == Some(0) && output.begun.as_ref().is_some_and(|(check, _)| check == "virgin state")
+            {
                 return Ok(Ok(tally.conclude(&checks.of.plugin)));
             }
-            tally.end(library, *group, &told, &failure);
+            tally.end(library, *group, &output, &failure);
             let is_first = *group == Group::States;
-            match (&told.begun, told.drawn) {
+            match (&output.begun, output.drawn) {
                 (_, Some((state, _))) if is_first && checks.skip.len() < MOST_ENDS => checks.skip.push(state),
                 (Some((check, _)), _) if is_first && check == "case's path" && checks.longest_path.is_none() => {
                     checks.longest_path = Some(failure.calls_of_check);
                 }
-                (_, Some(_)) | (Some(_), _) if is_first && told.is_in_the_sample() => {
+                (_, Some(_)) | (Some(_), _) if is_first && output.is_in_the_sample() => {
                     complain(format!("{}: no sample can be drawn: nothing else is checked", library.display()));
                     return Ok(Ok(tally.conclude(&checks.of.plugin)));
                 }
@@ -127,14 +128,14 @@ impl GroupOutput {
 }
 
 impl Tally {
-    /// Takes what a group has told.
+    /// Reads the messages of a group.
     fn read(&mut self, heard: Vec<Heard>) -> GroupOutput {
-        let mut told = GroupOutput::default();
+        let mut output = GroupOutput::default();
         let mut law = 0;
         for heard in heard {
             let event = match heard {
                 Heard::Event(event) => event,
-                // what the group has said is told to who started this process as well
+                // the process that started this one receives the messages as well
                 Heard::Message(message) => {
                     isolation::send(&message);
                     continue;
@@ -142,19 +143,19 @@ impl Tally {
             };
             match event {
                 Event::Law(name, library) => law = self.law(&name, &library),
-                Event::Begins(check, entry) => told = GroupOutput { begun: Some((check, entry)), drawn: None },
-                Event::Draws(state, is_far) => told.drawn = Some((state, is_far)),
+                Event::Begins(check, entry) => output = GroupOutput { begun: Some((check, entry)), drawn: None },
+                Event::Draws(state, is_far) => output.drawn = Some((state, is_far)),
                 Event::Row(row) => self.add(law, row),
             }
         }
-        told
+        output
     }
 
     fn law(&mut self, name: &str, library: &Path) -> usize {
         if let Some(law) = self.judged.iter().position(|law| law.name == name) {
             return law;
         }
-        if self.is_told {
+        if self.prints_rows {
             say(&header(name, library));
         }
         let library = library.display().to_string();
@@ -188,7 +189,7 @@ impl Tally {
         if is_known {
             return;
         }
-        if self.is_told {
+        if self.prints_rows {
             say(&format!("{row}\n"));
         }
         rows.push(row);
@@ -199,10 +200,10 @@ impl Tally {
         self.bounds.retain(|(_, row)| row.verdict == Verdict::Fail);
     }
 
-    /// Tells what a group had no time for.
-    fn leave(&mut self, library: &Path, group: Group, told: &GroupOutput, failure: &Failure, time_limit: Duration) {
+    /// Reports the checks for which a group had no time.
+    fn leave(&mut self, library: &Path, group: Group, output: &GroupOutput, failure: &Failure, time_limit: Duration) {
         let law = self.present_law(library);
-        let (check, stress_state) = told.begun.clone().unwrap_or(("start".into(), "-".into()));
+        let (check, stress_state) = output.begun.clone().unwrap_or(("start".into(), "-".into()));
         let detail = format!(
             "not tested: no time left after {:.1} s, in call {} of this check: the plugin's calls take long; left out with \
              what follows of {}",
@@ -214,13 +215,13 @@ impl Tally {
         self.add(law, Row { check, stress_state, verdict: Verdict::NotTested, figure, detail });
     }
 
-    /// Tells of a call that did not come back.
-    fn end(&mut self, library: &Path, group: Group, told: &GroupOutput, failure: &Failure) {
+    /// Reports a call that did not return.
+    fn end(&mut self, library: &Path, group: Group, output: &GroupOutput, failure: &Failure) {
         let message = &failure.report.message;
         complain(format!("{}: {message}", library.display()));
         let law = self.present_law(library);
-        let (check, stress_state) = told.begun.clone().unwrap_or(("loading".into(), "-".into()));
-        let mut detail = match told.drawn {
+        let (check, stress_state) = output.begun.clone().unwrap_or(("loading".into(), "-".into()));
+        let mut detail = match output.drawn {
             Some((state, true)) => format!("a long step away from the case's path, state {state}: {message}"),
             Some((state, false)) => format!("state {state}: {message}"),
             None if check == "case's path" => message.clone(),
@@ -234,32 +235,32 @@ impl Tally {
             self.judged[law].replays.push(case);
         }
         // what makes no sense, or what the case never does, may end the analysis
-        let is_senseless = group == Group::BadInput || told.drawn.is_some_and(|(_, is_far)| is_far);
+        let is_senseless = group == Group::BadInput || output.drawn.is_some_and(|(_, is_far)| is_far);
         let verdict = if is_senseless { Verdict::Warn } else { Verdict::Fail };
         self.add(law, Row { check, stress_state, verdict, figure: "ended".into(), detail });
     }
 
-    /// Tells the rows that concern all groups, and the conclusion.
+    /// Reports the rows that concern all groups, and the conclusion.
     fn conclude(mut self, plugin: &str) -> Judgement {
         if self.judged.is_empty() {
             complain(format!("{plugin}: no check reported a result"));
         }
         for (law, row) in std::mem::take(&mut self.bounds) {
-            if self.is_told {
+            if self.prints_rows {
                 say(&format!("{row}\n"));
             }
             self.judged[law].report.rows.push(row);
         }
         let judgement = Judgement::of(self.judged);
-        if self.is_told {
+        if self.prints_rows {
             judgement.laws.iter().for_each(|law| say(&format!("{}\n\n", law.conclusion)));
         }
         judgement
     }
 }
 
-/// Writes a replay case into the current folder, under the first name that is free; returns the name. A file that is there may
-/// be the user's, or a replay that they changed: it stays, and serves if it is the same.
+/// Writes a replay case into the current folder under the first free name, and returns the name. An existing file may be the
+/// user's, or a replay that they changed: it is kept, and its name is returned if the content is the same.
 fn keep(text: &str) -> io::Result<PathBuf> {
     let mut number = 1;
     loop {
