@@ -28,7 +28,7 @@ pub(super) fn check_before_run(
     let inspection = Inspection { case: case.clone(), quiet: true, before_run: true };
     let mut columns = None;
     let ended = Passage::new(&inspection).and_then(|mut passage| {
-        let ended = isolation::supervise(&mut passage, &Watch { told: reported, ..Watch::default() }, need)?;
+        let ended = isolation::supervise(&mut passage, &Watch { reported, ..Watch::default() }, need)?;
         columns = passage.heard().into_iter().find_map(|message| match message {
             Message::Columns(names) => Some(names),
             Message::Row(_) | Message::Refused(_) => None,

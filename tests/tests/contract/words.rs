@@ -1,5 +1,5 @@
-//! Documents use the words of the glossary, in short sentences; captions are short; a claim names no quantity that its test does not
-//! look at.
+//! Documents, comments and messages use the words of the glossary; documents have short sentences; captions are short; a claim names no
+//! quantity that its test does not look at.
 
 use super::documents::files;
 use end_to_end_tests::workspace;
@@ -151,8 +151,40 @@ fn sentences(text: &str) -> Vec<(usize, String)> {
     found.into_iter().map(|sentence| (words(&sentence).len(), sentence)).filter(|(count, _)| *count > 0).collect()
 }
 
+/// Folders whose code is checked: doc comments, and literals of more than one word (help, messages, titles).
+const CODE: [&str; 10] =
+    ["umat-abi", "models", "fe-core", "driver", "python", "bench", "tests", "examples", "xtask", "cases"];
+
+/// Doc comments and literals of a Rust source, each with the number of its line; code within them is left out.
+fn prose_of_code(text: &str) -> Vec<(usize, String)> {
+    let mut found = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let start = line.trim_start();
+        if let Some(comment) = start.strip_prefix("///").or_else(|| start.strip_prefix("//!")) {
+            found.push((number, without_links(&without_code(comment))));
+        } else if !start.starts_with("//") {
+            let literals = line.split('"').skip(1).step_by(2).filter(|literal| literal.contains(' '));
+            found.extend(literals.map(|literal| (number, without_code(literal))));
+        }
+    }
+    found
+}
+
+/// Sources of Rust below [`CODE`] except this one, by their paths in the tree, with their texts.
+fn sources() -> Vec<(String, String)> {
+    let root = workspace("");
+    let mut found = Vec::new();
+    for name in CODE {
+        files(&root.join(name), &mut found);
+    }
+    found.retain(|path| path.extension().is_some_and(|suffix| suffix == "rs") && !path.ends_with("contract/words.rs"));
+    found.sort();
+    let name = |path: &Path| path.strip_prefix(&root).expect("below it").to_string_lossy().into_owned();
+    found.iter().map(|path| (name(path), fs::read_to_string(path).expect("text"))).collect()
+}
+
 #[test]
-fn documents_use_the_words_of_the_glossary() {
+fn documents_and_code_use_the_words_of_the_glossary() {
     let dictionary = replaced();
     assert!(dictionary.len() > 20, "{dictionary:?}");
     let list = fs::read_to_string(workspace("tests/tests/contract/words.txt")).expect("the exceptions");
@@ -160,8 +192,10 @@ fn documents_use_the_words_of_the_glossary() {
         list.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.split_once(": ")).collect();
     assert!(exceptions.len() <= EXCEPTIONS, "{} exceptions", exceptions.len());
     let (mut wrong, mut used) = (Vec::new(), vec![false; exceptions.len()]);
-    for (name, text) in pages(&CHECKED) {
-        for (number, line) in prose(&text) {
+    let documents = pages(&CHECKED).into_iter().map(|(name, text)| (name, prose(&text)));
+    let code = sources().into_iter().map(|(name, text)| (name, prose_of_code(&text)));
+    for (name, lines) in documents.chain(code) {
+        for (number, line) in lines {
             for old in found(&line, &dictionary) {
                 match exceptions.iter().position(|(page, part)| *page == name && line.contains(part)) {
                     Some(k) => used[k] = true,
@@ -248,6 +282,10 @@ fn what_the_checks_look_for_is_found() {
     assert_eq!(hits("A worker is told of it, and the concrete gives way beside it."), 3);
     assert_eq!(hits("`told` [it](beside.md) is code, and the next a path"), 0);
     assert_eq!(hits("```text\ntold\n```\nThe law reports it."), 0);
+    let in_code =
+        |text: &str| -> usize { prose_of_code(text).iter().map(|(_, line)| found(line, &dictionary).count()).sum() };
+    let of_each = "/// Is told.\nlet told = warn(\"{told} is told\", \"beside\", \"stands for it\");\n// told";
+    assert_eq!(in_code(of_each), 3);
     let long = format!("It {} ends. This is short. | a cell | another |", "very ".repeat(50));
     let counts: Vec<usize> = sentences(&long).into_iter().map(|(count, _)| count).collect();
     assert_eq!(counts, [52, 3, 2, 1]);

@@ -40,7 +40,7 @@ pub struct Watch<'a> {
     /// Receives the processor time charged to the worker.
     pub spent: Option<&'a Cell<Duration>>,
     /// Lines that other workers wrote, which are not printed again.
-    pub told: Option<&'a ForwardedLines>,
+    pub reported: Option<&'a ForwardedLines>,
 }
 
 /// End of a worker.
@@ -85,7 +85,7 @@ pub fn supervise(passage: &mut Passage, wishes: &Watch<'_>, need: &Need) -> io::
     // signals of the terminal are passed on
     command.stdout(prints::for_child()).stderr(Stdio::piped()).process_group(0);
     let mut child = system::spawn(command)?;
-    let last_words = LastWords::of(&mut child, wishes.told);
+    let last_words = LastWords::of(&mut child, wishes.reported);
     let mut echo = wishes.echo.map(Echo::of);
     // before the run has begun, the files are an earlier one's
     let mut show = || match &mut echo {
