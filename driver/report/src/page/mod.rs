@@ -46,7 +46,8 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
     if let Some(findings) = &summary.bridging {
         return page(title, &bridging::body(account, summary, findings, pictures));
     }
-    let (solver, telling): (Vec<&Picture>, Vec<&Picture>) = pictures.iter().partition(|picture| is_of_solver(picture));
+    let (solver, results): (Vec<&Picture>, Vec<&Picture>) = pictures.iter().partition(|picture| is_of_solver(picture));
+    let (fields, telling): (Vec<&Picture>, Vec<&Picture>) = results.into_iter().partition(|picture| picture.is_field);
     let (first, others) = telling.split_first().map_or((None, &[][..]), |(first, others)| (Some(*first), others));
     let body = html! {
         div.answer {
@@ -61,6 +62,9 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
         }
         @if let Some(viewer) = viewer { h2 { "Over the run" } (viewer) }
         @if !others.is_empty() { h2 { "Pictures" } (gallery(others)) }
+        @if !fields.is_empty() {
+            details open[viewer.is_none()] { summary { "Fields at the greatest load, at the end, and where asked for" } (gallery(&fields)) }
+        }
         (comparison(summary))
         @if let Some(findings) = &summary.specimen { (specimen::energies(findings)) }
         (what_was_run(account, summary))
@@ -102,7 +106,7 @@ fn document(title: &str, body: &Markup) -> Markup {
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
-            body { (body) }
+            body { main { (body) } }
         }
     }
 }
