@@ -17,7 +17,7 @@
 
   // ---- material -------------------------------------------------------------------------------------------------------------
 
-  const isOwn = () => library !== null;
+  const isOwn = () => library.named !== null;
   const described = () => isOwn() ? library.description?.laws ?? [] : begin.laws;
   let values = {};                 // PROPS by name, or by number
   let names = [];                  // names of constants of a library without metadata
@@ -315,7 +315,7 @@
   const show = (answer, document, elapsed) => {
     const refused = answer.status === "refused";
     const words = refused ? answer.problems.map((problem) => problem.words) : [answer.message, ...(answer.warnings ?? []).map((warning) => `warning: ${warning}`), answer.prints?.trim()].filter(Boolean);
-    const build = library?.refusal ? [library.refusal] : [];
+    const build = library.refusal ? [library.refusal] : [];
     part("problems").hidden = words.length + build.length === 0;
     part("problems").textContent = [...build, ...words].join("\n");
     part("figures").classList.toggle("stale", refused);
@@ -467,11 +467,11 @@
       if (next.version === library.version) continue;
       const before = shown?.document, wasGood = library.library;
       library = next;
-      if (before && next.library !== wasGood && !next.refusal) {
+      if (before && isOwn() && next.library !== wasGood && !next.refusal) {
         ghosts = ghosts.filter((ghost) => ghost.name !== "before the last change");
         pin(before, "before the last change");
       }
-      showMaterial();
+      if (isOwn()) showMaterial();
       changed();
     }
   };
@@ -483,5 +483,5 @@
   }
   adopt(given);
   if (!isOwn() || library.library) changed(); else { part("problems").hidden = false; part("problems").textContent = library.refusal ?? ""; part("status").textContent = "waiting for a library"; }
-  if (isOwn()) follow();
+  follow();
 })();
