@@ -103,7 +103,7 @@
   const orientations = {
     "random in space": { type: "random3d" },
     "random in a plane": { type: "planar" },
-    "between walls (slower)": { type: "section", size: [150, 125], faces: { width: 2, height: 1 } },
+    "between walls": { type: "section", size: [150, 125], faces: { width: 2, height: 1 } },
   };
   /** The orientation of the fibres of a mix. */
   const orientationControl = () => {
@@ -144,7 +144,8 @@
     const wanted = isOwn() ? given.material?.cmname?.toLowerCase() ?? laws[0]?.name : given.material?.plugin;
     law = laws.find(({ name }) => name === wanted) ?? null;
     if (law) part("law").value = law.name;
-    part("about").textContent = law?.description ?? "";
+    const isGuessed = isOwn() && !law && !begin.document.steps.length && values.length > 0;
+    part("about").textContent = law?.description ?? (isGuessed ? "Constants and states are counted in the source. The values are placeholders: type yours." : "");
     part("file").hidden = !isOwn();
     if (isOwn()) part("file").textContent = library.named;
     part("constants").hidden = !isPoint || law !== null;

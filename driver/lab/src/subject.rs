@@ -138,10 +138,17 @@ impl Subject {
             return Self::new(document, &folder, plugin_paths, named);
         }
         if names_a_file(word) {
-            let document =
-                json!({ "kind": "point", "material": { "props": [], "nstatv": 0 }, "mode": "3d", "steps": [] });
-            let named = Some((word, library_path(Path::new(""), word)));
-            return Self::new(document, Path::new("."), plugin_paths, named);
+            let file = library_path(Path::new(""), word);
+            let [props, nstatv] = used(&file);
+            // E and ν come first by habit
+            let values: Vec<f64> = PLACEHOLDERS.into_iter().chain(std::iter::repeat(1.0)).take(props).collect();
+            let material = json!({ "props": values, "nstatv": nstatv });
+            let document = json!({ "kind": "point", "material": material, "mode": "3d", "steps": [] });
+            let mut subject = Self::new(document, Path::new("."), plugin_paths, Some((word, file)))?;
+            if subject.library()["description"]["laws"].as_array().is_some_and(|laws| !laws.is_empty()) {
+                subject.document["material"] = json!({ "props": [], "nstatv": 0 });
+            }
+            return Ok(subject);
         }
         let laws = shipped(plugin_paths);
         let law = laws.iter().find(|law| law["name"] == word);
@@ -258,6 +265,31 @@ impl Watched {
         }
     }
 }
+
+/// How many PROPS and state variables a source uses: the greatest numbers between their brackets.
+fn used(file: &Path) -> [usize; 2] {
+    let sources = if umat_abi::host::is_source(file) { build::inputs(file) } else { Vec::new() };
+    let texts: Vec<Vec<u8>> = sources.iter().filter_map(|source| input::read(source, Input::Case).ok()).collect();
+    let text = texts.iter().map(|text| String::from_utf8_lossy(text).to_lowercase()).collect::<Vec<_>>().join("\n");
+    ["props", "statev"].map(|name| {
+        let greatest = |(at, _): (usize, &str)| {
+            let is_part_of_a_name = text[..at].ends_with(|before: char| before.is_alphanumeric() || before == '_');
+            let rest = text[at + name.len()..].trim_start_matches(' ');
+            // C counts from 0
+            let (rest, first) =
+                rest.strip_prefix('(').map(|rest| (rest, 0)).or(rest.strip_prefix('[').map(|rest| (rest, 1)))?;
+            let inner = rest.split([')', ']', '\n']).next().filter(|_| !is_part_of_a_name)?;
+            let numbers = inner.split([':', ',']).filter_map(|number| number.trim().parse::<usize>().ok());
+            numbers.max().map(|number| number.saturating_add(first)).filter(|number| *number <= MOST_USED)
+        };
+        text.match_indices(name).filter_map(greatest).max().unwrap_or(0)
+    })
+}
+
+/// PROPS and state variables of a source at most.
+const MOST_USED: usize = 1000;
+/// What the first PROPS of a law are taken for until its user types others: E, MPa, and ν.
+const PLACEHOLDERS: [f64; 2] = [2e5, 0.3];
 
 /// Laws that were built with this program.
 fn shipped(plugin_paths: &[PathBuf]) -> Vec<Value> {

@@ -229,7 +229,7 @@
     pen.textAlign = "right";
     rangeY.forEach((value, k) => pen.fillText(texts[k], left - 4 * ratio, toY(value) + 4 * ratio));
     pen.textAlign = "center";
-    pen.fillText(nameX, (left + width) / 2, height - 4 * ratio);
+    pen.fillText(nameX, (left + width) / 2, height - 4 * ratio, width - left);
     rangeX.forEach((value, k) => { pen.textAlign = k ? "right" : "left"; pen.fillText(number(value), toX(value), height - bottom + 12 * ratio); });
     pen.textAlign = "left";
     pen.fillText(nameY, left, top - 4 * ratio);

@@ -229,6 +229,9 @@ fn a_source_that_is_saved_is_built_and_run_again() {
     let lab = Lab::open(&desk.path(""), &["j2.f90"]);
     let first = lab.library(0);
     assert_eq!(first["refusal"], Value::Null, "{first}");
+    // it opens with as many constants and states as the source uses
+    let start: Value = serde_json::from_str(&lab.request("GET /start", &lab.cookie, "").1).expect("JSON");
+    assert_eq!(start["document"]["material"], json!({ "props": [2e5, 0.3, 1.0, 1.0], "nstatv": 7 }));
     let case = tension(&first["library"], &json!(J2));
     let seen = lab.run(&case);
     assert_eq!(seen["status"], "done", "{seen}");

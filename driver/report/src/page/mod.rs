@@ -52,6 +52,7 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
     let body = html! {
         div.answer {
             (status(summary, &format!("{} increments in", summary.increments)))
+            (laws(account))
             div.pictures {
                 @if let Some(first) = first { figure { (PreEscaped(&first.svg)) } }
                 (answer::numbers(summary))
@@ -122,6 +123,15 @@ fn status(summary: &Summary, effort: &str) -> Markup {
             " " (effort) " " (significant(summary.wall_time_s, 3)) " s"
         }
         @if let Some(message) = &summary.message { div.message { (message) } }
+    }
+}
+
+/// Which laws were run, and where.
+fn laws(account: &Account) -> Markup {
+    html! {
+        @if !account.laws.is_empty() {
+            p { @for (k, law) in account.laws.iter().enumerate() { @if k > 0 { ", " } (law.subject) ": " (law.law) } }
+        } @else if !account.law.is_empty() { p { "Law: " (account.law) } }
     }
 }
 

@@ -99,6 +99,8 @@ fn the_answer_comes_first_and_the_solver_folded() {
     let pictures = [svg("stress_strain"), svg("iterations"), field, svg("damage")];
     let page = super::page_of(&account, &summary::test::summary(), &pictures, None).into_string();
     let places = [
+        ">done<",
+        "Law: pure_damage",
         "stress_strain",
         "RMS difference from measured.csv",
         "Greatest σ<sub>11</sub>",
