@@ -45,6 +45,7 @@ html_theme = "furo"
 html_title = f"Pullout {version}"
 html_static_path = ["_static"]
 html_css_files = ["book.css"]
+html_js_files = ["book.js"]
 html_math_renderer = "katex"
 html_show_sphinx = False
 html_copy_source = False

@@ -13,6 +13,7 @@ use pullout_run::isolation::Child;
 use pullout_run::path::FailureKind;
 use serde_json::{Value, json};
 use std::fs;
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -62,6 +63,30 @@ fn a_material_point() {
     let outcome = same_as_the_command(&cases().join("chapter-4/4.5-compression-plane-strain.json"), &[]);
     assert_eq!(Outcome::unit("s11"), "MPa");
     assert!(outcome.summary.cpu_time_s.is_some_and(|time| time > 0.0));
+}
+
+/// Memory that this process has, kB.
+fn resident() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").expect("Linux");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a line");
+    line.trim().trim_end_matches(" kB").parse().expect("a number")
+}
+
+/// Runs of points leave nothing behind, however many threads are offered: a pool for each kept 10 kB, 15 MB of these.
+#[test]
+fn many_points_take_no_more_memory_than_some() {
+    let one = |strain: f64| {
+        let case = json!({ "kind": "point", "material": { "plugin": "linear_elastic" },
+            "steps": [{ "increments": 2, "target": { "e11": strain } }] });
+        let prepared = CaseSource::document(case, &cases()).read().unwrap_or_else(|errors| panic!("{errors}"));
+        let settings = Settings { threads: NonZeroUsize::new(2), ..Settings::default() };
+        assert!(prepared.run(settings).unwrap_or_else(|error| panic!("{error}")).is_done());
+    };
+    (0..200).for_each(|k| one(1e-6 * f64::from(k)));
+    let before = resident();
+    (0..1500).for_each(|k| one(1e-6 * f64::from(k)));
+    let grown = resident().saturating_sub(before);
+    assert!(grown < 6000, "{grown} kB");
 }
 
 #[test]

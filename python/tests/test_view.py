@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -59,12 +60,24 @@ const timer = setInterval(() => {
   found.names = [...viewer.querySelectorAll("canvas, button, select, input")].filter((control) =>
     !(control.getAttribute("aria-label") || control.textContent.trim() && control.tagName === "BUTTON" || control.closest("label")));
   found.names = found.names.map((control) => control.outerHTML);
+  // what is saved is a picture
+  HTMLAnchorElement.prototype.click = function () { found.saved = [this.download, this.href.split(":")[0]]; };
+  part("picture").onclick();
   // the viewer draws with the next frame of the browser, which a busy machine gives late
   let looks = 0;
   const later = setInterval(() => {
-    if (!part("readout").textContent.startsWith("end: ") && ++looks < 500) return;
+    if (!(found.saved && part("readout").textContent.startsWith("end: ")) && ++looks < 500) return;
     clearInterval(later);
     [found.end, found.clipped] = [part("readout").textContent, part("most").textContent];
+    // a range that is typed begins with that of all
+    const chosen = () => [!part("chosen").hidden, ...["low", "high"].map((name) => part(name).valueAsNumber)];
+    found.before = chosen()[0];
+    part("parts").value = [...part("parts").options].find((option) => option.text === "from").value;
+    part("parts").onchange();
+    found.chosen = chosen();
+    [part("low").value, part("high").value] = ["1", "2"];
+    part("high").oninput();
+    found.typed = ["least", "most"].map((name) => part(name).textContent);
     const result = document.createElement("pre");
     result.id = "found";
     result.textContent = JSON.stringify(found);
@@ -143,6 +156,11 @@ def test_it_opens_at_the_peak_and_hears_keys_and_fingers(fibre: po.Run, tmp_path
     assert all("fibre" in end and "matrix" in end for end in found["bar"]), found["bar"]
     assert found["clipped"].startswith("≥ "), found["clipped"]
     assert found["names"] == [], "controls without a name"
+    stress = max(np.asarray(fibre.history["stress_max"]))
+    shown, low, high = found["chosen"]
+    assert not found["before"] and shown and low < 0 and high == pytest.approx(stress, rel=0.05), found["chosen"]
+    assert found["typed"] == ["≤ 1", "≥ 2 MPa"], found["typed"]
+    assert re.fullmatch(r"state-\d+\.png", found["saved"][0]) and found["saved"][1] == "blob", found["saved"]
 
 
 def test_pictures_keep_the_colours_of_their_data_in_the_dark(fibre: po.Run, tmp_path: Path) -> None:

@@ -210,9 +210,11 @@ impl<'c> Integral<'c> {
         visit: &mut impl FnMut(f64, f64),
     ) {
         let fibre = &self.composite.fibre;
+        // the part of the fibres across the crack
+        let cosine = |(angle, weight): (f64, f64)| (angle, weight * angle.cos());
         let mut add = |(angle, weight): (f64, f64)| {
             let response = fibre.respond(prepared, angle);
-            let crossing = share * weight * angle.cos();
+            let crossing = share * weight;
             sums[0] += crossing * response.load;
             sums[1] += if response.load > 0.0 { crossing } else { 0.0 };
             sums[2] += if response.ruptured { crossing } else { 0.0 };
@@ -227,12 +229,12 @@ impl<'c> Integral<'c> {
                 }),
             };
             if kinks.is_empty() {
-                self.directions.nodes(level, panel).iter().copied().for_each(&mut add);
+                self.directions.crossing(level, panel).iter().copied().for_each(&mut add);
                 continue;
             }
             let mut from = ends[0];
             for to in kinks.into_iter().chain([ends[1]]) {
-                self.directions.nodes_between(level, from, to).for_each(&mut add);
+                self.directions.nodes_between(level, from, to).map(cosine).for_each(&mut add);
                 from = to;
             }
         }

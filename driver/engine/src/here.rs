@@ -202,7 +202,8 @@ fn run_bridging(case: &Case, program: &BridgingProgram, threads: NonZeroUsize) -
 /// Runs a case in memory; what it would write but fields is left out.
 pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let Settings { threads, stop, records, along, views, columns, listener, fields } = settings;
-    let threads = threads.unwrap_or(NonZeroUsize::MIN);
+    // a point is the work of one: others would wait, and rayon never frees what it keeps of a thread that joins a pool (10 kB)
+    let threads = threads.filter(|_| !matches!(case, Case::Path(_))).unwrap_or(NonZeroUsize::MIN);
     case.announce();
     if let Some(columns) = columns {
         columns(case.columns());

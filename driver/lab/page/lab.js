@@ -17,7 +17,7 @@
 
   // ---- material -------------------------------------------------------------------------------------------------------------
 
-  const isOwn = () => library !== null;
+  const isOwn = () => library.named !== null;
   const described = () => isOwn() ? library.description?.laws ?? [] : begin.laws;
   let values = {};                 // PROPS by name, or by number
   let names = [];                  // names of constants of a library without metadata
@@ -103,7 +103,7 @@
   const orientations = {
     "random in space": { type: "random3d" },
     "random in a plane": { type: "planar" },
-    "between walls (slower)": { type: "section", size: [150, 125], faces: { width: 2, height: 1 } },
+    "between walls": { type: "section", size: [150, 125], faces: { width: 2, height: 1 } },
   };
   /** The orientation of the fibres of a mix. */
   const orientationControl = () => {
@@ -144,7 +144,8 @@
     const wanted = isOwn() ? given.material?.cmname?.toLowerCase() ?? laws[0]?.name : given.material?.plugin;
     law = laws.find(({ name }) => name === wanted) ?? null;
     if (law) part("law").value = law.name;
-    part("about").textContent = law?.description ?? "";
+    const isGuessed = isOwn() && !law && !begin.document.steps.length && values.length > 0;
+    part("about").textContent = law?.description ?? (isGuessed ? "Constants and states are counted in the source. The values are placeholders: type yours." : "");
     part("file").hidden = !isOwn();
     if (isOwn()) part("file").textContent = library.named;
     part("constants").hidden = !isPoint || law !== null;
@@ -315,7 +316,7 @@
   const show = (answer, document, elapsed) => {
     const refused = answer.status === "refused";
     const words = refused ? answer.problems.map((problem) => problem.words) : [answer.message, ...(answer.warnings ?? []).map((warning) => `warning: ${warning}`), answer.prints?.trim()].filter(Boolean);
-    const build = library?.refusal ? [library.refusal] : [];
+    const build = library.refusal ? [library.refusal] : [];
     part("problems").hidden = words.length + build.length === 0;
     part("problems").textContent = [...build, ...words].join("\n");
     part("figures").classList.toggle("stale", refused);
@@ -467,11 +468,11 @@
       if (next.version === library.version) continue;
       const before = shown?.document, wasGood = library.library;
       library = next;
-      if (before && next.library !== wasGood && !next.refusal) {
+      if (before && isOwn() && next.library !== wasGood && !next.refusal) {
         ghosts = ghosts.filter((ghost) => ghost.name !== "before the last change");
         pin(before, "before the last change");
       }
-      showMaterial();
+      if (isOwn()) showMaterial();
       changed();
     }
   };
@@ -483,5 +484,5 @@
   }
   adopt(given);
   if (!isOwn() || library.library) changed(); else { part("problems").hidden = false; part("problems").textContent = library.refusal ?? ""; part("status").textContent = "waiting for a library"; }
-  if (isOwn()) follow();
+  follow();
 })();

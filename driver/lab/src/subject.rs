@@ -5,6 +5,7 @@ use crate::done::Done;
 use crate::watch::{FileWatch, with_included};
 use pullout_check::build;
 use pullout_check::description;
+use pullout_engine::CaseSource;
 use pullout_report::page;
 use pullout_run::input::{self, Input};
 use pullout_run::isolation;
@@ -13,7 +14,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use umat_abi::host::{Found, library_path, names_a_file, search_paths};
+use umat_abi::host::{Found, library_path, names_a_file, real_path, search_paths};
 
 /// Law of a lab that is opened without one.
 const FIRST_LAW: &str = "j2_plasticity";
@@ -35,6 +36,13 @@ pub(crate) struct Subject {
     pub finished: Option<Arc<Done>>,
     /// The user's own library or source.
     watched: Option<Watched>,
+    /// What the case reads beside it: measured curves, tables, meshes.
+    data: Vec<PathBuf>,
+    /// All files of both; with a source what it includes.
+    files: Mutex<FileWatch>,
+    /// How often any of them has changed, and the data alone.
+    versions: Mutex<[u64; 2]>,
+    changed: Condvar,
 }
 
 #[derive(Debug)]
@@ -42,16 +50,12 @@ struct Watched {
     /// The file as the command line, or the case, names it.
     named: String,
     file: PathBuf,
-    /// The file and what it includes.
-    files: Mutex<FileWatch>,
     state: Mutex<State>,
-    changed: Condvar,
 }
 
 /// The current library of a file.
 #[derive(Clone, Debug, Default)]
 struct State {
-    version: u64,
     library: Option<PathBuf>,
     /// The compiler's message, if it refused the current source.
     refusal: Option<String>,
@@ -65,8 +69,36 @@ struct State {
 impl Subject {
     /// A case that stands in no file.
     pub fn of_document(document: Value, plugin_paths: &[PathBuf]) -> Result<Self, Error> {
-        let (laws, folder) = (shipped(plugin_paths), std::path::absolute(".")?);
-        Ok(Self { document, folder, laws, finished: None, watched: None })
+        Self::new(document, Path::new("."), plugin_paths, None)
+    }
+
+    /// A case, or the beginning of one, by whose folder its names are resolved; `named`: the library of the user's, and its file.
+    fn new(
+        document: Value,
+        folder: &Path,
+        plugin_paths: &[PathBuf],
+        named: Option<(&str, PathBuf)>,
+    ) -> Result<Self, Error> {
+        let folder = std::path::absolute(folder)?;
+        let library: Vec<PathBuf> = named.iter().flat_map(|(_, file)| with_included(file)).collect();
+        let is_data = |file: &PathBuf| library.iter().all(|other| real_path(other) != real_path(file));
+        let data: Vec<PathBuf> =
+            CaseSource::document(document.clone(), &folder).inputs().into_iter().filter(is_data).collect();
+        // what is saved while a source is built is a change as well
+        let files = Mutex::new(FileWatch::of(library.into_iter().chain(data.iter().cloned())));
+        let watched = named.map(|(named, file)| Watched::new(named, file)).transpose()?;
+        let (versions, changed) = (Mutex::new([1, 0]), Condvar::new());
+        Ok(Self {
+            document,
+            folder,
+            laws: shipped(plugin_paths),
+            finished: None,
+            watched,
+            data,
+            files,
+            versions,
+            changed,
+        })
     }
 
     /// The results of a run, which nothing changes.
@@ -75,8 +107,8 @@ impl Subject {
             Error::Subject(format!("{error}: is {} the result directory of a run with pictures?", folder.display()))
         })?;
         let document = json!({ "kind": "results", "title": finished.title() });
-        let folder = std::path::absolute(folder)?;
-        Ok(Self { document, folder, laws: Vec::new(), finished: Some(Arc::new(finished)), watched: None })
+        let finished = Some(Arc::new(finished));
+        Ok(Self { finished, laws: Vec::new(), ..Self::new(document, folder, &[], None)? })
     }
 
     /// The report of the run whose results are shown.
@@ -90,8 +122,6 @@ impl Subject {
         if let Some(folder) = word.map(Path::new).filter(|word| word.is_dir()) {
             return Self::of_results(folder);
         }
-        let laws = shipped(plugin_paths);
-        let here = PathBuf::from(".");
         let word = word.unwrap_or(FIRST_LAW);
         let path = Path::new(word);
         if path.extension().is_some_and(|suffix| suffix == "json") || path.starts_with("/dev") {
@@ -101,18 +131,26 @@ impl Subject {
             if document["title"].is_null() {
                 document["title"] = json!(path.file_stem().unwrap_or_default().to_string_lossy());
             }
-            let folder = std::path::absolute(here.join(input::folder_of(path)))?;
-            let plugin = document["material"]["plugin"].as_str().filter(|plugin| names_a_file(plugin));
-            let watched = plugin.map(|plugin| Watched::new(plugin, folder.join(plugin))).transpose()?;
-            return Ok(Self { document, folder, laws, finished: None, watched });
+            let folder = Path::new(".").join(input::folder_of(path));
+            let plugin =
+                document["material"]["plugin"].as_str().filter(|plugin| names_a_file(plugin)).map(str::to_owned);
+            let named = plugin.as_deref().map(|plugin| (plugin, folder.join(plugin)));
+            return Self::new(document, &folder, plugin_paths, named);
         }
         if names_a_file(word) {
-            let watched = Watched::new(word, library_path(Path::new(""), word))?;
-            let document =
-                json!({ "kind": "point", "material": { "props": [], "nstatv": 0 }, "mode": "3d", "steps": [] });
-            let folder = std::path::absolute(here)?;
-            return Ok(Self { document, folder, laws, finished: None, watched: Some(watched) });
+            let file = library_path(Path::new(""), word);
+            let [props, nstatv] = used(&file);
+            // E and ν come first by habit
+            let values: Vec<f64> = PLACEHOLDERS.into_iter().chain(std::iter::repeat(1.0)).take(props).collect();
+            let material = json!({ "props": values, "nstatv": nstatv });
+            let document = json!({ "kind": "point", "material": material, "mode": "3d", "steps": [] });
+            let mut subject = Self::new(document, Path::new("."), plugin_paths, Some((word, file)))?;
+            if subject.library()["description"]["laws"].as_array().is_some_and(|laws| !laws.is_empty()) {
+                subject.document["material"] = json!({ "props": [], "nstatv": 0 });
+            }
+            return Ok(subject);
         }
+        let laws = shipped(plugin_paths);
         let law = laws.iter().find(|law| law["name"] == word);
         let law = law.ok_or_else(|| {
             let names: Vec<_> = laws.iter().filter_map(|law| law["name"].as_str()).collect();
@@ -138,13 +176,14 @@ impl Subject {
         self.watched.as_ref().is_some_and(|watched| watched.lock().known.contains(Path::new(plugin)))
     }
 
-    /// The user's library at present, for the page; null if there is none.
+    /// What is watched at present, for the page: how often it has changed, and the user's library if there is one.
     pub fn library(&self) -> Value {
-        let Some(watched) = &self.watched else { return Value::Null };
+        let [version, _] = *self.versions();
+        let Some(watched) = &self.watched else { return json!({ "named": null, "version": version }) };
         let state = watched.lock();
         json!({
             "named": watched.named,
-            "version": state.version,
+            "version": version,
             "library": state.library,
             "refusal": state.refusal,
             "remarks": state.remarks,
@@ -152,24 +191,39 @@ impl Subject {
         })
     }
 
-    /// Waits until the user's library is another one than the page knows, or for some seconds.
+    fn versions(&self) -> MutexGuard<'_, [u64; 2]> {
+        self.versions.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// How often the data of the case have changed.
+    pub fn data_version(&self) -> u64 {
+        self.versions()[1]
+    }
+
+    /// Waits until something has changed since the page asked, or for some seconds.
     pub fn library_after(&self, version: u64) -> Value {
-        if let Some(watched) = &self.watched {
-            let same = |state: &mut State| state.version == version;
-            let waited = watched.changed.wait_timeout_while(watched.lock(), LONGEST_WAIT, same);
-            drop(waited.unwrap_or_else(PoisonError::into_inner));
-        }
+        let same = |versions: &mut [u64; 2]| versions[0] == version;
+        let waited = self.changed.wait_timeout_while(self.versions(), LONGEST_WAIT, same);
+        drop(waited.unwrap_or_else(PoisonError::into_inner));
         self.library()
     }
 
-    /// Makes a library of the user's file whenever it, or what it includes, has changed; for ever.
+    /// Makes a library of the user's file whenever it, or what it includes, has changed, and notes changes of the data; for ever.
     pub fn watch(&self) {
-        let Some(watched) = &self.watched else { return };
-        let mut files = watched.files.lock().unwrap_or_else(PoisonError::into_inner);
-        loop {
-            files.wait(&|| false);
-            *files = FileWatch::of(with_included(&watched.file));
-            watched.refresh();
+        let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
+        while files.files().next().is_some() {
+            let changed = files.wait(&|| false);
+            let of_library = || self.watched.iter().flat_map(|watched| with_included(&watched.file));
+            *files = FileWatch::of(of_library().chain(self.data.iter().cloned()));
+            let is_data = |file: &PathBuf| self.data.contains(file);
+            if let Some(watched) = self.watched.as_ref().filter(|_| !changed.iter().all(is_data)) {
+                watched.refresh();
+            }
+            let mut versions = self.versions();
+            versions[0] += 1;
+            versions[1] += u64::from(changed.iter().any(is_data));
+            drop(versions);
+            self.changed.notify_all();
         }
     }
 }
@@ -181,9 +235,7 @@ impl Watched {
         if !file.is_file() {
             return Err(Error::Subject(format!("{named}: there is no such file")));
         }
-        // what is saved while it is built is a change as well
-        let files = Mutex::new(FileWatch::of(with_included(&file)));
-        let watched = Self { named: named.to_owned(), file, files, state: Mutex::default(), changed: Condvar::new() };
+        let watched = Self { named: named.to_owned(), file, state: Mutex::default() };
         watched.refresh();
         Ok(watched)
     }
@@ -201,7 +253,6 @@ impl Watched {
         };
         let description = built.as_ref().ok().and_then(|library| description::of_file(library, CALL_TIME_LIMIT).ok());
         let mut state = self.lock();
-        state.version += 1;
         state.remarks = remarks.into_inner();
         match built {
             Ok(library) => {
@@ -212,10 +263,33 @@ impl Watched {
             }
             Err(refusal) => state.refusal = Some(refusal),
         }
-        drop(state);
-        self.changed.notify_all();
     }
 }
+
+/// How many PROPS and state variables a source uses: the greatest numbers between their brackets.
+fn used(file: &Path) -> [usize; 2] {
+    let sources = if umat_abi::host::is_source(file) { build::inputs(file) } else { Vec::new() };
+    let texts: Vec<Vec<u8>> = sources.iter().filter_map(|source| input::read(source, Input::Case).ok()).collect();
+    let text = texts.iter().map(|text| String::from_utf8_lossy(text).to_lowercase()).collect::<Vec<_>>().join("\n");
+    ["props", "statev"].map(|name| {
+        let greatest = |(at, _): (usize, &str)| {
+            let is_part_of_a_name = text[..at].ends_with(|before: char| before.is_alphanumeric() || before == '_');
+            let rest = text[at + name.len()..].trim_start_matches(' ');
+            // C counts from 0
+            let (rest, first) =
+                rest.strip_prefix('(').map(|rest| (rest, 0)).or(rest.strip_prefix('[').map(|rest| (rest, 1)))?;
+            let inner = rest.split([')', ']', '\n']).next().filter(|_| !is_part_of_a_name)?;
+            let numbers = inner.split([':', ',']).filter_map(|number| number.trim().parse::<usize>().ok());
+            numbers.max().map(|number| number.saturating_add(first)).filter(|number| *number <= MOST_USED)
+        };
+        text.match_indices(name).filter_map(greatest).max().unwrap_or(0)
+    })
+}
+
+/// PROPS and state variables of a source at most.
+const MOST_USED: usize = 1000;
+/// What the first PROPS of a law are taken for until its user types others: E, MPa, and ν.
+const PLACEHOLDERS: [f64; 2] = [2e5, 0.3];
 
 /// Laws that were built with this program.
 fn shipped(plugin_paths: &[PathBuf]) -> Vec<Value> {

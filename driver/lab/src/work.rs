@@ -238,7 +238,7 @@ impl Work {
         if let Some(finished) = &subject.finished {
             return Ok(finished.clone());
         }
-        let key = document.to_string();
+        let key = format!("{} {document}", subject.data_version());
         {
             let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(place) = kept.iter().position(|(name, _)| *name == key) {

@@ -30,6 +30,8 @@ use std::io;
 const ZOOM: f64 = 3.0;
 /// Cross-sections along a fibre at most.
 const MOST_SECTIONS: usize = 400;
+/// A damage that nobody sees.
+const LITTLE_DAMAGE: f64 = 0.01;
 /// Colours and names of the elements' states, in the order of [`Activity`]; released elements are not drawn.
 const ACTIVITIES: [Class<'static>; 4] = [
     (RGBColor(0xf4, 0xf4, 0xf4), "condensed"),
@@ -134,6 +136,7 @@ impl<'a> Album<'a> {
             values: principal.iter().map(|stress| without_rounding(value(stress), greatest)).collect(),
             quantity: Quantity { name: symbol.into(), unit: "MPa".into() },
             follows_matrix: true,
+            negligible: ROUNDING * greatest,
         };
         let mut contours = vec![
             stress("principal_stress_max", "Maximum principal stress", "σ_{max}", |stress| stress.maximum),
@@ -144,7 +147,14 @@ impl<'a> Album<'a> {
             let quantity = Quantity::of(name, &Default::default());
             let file = if is_total(name) { "damage".to_owned() } else { format!("damage_{name}") };
             let what = if is_total(name) { "Damage".to_owned() } else { format!("Damage {name}") };
-            contours.push(Contour { name: file, what, values, quantity, follows_matrix: false });
+            contours.push(Contour {
+                name: file,
+                what,
+                values,
+                quantity,
+                follows_matrix: false,
+                negligible: LITTLE_DAMAGE,
+            });
         }
         for (place, window) in self.windows(&mesh) {
             let name = |stem: &str| format!("{stem}{place}{}", moment.suffix);
@@ -250,11 +260,16 @@ impl<'a> Album<'a> {
         self.drawings.keep(self.directory, FOLDER, &figure.name, figure.svg())
     }
 
-    /// Keeps a picture, unless there was nothing to draw.
+    /// Keeps a picture of a field, unless there was nothing to draw.
     fn keep(&mut self, name: &str, drawn: Result<String, PictureError>) -> io::Result<()> {
         match drawn {
             Err(PictureError::Nothing) => Ok(()),
-            drawn => self.drawings.keep(self.directory, FOLDER, name, drawn),
+            drawn => {
+                let before = self.drawings.pictures.len();
+                self.drawings.keep(self.directory, FOLDER, name, drawn)?;
+                self.drawings.pictures.iter_mut().skip(before).for_each(|picture| picture.is_field = true);
+                Ok(())
+            }
         }
     }
 }
@@ -267,14 +282,16 @@ struct Contour {
     quantity: Quantity,
     /// Whether the range of the colours is that of the matrix where it is shown, instead of that of all that is shown.
     follows_matrix: bool,
+    /// Differences that say nothing.
+    negligible: f64,
 }
 
 impl Contour {
-    /// Returns whether all that is shown has one colour, up to rounding.
+    /// Returns whether all that is shown has one colour, apart from differences too small to matter.
     fn is_constant(&self, mesh: &PictureMesh, window: Option<&Window>) -> bool {
         let places = mesh.nodes.iter().zip(&self.values).filter(|(node, _)| is_shown(**node, window));
         let (least, greatest) = extremes(places.map(|(_, value)| *value).filter(|value| value.is_finite()));
-        greatest - least <= ROUNDING * least.abs().max(greatest.abs()) || least > greatest
+        greatest - least <= self.negligible || least > greatest
     }
 
     fn range(

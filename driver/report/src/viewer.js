@@ -17,6 +17,7 @@
   const triangles = take(Uint32Array, 3 * head.triangles);
   const edges = take(Uint32Array, 2 * head.edges);
   const contacts = frames.map((frame) => take(Float32Array, 6 * frame.contacts));
+  const cracks = frames.map((frame) => take(Float32Array, 6 * frame.cracks));
   const parts = take(Uint16Array, nodes);
   // each state is stored as its difference from the one before
   const series = (width) => frames.map(() => take(Uint16Array, width)).map((state, k, all) => {
@@ -52,9 +53,11 @@
     gl.vertexAttribPointer(where, size, gl.FLOAT, false, 0, 0);
     return (changed) => { gl.bindBuffer(gl.ARRAY_BUFFER, target); gl.bufferSubData(gl.ARRAY_BUFFER, 0, changed); };
   };
-  attribute("position", 2, positions);
-  const moved = new Float32Array(2 * nodes), values = new Float32Array(nodes);
-  const setMoved = attribute("displacement", 2, moved), setValues = attribute("value", 1, values);
+  // behind the nodes six corners for each crack: a thin rhombus along it
+  const most = Math.max(...cracks.map((list) => list.length)), corners = [[1, 0], [0, 0.12], [-1, 0], [1, 0], [0, -0.12], [-1, 0]];
+  const moved = new Float32Array(2 * nodes + 2 * most), values = new Float32Array(nodes + most), places = new Float32Array(2 * nodes + 2 * most);
+  places.set(positions);
+  const setPlaces = attribute("position", 2, places), setMoved = attribute("displacement", 2, moved), setValues = attribute("value", 1, values);
   const indices = [triangles, edges].map((list) => {
     const target = gl.createBuffer();
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, target);
@@ -82,14 +85,16 @@
   const whole = () => ({ x: (extent[0][0] + extent[0][1]) / 2, y: (extent[1][0] + extent[1][1]) / 2, zoom: 1 });
   let view = whole(), at = head.opensAt, timer = 0;
   const choice = part("field"), slider = part("state"), magnification = part("magnification"), withEdges = part("edges");
-  const scale = part("parts");
+  const scale = part("parts"), withCracks = part("lines"), ends = [part("low"), part("high")];
   head.fields.forEach((field, k) => choice.add(new Option(field.name, k)));
-  // what colours mean: of each part its own range, that of one part for all, or that of all
-  const EACH = -1, ALL = -2;
-  scale.add(new Option("each part by itself", EACH));
-  head.parts.forEach((name, k) => scale.add(new Option(`as in ${name}`, k)));
+  // what colours mean: of each part its own range, that of one part for all, that of all, or what is typed
+  const EACH = -1, ALL = -2, CHOSEN = -3;
+  if (head.parts.length > 1) {
+    scale.add(new Option("each part by itself", EACH));
+    head.parts.forEach((name, k) => scale.add(new Option(`as in ${name}`, k)));
+  }
   scale.add(new Option("all parts together", ALL));
-  part("scale").hidden = head.parts.length < 2;
+  scale.add(new Option("from", CHOSEN));
   slider.max = frames.length - 1;
   frames.forEach((frame, k) => {
     if (!frame.name) return;
@@ -128,6 +133,7 @@
   // range of the colours of a part: a part without values cannot lend its own
   const colorsOf = (field, k) => {
     const chosen = +scale.value === EACH ? k : +scale.value;
+    if (chosen === CHOSEN) return ends.map((end) => end.valueAsNumber);
     return (chosen === ALL ? null : rangeOf(field, [chosen])) || rangeOf(field, every);
   };
   const valueOf = (field, i, share) => {
@@ -158,6 +164,15 @@
       const share = high > low ? (between(own, shown[i]) - low) / (high - low) : 0.5;
       values[i] = shown[i] === 65535 ? 2 : Math.min(Math.max(share, 0), 1);
     }
+    const lines = !withCracks || withCracks.checked ? cracks[at] : [];
+    for (let i = 0; i < lines.length; i += 6) {
+      const [x, y, u, v, a, b] = lines.subarray(i, i + 6);
+      corners.forEach(([along, across], k) => {
+        const to = 2 * (nodes + i + k);
+        [places[to], places[to + 1], moved[to], moved[to + 1]] = [x + along * a - across * b, y + along * b + across * a, u, v];
+      });
+    }
+    setPlaces(places);
     setMoved(moved);
     setValues(values);
     const [x, y] = reach();
@@ -171,11 +186,17 @@
     [0, 1].forEach((layer) => [0, 1].forEach((kind) => {
       if (kind === 1 && !withEdges.checked) return;
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices[kind]);
-      gl.uniform4f(uniform("line"), 0, 0, 0, 0.22 * kind);
       const perItem = kind ? 2 : 3, left = frames[at].left[kind];
-      const start = layer ? head.behind[kind] : 0;
-      gl.drawElements(kind ? gl.LINES : gl.TRIANGLES, perItem * left[layer], gl.UNSIGNED_INT, 4 * perItem * start);
+      const [start, stop] = layer ? [head.behind[kind], kind ? head.edges : head.triangles] : [0, head.behind[kind]];
+      const items = (from, count) => gl.drawElements(kind ? gl.LINES : gl.TRIANGLES, perItem * count, gl.UNSIGNED_INT, 4 * perItem * from);
+      // bits that have spalled are shadows
+      gl.uniform4f(uniform("line"), 0.5, 0.5, 0.5, 0.2);
+      if (kind === 0) items(start + left[layer], stop - start - left[layer]);
+      gl.uniform4f(uniform("line"), 0, 0, 0, 0.22 * kind);
+      items(start, left[layer]);
     }));
+    gl.uniform4f(uniform("line"), 0.894, 0, 0.169, 1);
+    gl.drawArrays(gl.TRIANGLES, nodes, lines.length);
     slider.value = at;
     const frame = frames[at];
     const greatest = Math.max(...frames.map((other) => Math.abs(other.load || 0)));
@@ -185,7 +206,7 @@
     slider.setAttribute("aria-valuetext", part("readout").textContent);
     [...part("marks").children].forEach((button) => button.setAttribute("aria-pressed", button.textContent === frame.name));
     [part("least").textContent, part("most").textContent] = key(field);
-    plot(part("curve"), [{ x: head.curve[0], y: head.curve[1], color: "#0072b2" }], "slip, mm", "load, N", [frame.slip, frame.load]);
+    plot(part("curve"), [{ x: head.curve[0], y: head.curve[1], color: "#0072b2" }], "slip [mm]", "load [N]", [frame.slip, frame.load]);
     contact();
   };
 
@@ -208,7 +229,7 @@
     pen.textAlign = "right";
     rangeY.forEach((value, k) => pen.fillText(texts[k], left - 4 * ratio, toY(value) + 4 * ratio));
     pen.textAlign = "center";
-    pen.fillText(nameX, (left + width) / 2, height - 4 * ratio);
+    pen.fillText(nameX, (left + width) / 2, height - 4 * ratio, width - left);
     rangeX.forEach((value, k) => { pen.textAlign = k ? "right" : "left"; pen.fillText(number(value), toX(value), height - bottom + 12 * ratio); });
     pen.textAlign = "left";
     pen.fillText(nameY, left, top - 4 * ratio);
@@ -251,12 +272,26 @@
       const own = columns(contacts[at], pair), x = own.map((point) => point[3]), color = palette[pair % palette.length];
       return [{ x, y: own.map((point) => point[4]), color }, { x, y: own.map((point) => point[5]), color, dash: true }];
     });
-    plot(target, lines, head.along + ", mm", "pressure (–), bond (- -), MPa", null, ranges);
+    plot(target, lines, head.along + " [mm]", "pressure (–), bond (- -) [MPa]", null, ranges);
   };
 
   const show = (state) => { at = Math.min(Math.max(state, 0), frames.length - 1); requestAnimationFrame(draw); };
   slider.oninput = () => show(+slider.value);
-  [choice, scale, magnification, withEdges].forEach((control) => { control.onchange = () => show(at); });
+  [choice, scale, magnification, withEdges, withCracks].filter(Boolean).forEach((control) => { control.onchange = () => {
+    // what is typed begins with the range of all
+    if (control === choice || control === scale) rangeOf(head.fields[choice.value], every).forEach((end, k) => { ends[k].value = +end.toPrecision(4); });
+    part("chosen").hidden = +scale.value !== CHOSEN;
+    show(at);
+  }; });
+  for (const end of ends) end.oninput = () => { if (ends[0].valueAsNumber < ends[1].valueAsNumber) draw(); };
+  part("picture").onclick = () => {
+    draw();
+    canvas.toBlob((picture) => {
+      const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(picture), download: `state-${at + 1}.png` });
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    });
+  };
   part("play").onclick = (event) => {
     event.target.textContent = timer ? "play" : "stop";
     timer = timer ? clearInterval(timer) : setInterval(() => show((at + 1) % frames.length), 180);

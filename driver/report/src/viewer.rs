@@ -2,13 +2,14 @@
 //!
 //! States are kept as the run goes on, evenly over its increments, and those of the first crack, the first yield, the greatest
 //! load and both ends in any case. Displacements and fields are given in 65535 steps of their ranges, fields part by part, each
-//! state by its difference to the one before, deflated.
+//! state by its difference to the one before, deflated. A crack is a line through an integration point that has torn.
 
 use crate::history::History;
 use crate::pictures::{ALONG_HOLE, is_total, walls};
 use crate::plots::field::{ALONG_SURFACE, band_color_text};
 use crate::plots::quantity::group_of;
 use fe_core::mesh::Mesh;
+use fe_core::model::Model;
 use fe_core::output::{Activity, Fields, FieldsError, Principal, Recovery};
 use fe_core::stepping::Snapshot;
 use flate2::Compression;
@@ -58,6 +59,11 @@ const NO_VALUE: u16 = u16::MAX;
 
 /// Fields at integration points: greatest and least principal stress, MPa, and the damage, NaN where there is none.
 const VALUES: usize = 3;
+/// Fields at nodes: these, and the scalar field.
+const SHOWN: usize = VALUES + 1;
+
+/// A point with this damage, or this phase field, has torn: where its strain opens it, it is shown as a crack.
+const TORN: f64 = 0.9;
 
 /// States of a specimen over a run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -85,6 +91,12 @@ struct ViewerState {
     spalled: Vec<u32>,
     /// Pair, place, arc length, pressure, bond.
     contact: Vec<[f32; 6]>,
+    /// Place in the beginning, displacement, half of the line: x and y of each.
+    #[serde(default)]
+    cracks: Vec<[f32; 6]>,
+    /// The scalar field at the nodes; empty without one.
+    #[serde(default)]
+    scalar: Vec<f32>,
 }
 
 impl States {
@@ -102,7 +114,7 @@ impl States {
         if is_kept || !(is_last || self.stays(increment)) {
             return;
         }
-        let state = ViewerState::of(increment, [slip, load], &snapshot.model().mesh, &Fields::of(snapshot));
+        let state = ViewerState::of(increment, [slip, load], snapshot.model(), &Fields::of(snapshot));
         let size = VALUES * state.fields.len() + state.displacements.len();
         self.kept.push(state);
         let most = (MOST_NUMBERS / size.max(1)).clamp(FEWEST_STATES, MOST_STATES);
@@ -135,7 +147,7 @@ impl States {
             let before = self.kept.partition_point(|state| state.time < peak.fields.time);
             // its time distinguishes it from others; a state that was kept anyway comes once
             let is_kept = self.kept.get(before).is_some_and(|state| state.time == peak.fields.time);
-            let state = || ViewerState::of(0, [peak.slip, peak.load], &program.model.mesh, &peak.fields);
+            let state = || ViewerState::of(0, [peak.slip, peak.load], &program.model, &peak.fields);
             (before, (!is_kept).then(state))
         });
         let mut states: Vec<&ViewerState> = self.kept.iter().collect();
@@ -156,10 +168,17 @@ impl States {
                 div.stage hidden {
                     div.controls {
                         select.field aria-label="field" {}
-                        label.scale { "colours " select.parts {} }
+                        label { "colours " select.parts {} }
+                        span.chosen hidden {
+                            input.low type="number" step="any" aria-label="least value of the colours"; " to "
+                            input.high type="number" step="any" aria-label="greatest value of the colours";
+                        }
                         label { "displacements × "
                             select.magnification { @for factor in [1, 2, 5, 10, 50, 200] { option value=(factor) { (factor) } } } }
                         label { input.edges type="checkbox" checked; " elements" }
+                        @if states.iter().any(|state| !state.cracks.is_empty()) {
+                            label { input.lines type="checkbox" checked; " open cracks" }
+                        }
                         button.play type="button" { "play" }
                         span.marks role="group" aria-label="states with a name" {}
                         input.state type="range" min="0" aria-label="state of the run";
@@ -172,7 +191,8 @@ impl States {
                         span role="group" aria-label="zoom" {
                             button.closer type="button" aria-label="zoom in" { "+" } " "
                             button.further type="button" aria-label="zoom out" { "−" } " "
-                            button.all type="button" { "all" }
+                            button.all type="button" { "all" } " "
+                            button.picture type="button" { "PNG" }
                         }
                     }
                     div.plots {
@@ -216,6 +236,7 @@ impl States {
                 .map_or([arc, bond], |wall| [wall.along_fibre(f64::from(arc)) as f32, wall.direction as f32 * bond]);
             [pair, x, y, arc, pressure, bond].into_iter().for_each(|value| push(&mut data, value));
         }
+        states.iter().flat_map(|state| &state.cracks).flatten().for_each(|&value| push(&mut data, value));
         recovery.parts().iter().for_each(|&part| data.extend_from_slice(&(part as u16).to_le_bytes()));
         let displacement = range(states.iter().flat_map(|state| &state.displacements).copied());
         let moved = |state: &&ViewerState| -> Vec<u16> {
@@ -223,14 +244,20 @@ impl States {
             nodes.iter().flat_map(at).map(|value| step(value, displacement)).collect()
         };
         push_series(&mut data, states.iter().map(moved));
-        let recovered: Vec<Vec<[f64; VALUES]>> =
+        let recovered: Vec<Vec<[f64; SHOWN]>> =
             states.iter().map(|state| state.at_nodes(mesh, &recovery)).collect::<Result<_, _>>()?;
-        let quantities = [("principal stress, greatest", "MPa"), ("principal stress, least", "MPa"), ("damage", "")];
+        let scalar = model.field.as_ref().map_or_else(String::new, |field| field.name().replace('_', " "));
+        let quantities = [
+            ("principal stress, greatest", "MPa"),
+            ("principal stress, least", "MPa"),
+            ("damage", ""),
+            (scalar.as_str(), ""),
+        ];
         let mut fields = Vec::new();
         for (k, (name, unit)) in quantities.into_iter().enumerate() {
             // each part has a range of its own: steel is stressed so much more than concrete
             let own = |part: usize| {
-                let of_state = |state: &Vec<[f64; VALUES]>| {
+                let of_state = |state: &Vec<[f64; SHOWN]>| {
                     let values = recovery.parts().iter().zip(state).filter(|(owner, _)| **owner == part);
                     range(values.map(|(_, values)| values[k] as f32))
                 };
@@ -238,7 +265,7 @@ impl States {
             };
             let ranges: Vec<[f32; 2]> = (0..mesh.parts().len()).map(own).collect();
             if ranges.iter().any(|[low, _]| low.is_finite()) {
-                let shares = |state: &Vec<[f64; VALUES]>| {
+                let shares = |state: &Vec<[f64; SHOWN]>| {
                     let values = recovery.parts().iter().zip(state);
                     values.map(|(&part, values)| step(values[k] as f32, ranges[part])).collect()
                 };
@@ -250,7 +277,8 @@ impl States {
         let frames = states.iter().zip(&names).enumerate().map(|(k, (state, names))| {
             let left = [&triangles, &edges].map(|shapes| shapes.left(k));
             let names = names.join(", ");
-            json!({ "slip": state.slip, "load": state.load, "name": names, "contacts": state.contact.len(), "left": left })
+            let (contacts, cracks) = (state.contact.len(), state.cracks.len());
+            json!({ "slip": state.slip, "load": state.load, "name": names, "contacts": contacts, "cracks": cracks, "left": left })
         });
         let head = json!({
             "nodes": nodes.len(),
@@ -333,18 +361,37 @@ fn shapes(states: &[&ViewerState], mesh: &Mesh, recovery: &Recovery, behind: &[u
 }
 
 impl ViewerState {
-    fn of(increment: u64, [slip, load]: [f64; 2], mesh: &Mesh, fields: &Fields) -> Self {
+    fn of(increment: u64, [slip, load]: [f64; 2], model: &Model, fields: &Fields) -> Self {
+        let mesh = &model.mesh;
         let damage: Vec<Option<usize>> = fields.state_names.iter().map(|names| damage_of(names)).collect();
-        let mut values = Vec::with_capacity(fields.stresses.len());
-        let (mut stresses, mut states) = (fields.stresses.iter(), fields.states.as_slice());
+        let is_phase_field = model.field.as_ref().is_some_and(|field| field.is_phase_field());
+        let phase_field = fields.scalar.as_ref().filter(|_| is_phase_field).map(|(_, values)| values);
+        let (mut values, mut cracks) = (Vec::with_capacity(fields.stresses.len()), Vec::new());
+        let (mut points, mut states) = (fields.stresses.iter().zip(&fields.strains), fields.states.as_slice());
         for (index, element) in mesh.elements().iter().enumerate() {
             let count = fields.state_names[element.part()].len();
-            for &stress in stresses.by_ref().take(mesh.integration_points(index).len()) {
+            let is_spalled = fields.activities[index] == Activity::Spalled;
+            let of_element = mesh.integration_points(index);
+            // half of a square with a point's area
+            let reach = 0.5 * (mesh.element_area(index) / of_element.len() as f64).sqrt();
+            for (point, (&stress, &[e11, e22, _, g12])) in of_element.iter().zip(points.by_ref()) {
                 let (own, others) = states.split_at(count);
                 let damage = damage[element.part()].map_or(f64::NAN, |place| own[place]);
                 let principal = Principal::new(stress);
                 values.push([principal.maximum as f32, principal.minimum as f32, damage as f32]);
                 states = others;
+                let shape = element.kind().shape_functions(point.coordinates);
+                let at = |of: &dyn Fn(usize) -> f64| -> f64 {
+                    element.nodes().iter().zip(shape.values()).map(|(&node, share)| share * of(node)).sum()
+                };
+                let torn = phase_field.map_or(damage, |values| at(&|node| values[node]));
+                let strain = Principal::new([e11, e22, 0.0, 0.5 * g12]);
+                if torn >= TORN && strain.in_plane[0] > 0.0 && !is_spalled {
+                    let [x, y] = [0, 1].map(|k| at(&|node| mesh.nodes()[node][k]));
+                    let [u, v] = [0, 1].map(|k| at(&|node| fields.displacements[2 * node + k]));
+                    let (sine, cosine) = strain.angle.sin_cos();
+                    cracks.push([x, y, u, v, -reach * sine, reach * cosine].map(|value| value as f32));
+                }
             }
         }
         let contact = fields.contact.iter().filter(|point| point.weight > 0.0).map(|point| {
@@ -362,17 +409,22 @@ impl ViewerState {
             fields: values,
             spalled: spalled.map(|(element, _)| element).collect(),
             contact: contact.collect(),
+            cracks,
+            scalar: fields.scalar.iter().flat_map(|(_, values)| values).map(|&value| value as f32).collect(),
         }
     }
 
     /// The fields at the places of the recovery; damages do not leave the range that they have at the points.
-    fn at_nodes(&self, mesh: &Mesh, recovery: &Recovery) -> Result<Vec<[f64; VALUES]>, FieldsError> {
+    fn at_nodes(&self, mesh: &Mesh, recovery: &Recovery) -> Result<Vec<[f64; SHOWN]>, FieldsError> {
         let values: Vec<[f64; VALUES]> = self.fields.iter().map(|values| values.map(f64::from)).collect();
         let damages: Vec<f64> = values.iter().map(|[.., damage]| *damage).collect();
         let mut nodal = recovery.recover(&values)?;
         let limited = recovery.recover_limited(mesh, &damages)?;
         nodal.iter_mut().zip(limited).for_each(|([.., damage], value)| *damage = value);
-        Ok(nodal)
+        let scalar = |node: usize| self.scalar.get(node).map_or(f64::NAN, |&value| f64::from(value));
+        let with_scalar =
+            |([greatest, least, damage], &node): ([f64; VALUES], &usize)| [greatest, least, damage, scalar(node)];
+        Ok(nodal.into_iter().zip(recovery.nodes()).map(with_scalar).collect())
     }
 }
 

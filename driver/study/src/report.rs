@@ -52,18 +52,18 @@ fn claims(findings: &[Finding]) -> Markup {
     html! {
         @if !findings.is_empty() {
             h2 { "Claims" }
-            div.scroll { table {
+            div.scroll { table.cards {
                 tr { th { "Claim" } th { "Verdict" } th { "Figures" } }
                 @for finding in findings {
                     tr {
-                        td { (finding.claim) br; small { (finding.expected) } }
-                        td.key {
+                        td { div { (finding.claim) br; small { (finding.expected) } } }
+                        td.key data-label="Verdict" {
                             @match finding.verdict {
                                 Verdict::Holds => span.done { (finding.verdict.words()) },
                                 _ => span.failed { (finding.verdict.words()) },
                             }
                         }
-                        td { @for line in &finding.figures { (line) br; } }
+                        td data-label="Figures" { div { @for line in &finding.figures { (line) br; } } }
                     }
                 }
             } }
@@ -80,7 +80,7 @@ fn table(study: &Study, results: &Results) -> Markup {
     let several = study.series.len() > 1;
     html! {
         h2 { "Runs" }
-        div.scroll { table {
+        div.scroll { table.cards {
             tr {
                 @if several { th { "Series" } }
                 th { "Run" } th { "Status" }
@@ -94,15 +94,15 @@ fn table(study: &Study, results: &Results) -> Markup {
                 @let summary = result.summary.as_ref();
                 tr {
                     @if several { td { (study.series[run.series].title) } }
-                    td { (study.members[run.member].title) }
-                    td { (result.status_in_words()) }
-                    td.number { (number(result.peak)) }
-                    td.number { (number(result.slip_at_peak)) }
-                    td.number { (number(result.work)) }
-                    td.number { (count(summary.map(|summary| summary.increments))) }
-                    td.number { (count(summary.map(|summary| summary.cutbacks))) }
-                    td.number { (short(result.energy_error_max())) }
-                    td.number { (short(summary.and_then(|summary| summary.cpu_time_s))) }
+                    td data-label="Run" { (study.members[run.member].title) }
+                    td data-label="Status" { (result.status_in_words()) }
+                    td.number data-label=(with("Peak", y_unit)) { (number(result.peak)) }
+                    td.number data-label=(with("at", x_unit)) { (number(result.slip_at_peak)) }
+                    td.number data-label=(with("Work", &work_unit(study))) { (number(result.work)) }
+                    td.number data-label="Increments" { (count(summary.map(|summary| summary.increments))) }
+                    td.number data-label="Cutbacks" { (count(summary.map(|summary| summary.cutbacks))) }
+                    td.number data-label="Energy error" { (short(result.energy_error_max())) }
+                    td.number data-label="CPU [s]" { (short(summary.and_then(|summary| summary.cpu_time_s))) }
                 }
             }
         } }
@@ -135,13 +135,13 @@ fn troubles(study: &Study, results: &Results) -> Markup {
 fn what_was_run(study: &Study) -> Markup {
     html! {
         h2 { "What was run" }
-        div.scroll { table {
+        div.scroll { table.cards {
             tr { th { "Results" } th { "Case" } th { "Overrides" } }
             @for run in &study.runs {
                 tr {
                     td { code { (run.folder.display()) } }
-                    td { code { (run.case.file.display()) } }
-                    td { @for text in &run.case.overrides { code { (text) } br; } }
+                    td data-label="Case" { code { (run.case.file.display()) } }
+                    td data-label="Overrides" { div { @for text in &run.case.overrides { code { (text) } br; } } }
                 }
             }
         } }

@@ -229,6 +229,9 @@ fn a_source_that_is_saved_is_built_and_run_again() {
     let lab = Lab::open(&desk.path(""), &["j2.f90"]);
     let first = lab.library(0);
     assert_eq!(first["refusal"], Value::Null, "{first}");
+    // it opens with as many constants and states as the source uses
+    let start: Value = serde_json::from_str(&lab.request("GET /start", &lab.cookie, "").1).expect("JSON");
+    assert_eq!(start["document"]["material"], json!({ "props": [2e5, 0.3, 1.0, 1.0], "nstatv": 7 }));
     let case = tension(&first["library"], &json!(J2));
     let seen = lab.run(&case);
     assert_eq!(seen["status"], "done", "{seen}");
@@ -253,6 +256,57 @@ fn a_source_that_is_saved_is_built_and_run_again() {
     assert!(third["refusal"].as_str().is_some_and(|words| words.contains("j2.f90:21")), "{third}");
     assert_eq!(third["library"], second["library"]);
     assert_eq!(lab.run(&case)["status"], "done");
+    lab.end();
+}
+
+/// A measured curve that is edited is read again: the RMS of the same case is that of the new points.
+#[test]
+fn data_that_are_saved_are_compared_again() {
+    let desk = Desk::new();
+    let data = desk.write("data.csv", "e11,s11\n0.001,30\n0.002,60\n");
+    let steps = json!([{ "increments": 4, "target": { "e11": 2e-3 } }]);
+    let mut case = point(json!({ "plugin": "linear_elastic", "props": { "E": 3e4 } }), "3d", steps);
+    case["compare"] = json!([{ "file": "data.csv", "file_x": "e11", "file_y": "s11", "x": "e11", "y": "s11" }]);
+    desk.case("case.json", &case);
+    let lab = Lab::open(&desk.path(""), &["case.json"]);
+    let first = lab.library(0);
+    let rms = |seen: &Value| seen["compare"][0]["rms"].as_f64().expect("a number");
+    let seen = lab.run(&case);
+    assert!(rms(&seen) < 1e-9, "{seen}");
+    fs::write(&data, "e11,s11\n0.001,33\n0.002,63\n").expect("a file");
+    let second = lab.library(first["version"].as_u64().expect("a number"));
+    assert_ne!(second["version"], first["version"], "{second}");
+    let seen = lab.run(&case);
+    approx::assert_relative_eq!(rms(&seen), 3.0, max_relative = 1e-9);
+    lab.end();
+}
+
+/// A thousand at once, each with the beginning of a request: those over the limit are refused, and nobody is kept out for long.
+#[test]
+fn a_thousand_connections_at_once_end() {
+    let desk = Desk::new();
+    let lab = Lab::open(&desk.path(""), &[]);
+    let own = lab.cookie.clone();
+    let mut held: Vec<TcpStream> = Vec::new();
+    for _ in 0..1000 {
+        let Ok(mut stream) = TcpStream::connect(("127.0.0.1", lab.port)) else { continue };
+        let _ = stream.write_all(b"POST /run HTTP/1.1\r\nContent-Length: 10");
+        held.push(stream);
+    }
+    assert!(held.len() > 900, "{}", held.len());
+    // all places are taken: the others were sent away, one of them by its answer
+    let refused = held.iter_mut().rev().any(|stream| {
+        let mut answer = [0; 12];
+        let told = stream.set_read_timeout(Some(Duration::from_secs(2))).and_then(|()| stream.read_exact(&mut answer));
+        told.is_ok() && answer == *b"HTTP/1.1 503"
+    });
+    assert!(refused, "those over the limit are told so");
+    drop(held);
+    let start = Instant::now();
+    while lab.request("GET /", &own, "").0 != 200 {
+        assert!(start.elapsed() < Duration::from_secs(15), "it answers again");
+        std::thread::sleep(Duration::from_millis(20));
+    }
     lab.end();
 }
 

@@ -241,17 +241,47 @@ fn a_pull_out_leaves_fields_pictures_summary_and_report() {
     desk.pullout(["plot", "out"]).expect(0);
 }
 
+/// What the viewer of a report reads: its head, and the numbers.
+fn viewer(folder: &Path) -> (Value, Vec<u8>) {
+    let page = std::fs::read_to_string(folder.join("report.html")).expect("a report");
+    let part = |class: &str| {
+        let from = page.split_once(&format!("<script class=\"{class}\"")).expect("a script").1;
+        from.split_once('>').and_then(|(_, rest)| rest.split_once("</script>")).expect("its end").0
+    };
+    let packed = base64::Engine::decode(&base64::engine::general_purpose::STANDARD, part("data")).expect("base64");
+    let mut data = Vec::new();
+    flate2::read::DeflateDecoder::new(packed.as_slice()).read_to_end(&mut data).expect("deflated");
+    (serde_json::from_str(part("head")).expect("JSON"), data)
+}
+
+/// A plate that is pulled upwards tears from its hole along the x-axis: the lines lie across the pull, there and open.
+#[test]
+fn a_torn_point_is_an_open_crack_across_the_pull() {
+    let desk = Desk::new();
+    let concrete = json!({ "plugin": "pure_damage", "props": { "E": 3e4, "nu": 0.2 } });
+    let run = desk.run(&desk.case("case.json", &plate(concrete, 0.01, 20)), &[], "out", 0);
+    let (head, data) = viewer(&run.folder);
+    let count = |value: &Value| value.as_u64().expect("a count") as usize;
+    let frames = head["frames"].as_array().expect("frames");
+    let cracks: Vec<usize> = frames.iter().map(|frame| count(&frame["cracks"])).collect();
+    assert!(cracks[0] == 0 && cracks.is_sorted() && *cracks.last().expect("frames") > 0, "{cracks:?}");
+    let contacts: usize = frames.iter().map(|frame| count(&frame["contacts"])).sum();
+    let words = 2 * count(&head["nodes"]) + 3 * count(&head["triangles"]) + 2 * count(&head["edges"]) + 6 * contacts;
+    let all: usize = cracks.iter().sum();
+    let lines = data[4 * words..][..24 * all].as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+    let lines: Vec<f32> = lines.collect();
+    for [x, y, _, v, a, b] in lines.as_chunks::<6>().0 {
+        assert!(*x > 0.0 && *y > 0.0 && *v > 0.0, "a quarter of the plate, pulled up: {x} {y} {v}");
+        assert!(a.abs() > b.abs(), "{a} {b} at {x} {y}");
+    }
+}
+
 /// The viewer's states are rows of the history, from the first to the last, and its numbers are as many as its head says.
 #[test]
 fn the_report_shows_states_over_the_run() {
     let desk = Desk::new();
     let run = desk.run(&desk.case("case.json", &fibre()), &[], "out", 0);
-    let page = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");
-    let part = |class: &str| {
-        let from = page.split_once(&format!("<script class=\"{class}\"")).expect("a script").1;
-        from.split_once('>').and_then(|(_, rest)| rest.split_once("</script>")).expect("its end").0
-    };
-    let head: Value = serde_json::from_str(part("head")).expect("JSON");
+    let (head, data) = viewer(&run.folder);
     let count = |key: &str| head[key].as_u64().expect("a count") as usize;
     let frames = head["frames"].as_array().expect("frames");
     let (slips, loads) = (run.history.column("slip"), run.history.column("load"));
@@ -274,13 +304,12 @@ fn the_report_shows_states_over_the_run() {
         head["fields"][0]["ranges"][part][1].as_f64().expect("a number")
     };
     assert!(greatest("fibre") > 10.0 * greatest("matrix"), "{} {}", greatest("fibre"), greatest("matrix"));
-    let packed = base64::Engine::decode(&base64::engine::general_purpose::STANDARD, part("data")).expect("base64");
-    let mut data = Vec::new();
-    flate2::read::DeflateDecoder::new(packed.as_slice()).read_to_end(&mut data).expect("deflated");
     let contacts: usize = frames.iter().map(|frame| frame["contacts"].as_u64().expect("a count") as usize).sum();
     let fields = head["fields"].as_array().expect("fields").len();
     assert_eq!(fields, 2, "the concrete is elastic");
     let (nodes, states) = (count("nodes"), frames.len());
+    let cracks = |frame: &Value| frame["cracks"].as_u64().expect("a count");
+    assert!(frames.iter().all(|frame| cracks(frame) == 0), "the concrete is elastic");
     let words = 2 * nodes + 3 * count("triangles") + 2 * count("edges") + 6 * contacts;
     assert_eq!(data.len(), 4 * words + 2 * nodes + 2 * states * nodes * (2 + fields));
 }

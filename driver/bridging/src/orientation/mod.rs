@@ -136,8 +136,10 @@ pub struct Directions {
     single: Option<f64>,
     /// Ends of the panels on which p is smooth.
     pub(crate) panels: Vec<f64>,
-    /// Nodes by degree of the rule and panel: (θ, weight).
+    /// Nodes by degree of the rule and panel: (θ, weight p dθ).
     nodes: Vec<Vec<Vec<(f64, f64)>>>,
+    /// The same times cos θ: the part of the fibres that cross.
+    crossing: Vec<Vec<Vec<(f64, f64)>>>,
     /// η = ∫ p cos θ dθ.
     pub efficiency: f64,
 }
@@ -149,7 +151,7 @@ const GRADING: (f64, i32) = (0.25, 12);
 /// The panels of a tensor's density.
 const TENSOR_PANELS: usize = 12;
 /// Panels of a section's.
-const SECTION_PANELS: usize = 16;
+const SECTION_PANELS: usize = 8;
 /// Least spread of a normal distribution.
 const LEAST_SPREAD_DEG: f64 = 0.1;
 /// Tolerance on the orientation number η.
@@ -239,19 +241,28 @@ fn histogram(edges_deg: &[f64], counts: &[f64], breaks: &[f64]) -> Result<Direct
     Ok(Directions::new(density, &edges, breaks))
 }
 
+/// Nodes with weights times cos θ.
+fn crossing(nodes: &[Vec<Vec<(f64, f64)>>]) -> Vec<Vec<Vec<(f64, f64)>>> {
+    let times = |&(angle, weight): &(f64, f64)| (angle, weight * angle.cos());
+    let of_panel = |panel: &Vec<(f64, f64)>| panel.iter().map(times).collect();
+    nodes.iter().map(|panels| panels.iter().map(of_panel).collect()).collect()
+}
+
 impl Directions {
     fn new(density: Density, ends: &[f64], breaks: &[f64]) -> Self {
         let inside = ends.iter().chain(breaks).copied().filter(|end| *end > 0.0 && *end < FRAC_PI_2);
         let mut panels: Vec<f64> = [0.0, FRAC_PI_2].into_iter().chain(inside).collect();
         panels.sort_by(f64::total_cmp);
         panels.dedup();
-        let mut directions = Self { density, single: None, panels, nodes: Vec::new(), efficiency: 0.0 };
+        let mut directions =
+            Self { density, single: None, panels, nodes: Vec::new(), crossing: Vec::new(), efficiency: 0.0 };
         directions.nodes = (0..DEGREES.len())
             .map(|level| {
                 let ends = directions.panels.windows(2);
-                ends.map(|ends| directions.nodes_between(level, ends[0], ends[1]).collect()).collect()
+                ends.map(|ends| directions.nodes_of(level, ends[0], ends[1])).collect()
             })
             .collect();
+        directions.crossing = crossing(&directions.nodes);
         directions.efficiency = directions.converged(|angle| angle.cos());
         directions
     }
@@ -259,7 +270,8 @@ impl Directions {
     fn single(angle: f64) -> Self {
         let nodes = vec![vec![vec![(angle, 1.0)]]; DEGREES.len()];
         let panels = vec![0.0, FRAC_PI_2];
-        Self { density: Density::Random, single: Some(angle), panels, nodes, efficiency: angle.cos() }
+        let crossing = crossing(&nodes);
+        Self { density: Density::Random, single: Some(angle), panels, nodes, crossing, efficiency: angle.cos() }
     }
 
     /// p(θ); infinite where all fibres lie.
@@ -277,7 +289,8 @@ impl Directions {
         if let Density::Sampled(values) = &mut self.density {
             values.iter_mut().for_each(|value| *value /= mass);
         }
-        self.nodes.iter_mut().flatten().flatten().for_each(|node| node.1 /= mass);
+        let nodes = self.nodes.iter_mut().chain(&mut self.crossing);
+        nodes.flatten().flatten().for_each(|node| node.1 /= mass);
         self.efficiency /= mass;
     }
 
@@ -305,6 +318,46 @@ impl Directions {
     /// (θ, weight p dθ) of a panel.
     pub(crate) fn nodes(&self, level: usize, panel: usize) -> &[(f64, f64)] {
         &self.nodes[level][panel]
+    }
+
+    /// (θ, weight p cos θ dθ) of a panel.
+    pub(crate) fn crossing(&self, level: usize, panel: usize) -> &[(f64, f64)] {
+        &self.crossing[level][panel]
+    }
+
+    /// (θ, weight p dθ) of a whole panel. A sampled density is no polynomial of low degree there, what is integrated over it nearly is:
+    /// weights are the integrals of p times the polynomials that are 1 at one node and 0 at the others.
+    fn nodes_of(&self, level: usize, from: f64, to: f64) -> Vec<(f64, f64)> {
+        let Density::Sampled(values) = &self.density else { return self.nodes_between(level, from, to).collect() };
+        let intervals = values.len() - 1;
+        let nodes = rule(level);
+        let inverse = |j: usize| {
+            let others = nodes.iter().enumerate().filter(|(k, _)| *k != j);
+            // times 4, the inverse of the capacity of the unit interval: products of 48 stay in range
+            1.0 / others.map(|(_, other)| 4.0 * (nodes[j].0 - other.0)).product::<f64>()
+        };
+        let scales: Vec<f64> = (0..nodes.len()).map(inverse).collect();
+        let mut weights = vec![0.0; nodes.len()];
+        let place = |angle: f64| angle / FRAC_PI_2 * intervals as f64;
+        let samples = place(from).floor() as usize + 1..place(to).ceil() as usize;
+        let inside =
+            samples.map(|k| FRAC_PI_2 * k as f64 / intervals as f64).filter(|angle| *angle > from && *angle < to);
+        let ends: Vec<f64> = [from].into_iter().chain(inside).chain([to]).collect();
+        for pair in ends.windows(2) {
+            for (angle, mass) in self.nodes_between(0, pair[0], pair[1]) {
+                let at = (angle - from) / (to - from);
+                if let Some(j) = nodes.iter().position(|(node, _)| *node == at) {
+                    weights[j] += mass;
+                    continue;
+                }
+                // of Lagrange's polynomials in barycentric form
+                let quotients: Vec<f64> =
+                    nodes.iter().zip(&scales).map(|((node, _), scale)| scale / (at - node)).collect();
+                let share = mass / quotients.iter().sum::<f64>();
+                weights.iter_mut().zip(&quotients).for_each(|(weight, quotient)| *weight += share * quotient);
+            }
+        }
+        nodes.iter().zip(weights).map(|((node, _), weight)| (from + (to - from) * node, weight)).collect()
     }
 
     /// (θ, weight p dθ) of a part of a panel.

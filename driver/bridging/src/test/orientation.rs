@@ -1,6 +1,6 @@
 use super::*;
 use approx::assert_relative_eq;
-use std::f64::consts::{FRAC_2_PI, LN_2};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, LN_2};
 
 fn directions(orientation: &Orientation) -> Directions {
     orientation.directions(60.0, &[]).unwrap_or_else(|error| panic!("{error}"))
@@ -85,6 +85,27 @@ fn walls_turn_fibres_as_dupont_and_vandewalle_say() {
     let corner = directions(&corner).efficiency;
     println!("corner: {corner:.4}");
     assert_relative_eq!(corner, 0.84, epsilon = 0.1);
+}
+
+/// What is integrated over the density of a section is smooth, the density is not: two coarse rules agree, and with the sum over
+/// each interval of its table.
+#[test]
+fn coarse_rules_are_exact_over_a_density_from_a_table() {
+    let section = Orientation::Section { size: [150.0, 125.0], faces: Faces { width: 2, height: 1 } };
+    // bins of the angle, as for shares, and a panel within one interval of the table
+    for breaks in [vec![], Composite::bin_edges(), vec![0.7001, 0.7002]] {
+        let directions = section.directions(60.0, &breaks).expect("a section");
+        let load = |angle: f64| (0.35 * angle).exp() * angle.cos();
+        let intervals = (0..512).map(|k| [k, k + 1].map(|k| FRAC_PI_2 * f64::from(k) / 512.0));
+        let fine = intervals.flat_map(|[from, to]| directions.nodes_between(1, from, to).collect::<Vec<_>>());
+        let exact: f64 = fine.map(|(angle, weight)| weight * load(angle)).sum();
+        for level in 0..2 {
+            let panels = 0..directions.panels.len() - 1;
+            let nodes = panels.flat_map(|panel| directions.nodes(level, panel).to_vec());
+            let coarse: f64 = nodes.map(|(angle, weight)| weight * load(angle)).sum();
+            assert_relative_eq!(coarse, exact, max_relative = 5e-10);
+        }
+    }
 }
 
 #[test]

@@ -62,7 +62,7 @@ pub fn write(
             (page::warnings(&warnings))
             (page::pictures(&drawings.pictures))
             h2 { "Numbers" }
-            div.scroll { table {
+            div.scroll tabindex="0" { table {
                 tr { th { "Number" } th { "Unit" } th.number { "Value" } th.number { "Standard error" } th { } }
                 @for (name, unit, estimate) in &rows {
                     tr {

@@ -33,10 +33,10 @@ pub(super) fn page(fit: &CaseFit, request: &CaseRequest, pictures: &[Picture]) -
             (page::warnings(&fit.warnings))
             (page::pictures(pictures))
             h2 { "Parameters" }
-            div.scroll { table {
+            div.scroll tabindex="0" { table {
                 tr {
                     th { "Parameter" } th.number { "Value" } th.number { "Standard error" } th.number { "of the value" }
-                    th.number { "Start" } th.number { "Bounds" } th {}
+                    th.number { "Start" } th.number { "Bounds" } td {}
                 }
                 @for ((free, estimate), start) in fit.free.iter().zip(&fit.estimates).zip(&fit.starts) {
                     tr {
@@ -55,8 +55,8 @@ pub(super) fn page(fit: &CaseFit, request: &CaseRequest, pictures: &[Picture]) -
             } }
             @if fit.free.len() > 1 {
                 h2 { "Correlation" }
-                div.scroll { table {
-                    tr { th {} @for free in &fit.free { th.number { code { (free.path) } } } }
+                div.scroll tabindex="0" { table {
+                    tr { td {} @for free in &fit.free { th.number { code { (free.path) } } } }
                     @for (free, row) in fit.free.iter().zip(fit.correlation.row_iter()) {
                         tr {
                             td.key { code { (free.path) } }

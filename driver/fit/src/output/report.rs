@@ -62,7 +62,7 @@ fn fitted(law: &FittedLaw) -> Markup {
             "; R² " (format!("{:.5}", law.quality.r_squared)) "; " (law.runs) " runs."
         }
         @if !unidentifiable.is_empty() { p.warnings { "Not identifiable: " (unidentifiable.join(", ")) "." } }
-        div.scroll { table {
+        div.scroll tabindex="0" { table {
             tr {
                 th { "Number" } th { "Unit" } th.number { "Regression" } th.number { "Value" }
                 th.number { "Standard error" } th.number { "of the value" }
@@ -85,8 +85,8 @@ fn fitted(law: &FittedLaw) -> Markup {
         } }
         @if let Some(uncertainty) = &law.uncertainty {
             h3 { "Correlation" }
-            div.scroll { table {
-                tr { th {} @for quantity in &quantities { th.number { (quantity.name) } } }
+            div.scroll tabindex="0" { table {
+                tr { td {} @for quantity in &quantities { th.number { (quantity.name) } } }
                 @for (quantity, row) in quantities.iter().zip(uncertainty.correlation.row_iter()) {
                     tr {
                         td.key { code { (quantity.name) } }

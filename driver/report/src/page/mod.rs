@@ -47,10 +47,12 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
         return page(title, &bridging::body(account, summary, findings, pictures));
     }
     let (solver, results): (Vec<&Picture>, Vec<&Picture>) = pictures.iter().partition(|picture| is_of_solver(picture));
-    let (first, others) = results.split_first().map_or((None, &[][..]), |(first, others)| (Some(*first), others));
+    let (fields, telling): (Vec<&Picture>, Vec<&Picture>) = results.into_iter().partition(|picture| picture.is_field);
+    let (first, others) = telling.split_first().map_or((None, &[][..]), |(first, others)| (Some(*first), others));
     let body = html! {
         div.answer {
             (status(summary, &format!("{} increments in", summary.increments)))
+            (laws(account))
             div.pictures {
                 @if let Some(first) = first { figure { (PreEscaped(&first.svg)) } }
                 (answer::numbers(summary))
@@ -61,6 +63,9 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
         }
         @if let Some(viewer) = viewer { h2 { "Over the run" } (viewer) }
         @if !others.is_empty() { h2 { "Pictures" } (gallery(others)) }
+        @if !fields.is_empty() {
+            details open[viewer.is_none()] { summary { "Fields at the greatest load, at the end, and where asked for" } (gallery(&fields)) }
+        }
         (comparison(summary))
         @if let Some(findings) = &summary.specimen { (specimen::energies(findings)) }
         (what_was_run(account, summary))
@@ -102,7 +107,7 @@ fn document(title: &str, body: &Markup) -> Markup {
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
-            body { (body) }
+            body { main { (body) } }
         }
     }
 }
@@ -118,6 +123,15 @@ fn status(summary: &Summary, effort: &str) -> Markup {
             " " (effort) " " (significant(summary.wall_time_s, 3)) " s"
         }
         @if let Some(message) = &summary.message { div.message { (message) } }
+    }
+}
+
+/// Which laws were run, and where.
+fn laws(account: &Account) -> Markup {
+    html! {
+        @if !account.laws.is_empty() {
+            p { @for (k, law) in account.laws.iter().enumerate() { @if k > 0 { ", " } (law.subject) ": " (law.law) } }
+        } @else if !account.law.is_empty() { p { "Law: " (account.law) } }
     }
 }
 

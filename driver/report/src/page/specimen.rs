@@ -58,10 +58,9 @@ pub fn energies(findings: &Findings) -> Markup {
     let work = shown(findings.energies.get(WORK).copied().unwrap_or(0.0));
     let parts = || {
         let others = findings.energies.iter().filter(|(name, _)| name.as_str() != WORK);
-        others.map(|(name, energy)| (name, shown(*energy)))
+        others.map(|(name, energy)| (name, shown(*energy))).filter(|(_, energy)| *energy != 0.0)
     };
-    let sum: f64 =
-        parts().filter(|(name, _)| !OF_THE_INTERFACE.contains(&name.as_str())).map(|(_, energy)| energy).sum();
+    let sum: f64 = parts().filter(|(name, _)| !OF_OTHERS.contains(&name.as_str())).map(|(_, energy)| energy).sum();
     let missing = shown(work - sum);
     let share = |energy: f64| {
         if work == 0.0 { "–".to_owned() } else { format!("{} %", significant(100.0 * energy / work, 3)) }
@@ -83,8 +82,9 @@ pub fn energies(findings: &Findings) -> Markup {
 }
 
 const WORK: &str = "external_work";
-/// Energies of which the interface energy consists.
-const OF_THE_INTERFACE: [&str; 2] = ["interface_stored_energy", "interface_dissipation"];
+/// Energies that others have in them: those of which the interface energy consists, and that of a phase field, which is the
+/// laws' damage energy anew.
+const OF_OTHERS: [&str; 3] = ["interface_stored_energy", "interface_dissipation", "field_energy"];
 
 /// `damage_energy` → Damage energy.
 fn words(name: &str) -> String {

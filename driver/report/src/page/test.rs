@@ -25,10 +25,13 @@ fn account() -> Account {
     }
 }
 
+fn picture(path: &str, svg: String) -> Picture {
+    Picture { path: path.into(), svg, is_field: false }
+}
+
 fn page_of(summary: &Summary) -> String {
     let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\"><text>σ</text></svg>".to_string();
-    super::page_of(&account(), summary, &[Picture { path: std::path::PathBuf::from("plots/a.svg"), svg }], None)
-        .into_string()
+    super::page_of(&account(), summary, &[picture("plots/a.svg", svg)], None).into_string()
 }
 
 #[test]
@@ -91,16 +94,20 @@ fn no_wall_time_is_shown_as_that_of_a_call() {
 #[test]
 fn the_answer_comes_first_and_the_solver_folded() {
     let account = account();
-    let svg =
-        |name: &str| Picture { path: format!("plots/{name}.svg").into(), svg: format!("<svg id=\"{name}\"></svg>") };
-    let pictures = [svg("stress_strain"), svg("iterations"), svg("damage")];
+    let svg = |name: &str| picture(&format!("plots/{name}.svg"), format!("<svg id=\"{name}\"></svg>"));
+    let field = Picture { is_field: true, ..svg("damage_D_t_peak") };
+    let pictures = [svg("stress_strain"), svg("iterations"), field, svg("damage")];
     let page = super::page_of(&account, &summary::test::summary(), &pictures, None).into_string();
     let places = [
+        ">done<",
+        "Law: pure_damage",
         "stress_strain",
         "RMS difference from measured.csv",
         "Greatest σ<sub>11</sub>",
         "strains beyond 5 %",
         "id=\"damage\"",
+        "<summary>Fields",
+        "id=\"damage_D_t_peak\"",
         "What was run",
         "<summary>Solver",
         "id=\"iterations\"",

@@ -106,6 +106,8 @@ pub struct Picture {
     pub path: PathBuf,
     /// Content.
     pub svg: String,
+    /// Whether it is a field over a specimen at a moment, which a report folds.
+    pub is_field: bool,
 }
 
 /// Pictures in their files, and why others are missing.
@@ -132,7 +134,7 @@ impl Drawings {
         match drawn {
             Ok(svg) => {
                 let path = directory.write(&within(folder, &format!("{name}.svg")), &svg)?;
-                self.pictures.push(Picture { path, svg });
+                self.pictures.push(Picture { path, svg, is_field: false });
             }
             Err(reason) => self.warnings.push(format!("the picture {name} could not be drawn: {reason}")),
         }

@@ -102,7 +102,7 @@ impl<'a> Redrawing<'a> {
         for (file, name) in &self.taken {
             let svg = input::text(file, Input::Result)?;
             let path = directory.write(name, &svg)?;
-            drawings.pictures.push(Picture { path, svg });
+            drawings.pictures.push(Picture { path, svg, is_field: false });
         }
         Ok(drawings)
     }

@@ -81,6 +81,8 @@ fn title(name: &str) -> String {
         ("_cmod", "CMOD"),
         ("_w", "crack opening"),
     ];
+    // the strain is its own, not what it is drawn against
+    let name = if name == "plastic_strain" { "plastic_strain_strain" } else { name };
     let of = AGAINST.iter().find_map(|&(end, x)| Some((name.strip_suffix(end)?, x)));
     let words = of.map_or_else(|| name.replace('_', " "), |(y, x)| format!("{} against {x}", y.replace('_', " ")));
     capital(&words)
@@ -119,12 +121,13 @@ impl Layout {
     fn figure(&self, runs: &[PlottedRun<'_>], names: &[String], is_first: bool) -> Option<Figure> {
         let several = runs.len() > 1;
         let is_measured = !self.curves.is_empty();
+        let is_still = |run: &PlottedRun<'_>| self.pairs.iter().all(|(_, y)| !moves(run, y));
         let mut lines = Vec::new();
         for (k, run) in runs.iter().enumerate() {
             for (pair, (x, y)) in self.pairs.iter().enumerate() {
                 let (Some(xs), Some(ys)) = (run.history.column(x), run.history.column(y)) else { continue };
                 let points: Vec<_> = xs.iter().copied().zip(ys.iter().copied()).collect();
-                if is_measured || moves(run, y) || (is_first && moves(run, x)) {
+                if is_measured || moves(run, y) || (is_first && is_still(run) && moves(run, x)) {
                     let label = self.label(run, names.get(k).filter(|_| several), x, y);
                     // one run: a colour a column, and dashes where colours come again; several: a colour a run, a dash a column
                     let (color, dash) = if several { (k, pair) } else { (pair, pair / PALETTE.len()) };
@@ -308,8 +311,9 @@ fn point(run: &PlottedRun<'_>, controlled: &[usize]) -> Vec<Layout> {
     let name = if damage == ["peeq"] { "plastic_strain" } else { "damage_strain" };
     layouts.push(Layout::over(strain, name, damage));
     let ordinate = if span(run, "s12") > span(run, "s22") { "s12" } else { "s22" };
-    // uniaxial stress has no path to show
-    if span(run, ordinate) > NEGLIGIBLE_STRESS * span(run, "s11") {
+    // one stress alone has no path to show
+    let [along, across] = ["s11", ordinate].map(|column| span(run, column));
+    if across.min(along) > NEGLIGIBLE_STRESS * across.max(along) {
         layouts.push(Layout { equal_units: true, ..Layout::pair("stress_path", "s11", ordinate) });
     }
     layouts
@@ -350,7 +354,8 @@ fn interface(run: &PlottedRun<'_>) -> Vec<Layout> {
 
 fn pullout(run: &PlottedRun<'_>) -> Vec<Layout> {
     let mut layouts = vec![Layout::pair("load_slip", "slip", "load")];
-    let others = ["slip_exit", "slip_tail"].into_iter().filter(|column| span(run, column) > 0.0);
+    let is_other = |column: &&str| span(run, column) > 0.0 && !lies_on(run, column, "slip");
+    let others = ["slip_exit", "slip_tail"].into_iter().filter(is_other);
     layouts.push(Layout::new("load_local_slip", others.map(|column| (column, "load"))));
     // components of an inclined fibre's load: along a perpendicular one the axial is the load
     if span(run, "load_shear") > NEGLIGIBLE_SHEAR * span(run, "load") {
@@ -403,7 +408,14 @@ fn moves(run: &PlottedRun<'_>, column: &str) -> bool {
     let alike = run.history.columns().iter().filter(is_alike);
     let values = alike.flat_map(|column| run.history.column(column).unwrap_or_default());
     let greatest = extremes(values.map(|value| value.abs()).filter(|value| value.is_finite())).1;
-    span(run, column) > ROUNDING * greatest
+    span(run, column) > ROUNDING * greatest.max(0.0)
+}
+
+/// Returns whether two columns are one to the eye.
+fn lies_on(run: &PlottedRun<'_>, column: &str, other: &str) -> bool {
+    let [values, others] = [column, other].map(|name| run.history.column(name).unwrap_or_default());
+    let apart = values.iter().zip(others).map(|(a, b)| (a - b).abs()).filter(|apart| apart.is_finite());
+    extremes(apart).1 <= SAME_LINE * span(run, other)
 }
 
 /// Greatest less least finite value; 0 without any.

@@ -28,6 +28,8 @@ struct Scenes {
     edges: Vec<u32>,
     /// Of each state.
     displacements: Vec<Vec<u16>>,
+    /// Place in the beginning, displacement, half of the line.
+    cracks: Vec<Vec<[f32; 6]>>,
     values: Vec<Vec<u16>>,
     /// Place of the field of these values in the head.
     field: usize,
@@ -63,6 +65,9 @@ struct AnimationFrame {
     slip: f64,
     load: f64,
     contacts: usize,
+    /// None in reports of earlier versions.
+    #[serde(default)]
+    cracks: usize,
     /// Triangles and edges that remain, in the background and in the foreground.
     left: [[usize; 2]; 2],
 }
@@ -99,13 +104,20 @@ impl Scenes {
             rest = behind;
             Some(front)
         };
-        let floats = |bytes: &[u8]| bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+        let floats = |bytes: &[u8]| -> Vec<f32> {
+            bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect()
+        };
         let words = |bytes: &[u8]| bytes.as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
         let halves = |bytes: &[u8]| bytes.as_chunks::<2>().0.iter().map(|bytes| u16::from_le_bytes(*bytes)).collect();
-        let positions: Vec<f32> = floats(take(2 * head.nodes, 4)?);
+        let positions = floats(take(2 * head.nodes, 4)?);
         let triangles: Vec<u32> = words(take(3 * head.triangles, 4)?);
         let edges: Vec<u32> = words(take(2 * head.edges, 4)?);
         take(head.frames.iter().map(|frame| 6 * frame.contacts).sum(), 4)?;
+        let mut cracks: Vec<Vec<[f32; 6]>> = Vec::new();
+        for frame in &head.frames {
+            let values = floats(take(frame.cracks.checked_mul(6)?, 4)?);
+            cracks.push(values.as_chunks::<6>().0.to_vec());
+        }
         // the part of each node
         take(head.nodes, 2)?;
         let states = head.frames.len();
@@ -131,7 +143,8 @@ impl Scenes {
         if states == 0 || !is_sound(&triangles) || !is_sound(&edges) {
             return None;
         }
-        let mut scenes = Self { head, positions, triangles, edges, displacements, values, field, view: [0.0; 4] };
+        let mut scenes =
+            Self { head, positions, triangles, edges, displacements, cracks, values, field, view: [0.0; 4] };
         scenes.view = view.unwrap_or_else(|| scenes.extent());
         Some(scenes)
     }

@@ -3,7 +3,8 @@ use super::*;
 #[test]
 fn energies_are_listed_with_their_shares_and_what_is_missing() {
     let interface = [("interface_energy", 5.0), ("interface_stored_energy", 1.0), ("interface_dissipation", 4.0)];
-    let energies = [("external_work", 8.0), ("elastic_energy", 2.0)].into_iter().chain(interface);
+    let others = [("external_work", 8.0), ("elastic_energy", 2.0), ("field_energy", 3.0), ("plastic_energy", 0.0)];
+    let energies = others.into_iter().chain(interface);
     let mut found = Findings { energy_error_max: Some(0.125), ..Findings::default() };
     found.energies = energies.into_iter().map(|(name, energy)| (name.to_owned(), energy)).collect();
     found.statistics.insert("umat_calls".into(), 1234);
@@ -20,6 +21,7 @@ fn energies_are_listed_with_their_shares_and_what_is_missing() {
     ] {
         assert!(page.contains(&expected), "{expected}\n{page}");
     }
+    assert!(page.contains("Field energy") && !page.contains("Plastic energy"), "what is nothing has no row: {page}");
     assert!(load(&found).into_string().contains("No load was measured"));
     found.peak_load = Some(PeakLoad { load: 31.25, slip: 0.0625, step: 1, increment: 7, time: 0.1 });
     let page = load(&found).into_string();

@@ -75,6 +75,42 @@ fn shear_turns_the_stress_path() {
     assert_eq!(figures[2].lines[0].columns, ("s11".into(), "s12".into()));
 }
 
+/// Pure shear has no other stress, and a fibre whose exit moves with its grip no other slip.
+#[test]
+fn what_another_picture_shows_has_none_of_its_own() {
+    let shear = history(&[("g12", &[0.0, 1e-3]), ("s11", &[0.0, 1e-12]), ("s12", &[0.0, 3.0])]);
+    let of_shear = spec(CaseKind::Point { controlled: vec![3] });
+    assert_eq!(names(&figures(&[PlottedRun { history: &shear, spec: &of_shear, name: "" }])), ["stress_strain"]);
+    let fibre = |tail: [f64; 3]| {
+        let fibre = history(&[
+            ("slip", &[0.0, 0.1, 0.2]),
+            ("load", &[0.0, 30.0, 20.0]),
+            ("slip_exit", &[0.0, 0.0999, 0.1999]),
+            ("slip_tail", &tail),
+        ]);
+        let figures = figures(&[PlottedRun { history: &fibre, spec: &spec(CaseKind::Pullout), name: "" }]);
+        figures.into_iter().map(|figure| (figure.name, figure.lines.len())).collect::<Vec<_>>()
+    };
+    assert_eq!(fibre([0.0, 0.0998, 0.1998]), [("load_slip".to_owned(), 1)]);
+    assert_eq!(fibre([0.0, 0.01, 0.1]), [("load_slip".to_owned(), 1), ("load_local_slip".to_owned(), 1)]);
+}
+
+/// A matrix without strength carries nothing.
+#[test]
+fn a_line_that_stays_at_nothing_is_left_out_beside_others() {
+    let curves = |fibre: f64| {
+        history(&[
+            ("w", &[0.0, 1.0]),
+            ("sigma", &[fibre, 0.0]),
+            ("sigma_fibre", &[fibre, 0.0]),
+            ("sigma_matrix", &[0.0, 0.0]),
+        ])
+    };
+    let spec = spec(CaseKind::Bridging);
+    let drawn = |history: &History| figures(&[PlottedRun { history, spec: &spec, name: "" }])[0].lines.len();
+    assert_eq!((drawn(&curves(2.0)), drawn(&curves(0.0))), (1, 1), "σ = σ_f; without any all are one line");
+}
+
 #[test]
 fn every_measured_curve_is_in_a_picture() {
     let history = biaxial();

@@ -28,6 +28,9 @@ const REST: u16 = 150;
 const MOST_COLORS: usize = 255;
 const SAME: u8 = 255;
 
+/// Colour of open cracks.
+const CRACK: &str = "#e4002b";
+
 type Rgb = [u8; 3];
 
 /// The colours that the frames have most of; places for the others are left black.
@@ -181,10 +184,9 @@ impl Scenes {
         let [width, height] = [MESH_WIDTH, f64::from(SIZE[1])];
         let unit = (width / (right - left)).min(height / (high - low));
         let middle = [0.5 * (left + right), 0.5 * (low + high)];
-        let place = |node: u32| {
-            let [x, y] = self.position(node as usize, moment);
-            [0.5 * width + unit * (x - middle[0]), 0.5 * height - unit * (y - middle[1])]
-        };
+        let on_picture =
+            |[x, y]: [f64; 2]| [0.5 * width + unit * (x - middle[0]), 0.5 * height - unit * (y - middle[1])];
+        let place = |node: u32| on_picture(self.position(node as usize, moment));
         let mut svg = head();
         let _ = write!(
             svg,
@@ -219,7 +221,11 @@ impl Scenes {
                 r##"<path d="{lines}" fill="none" stroke="#000" stroke-opacity="0.22" stroke-width="0.5"/>"##
             );
         }
-        svg.push_str("</g>");
+        let mut cracks = String::new();
+        for [x, y, u, v, a, b] in self.cracks[moment.0].iter().map(|crack| crack.map(f64::from)) {
+            outline(&mut cracks, [1.0, -1.0].map(|side| on_picture([x + u + side * a, y + v + side * b])));
+        }
+        let _ = write!(svg, r##"<path d="{cracks}" fill="none" stroke="{CRACK}" stroke-width="1.4"/></g>"##);
         let at = self.place(moment);
         let [x, y] = curve.at(at);
         let _ = write!(svg, r##"<circle cx="{x:.1}" cy="{y:.1}" r="4.5" fill="#d55e00"/>"##);

@@ -1,9 +1,16 @@
 use super::*;
 use serde_json::json;
 
+/// Place, displacement, half of the line.
+const CRACK: [f32; 6] = [1.0, 1.0, 0.0, 0.5, 0.2, 0.0];
+
 /// Two states of one triangle: at a slip of 1 mm its third node has moved by (0, 2) mm; the middle state halves the slip.
 fn scenes() -> Scenes {
-    let state = |slip: f64| json!({ "slip": slip, "load": 10.0 * slip, "contacts": 0, "left": [[0, 1], [0, 3]] });
+    let state = |slip: f64| {
+        // the last state has a crack
+        let cracks = usize::from(slip == 1.0);
+        json!({ "slip": slip, "load": 10.0 * slip, "contacts": 0, "cracks": cracks, "left": [[0, 1], [0, 3]] })
+    };
     let head = json!({
         "nodes": 3, "triangles": 1, "edges": 3, "behind": [0, 0], "displacement": [0.0, 2.0],
         "fields": [{ "name": "stress", "unit": "MPa", "ranges": [[-1.0, 3.0]] }], "parts": ["block"],
@@ -12,6 +19,7 @@ fn scenes() -> Scenes {
     let mut data = Vec::new();
     [0.0_f32, 0.0, 4.0, 0.0, 0.0, 3.0].into_iter().for_each(|value| crate::viewer::push(&mut data, value));
     [0_u32, 1, 2, 0, 1, 1, 2, 2, 0].into_iter().for_each(|node| data.extend_from_slice(&node.to_le_bytes()));
+    CRACK.into_iter().for_each(|value| crate::viewer::push(&mut data, value));
     [0_u16; 3].into_iter().for_each(|part| data.extend_from_slice(&part.to_le_bytes()));
     let moved = |y: u16| vec![0, 0, 0, 0, 0, y];
     crate::viewer::push_series(&mut data, [moved(0), moved(32767), moved(65534)].into_iter());
@@ -23,6 +31,7 @@ fn scenes() -> Scenes {
 fn states_are_read_as_the_report_has_them() {
     let scenes = scenes();
     assert_eq!(scenes.position(1, (0, 0.0)), [4.0, 0.0]);
+    assert_eq!(scenes.cracks, [vec![], vec![], vec![CRACK]]);
     assert_eq!(scenes.position(2, (2, 0.0)), [0.0, 5.0]);
     assert_eq!([0, 1].map(|node| scenes.share(node, (2, 0.0))), [Some(1.0), Some(0.0)]);
     assert_eq!(scenes.share(1, (0, 0.0)), Some(0.0), "a node without a value takes that of the next state");
@@ -68,5 +77,6 @@ fn a_gif_has_the_frames_and_the_colours_of_the_field() {
     }
     assert_eq!(frames, 5);
     assert!(palette.chunks(3).any(|color| color == [0xd5, 0x5e, 0x00]), "the place on the curve");
+    assert!(palette.chunks(3).any(|color| color == [0xe4, 0x00, 0x2b]), "the crack");
     assert!(last.iter().filter(|&&place| place != 255).count() > 100, "the specimen has moved");
 }
