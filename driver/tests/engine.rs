@@ -72,7 +72,7 @@ fn resident() -> u64 {
     line.trim().trim_end_matches(" kB").parse().expect("a number")
 }
 
-/// Runs of points leave nothing behind, however many threads are offered: a pool for each kept 10 kB, 15 MB of these.
+/// Runs of points keep no memory afterwards, however many threads are offered. A pool for each run kept 10 kB: 15 MB here.
 #[test]
 fn many_points_take_no_more_memory_than_some() {
     let one = |strain: f64| {

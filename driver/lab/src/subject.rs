@@ -36,7 +36,7 @@ pub(crate) struct Subject {
     pub finished: Option<Arc<Done>>,
     /// The user's own library or source.
     watched: Option<Watched>,
-    /// What the case reads beside it: measured curves, tables, meshes.
+    /// Files that the case reads: measured curves, tables, meshes.
     data: Vec<PathBuf>,
     /// All files of both; with a source what it includes.
     files: Mutex<FileWatch>,

@@ -300,7 +300,7 @@ fn a_thousand_connections_at_once_end() {
         let told = stream.set_read_timeout(Some(Duration::from_secs(2))).and_then(|()| stream.read_exact(&mut answer));
         told.is_ok() && answer == *b"HTTP/1.1 503"
     });
-    assert!(refused, "those over the limit are told so");
+    assert!(refused, "requests over the limit get an error");
     drop(held);
     let start = Instant::now();
     while lab.request("GET /", &own, "").0 != 200 {
