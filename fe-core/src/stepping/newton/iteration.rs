@@ -1,5 +1,6 @@
 //! The iterations of a round, and when they end.
 
+use super::policy::FAST_REDUCTION;
 use super::{Attempt, CUT, Equilibrium, Iteration, RoundEnd, largest, largest_difference, trouble};
 use crate::assembly::solids::TangentChoice;
 use crate::assembly::{Location, PointFailure};
@@ -98,7 +99,10 @@ impl Equilibrium<'_> {
         let displacements = &attempt.trial.displacements;
         let moved = largest_difference(displacements, &attempt.start.displacements);
         let moved = moved.max(LEAST_RELATIVE_MOVE * largest(displacements));
-        let is_small = |last: &Iteration| last.correction <= self.model.controls.displacement_tolerance * moved;
+        // where residuals fall fast corrections do, too
+        let reduction = self.memory.last_reduction;
+        let left = if reduction < FAST_REDUCTION { reduction } else { 1.0 };
+        let is_small = |last: &Iteration| left * last.correction <= self.model.controls.displacement_tolerance * moved;
         residual <= (NEGLIGIBLE_RESIDUAL * tolerance).max(self.memory.rounding)
             || (residual <= tolerance && attempt.round().last().is_none_or(is_small))
     }

@@ -15,8 +15,8 @@ const SLOW_REDUCTION: f64 = 0.5;
 /// left.
 const LINEAR_REDUCTION: f64 = 0.1;
 const BEFORE_DOUBT: usize = 4;
-/// Ratio of successive residuals below which an old factor is used again.
-const FAST_REDUCTION: f64 = 0.05;
+/// Ratio of successive residuals below which an old factor is used again, and the next correction is that part of the last one.
+pub(super) const FAST_REDUCTION: f64 = 0.05;
 /// Most iterations of the last increment with which old factors are used.
 const EASY_WITH_OLD_FACTORS: usize = 6;
 /// Positions are known to a few units of their last place.
