@@ -13,65 +13,21 @@
 
 use super::newton::{Committed, Converged, IncrementGoal, Leader, hardest_round};
 use super::recorded::LeadingQuantity;
-use super::size::{EASY, GROWTH, IncrementSize};
+use super::size::IncrementSize;
 use crate::assembly::PointFailure;
 use crate::model::{Model, Step};
+use crate::stepping::constants::{
+    ADVANCES_BEFORE_DRIVE_CONTROL, AIM, CRAWLING, CREEPING, EASING, EASY, FADING, FAILURES_BEFORE_CHANGE, FIRST_LED,
+    GREATEST_RESISTANCE, GROWTH, LARGER_NUDGE, LARGEST_PART_OF_TIME, LEADS, LEAST_LED, LIMIT_POINT, LOAD_CHANGE,
+    MOST_THROUGH, MOST_TURNS, NUDGE, RESISTANCE, THICKENING_WHERE_TURNING,
+};
 use serde::{Deserialize, Serialize};
 
 mod judgement;
 #[cfg(test)]
 mod test;
 
-use judgement::SLIP_MARGIN;
-pub use judgement::{ENERGY_BUDGET, STABILISATION_BUDGET};
 pub(super) use judgement::{Findings, Judgement};
-
-/// Number of failures in a row after which something else leads.
-const FAILURES_BEFORE_CHANGE: u32 = 4;
-/// Part of the usual increment to which increments under the drives are cut where they creep towards a limit point: something else
-/// leads then.
-const CREEPING: f64 = 1e-2;
-/// Number of changes of the lead without an accepted increment after which all leads have failed.
-const LEADS: u32 = 6;
-/// Factor by which the usual sizes fade with each increment.
-const FADING: f64 = 0.8;
-/// The first increment of what leads now, as part of the usual one.
-const FIRST: f64 = 0.5;
-/// Least increment of a lead, as part of its first one.
-const LEAST: f64 = 1e-6;
-/// An increment led by dissipation grows while the load changes by less than this part of the greatest so far, and
-/// shrinks when it changes by twice as much: the path is curved, and its energies are trapezoidal sums.
-const LOAD_CHANGE: f64 = 0.02;
-/// After as many increments in a row under another lead in which the drives advanced, they lead again,
-const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
-/// if increments have grown to this part of the largest under the drives: shorter ones would only be cut again.
-const RECOVERED: f64 = 0.5;
-/// Where displacements grow so many times faster with the drives than they did in the step, and no equilibrium is found further on, the
-/// drives are at a limit point.
-const LIMIT_POINT: f64 = 10.0;
-/// Part of the greatest increment below which increments under the drives have no equilibrium near.
-const CRAWLING: f64 = 1e-5;
-/// Part of the usual increment that the drives go before drag leads, and by which it is more where the next equilibrium was no
-/// better.
-const NUDGE: f64 = 0.1;
-const LARGER_NUDGE: f64 = 4.0;
-/// First resistance of drag, as part of the load over the nudge. With some hundred freedoms of contact, drag adds a
-/// hundredth to the load.
-const RESISTANCE: f64 = 1e-5;
-/// Greatest resistance, as a multiple of the first.
-const GREATEST_RESISTANCE: f64 = 1e8;
-/// Factor by which the resistance falls after an easy increment.
-const EASING: f64 = 0.4;
-/// and after another one that stands.
-const SLOW_EASING: f64 = 0.7;
-/// Factor by which the resistance grows where an increment goes back on the way of the one before.
-const THICKENING_WHERE_TURNING: f64 = 10.0;
-/// Most increments through drag in a row.
-const MOST_THROUGH: u32 = 1000;
-/// After so many turns drag has come as near to equilibrium as it can: between two states to and fro, in neither of which forces balance.
-const MOST_TURNS: u32 = 20;
-/// An increment under another lead takes at most this part of the time left: the drives lead to the end of a step.
-const LARGEST_PART_OF_TIME: f64 = 0.5;
 
 /// The quantity that leads an increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -109,12 +65,12 @@ struct Led {
 
 impl Led {
     fn new(by: Leader, usual: f64) -> Self {
-        let first = FIRST * usual;
+        let first = FIRST_LED * usual;
         Self { by, increment: first, first, advances: 0, easy: false }
     }
 
     fn least(&self) -> f64 {
-        LEAST * self.first
+        LEAST_LED * self.first
     }
 }
 
@@ -284,12 +240,8 @@ impl StepRun {
         if let Lead::Drag(dragged) = &mut self.lead {
             dragged.increments += 1;
             // between two states to and fro, it was too thin to be led by what is out of balance
-            if converged.turns {
-                dragged.turns += 1;
-                dragged.resistance *= THICKENING_WHERE_TURNING;
-            } else {
-                dragged.resistance *= if iterations <= EASY { EASING } else { SLOW_EASING };
-            }
+            dragged.turns += u32::from(converged.turns);
+            dragged.resistance *= if converged.turns { THICKENING_WHERE_TURNING } else { EASING };
             let is_there = converged.drag <= 1.0 || dragged.turns >= MOST_TURNS;
             self.progress = self.aim();
             self.attempted = 0.0;
@@ -310,7 +262,7 @@ impl StepRun {
                 self.progress = self.aim();
                 self.size.accepted(iterations, hardest_round(&converged.iterations));
                 if self.locates_peak && !load.peaked && findings.slip_growth > 0.0 {
-                    self.size.limit(self.attempted * SLIP_MARGIN / findings.slip_growth);
+                    self.size.limit(self.attempted * AIM / findings.slip_growth);
                 }
                 self.foresee_energies(&findings);
                 self.nudges = 0;
@@ -350,7 +302,7 @@ impl StepRun {
         let largest_slip = self.largest_slip;
         let Lead::Other(led) = &mut self.lead else { return };
         let (was_easy, largest, recovered) = match led.by {
-            Leader::PointSlip => (iterations <= EASY, largest_slip, led.increment >= RECOVERED * largest_slip),
+            Leader::PointSlip => (iterations <= EASY, largest_slip, led.increment >= FIRST_LED * largest_slip),
             Leader::Dissipation => {
                 if load_change > 2.0 * LOAD_CHANGE {
                     led.increment *= LOAD_CHANGE / load_change;

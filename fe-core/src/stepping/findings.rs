@@ -3,11 +3,7 @@
 use super::control::Findings;
 use super::newton::{Committed, Converged, Equilibrium, largest};
 use super::{Analysis, Energies, Snapshot};
-
-/// Least part of the energy that the drives take back which an increment dissipates: less is elastic unloading.
-const LEAST_DISSIPATION: f64 = 1e-2;
-/// The energy error is relative to at least this many times the rounding of the work: rounding is no error.
-const LEAST_ROUNDINGS: f64 = 1e3;
+use crate::stepping::constants::{LEAST_DISSIPATION, LEAST_ROUNDINGS};
 
 impl Analysis<'_> {
     /// Returns the quantities that a converged increment is judged by.

@@ -1,6 +1,7 @@
 #![doc = include_str!("doc.md")]
 
 mod checkpoint;
+mod constants;
 mod control;
 mod energy;
 mod error;
@@ -21,7 +22,7 @@ mod wire;
 mod zone;
 
 pub use checkpoint::Checkpoint;
-pub use control::{ENERGY_BUDGET, STABILISATION_BUDGET};
+pub use constants::{ENERGY_BUDGET, STABILISATION_BUDGET};
 pub use energy::Energies;
 pub use error::RunError;
 pub use newton::{Flips, Iteration};

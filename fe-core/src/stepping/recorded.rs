@@ -11,11 +11,9 @@ use super::{Along, Analysis, RunError, Trail};
 use crate::assembly::PointFailure;
 use crate::contact::PointIndex;
 use crate::model::{IncrementContext, Step};
+use crate::stepping::constants::SUMMED;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-
-/// Times of a step whose ratio differs from 1 by less are the same: sums are rounded.
-const SAME_TIME: f64 = 1e-10;
 
 /// The attempts at each increment of each step of a run, in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -165,7 +163,7 @@ impl Analysis<'_> {
     /// Repeats increments of steps that took these times, where they are known, in the times of the model's steps.
     fn repeat_in_own_times(&mut self, mut recorded: Recorded, times: impl IntoIterator<Item = Option<f64>>) {
         for ((increments, step), time) in recorded.steps.iter_mut().zip(&self.model.steps).zip(times) {
-            if let Some(time) = time.filter(|time| (step.time - time).abs() > SAME_TIME * time) {
+            if let Some(time) = time.filter(|time| (step.time - time).abs() > SUMMED * time) {
                 increments.iter_mut().flatten().for_each(|tried| tried.time *= step.time / time);
             }
         }

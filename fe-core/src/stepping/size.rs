@@ -1,23 +1,11 @@
 //! How far the next increment goes: automatic growth and cut-back.
 
 use crate::model::StepControl;
+use crate::stepping::constants::{EASY, GROWTH, HARD, SHRINKAGE, STREAK, SUMMED};
 use serde::{Deserialize, Serialize};
 
 #[cfg(test)]
 mod test;
-
-/// An increment that needs at most so many iterations is easy.
-pub(super) const EASY: usize = 9;
-/// An increment that needs more iterations than this is hard.
-const HARD: usize = 13;
-/// Number of easy increments in a row after which the size grows.
-const STREAK: usize = 2;
-/// Factor by which an increment may grow.
-pub(super) const GROWTH: f64 = 1.5;
-/// Factor by which the increment after a hard one is smaller.
-const SHRINKAGE: f64 = 0.75;
-/// Least remainder of a step, as part of an increment: a smaller one is taken along with the increment.
-const REMAINDER: f64 = 1e-9;
 
 /// Sizes of the increments of a step, as fractions of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -46,7 +34,7 @@ impl IncrementSize {
 
     /// Returns the next increment, when this much of the step is left.
     pub(super) fn next(&self, left: f64) -> f64 {
-        if self.size >= left * (1.0 - REMAINDER) { left } else { self.size }
+        if self.size >= left * (1.0 - SUMMED) { left } else { self.size }
     }
 
     /// Chooses the next size after an accepted increment: larger after few iterations in all, smaller after a hard round of them. In how

@@ -4,14 +4,8 @@ use crate::assembly::{Condensation, Equations, Solids, System, loaded_freedoms, 
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::solver::{SolverError, SolverOptions};
+use crate::stepping::constants::{LEAST_FAR_FIELD, ZONE_GROWTH, ZONE_MARGIN};
 use serde::{Deserialize, Serialize};
-
-/// Rings of elements around those that must iterate, so that a zone that grows does not grow at every increment.
-const MARGIN: usize = 1;
-/// Rings added around elements that stopped being elastic.
-const GROWTH: usize = 3;
-/// Least share of all elements for which a far field is worth a condensation.
-const LEAST_FAR_FIELD: f64 = 0.3;
 
 /// The elements that iterate.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,7 +28,7 @@ impl Zone {
             let linear = mesh.elements().iter().map(|element| !model.nlgeom[element.part()]);
             let may_be = condensable.into_iter().zip(linear).map(|(condensable, linear)| condensable && linear);
             zone.active.iter_mut().zip(may_be).for_each(|(active, may_be)| *active |= !may_be);
-            zone.grow(mesh, MARGIN);
+            zone.grow(mesh, ZONE_MARGIN);
             zone.condenses = zone.pays();
         }
         zone
@@ -65,7 +59,7 @@ impl Zone {
     pub(super) fn take_in(&mut self, mesh: &Mesh, freedoms: &[usize]) -> bool {
         let before = self.active.iter().filter(|active| **active).count();
         let mut added = Self { active: touching(mesh, freedoms), condenses: false };
-        added.grow(mesh, GROWTH);
+        added.grow(mesh, ZONE_GROWTH);
         self.active.iter_mut().zip(added.active).for_each(|(active, added)| *active |= added);
         self.condenses = self.pays();
         self.active.iter().filter(|active| **active).count() > before

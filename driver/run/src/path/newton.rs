@@ -23,6 +23,10 @@ pub(super) const LARGEST_CHANGE: f64 = 3.0;
 const DETERMINED: f64 = 1e-3;
 /// A full step should at least halve the residual, else the tangent is called poor.
 const POOR_REDUCTION: f64 = 0.5;
+/// Parts of a correction that are tried, the whole one included.
+const PARTS: u32 = 6;
+/// A correction is taken if the residual falls by this fraction of the part that is taken.
+const SUFFICIENT_DECREASE: f64 = 1e-3;
 /// Strain step of the finite-difference matrix relative to max(1e-6, largest strain).
 const DIFFERENCE_STEP: f64 = 1e-6;
 
@@ -329,7 +333,7 @@ impl Targets<'_> {
         let merit = |r: &Vector| r.component_div(tolerance).norm();
         let before = merit(residual);
         let mut last = None;
-        let length = line_search::halved(1.0, line_search::TRIES_OF_POINTS, |length| {
+        let length = line_search::halved(1.0, PARTS, |length| {
             let mut trial = *increment;
             for &i in self.components {
                 trial[i] += length * step[i];
@@ -338,7 +342,7 @@ impl Targets<'_> {
             let new_residual = self.residual(&trial, &evaluation.stress);
             let after = merit(&new_residual);
             last = Some((evaluation, new_residual));
-            Ok(line_search::descends(before, after, length) || after <= 1.0)
+            Ok(after <= (1.0 - SUFFICIENT_DECREASE * length) * before || after <= 1.0)
         })?;
         Ok(length.zip(last).map(|(length, (evaluation, residual))| (length, evaluation, residual)))
     }

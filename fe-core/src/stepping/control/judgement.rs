@@ -2,55 +2,12 @@
 
 use super::{Dragged, Lead, Led, LoadHistory, StepRun};
 use crate::assembly::{Location, PointFailure, Setback};
+use crate::stepping::constants::{
+    AIM, ENERGY_BUDGET, ENERGY_MARGIN, ENERGY_TOLERANCE, LARGEST_FALL, LARGEST_TURN, LEAST_FOR_OVERSTRESS, LEAST_ORDER,
+    LEAST_SHARE, LEAST_THROUGH_DRAG, MAX_ENERGY_LOOKS, MAX_REFUSALS, PEAK_RESOLUTION, SMALLER, STABILISATION_BUDGET,
+    THROUGH_DRAG,
+};
 use crate::stepping::newton::{Converged, Leader};
-
-/// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
-const ENERGY_TOLERANCE: f64 = 3e-4;
-/// Imbalance of energies allowed for all increments together, as part of the work (doc.md). The less of it remains, the
-/// less an increment may add. Increments whose size the step chooses keep to it, except for failures and indirect
-/// control; equal increments need not.
-pub const ENERGY_BUDGET: f64 = 1e-3;
-/// Part of the work that stabilisation and the overstress of extrapolating laws may take in a run before a warning.
-/// Increments keep to it likewise, except for viscosity, snap-backs and drag, whose share does not depend on their
-/// size.
-pub const STABILISATION_BUDGET: f64 = 1e-2;
-/// Least imbalance or overstress that an increment may always add, as part of its usual share.
-const LEAST_SHARE: f64 = 0.05;
-/// Part of the error's limit that a repeated increment aims at, by the root of what is left, and how often it is repeated; and what
-/// the increment after an accepted one aims at.
-const ENERGY_MARGIN: f64 = 0.7;
-const ENERGY_AIM: f64 = 0.9;
-const MAX_ENERGY_REFUSALS: u32 = 6;
-/// Least order of the energies' error in the size of an increment. The error of trapezoidal sums falls with the square of the size at
-/// least; one that falls more slowly has another cause: contact that opens in the first increment.
-const LEAST_ORDER: f64 = 0.5;
-/// Overstress cuts increments to this part of the greatest.
-const LEAST_FOR_OVERSTRESS: f64 = 1.0 / 256.0;
-/// Equal increments are not refused for their energies. So many of a step are looked at in smaller ones, by this factor.
-const MAX_ENERGY_LOOKS: u32 = 3;
-const LOOK: f64 = 0.3;
-/// The load of neighbours of the peak differs by less than this part of it.
-const PEAK_RESOLUTION: f64 = 2e-3;
-/// The drives move at most so many times as far as in the last increment where dissipation leads: elastic unloading needs
-/// next to none of it, and would be taken for the path.
-const LARGEST_TURN: f64 = 2.0;
-/// A load that falls by more than this part of the greatest in one increment, while the drive pulls on, has jumped over a
-/// snap-back, which another lead can follow.
-const LARGEST_FALL: f64 = 0.05;
-/// After so many refusals a jump stands: no lead follows it.
-const MAX_REFUSALS: u32 = 12;
-/// An increment that jumped is repeated with this part of it.
-const JUMP_CUT: f64 = 0.3;
-/// Aim a little below the greatest admissible slip.
-pub(super) const SLIP_MARGIN: f64 = 0.9;
-/// Through drag the load changes by this part of it in an increment at most, or this part of the greatest load: what is dissipated is
-/// a trapezoidal sum over the way. Where it falls by more, drag becomes thicker by this factor, by division; where it rises, the drives go
-/// a shorter way.
-const THROUGH_DRAG: f64 = 0.1;
-const LEAST_THROUGH_DRAG: f64 = 0.01;
-const THICKENING: f64 = 0.3;
-/// Least fraction to which a single judgement cuts an increment.
-const LEAST_FRACTION: f64 = 0.05;
 
 /// Quantities that a converged increment is judged by.
 #[derive(Clone, Copy, Debug, Default)]
@@ -145,7 +102,7 @@ impl StepRun {
                 _ => {
                     self.energy_refused += 1;
                     self.missed = Some([self.attempted, excess]);
-                    let fraction = excess.recip().sqrt().clamp(LEAST_FRACTION, ENERGY_MARGIN);
+                    let fraction = excess.recip().sqrt().min(ENERGY_MARGIN);
                     return Err(repeat("the energies of the increment do not balance", self.allowed(fraction)));
                 }
             }
@@ -154,8 +111,10 @@ impl StepRun {
             return Ok(());
         }
         if findings.slip_growth > 1.0 {
-            let fraction = (SLIP_MARGIN / findings.slip_growth).max(LEAST_FRACTION);
-            return Err(repeat("the slip of a contact point grows too fast to follow its law", self.allowed(fraction)));
+            return Err(repeat(
+                "the slip of a contact point grows too fast to follow its law",
+                self.allowed(AIM / findings.slip_growth),
+            ));
         }
         if findings.load < load.greatest * (1.0 - PEAK_RESOLUTION) {
             return Err(repeat("the load has a peak within the increment", 0.5));
@@ -168,13 +127,13 @@ impl StepRun {
         let limit = (THROUGH_DRAG * load.last).max(LEAST_THROUGH_DRAG * load.greatest);
         // what the drives pull through the drag adds to the load
         if findings.load - load.last > limit && self.attempted > self.size.minimum {
-            self.attempted = (THICKENING * self.attempted).max(self.size.minimum);
+            self.attempted = (SMALLER * self.attempted).max(self.size.minimum);
             return Err(repeat("the drives go too far through drag", 1.0));
         }
         let falls = load.last - findings.load > limit;
         if (falls || self.refuses_energies(findings).is_some()) && !self.is_least() {
             self.energy_refused += 1;
-            return Err(repeat("the specimen goes too fast through drag", THICKENING));
+            return Err(repeat("the specimen goes too fast through drag", SMALLER));
         }
         Ok(())
     }
@@ -183,7 +142,7 @@ impl StepRun {
     pub(in crate::stepping) fn refuses_energies(&self, findings: &Findings) -> Option<f64> {
         let refuses = !self.size.fixed
             && self.misses_energies(findings)
-            && self.energy_refused < MAX_ENERGY_REFUSALS
+            && self.energy_refused < MAX_REFUSALS
             && !self.is_least();
         refuses.then_some(self.attempted)
     }
@@ -206,7 +165,7 @@ impl StepRun {
         let excess = self.energy_excess(findings);
         // an increment accepted in spite of its energies is no measure
         if !self.size.fixed && excess > 0.0 && excess <= 1.0 {
-            self.size.limit(self.attempted * ENERGY_AIM / excess.sqrt());
+            self.size.limit(self.attempted * AIM / excess.sqrt());
         }
     }
 
@@ -228,7 +187,7 @@ impl StepRun {
         self.energy_looks += 1;
         let part = |power| {
             let mut look = self.clone();
-            look.size.cut(self.attempted, LOOK.powi(power));
+            look.size.cut(self.attempted, SMALLER.powi(power));
             look
         };
         vec![part(1), part(2)]
@@ -250,5 +209,5 @@ pub(super) fn repeat(reason: &str, fraction: f64) -> Judgement {
 }
 
 fn failed(reason: &str) -> Judgement {
-    Judgement { has_failed: true, ..repeat(reason, JUMP_CUT) }
+    Judgement { has_failed: true, ..repeat(reason, SMALLER) }
 }

@@ -3,6 +3,7 @@
 use super::judgement::repeat;
 use super::*;
 use crate::model::{PluginLaw, StepControl};
+use crate::stepping::constants::STABILISATION_BUDGET;
 use crate::stepping::newton::Iteration;
 use crate::stepping::test::strip;
 

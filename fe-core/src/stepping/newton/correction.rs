@@ -1,31 +1,15 @@
 //! The correction of an iteration, under direct and indirect control, and how much of it is applied.
 
-use super::{Attempt, CUT, Committed, Equilibrium, IncrementGoal, Leader, add_loads, largest, trouble, unsolvable};
+use super::{Attempt, Committed, Equilibrium, IncrementGoal, Leader, add_loads, largest, trouble, unsolvable};
 use crate::assembly::{Location, PointFailure};
 use crate::contact::PointIndex;
 use crate::model::IncrementContext;
+use crate::stepping::constants::{
+    BEFORE_HALVING, CUT, LEAST_OF_BRACKET, LEAST_PROBE, MAX_SECANTS, MINIMUM_REACHED, PARTS, PROBE, WORK_REDUCTION,
+};
 use crate::stepping::line_search;
 use crate::stepping::times::timed;
 use umat_abi::law::Request;
-
-/// A correction that makes the largest residual grow is kept if it leaves no more than this part of the work of the
-/// residuals along it: where plastic flow spreads, the largest residual moves on and grows on the best of paths. Not with
-/// contact: at the kinks of its laws such steps go to and fro.
-const WORK_REDUCTION: f64 = 0.8;
-/// Part of the work of the unbalanced forces along a correction, of that at its start, at which the energy is at its minimum along it.
-const MINIMUM_REACHED: f64 = 0.2;
-/// Most secants in the search of that minimum.
-const MAX_SECANTS: usize = 10;
-/// A secant ends not nearer to the shorter correction than this part of the bracket: beyond a kink the work may be 10⁵ times
-/// as large.
-const LEAST_OF_BRACKET: f64 = 0.1;
-/// Up to this iteration a correction with which contact opens or closes is applied in full: the residual of what has closed is
-/// large, and the next correction knows of it. Later ones may go to and fro.
-const BEFORE_HALVING: u32 = 7;
-/// Step of the differences for derivatives of the dissipation, as part of the last increment.
-const PROBE: f64 = 1e-4;
-/// Least step of these differences, as part of the displacements, which are rounded.
-const LEAST_PROBE: f64 = 1e-8;
 
 /// Growth of the leading quantity in the increment, and its derivatives along the two parts of a correction.
 #[derive(Clone, Copy, Debug, Default)]
@@ -208,7 +192,7 @@ impl Equilibrium<'_> {
         }
         let mut best = (full, 1.0);
         let mut last = 1.0;
-        line_search::halved(line_search::FIRST_OF_SPECIMENS, line_search::TRIES_OF_SPECIMENS, |length| {
+        line_search::halved(0.5, PARTS, |length| {
             self.place(attempt, direction, &from, length)?;
             let residual = largest(&self.memory.residual);
             if residual < best.0 {

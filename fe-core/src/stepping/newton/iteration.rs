@@ -1,20 +1,9 @@
 //! The iterations of a round, and when they end.
 
-use super::{Attempt, CUT, Equilibrium, Iteration, RoundEnd, largest, largest_difference, trouble};
+use super::{Attempt, Equilibrium, Iteration, RoundEnd, largest, largest_difference, trouble};
 use crate::assembly::solids::TangentChoice;
 use crate::assembly::{Location, PointFailure};
-
-/// A residual so far below its tolerance needs no small correction to prove convergence: linear problems end at once.
-const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
-/// Corrections are compared with the increment's displacements, or with this part of all so far: a tiny increment
-/// after many cuts needs no finer ones than the state that it starts from.
-const LEAST_RELATIVE_MOVE: f64 = 1e-2;
-/// An iteration has diverged when its residual has grown this often in a row, after as many iterations.
-const DIVERGENCE: usize = 4;
-/// Multipliers are updated before the next iteration once the residual is below this part of the force scale. Further off, pressures are not
-/// yet those of the increment: with 1 a fibre at 45° with a cover takes 16 % more iterations. With 0 (after convergence alone) a hook takes
-/// twice as many.
-const NEAR: f64 = 1e-2;
+use crate::stepping::constants::{CUT, DIVERGENCE, FAST_REDUCTION, LEAST_RELATIVE_MOVE, NEAR, NEGLIGIBLE_RESIDUAL};
 
 /// Returns how many iterations the round that took most of them has: how hard an increment was. The rounds in which contact settles say
 /// nothing of its size, which would shrink without end where each increment needs some of them.
@@ -98,7 +87,10 @@ impl Equilibrium<'_> {
         let displacements = &attempt.trial.displacements;
         let moved = largest_difference(displacements, &attempt.start.displacements);
         let moved = moved.max(LEAST_RELATIVE_MOVE * largest(displacements));
-        let is_small = |last: &Iteration| last.correction <= self.model.controls.displacement_tolerance * moved;
+        // where residuals fall fast corrections do, too
+        let reduction = self.memory.last_reduction;
+        let left = if reduction < FAST_REDUCTION { reduction } else { 1.0 };
+        let is_small = |last: &Iteration| left * last.correction <= self.model.controls.displacement_tolerance * moved;
         residual <= (NEGLIGIBLE_RESIDUAL * tolerance).max(self.memory.rounding)
             || (residual <= tolerance && attempt.round().last().is_none_or(is_small))
     }

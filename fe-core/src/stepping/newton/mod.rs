@@ -38,6 +38,7 @@ use crate::contact::{self, Contact, PointIndex, PointStatus};
 use crate::field::{Field, Pass};
 use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::{Blocks, SolverError};
+use crate::stepping::constants::{CUT, FIELD_CUT, LEAST_RELATIVE_SCALE};
 use crate::threads::Threads;
 use parallel::ParallelRound;
 use serde::{Deserialize, Serialize};
@@ -224,16 +225,6 @@ pub(super) struct Equilibrium<'m> {
     handed: Option<Handed>,
 }
 
-/// The force scale does not fall below this part of the largest so far: a fibre that has left carries nothing.
-const LEAST_RELATIVE_SCALE: f64 = 1e-4;
-/// Rounds of multiplier updates and openings in one increment.
-const MAX_SETTLEMENTS: usize = 200;
-/// Fraction of its increment with which an attempt that did not converge is repeated: an attempt of a whole system is dear, and one
-/// half as long seldom converges where this one did not. A material point, whose calls cost little, halves its increments.
-const CUT: f64 = 0.25;
-/// The same where the field did not settle.
-const FIELD_CUT: f64 = 0.5;
-
 impl<'m> Equilibrium<'m> {
     /// Evaluates the virgin state and numbers the equations.
     pub(super) fn new(model: &'m Model, equations: Equations) -> Result<Self, ModelError> {
@@ -298,7 +289,6 @@ impl<'m> Equilibrium<'m> {
         }
         self.memory.at_committed_state = false;
         self.begin_flips();
-        let mut settlements = 0;
         for round in 1.. {
             self.factorise_for_all();
             let end = self.newton(&mut attempt)?;
@@ -309,10 +299,6 @@ impl<'m> Equilibrium<'m> {
                 RoundEnd::Near => self.contact.update_multipliers(),
             };
             if settles {
-                settlements += 1;
-                if settlements > MAX_SETTLEMENTS {
-                    return Err(trouble(Location::System, "contact multipliers do not settle".into(), CUT));
-                }
                 self.memory.statistics.settlements += 1;
             } else if end == RoundEnd::Balanced && self.field_settles(&attempt)? {
                 self.memory.last_iterations = hardest_round(&attempt.iterations);

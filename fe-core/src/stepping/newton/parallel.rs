@@ -3,18 +3,8 @@
 use super::{Attempt, Equilibrium, IncrementGoal, Leader, RoundEnd, largest, unsolvable};
 use crate::assembly::PointFailure;
 use crate::model::Model;
+use crate::stepping::constants::{GROWTH_ROUNDING, LEFT_BESIDE, NOTHING_BESIDE, ROUGHLY_LEFT_BESIDE};
 use crate::stepping::zone::Zone;
-
-/// The part of what there is to correct at the start of a round that may be left at its end.
-const LEFT: f64 = 1e-4;
-/// Residual that a first correction by the factor of another run may leave: as a part of what there was to correct, since an
-/// error of first order adds up where matter softens, and of what rounding may make of a residual, which mostly makes less.
-const ROUGHLY_LEFT: [f64; 2] = [1e-6, 0.1];
-/// The part of what rounding may make of a residual at which there is nothing to correct: a difference so small has been left by the
-/// sums of the displacements.
-const NOTHING: f64 = 1e-3;
-/// The part of its growth to which the leading quantity is known.
-const ROUNDING: f64 = 1e-11;
 
 /// State at the end of a round of iterations.
 #[derive(Clone, Debug, Default)]
@@ -72,13 +62,13 @@ impl ParallelRound {
     pub(super) fn is_reached(&mut self, residual: f64, growth: f64, rounding: f64, rough: bool) -> bool {
         let missing = (self.growth - growth).abs();
         let [left, least] = match self.first {
-            None => [LEFT, NOTHING],
-            Some(_) if rough => ROUGHLY_LEFT,
-            Some(_) => [LEFT, 1.0],
+            None => [LEFT_BESIDE, NOTHING_BESIDE],
+            Some(_) if rough => ROUGHLY_LEFT_BESIDE,
+            Some(_) => [LEFT_BESIDE, 1.0],
         };
         let first = self.first.get_or_insert([residual, missing]);
         residual <= (left * first[0]).max(least * rounding)
-            && missing <= (LEFT * first[1]).max(ROUNDING * self.growth.abs())
+            && missing <= (LEFT_BESIDE * first[1]).max(GROWTH_ROUNDING * self.growth.abs())
     }
 }
 
@@ -136,7 +126,7 @@ impl Equilibrium<'_> {
         shift(&mut attempt.trial.drives, &end.drives, before.map(|round| &*round.drives));
         if round == 0 {
             let largest_drive = largest(&attempt.trial.drives).max(largest(&end.drives));
-            attempt.is_off = largest(&attempt.lacking()) > ROUNDING * largest_drive;
+            attempt.is_off = largest(&attempt.lacking()) > GROWTH_ROUNDING * largest_drive;
         }
         self.parallel =
             Some(ParallelRound { residual: end.residual.clone(), growth: end.growth, end: end.end, first: None });

@@ -4,23 +4,10 @@ use super::{Attempt, Equilibrium, unsolvable};
 use crate::assembly::solids::TangentChoice;
 use crate::assembly::{PointFailure, touching};
 use crate::solver::Symmetry;
+use crate::stepping::constants::{
+    BEFORE_DOUBT, EASY_WITH_OLD_FACTORS, FALLBACKS, FAST_REDUCTION, LINEAR_REDUCTION, POSITION_ROUNDING, SLOW_REDUCTION,
+};
 use crate::stepping::times::timed;
-
-/// Iterations after which a safer stiffness is used for damaging elements out of balance (doc.md). That of plastic ones
-/// is safe, and the elastic one far too stiff where flow spreads.
-const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
-/// Ratio of successive residuals below which no safer stiffness is needed.
-const SLOW_REDUCTION: f64 = 0.5;
-/// Iterations that still converge as slowly as this after as many put tangents in doubt: Newton's method squares what is
-/// left.
-const LINEAR_REDUCTION: f64 = 0.1;
-const BEFORE_DOUBT: usize = 4;
-/// Ratio of successive residuals below which an old factor is used again.
-const FAST_REDUCTION: f64 = 0.05;
-/// Most iterations of the last increment with which old factors are used.
-const EASY_WITH_OLD_FACTORS: usize = 6;
-/// Positions are known to a few units of their last place.
-const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl Equilibrium<'_> {
     /// Makes sure of a factor that is good enough: the last one while it converges fast, otherwise one of the present

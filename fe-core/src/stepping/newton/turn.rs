@@ -3,10 +3,8 @@
 
 use super::Equilibrium;
 use crate::assembly::Factor;
+use crate::stepping::constants::SHARED_FACTORS;
 use std::sync::mpsc::{self, Receiver, Sender};
-
-/// Number of factors that go round: as many runs work at a time.
-const FACTORS: usize = 4;
 
 /// A run's turn among those that share factors.
 #[derive(Debug)]
@@ -35,7 +33,7 @@ impl Turn {
     pub(in crate::stepping) fn all(count: usize) -> Vec<Self> {
         let (mut to, from): (Vec<_>, Vec<_>) = (0..count).map(|_| mpsc::channel()).unzip();
         for first in to.iter().take(1) {
-            (0..FACTORS).for_each(|_| drop(first.send(Handed::default())));
+            (0..SHARED_FACTORS).for_each(|_| drop(first.send(Handed::default())));
         }
         to.rotate_left(count.min(1));
         (0..).zip(to.into_iter().zip(from)).map(|(k, (to, from))| Self { is_first: k == 0, from, to }).collect()

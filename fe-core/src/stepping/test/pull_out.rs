@@ -181,6 +181,29 @@ fn a_fibre_is_pulled_out_to_the_last_and_its_energy_is_accounted_for() {
     }
 }
 
+/// Where forces balance, and the last correction reduced the residual so far that the next one is within its tolerance, no iteration is made to
+/// prove it. The drive's growth is a lower bound of what the increment moves.
+#[test]
+fn no_iteration_only_proves_that_the_one_before_converged() {
+    let model = fibre(Configuration::Plane, [steel(), mortar()], &bond(0.3), 0.5, AUTOMATIC);
+    let (records, _) = run(&model);
+    let Controls { force_tolerance, displacement_tolerance, .. } = model.controls;
+    let (mut slip, mut seen) = (0.0, 0);
+    for record in &records {
+        let moved = record.slip - slip;
+        slip = record.slip;
+        for three in record.iterations.windows(3).filter(|three| !three[1].begins_round && !three[2].begins_round) {
+            let [before, last, next] = [three[0], three[1], three[2]];
+            let reduction = last.residual / before.residual;
+            let balances = last.residual <= force_tolerance * last.scale;
+            let left = if reduction < 0.05 { reduction * last.correction } else { last.correction };
+            assert!(!balances || left > displacement_tolerance * moved, "at {slip}: {before:?} {last:?} {next:?}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 10, "{seen}");
+}
+
 /// A bond that sticks gives back what it took; one that slid keeps it.
 #[test]
 fn the_energy_of_interfaces_is_what_can_be_had_back_and_what_cannot() {
