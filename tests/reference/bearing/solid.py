@@ -12,7 +12,7 @@ dowel   a steel bar that is pushed at the face, w(0) given, without a moment the
 depth   a slab between two planes of symmetry, w the same everywhere: the plane problem of `dowel.py`.
 face    the same w in the whole block: k against the distance from the free face.
 
-The cone "plane_strain" is the one that dowel.py has ("outer" would have the uniaxial strength f_c in space).
+The cone "plane_strain" is the one that dowel.py has; "outer" has the uniaxial strength f_c in space.
 A row is a displacement (w, or w(0)) and a force over f_c: per length, or of the dowel.
 """
 
@@ -29,7 +29,7 @@ YIELD, STEEL = 1050.0, 200e3
 RADIUS, DEPTH = 10.0, 8.0
 PLACES = (0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.3)
 LIMIT = 5.07
-CONES = ("plane_strain",)
+CONES = ("plane_strain", "outer")
 
 # corners and middles of edges of a C3D20 in its cube
 CORNERS = [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)]
