@@ -59,3 +59,65 @@ impl std::fmt::Display for StrengthClass {
         write!(formatter, "{}{}", self.strength, self.letter)
     }
 }
+
+/// Least and greatest f_ck of the Model Code's concretes, MPa, and what the mean strength has above it.
+const CHARACTERISTIC: [f64; 2] = [12.0, 120.0];
+const MEAN_ABOVE: f64 = 8.0;
+/// Up to this f_ck f_t follows a power, MPa.
+const POWER_UP_TO: f64 = 50.0;
+
+/// Concrete by its compressive strength alone, with the mean values of the fib Model Code 2010 (5.1): quartzite aggregates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Concrete {
+    /// f_cm, MPa.
+    pub compressive_strength: f64,
+    /// f_ctm, MPa.
+    pub tensile_strength: f64,
+    /// E_ci = 21500 (f_cm/10)^(1/3), MPa.
+    pub modulus: f64,
+    /// G_F = 0.073 f_cm^0.18, N/mm.
+    pub fracture_energy: f64,
+}
+
+impl Concrete {
+    /// ν, for which the Model Code gives 0.14 to 0.26.
+    pub const POISSON_RATIO: f64 = 0.2;
+
+    /// Makes that of a class: "C40" or, with the strength of cubes behind it, "C40/50".
+    ///
+    /// # Errors
+    /// A text that names none.
+    pub fn of_class(name: &str) -> Result<Self, String> {
+        let number = name.strip_prefix('C').map(|rest| rest.split_once('/').unwrap_or((rest, "1")));
+        let strength = number.filter(|(_, cube)| cube.parse::<u32>().is_ok());
+        match strength.and_then(|(cylinder, _)| cylinder.parse::<u32>().ok()) {
+            Some(strength) => Self::of_mean(f64::from(strength) + MEAN_ABOVE),
+            None => Err("is no class like \"C40\" or \"C40/50\"".to_owned()),
+        }
+    }
+
+    /// Makes that of a mean strength, MPa.
+    ///
+    /// # Errors
+    /// A strength for which the Model Code has no values.
+    pub fn of_mean(mean: f64) -> Result<Self, String> {
+        let characteristic = mean - MEAN_ABOVE;
+        let [least, greatest] = CHARACTERISTIC;
+        if !(least..=greatest).contains(&characteristic) {
+            let [lower, upper] = [least + MEAN_ABOVE, greatest + MEAN_ABOVE];
+            return Err(format!(
+                "the Model Code's concretes go from C{least} to C{greatest}, mean strengths from {lower} to {upper} MPa"
+            ));
+        }
+        Ok(Self {
+            compressive_strength: mean,
+            tensile_strength: if characteristic <= POWER_UP_TO {
+                0.3 * characteristic.powf(2.0 / 3.0)
+            } else {
+                2.12 * (0.1 * mean).ln_1p()
+            },
+            modulus: 21_500.0 * (0.1 * mean).cbrt(),
+            fracture_energy: 0.073 * mean.powf(0.18),
+        })
+    }
+}

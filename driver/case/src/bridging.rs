@@ -1,14 +1,18 @@
 //! Kind "bridging": fibres across a crack.
 
+use crate::concrete;
 use crate::document::Plots;
 use crate::document::Positive;
-use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, ShearLagFibre, Spacing, TableFibre};
+use crate::document::bridging::{
+    BridgingCase, FeFibre, FibreOfFile, MatrixOfFile, Openings, ShearLagFibre, Spacing, TableFibre,
+};
 use crate::history;
 use crate::problem::{Place, Problem};
 use crate::reader::Reader;
 use crate::table::CsvFile;
 use pullout_bridging::{
-    Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, NotchedBeam, Orientation, Scatter, ShearLag, Softening,
+    Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, Matrix, NotchedBeam, Orientation, Scatter, ShearLag,
+    Softening,
 };
 use pullout_run::bridging::{BridgingProgram, Curves, LoadSource, OPENINGS, Simulation, Simulations};
 use pullout_run::columns::{self, LEADING};
@@ -90,19 +94,21 @@ pub fn resolve(
     let root = Place::root();
     let fibre = fibre(reader, others, &case.fibre);
     let orientation = counted(reader, case.orientation.clone().unwrap_or(Orientation::Random3d));
-    let BridgingCase { volume_fraction: Positive(volume_fraction), matrix, beam, scatter, .. } = *case;
+    let BridgingCase { volume_fraction: Positive(volume_fraction), beam, scatter, .. } = *case;
+    let matrix = matrix(reader, &case.matrix, beam.is_some());
     if scatter.is_some() && beam.is_none() {
         reader.problem(&root.key("scatter"), "is of beams: give \"beam\" too ({} is that of EN 14651)");
     }
     // each on its own, so that all problems are reported at once
     let length = fibre.as_ref().map(|(fibre, _)| fibre.length);
     let checks = [
-        Some(matrix.check()),
+        matrix.map(|matrix| matrix.check()),
         beam.map(|beam| beam.check()),
         scatter.map(|scatter| scatter.check()),
         orientation.as_ref().zip(length).map(|(orientation, length)| orientation.directions(length, &[]).map(drop)),
     ];
     checks.into_iter().flatten().for_each(|checked| report_invalid(reader, checked));
+    let matrix = matrix?;
     if reader.problems.is_empty() {
         warn_of_effect(reader, fibre.as_ref(), &matrix, scatter, beam.is_some());
         warn_of_units(reader, fibre.as_ref(), &matrix, beam.as_ref());
@@ -134,6 +140,7 @@ pub fn resolve(
         captions,
         warnings: std::mem::take(&mut reader.warnings),
         notes: std::mem::take(&mut reader.notes),
+        highlights: std::mem::take(&mut reader.highlights),
         defaults: std::mem::take(&mut reader.defaults),
         ..about
     };
@@ -149,11 +156,36 @@ pub fn resolve(
     Some(program)
 }
 
+/// The matrix: its own numbers, and for those that it leaves out the class's; a beam is crushed at the class's strength.
+fn matrix(reader: &mut Reader<'_>, given: &MatrixOfFile, has_beam: bool) -> Option<Matrix> {
+    let place = Place::root().key("matrix");
+    let concrete = match &given.concrete {
+        Some(class) => Some(concrete::resolve(reader, class, &place.key("concrete"))?),
+        None => None,
+    };
+    let mut required = |key: &str, value: Option<f64>, of_class: Option<f64>| {
+        let value = value.or(of_class);
+        if value.is_none() {
+            reader.push(Problem::structure(place.key(key), "is missing: give it, or the class of the \"concrete\""));
+        }
+        value
+    };
+    let modulus = required("E", given.modulus, concrete.map(|concrete| concrete.modulus));
+    let ft = required("ft", given.ft, concrete.map(|concrete| concrete.tensile_strength));
+    Some(Matrix {
+        modulus: modulus?,
+        ft: ft?,
+        softening: given.softening.unwrap_or(if concrete.is_some() { Softening::Bilinear } else { Softening::None }),
+        fracture_energy: given.fracture_energy.or(concrete.map(|concrete| concrete.fracture_energy)).unwrap_or(0.0),
+        fc: given.fc.or(concrete.filter(|_| has_beam).map(|concrete| concrete.compressive_strength)),
+    })
+}
+
 /// Warns of numbers that nothing asks for.
 fn warn_of_effect(
     reader: &mut Reader<'_>,
     fibre: Option<&(Fibre, LoadSource)>,
-    matrix: &pullout_bridging::Matrix,
+    matrix: &Matrix,
     scatter: Option<Scatter>,
     has_beam: bool,
 ) {
@@ -176,7 +208,7 @@ fn warn_of_effect(
 fn warn_of_units(
     reader: &mut Reader<'_>,
     fibre: Option<&(Fibre, LoadSource)>,
-    matrix: &pullout_bridging::Matrix,
+    matrix: &Matrix,
     beam: Option<&NotchedBeam>,
 ) {
     let mut given = Vec::new();

@@ -262,6 +262,9 @@ pub struct Material {
     pub plugin: String,
     /// Parameters by name (laws with metadata; missing ones take their defaults), or an array in PROPS order.
     pub props: Option<Props>,
+    /// Concrete by its class ("C40", "C40/50") or its mean compressive strength, MPa. It gives the parameters that `props`
+    /// leaves out, by the fib Model Code 2010, to laws with the parameter f_t or those of concrete_damage.
+    pub concrete: Option<ConcreteStrength>,
     /// Number of state variables; required for a library without metadata.
     pub nstatv: Option<Whole<0, 100_000>>,
     /// Initial state variables of every point; in a case of kind point the same as initial.statev. Default: the values
@@ -302,6 +305,16 @@ pub struct Material {
     pub thread_safe: Option<bool>,
     /// Longest time of one call of an isolated plugin, s (default 60).
     pub call_time_limit_s: Option<Positive>,
+}
+
+/// Concrete by its strength.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ConcreteStrength {
+    /// The class of the fib Model Code: "C40", "C40/50".
+    Class(String),
+    /// The mean compressive strength of cylinders, MPa.
+    Mean(Positive),
 }
 
 /// Components that a UMAT is called with in a plane.

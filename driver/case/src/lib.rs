@@ -6,6 +6,7 @@
 
 pub mod abaqus;
 mod bridging;
+mod concrete;
 mod constraints;
 mod document;
 mod fields;
@@ -28,6 +29,7 @@ mod table;
 mod test;
 mod validation;
 
+pub use concrete::measured as concrete_of_class;
 pub use document::{Positive, study, sweep};
 pub use json::{dotted, value_at};
 pub use plugin::{ALL_LAWS, frame_from_json, not_found, where_to_look};

@@ -4,7 +4,8 @@ mod frame;
 
 pub use frame::frame_from_json;
 
-use crate::document::{CalledAs, EntryPoint, Material, Positive, Props, Tangent};
+use crate::concrete;
+use crate::document::{CalledAs, ConcreteStrength, EntryPoint, Material, Positive, PropValue, Props, Tangent};
 use crate::host_normal;
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;
@@ -12,6 +13,7 @@ use crate::reader::Reader;
 use fe_core::model::NormalLaw;
 use pullout_run::isolation::{is_shipped, worker};
 use pullout_run::program::Mode;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use umat_abi::host::{self, Found, LawDescription, Library, LoadError, Manner, Plugin, TangentSource, Validation};
 use umat_abi::metadata::{kinds, stress_states};
@@ -373,6 +375,42 @@ fn nstatv(reader: &mut Reader<'_>, law: Option<&LawDescription>, material: &Mate
     Some(given.unwrap_or(needed).max(needed))
 }
 
+/// The props of a law, completed by what follows from the class of a concrete.
+fn with_concrete(
+    reader: &mut Reader<'_>,
+    law: Option<&LawDescription>,
+    props: Option<&Props>,
+    given: &ConcreteStrength,
+    place: &Place,
+) -> Option<Props> {
+    let concrete = concrete::resolve(reader, given, &place.key("concrete"))?;
+    let mut named = match props {
+        None => BTreeMap::new(),
+        Some(Props::Named(named)) => named.clone(),
+        Some(Props::List(_)) => {
+            reader.problem(
+                &place.key("props"),
+                "is a list, which \"concrete\" cannot complete: give the parameters by name",
+            );
+            return None;
+        }
+    };
+    let own = law.map(|law| props::split(law).0).unwrap_or_default();
+    let has = |name: &str| own.iter().any(|parameter| parameter.name == name);
+    let values = concrete::parameters(&concrete);
+    // E and ν alone are no concrete
+    if !["f_t", "A_t"].into_iter().any(has) {
+        let name = law.map_or("the library", |law| &law.name);
+        let message = format!("{name} has no strength that follows from a class: give its parameters in \"props\"");
+        reader.problem(&place.key("concrete"), message);
+        return None;
+    }
+    for (name, value) in values.into_iter().filter(|(name, _)| has(name)) {
+        named.entry(name).or_insert(PropValue::Number(value));
+    }
+    Some(Props::Named(named))
+}
+
 fn properties(
     reader: &mut Reader<'_>,
     law: Option<&LawDescription>,
@@ -380,6 +418,11 @@ fn properties(
     place: &Place,
     purpose: &Use,
 ) -> Option<Vec<f64>> {
+    let of_concrete = match &material.concrete {
+        Some(given) => Some(with_concrete(reader, law, material.props.as_ref(), given, place)?),
+        None => None,
+    };
+    let given = of_concrete.as_ref().or(material.props.as_ref());
     let place = place.key("props");
     let Some(law) = law else {
         return match &material.props {
@@ -393,9 +436,9 @@ fn properties(
         };
     };
     let beside = purpose.normal.as_ref().and_then(|(normal, place_of_normal)| {
-        host_normal::beside(reader, law, material.props.as_ref(), *normal, [&place, place_of_normal])
+        host_normal::beside(reader, law, given, *normal, [&place, place_of_normal])
     });
-    let given = beside.as_ref().or(material.props.as_ref());
+    let given = beside.as_ref().or(given);
     match props::resolve(law, given, &place) {
         Ok(values) => {
             let filled = match purpose.entry {

@@ -396,6 +396,7 @@ fn finish<S>(
             captions,
             warnings: std::mem::take(&mut reader.warnings),
             notes: std::mem::take(&mut reader.notes),
+            highlights: std::mem::take(&mut reader.highlights),
             defaults: std::mem::take(&mut reader.defaults),
             ..about
         },

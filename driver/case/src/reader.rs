@@ -24,6 +24,8 @@ pub struct Reader<'a> {
     pub(crate) warnings: Vec<String>,
     /// Facts of the model that need no attention.
     pub(crate) notes: Vec<String>,
+    /// Those that decide the result: they are shown at the end of a run.
+    pub(crate) highlights: Vec<String>,
     /// Values that the case leaves to defaults: a line for each place.
     pub(crate) defaults: Vec<String>,
 }
@@ -41,6 +43,7 @@ impl<'a> Reader<'a> {
             problems: Vec::new(),
             warnings: Vec::new(),
             notes: Vec::new(),
+            highlights: Vec::new(),
             defaults: Vec::new(),
         }
     }
@@ -112,6 +115,14 @@ impl<'a> Reader<'a> {
     pub(crate) fn note(&mut self, note: String) {
         if !self.notes.contains(&note) {
             self.notes.push(note);
+        }
+    }
+
+    /// Adds a note that decides the result.
+    pub(crate) fn highlight(&mut self, note: String) {
+        if !self.highlights.contains(&note) {
+            self.highlights.push(note.clone());
+            self.note(note);
         }
     }
 

@@ -5,6 +5,7 @@ use crate::document::{Plots, PulloutCase};
 use crate::problem::{Place, hint};
 use crate::reader::{Reader, UsedDefaults};
 use crate::{history, increments, plugin};
+use bearing::Bearings;
 use boundary::{Boundary, Drives};
 use fe_core::mesh::{Element, Mesh};
 use fe_core::model::{ContactLaw, Controls, Model, PluginLaw, Skipping, Spalling};
@@ -45,7 +46,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let scene = KnownMesh { ground: ground.as_ref(), mesh: checked.as_ref(), loose: &[] };
     let parts = parts::resolve(reader, case, scene);
     let mut drives = Drives::default();
-    let contacts = contact::resolve(reader, case, scene, &mut drives);
+    let bearings = Bearings::new(case, scene, parts.as_ref().map(|parts| &parts.laws[..]));
+    let contacts = contact::resolve(reader, case, scene, &bearings, &mut drives);
     let couplings = couplings::resolve(reader, case, scene);
     let mut loose = checked.as_ref().map(Mesh::free_nodes).unwrap_or_default();
     loose.retain(|&node| !couplings.iter().any(|coupling| coupling.nodes().any(|coupled| coupled == node)));
@@ -69,8 +71,6 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let skipping = skipping(reader, case);
     let Boundary { drives, supports, loads, mut measured } = boundary;
     let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
-    let scene = KnownMesh { ground: ground.as_ref(), mesh: Some(&mesh), loose: &[] };
-    bearing::fill(reader, case, &mut contacts, scene, &parts.laws);
     let ground = ground?;
     let lines = contact::interface_lines(&contacts, &ground.specimen.contact_pairs);
     let part_at =
@@ -178,6 +178,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
             recorded,
             warnings: std::mem::take(&mut reader.warnings),
             notes: std::mem::take(&mut reader.notes),
+            highlights: std::mem::take(&mut reader.highlights),
             defaults: std::mem::take(&mut reader.defaults),
             ..about
         },

@@ -22,6 +22,9 @@ pub fn of_run(summary: &Summary, case: &Case, folder: &Path) -> String {
     };
     let mut text = format!("{}: {done}, {effort}{:.3} s -> {}\n", case.name(), summary.wall_time_s, folder.display());
     text.push_str(&of_bridging(summary));
+    for highlight in &case.about().highlights {
+        let _ = writeln!(text, "  {highlight}");
+    }
     let interesting = match case {
         Case::Path(program) => match &program.kind {
             Kind::Point(_) => &STRESS_NAMES[..],

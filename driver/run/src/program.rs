@@ -138,6 +138,8 @@ pub struct About {
     pub warnings: Vec<String>,
     /// Facts of the model that every case of its kind has: for the report, not for the terminal.
     pub notes: Vec<String>,
+    /// Those of the notes that decide the result, for the terminal at the end of a run.
+    pub highlights: Vec<String>,
     /// Values that the case leaves to defaults, a line for each place.
     pub defaults: Vec<String>,
     /// Increments of another run, which are repeated: no `until` ends a step or the run then.

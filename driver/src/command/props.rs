@@ -4,6 +4,7 @@ use super::{DONE, Refusal, complain, say};
 use clap::Subcommand;
 use models::concrete_damage::ConcreteDamage;
 use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, Concrete, properties_with_exponent};
+use pullout_case::concrete_of_class;
 use umat_abi::law::Law as _;
 
 /// Laws that can be calibrated.
@@ -12,18 +13,21 @@ pub(super) enum CalibratedLaw {
     /// concrete_damage from strengths and fracture energies (N, mm, MPa).
     #[command(name = "concrete_damage")]
     ConcreteDamage {
+        /// Class of the concrete, as C40 or C40/50: mean values of the fib Model Code 2010 for what is not given.
+        #[arg(long)]
+        class: Option<String>,
         /// Young's modulus, MPa.
-        #[arg(long = "E", allow_negative_numbers = true)]
-        youngs_modulus: f64,
+        #[arg(long = "E", allow_negative_numbers = true, required_unless_present = "class")]
+        youngs_modulus: Option<f64>,
         /// Poisson's ratio.
-        #[arg(long = "nu", allow_negative_numbers = true)]
-        poisson_ratio: f64,
+        #[arg(long = "nu", allow_negative_numbers = true, required_unless_present = "class")]
+        poisson_ratio: Option<f64>,
         /// Uniaxial tensile strength, MPa.
-        #[arg(long = "ft", allow_negative_numbers = true)]
-        tensile_strength: f64,
+        #[arg(long = "ft", allow_negative_numbers = true, required_unless_present = "class")]
+        tensile_strength: Option<f64>,
         /// Uniaxial compressive strength (positive), MPa.
-        #[arg(long = "fc", allow_negative_numbers = true)]
-        compressive_strength: f64,
+        #[arg(long = "fc", allow_negative_numbers = true, required_unless_present = "class")]
+        compressive_strength: Option<f64>,
         /// Fracture energy in tension, N/mm. It activates the crack band.
         #[arg(long = "Gf", allow_negative_numbers = true)]
         fracture_energy: Option<f64>,
@@ -44,6 +48,7 @@ const USUAL: [(&str, [f64; 2]); 3] = [("--E", [500.0, 1e5]), ("--ft", [0.05, 50.
 
 pub(super) fn print(law: &CalibratedLaw) -> Result<u8, Refusal> {
     let CalibratedLaw::ConcreteDamage {
+        class,
         youngs_modulus,
         poisson_ratio,
         tensile_strength,
@@ -51,7 +56,7 @@ pub(super) fn print(law: &CalibratedLaw) -> Result<u8, Refusal> {
         fracture_energy,
         crushing_energy,
         compressive_exponent,
-    } = *law
+    } = law
     else {
         let CalibratedLaw::Other(words) = law else { return Ok(DONE) };
         let name = words.first().map_or("", String::as_str);
@@ -60,23 +65,29 @@ pub(super) fn print(law: &CalibratedLaw) -> Result<u8, Refusal> {
              info {name}` lists those of a law, and `pullout fit` finds them from a measured curve"
         )));
     };
+    let of_class = class.as_deref().map(pullout_bridging::Concrete::of_class).transpose();
+    let of_class = of_class.map_err(|reason| Refusal::input(format!("props concrete_damage: --class {reason}")))?;
+    let of_class = of_class.map(|concrete| concrete_of_class(&concrete));
+    // clap requires those that no class gives
+    let or_class =
+        |given: Option<f64>, of: fn(&Concrete) -> f64| given.or(of_class.as_ref().map(of)).unwrap_or(f64::NAN);
     let concrete = Concrete {
-        youngs_modulus,
-        poisson_ratio,
-        tensile_strength,
-        compressive_strength,
-        fracture_energy,
-        crushing_energy,
+        youngs_modulus: or_class(*youngs_modulus, |concrete| concrete.youngs_modulus),
+        poisson_ratio: or_class(*poisson_ratio, |concrete| concrete.poisson_ratio),
+        tensile_strength: or_class(*tensile_strength, |concrete| concrete.tensile_strength),
+        compressive_strength: or_class(*compressive_strength, |concrete| concrete.compressive_strength),
+        fracture_energy: fracture_energy.or(of_class.and_then(|concrete| concrete.fracture_energy)),
+        crushing_energy: *crushing_energy,
     };
-    for ((option, [lower, upper]), value) in USUAL.iter().zip([youngs_modulus, tensile_strength, compressive_strength])
-    {
+    let given = [concrete.youngs_modulus, concrete.tensile_strength, concrete.compressive_strength];
+    for ((option, [lower, upper]), value) in USUAL.iter().zip(given) {
         if !(*lower..=*upper).contains(&value) {
             complain(format!(
                 "warning: {option} {value} is outside the usual range of concretes, {lower} to {upper} MPa: is it in MPa?"
             ));
         }
     }
-    let properties = properties_with_exponent(&concrete, compressive_exponent)
+    let properties = properties_with_exponent(&concrete, *compressive_exponent)
         .map_err(|error| Refusal::input(format!("props concrete_damage: {error}")))?;
     let names = ConcreteDamage::INFO.parameters.iter().map(|parameter| parameter.name().to_owned());
     let table: serde_json::Map<_, _> = names.zip(properties.iter().map(|&value| serde_json::json!(value))).collect();

@@ -405,6 +405,20 @@ fn calibrated_parameters_reproduce_the_strengths() {
     }
     desk.pullout(["props", "concrete_damage", "--E", "31800", "--nu", "0.18", "--ft", "-3.5", "--fc", "34.8"])
         .expect(2);
+    // a class is its values, of which some may be given
+    let printed =
+        |arguments: &[&str]| desk.pullout([&["props", "concrete_damage"], arguments].concat()).expect(0).stdout;
+    let values = ["--E", "30000", "--nu", "0.2", "--ft", "3.5088213", "--fc", "48", "--Gf", "0.14654"];
+    let [of_class, of_values] = [&["--class", "C40", "--E", "30000"][..], &values].map(printed);
+    let number = |text: &str, name: &str| {
+        serde_json::from_str::<Value>(text).expect("JSON")["props"][name].as_f64().expect("a number")
+    };
+    for name in ["E", "nu", "A_t", "Y_t0", "A_c", "Y_c0", "beta", "G_f"] {
+        let [class, value] = [&of_class, &of_values].map(|text| number(text, name));
+        assert!((class / value - 1.0).abs() < 1e-4, "{name}: {class}, not {value}");
+    }
+    assert!(desk.pullout(["props", "concrete_damage", "--class", "B40"]).expect(2).stderr.contains("--class"));
+    desk.pullout(["props", "concrete_damage", "--E", "31800"]).expect(2);
 }
 
 #[test]

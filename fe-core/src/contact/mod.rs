@@ -32,6 +32,9 @@ use pair::{Output, Pair, PairState};
 use umat_abi::host::recorder::RecordedArguments;
 use umat_abi::law::Request;
 
+/// Where a straight line through the two points of an edge, at ±1/√3, rises from 0, its value at the edge's end over that at the other point.
+const AT_EDGE_END: f64 = 1.366_025_403_784_438_6;
+
 #[cfg(test)]
 mod test;
 
@@ -287,10 +290,15 @@ impl Contact {
         })
     }
 
-    /// Returns the greatest depth to which a surface has been crushed, mm.
+    /// Returns the greatest depth to which a surface that bears so much has been crushed, at the ends of edges, and yields, mm.
     pub fn crushed(&self) -> f64 {
-        let points = self.pairs.iter().flat_map(|pair| &pair.state.committed.points);
-        points.map(|state| state.crushed + state.turned).fold(0.0, f64::max)
+        let depth_of = |pair: &Pair| {
+            let crushed =
+                pair.state.committed.points.iter().map(|state| state.crushed + state.turned).fold(0.0, f64::max);
+            let yields = pair.bearing.map_or(0.0, |bearing| bearing.strength / pair.penalty);
+            AT_EDGE_END * crushed + if crushed > 0.0 { yields } else { 0.0 }
+        };
+        self.pairs.iter().map(depth_of).fold(0.0, f64::max)
     }
 
     /// The area-weighted mean of the slips, mm, each pair's taken in the direction in which it slid so far: the two

@@ -50,3 +50,25 @@ fn inputs_are_read_as_a_case_writes_them() {
     ];
     assert!(refused.iter().all(Result::is_err), "{refused:?}");
 }
+
+/// Tables 5.1-3 and 5.1-7 of the Model Code 2010 by their formulas, rounded as there; G_F of C40 is 147 N/m.
+#[test]
+fn concrete_of_a_class_has_the_values_of_the_model_code() {
+    for (name, [strength, tensile, modulus]) in
+        [("C20/25", [28.0, 2.2, 30.3e3]), ("C40", [48.0, 3.5, 36.3e3]), ("C80/95", [88.0, 4.8, 44.4e3])]
+    {
+        let concrete = Concrete::of_class(name).expect("a class");
+        let errors = [
+            (concrete.compressive_strength - strength) / 1e-9,
+            (concrete.tensile_strength - tensile) / 0.05,
+            (concrete.modulus - modulus) / 50.0,
+        ];
+        assert!(errors.iter().all(|error| error.abs() <= 1.0), "{name}: {concrete:?}");
+        assert_eq!(Concrete::of_mean(strength), Ok(concrete));
+    }
+    assert!((Concrete::of_class("C40").expect("a class").fracture_energy - 0.147).abs() < 5e-4);
+    for name in ["40", "C", "C40/", "c40", "C40/x", "C4", "C500", "C-40", "C40.5"] {
+        assert!(Concrete::of_class(name).is_err(), "{name}");
+    }
+    assert!(Concrete::of_mean(5.0).is_err() && Concrete::of_mean(f64::NAN).is_err());
+}

@@ -163,11 +163,12 @@ fn predicted(diameter: f64, length: f64, strength: f64, dosage: f64, hook: Optio
     });
     let tau = 1.2 * 0.33 * fc.sqrt();
     let bond = Closed { tau, hook, ..friction(Debonding::Elastic, Sliding::Shortening) };
+    let concrete = Concrete::of_mean(fc).expect("a concrete");
     let matrix = Matrix {
-        modulus: 21_500.0 * (0.1 * fc).cbrt(),
-        ft: 0.3 * (fc - 8.0).powf(2.0 / 3.0),
+        modulus: concrete.modulus,
+        ft: concrete.tensile_strength,
         softening: Softening::Hordijk,
-        fracture_energy: 0.073 * fc.powf(0.18),
+        fracture_energy: concrete.fracture_energy,
         fc: Some(fc),
     };
     let volume_fraction = dosage / 7850.0;

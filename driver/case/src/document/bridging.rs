@@ -1,8 +1,8 @@
 //! Kind "bridging".
 
-use super::{CommonCaseEntries, Material, Plots, Positive, Whole};
+use super::{CommonCaseEntries, ConcreteStrength, Material, Plots, Positive, Whole};
 use pullout_bridging::{
-    BondLaw, Debonding, Hook, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding,
+    BondLaw, Debonding, Hook, Inclination, NotchedBeam, Orientation, Scatter, Sides, Sliding, Softening,
 };
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -23,8 +23,8 @@ pub struct BridgingCase {
     pub fibre: FibreOfFile,
     /// V_f, at most 0.2.
     pub volume_fraction: Positive,
-    /// The matrix.
-    pub matrix: Matrix,
+    /// The matrix, by its numbers or by the class of its concrete.
+    pub matrix: MatrixOfFile,
     /// η_E, the matrix's part in the stretch of the fibre (default E V_f/(E_m (1 − V_f)); 0: a stiff matrix).
     #[schemars(range(min = 0.0))]
     pub modular_ratio: Option<f64>,
@@ -43,6 +43,27 @@ pub struct BridgingCase {
     pub scatter: Option<Scatter>,
     /// Settings of the output.
     pub output: Option<BridgingOutput>,
+}
+
+/// The matrix of the composite.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MatrixOfFile {
+    /// Concrete by its class ("C40", "C40/50") or its mean compressive strength, MPa: by the fib Model Code 2010 it gives the
+    /// other numbers that are left out, and the softening "bilinear".
+    pub concrete: Option<ConcreteStrength>,
+    /// Young's modulus, MPa; required without `concrete`.
+    #[serde(rename = "E")]
+    pub modulus: Option<f64>,
+    /// Tensile strength, MPa; required without `concrete`.
+    pub ft: Option<f64>,
+    /// Softening beyond the tensile strength (default none).
+    pub softening: Option<Softening>,
+    /// Fracture energy, N/mm.
+    #[serde(rename = "Gf")]
+    pub fracture_energy: Option<f64>,
+    /// Compressive strength of a beam, MPa (default: compression stays elastic).
+    pub fc: Option<f64>,
 }
 
 /// Settings of the output.

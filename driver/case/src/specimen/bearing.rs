@@ -5,13 +5,13 @@ use super::mesh::MATRIX;
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::document::pullout::BearingWord;
-use crate::problem::Place;
+use crate::problem::{Place, Problem};
 use crate::reader::Reader;
 use fe_core::mesh::Mesh;
 use fe_core::mesh::specimen::{ContactSurfaces, SurfaceRole};
-use fe_core::model::{Bearing, ContactPair, Enforcement, PluginLaw, Width};
+use fe_core::model::{Bearing, PluginLaw, Width};
 use pullout_run::number::rounded;
-use std::collections::BTreeSet;
+use std::cell::OnceCell;
 use std::f64::consts::PI;
 use umat_abi::host::CallOutcome;
 use umat_abi::law::{Request, StressState};
@@ -29,99 +29,88 @@ const LATERAL_TOLERANCE: f64 = 1e-6;
 /// A law whose slope at the largest strain is more than this part of the first one has no strength.
 const STILL_RISING: f64 = 0.02;
 
-/// Factor of the penalty of what is crushed: it yields by 10⁻² mm under its strength, and a penalty that is stiffer by orders of size
-/// takes ten times as many iterations where it begins to.
-const PENALTY_FACTOR: f64 = 1.0;
+/// Default factor of the penalty of what is crushed: it yields by 10⁻² mm under its strength, and a penalty that is stiffer by orders of
+/// size takes ten times as many iterations where it begins to.
+pub const PENALTY_FACTOR: f64 = 1.0;
 
-/// A contact pair of the case with its name, without one if it is all of them, what it says of bearing, and the place of that.
-type Given<'c> = (Option<&'c str>, &'c document::Pair, Option<document::Bearing>, Place);
+/// What the concrete of a case resists under round fibres.
+pub struct Bearings<'s> {
+    scene: KnownMesh<'s>,
+    /// The matrix's law, if it is known, and its part.
+    matrix: Option<(&'s PluginLaw, usize)>,
+    /// Names of the fibres with hooked ends.
+    hooked: Vec<&'s str>,
+    /// What the matrix's law says of it: it is compressed once, and only where it is asked for.
+    concrete: OnceCell<Option<Concrete>>,
+}
 
-/// Sets what the concrete under round fibres carries: for the lines of hooked fibres, and for those where the case says
-/// so.
-///
-/// The force per length of a cylinder that is pressed into concrete by u grows as φ f_c √(E u/(f_c φ)) up to `factor` φ
-/// f_c, where the concrete is crushed.
-pub fn fill(
-    reader: &mut Reader<'_>,
-    case: &PulloutCase,
-    contacts: &mut [ContactPair],
-    scene: KnownMesh<'_>,
-    laws: &[PluginLaw],
-) {
-    let given = given(case);
-    let (Some(ground), Some(mesh)) = (scene.ground, scene.mesh) else { return };
-    let hooked = hooked(case);
-    let part = mesh.parts().iter().position(|part| part.name == MATRIX);
-    // compressed once, and only where it is asked for
-    let mut matrix = None;
-    let [mut met, mut refused] = [BTreeSet::new(), BTreeSet::new()];
-    for pair in contacts {
-        let line = ground.specimen.contact_pairs.iter().find(|default| default.name == pair.name);
-        let line = line.filter(|line| line.role != SurfaceRole::End);
-        let Some((line, line_width)) = line.and_then(|line| Some((line, line.width?))) else { continue };
-        let Width::Given(width) = pair.width else { continue };
-        let own = given.iter().position(|(name, ..)| name.is_none_or(|name| name == pair.name));
-        met.extend(own);
-        let factor = match own.and_then(|own| given[own].2) {
-            Some(document::Bearing::Word(BearingWord::Rigid)) => continue,
+impl<'s> Bearings<'s> {
+    /// Makes them of the laws of the parts, if these could be read.
+    pub fn new(case: &'s PulloutCase, scene: KnownMesh<'s>, laws: Option<&'s [PluginLaw]>) -> Self {
+        let part = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| part.name == MATRIX));
+        let matrix = part.zip(laws).map(|(part, laws)| (&laws[part], part));
+        Self { scene, matrix, hooked: hooked(case), concrete: OnceCell::new() }
+    }
+
+    /// Returns whether a line is a side of a round fibre, which may crush the concrete under it.
+    pub fn is_side(line: &ContactSurfaces) -> bool {
+        line.role != SurfaceRole::End && line.width.is_some()
+    }
+
+    /// Returns what the concrete resists under a line of contact: where the case says so, and by default under the sides of hooked fibres.
+    /// `None`: any pressure.
+    ///
+    /// The force per length of a cylinder that is pressed into concrete by u grows as φ f_c √(E u/(f_c φ)) up to `factor` φ f_c, where the
+    /// concrete is crushed.
+    pub fn of(
+        &self,
+        reader: &mut Reader<'_>,
+        pair: &document::Pair,
+        line: Option<&ContactSurfaces>,
+        width: Width,
+        place: &Place,
+    ) -> Option<Bearing> {
+        let line = line.filter(|line| Self::is_side(line))?;
+        let Width::Given(width) = width else { return None };
+        let factor = match pair.bearing {
+            Some(document::Bearing::Word(BearingWord::Rigid)) => return None,
             Some(document::Bearing::Factor(factor)) => factor.0,
             Some(document::Bearing::Word(BearingWord::Crushing)) => FACTOR,
-            None if hooked.iter().any(|name| is_of(line, name)) => FACTOR,
-            None => continue,
+            None if self.hooked.iter().any(|name| is_of(line, name)) => FACTOR,
+            None => return None,
         };
-        let of_part = || part.and_then(|part| compressed(&laws[part], mesh, part));
-        let Some(Concrete { strength, modulus }) = *matrix.get_or_insert_with(of_part) else {
+        let (law, part) = self.matrix?;
+        let concrete = self.concrete.get_or_init(|| compressed(law, self.scene.mesh?, part));
+        let Some(Concrete { strength, modulus }) = *concrete else {
             const REASON: &str = "the matrix's law has no strength in uniaxial compression";
-            match own.filter(|own| given[*own].2.is_some()) {
-                Some(own) if refused.insert(own) => {
-                    reader.problem(&given[own].3, format!("{REASON}: leave it out, or give \"rigid\""));
+            if pair.bearing.is_none() {
+                reader.note(format!("bearing: rigid, since {REASON}"));
+            } else {
+                let problem = Problem::new(place.key("bearing"), format!("{REASON}: leave it out, or give \"rigid\""));
+                // reported once for all lines
+                if !reader.problems.contains(&problem) {
+                    reader.push(problem);
                 }
-                Some(_) => {}
-                None => reader.note(format!("bearing: rigid, since {REASON}")),
             }
-            continue;
+            return None;
         };
-        let diameter = line_width / (0.5 * PI);
+        let diameter = line.width? / (0.5 * PI);
         let bearing = Bearing {
             strength: factor * strength * diameter / width,
             depth: factor * factor * strength / modulus * diameter,
         };
-        pair.bearing = Some(bearing);
-        let said = own.map(|own| given[own].1);
-        if said.is_none_or(|said| said.penalty_factor.is_none() && said.enforcement.is_none()) {
-            (pair.penalty_factor, pair.enforcement) = (PENALTY_FACTOR, Enforcement::Penalty);
-        }
-        reader.note(format!(
-            "bearing: a wire of {diameter} mm crushes the concrete under it at p_b = {:.1} MPa of contact pressure, k = {factor} times f_c \
-             on its diameter, reached {:.4} mm deep; f_c = {strength:.2} MPa and E = {modulus:.0} MPa are those of the matrix's law in \
-             uniaxial compression; penalty factor {}",
+        reader.highlight(format!(
+            "bearing under a wire of {} mm: f_c = {strength:.2} MPa of the matrix's law, k = {factor}, crushed at p_b = {:.1} MPa of contact \
+             pressure",
+            rounded(diameter),
             bearing.strength,
-            bearing.depth,
-            pair.penalty_factor,
-            diameter = rounded(diameter),
         ));
-    }
-    for (_, (_, _, bearing, place)) in given.iter().enumerate().filter(|(own, _)| !met.contains(own)) {
-        if bearing.is_some_and(|bearing| !matches!(bearing, document::Bearing::Word(BearingWord::Rigid))) {
-            reader.problem(place, "is for the sides of round fibres in plane specimens: there are none here");
-        }
-    }
-}
-
-/// What the case says of its pairs.
-fn given(case: &PulloutCase) -> Vec<Given<'_>> {
-    let place = Place::root().key("contact");
-    let of = |pair, name, place: &Place| -> Given<'_> {
-        let pair: &document::Pair = pair;
-        (name, pair, pair.bearing, place.key("bearing"))
-    };
-    match &case.contact {
-        None => Vec::new(),
-        Some(document::Contact::All(pair)) => vec![of(&**pair, None, &place)],
-        Some(document::Contact::Pairs(pairs)) => {
-            let pairs = pairs.iter().enumerate();
-            pairs.map(|(k, pair)| of(pair, Some(pair.name.as_deref().unwrap_or("")), &place.index(k))).collect()
-        }
+        reader.note(format!(
+            "bearing: p_b is k f_c on the wire's diameter, reached {:.4} mm deep; f_c and E = {modulus:.0} MPa are those of the matrix's law \
+             in uniaxial compression",
+            bearing.depth,
+        ));
+        Some(bearing)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Contact pairs.
 
 use super::KnownMesh;
+use super::bearing::{self, Bearings};
 use super::boundary::Drives;
 use super::mesh::MATRIX;
 use crate::document::pullout as document;
@@ -37,6 +38,7 @@ pub fn resolve(
     reader: &mut Reader<'_>,
     case: &PulloutCase,
     scene: KnownMesh<'_>,
+    bearings: &Bearings<'_>,
     drives: &mut Drives,
 ) -> Option<Vec<ContactPair>> {
     let place = Place::root().key("contact");
@@ -51,7 +53,7 @@ pub fn resolve(
     let pairs = match given {
         document::Contact::All(pair) => {
             let fit = fit(pair, drives, &place);
-            all_pairs(reader, pair, fit, defaults, scene, &place)
+            all_pairs(reader, pair, fit, defaults, (scene, bearings), &place)
         }
         document::Contact::Pairs(pairs) => {
             let mut resolved: Vec<Option<ContactPair>> = Vec::new();
@@ -65,7 +67,7 @@ pub fn resolve(
                 names.extend(name);
                 let own = defaults.iter().find(|default| Some(default.name.as_str()) == name);
                 let fit = fit(pair, drives, &place);
-                resolved.push(one_pair(reader, pair, fit, own, k, scene, &place));
+                resolved.push(one_pair(reader, pair, fit, own, k, (scene, bearings), &place));
             }
             let is_missing =
                 |default: &&ContactSurfaces| !is_on_request(default) && !names.contains(&default.name.as_str());
@@ -84,6 +86,24 @@ pub fn resolve(
             roles.iter().filter(|(_, given, role)| *given && defaults.iter().all(|pair| pair.role != *role))
         {
             reader.warn_no_effect(&place.key(key), "the specimen has no such surfaces");
+        }
+    }
+    let all = match given {
+        document::Contact::All(pair) => vec![(&**pair, None, place.clone())],
+        document::Contact::Pairs(pairs) => {
+            pairs.iter().enumerate().map(|(k, pair)| (pair, pair.name.as_deref(), place.index(k))).collect()
+        }
+    };
+    if scene.ground.is_some() {
+        for (pair, name, place) in all {
+            let mut own = defaults.iter().filter(|line| name.is_none_or(|name| name == line.name));
+            let is_rigid = matches!(pair.bearing, None | Some(document::Bearing::Word(document::BearingWord::Rigid)));
+            if !is_rigid
+                && !own.any(|line| Bearings::is_side(line) && matches!(width(pair, Some(line)), Width::Given(_)))
+            {
+                let message = "is for the sides of round fibres in plane specimens: there are none here";
+                reader.problem(&place.key("bearing"), message);
+            }
         }
     }
     note_widths(reader, pairs.as_deref().unwrap_or_default(), defaults, scene);
@@ -153,15 +173,15 @@ fn all_pairs(
     pair: &document::Pair,
     fit: Fit,
     defaults: &[ContactSurfaces],
-    scene: KnownMesh<'_>,
+    (scene, bearings): (KnownMesh<'_>, &Bearings<'_>),
     place: &Place,
 ) -> Option<Vec<ContactPair>> {
     let names_surfaces = pair.slave.is_some() || pair.master.is_some();
     let (first, others) = match defaults {
         [first, others @ ..] if !names_surfaces => (first, others),
-        _ => return one_pair(reader, pair, fit, None, 0, scene, place).map(|pair| vec![pair]),
+        _ => return one_pair(reader, pair, fit, None, 0, (scene, bearings), place).map(|pair| vec![pair]),
     };
-    let first = one_pair(reader, pair, fit, Some(first), 0, scene, place)?;
+    let first = one_pair(reader, pair, fit, Some(first), 0, (scene, bearings), place)?;
     let mut pairs = vec![first];
     let mut laws = Vec::new();
     for default in others.iter().filter(|default| !is_on_request(default) || pair.end.is_some()) {
@@ -176,7 +196,14 @@ fn all_pairs(
         let (slave, master) = surfaces(reader, pair, Some(default), scene, place)?;
         let width = width(pair, Some(default));
         let fit = if default.role == SurfaceRole::Bonded { fit } else { Fit::default() };
-        pairs.push(ContactPair { name: default.name.clone(), slave, master, width, law, fit, ..pairs[0].clone() });
+        let mut taken = UsedDefaults::default();
+        let bearing = bearings.of(reader, pair, Some(default), width, place);
+        let (penalty_factor, enforcement) = normal_direction(pair, bearing.is_some(), &mut taken);
+        if bearing.is_some() != pairs[0].bearing.is_some() {
+            reader.note_defaults(&place.key(&default.name), &taken.0);
+        }
+        let normal = ContactPair { penalty_factor, enforcement, bearing, ..pairs[0].clone() };
+        pairs.push(ContactPair { name: default.name.clone(), slave, master, width, law, fit, ..normal });
     }
     Some(pairs)
 }
@@ -240,7 +267,7 @@ fn one_pair(
     fit: Fit,
     default: Option<&ContactSurfaces>,
     index: usize,
-    scene: KnownMesh<'_>,
+    (scene, bearings): (KnownMesh<'_>, &Bearings<'_>),
     place: &Place,
 ) -> Option<ContactPair> {
     let surfaces = surfaces(reader, pair, default, scene, place);
@@ -266,8 +293,8 @@ fn one_pair(
             reader.problem(&place.key(key), "is for the hard normal law: leave it out with a soft one");
         }
     }
-    let penalty_factor = of_hard.real("penalty_factor", pair.penalty_factor, PENALTY_FACTOR);
-    let enforcement = enforcement(pair, of_hard);
+    let bearing = bearings.of(reader, pair, default, width, place);
+    let (penalty_factor, enforcement) = normal_direction(pair, bearing.is_some(), of_hard);
     let release = taken.or("release", pair.release, true);
     if pair.width.is_none() {
         match width {
@@ -292,8 +319,7 @@ fn one_pair(
         enforcement,
         release,
         fit,
-        // the law of the matrix says, once it is known
-        bearing: None,
+        bearing,
     })
 }
 
@@ -445,6 +471,16 @@ fn width(pair: &document::Pair, default: Option<&ContactSurfaces>) -> Width {
         Some(document::Width::Part(_)) => Width::OfPart,
         None => default.and_then(|pair| pair.width).map_or(Width::OfPart, Width::Given),
     }
+}
+
+/// The penalty's factor and the enforcement: what is crushed has a soft penalty without updates, unless the case gives one of both.
+fn normal_direction(pair: &document::Pair, is_crushed: bool, taken: &mut UsedDefaults) -> (f64, Enforcement) {
+    if is_crushed && pair.penalty_factor.is_none() && pair.enforcement.is_none() {
+        taken.note("penalty_factor", bearing::PENALTY_FACTOR);
+        taken.note("enforcement", "penalty");
+        return (bearing::PENALTY_FACTOR, Enforcement::Penalty);
+    }
+    (taken.real("penalty_factor", pair.penalty_factor, PENALTY_FACTOR), enforcement(pair, taken))
 }
 
 fn enforcement(pair: &document::Pair, taken: &mut UsedDefaults) -> Enforcement {

@@ -45,6 +45,13 @@ const MALFORMED: &[Sample] = &[
     (&["volume_fraction=0.3"], "$.volume_fraction", "must be above 0 and not above 0.2", ByMeaning),
     (&["volume_fraction=0"], "$.volume_fraction", "must be > 0", BySchema),
     (&["matrix.Gf=0"], "$.matrix.Gf", "must be above 0", ByMeaning),
+    (&[r#"matrix={"ft": 3}"#], "$.matrix.E", "is missing", ByMeaning),
+    (&[r#"matrix={"E": 3e4}"#], "$.matrix.ft", "is missing", ByMeaning),
+    (&["matrix.concrete=B40"], "$.matrix.concrete", "is no class", ByMeaning),
+    (&["matrix.concrete=C200"], "$.matrix.concrete", "from C12 to C120", ByMeaning),
+    (&["matrix.concrete=9"], "$.matrix.concrete", "from 20 to 128 MPa", ByMeaning),
+    (&["matrix.concrete=-40"], "$.matrix.concrete", "must be > 0", BySchema),
+    (&["matrix.concrete=[40]"], "$.matrix.concrete", "expected", BySchema),
     (&["matrix.softening=steep"], "$.matrix.softening", "expected", BySchema),
     (&["modular_ratio=-1"], "$.modular_ratio", "must be >= 0", BySchema),
     (&[r#"orientation={"type": "beta", "r": 0.2, "q": 1}"#], "$.orientation.r", "p would have no bound", ByMeaning),
@@ -396,4 +403,24 @@ fn what_curves_do_not_determine_is_reported() {
     let of_all = format!("carry up to {:.0} %", 100.0 * share);
     assert!(beyond.contains("at more than 60°") && beyond.contains(&of_all), "{beyond} {of_all}");
     assert!(assumed("fibre.cut_deg=60").iter().all(|message| !message.contains("largest angle")));
+}
+
+/// f_t = 0.3 · 40^(2/3), E = 21500 · 4.8^(1/3), G_f = 0.073 · 48^0.18.
+#[test]
+fn the_matrix_may_be_the_class_of_a_concrete() {
+    let matrix = |overrides: &[&str]| match Bench::new().read(&case(), overrides) {
+        Ok(Case::Bridging(program)) => (program.matrix, program.about.notes.join("\n")),
+        other => panic!("{other:?}"),
+    };
+    let (of_class, notes) = matrix(&[r#"matrix={"concrete": "C40/50"}"#]);
+    let found = [of_class.ft, of_class.modulus, of_class.fracture_energy];
+    for (found, expected) in found.into_iter().zip([3.508_82, 36_267.6, 0.146_54]) {
+        assert!((found / expected - 1.0).abs() < 1e-5, "{of_class:?}");
+    }
+    assert_eq!(of_class.softening, pullout_bridging::Softening::Bilinear);
+    assert!(notes.contains("f_c = 48 MPa"), "{notes}");
+    let own = r#"matrix={"concrete": 48, "ft": 2, "softening": "hordijk", "fc": 44}"#;
+    let (own, _) = matrix(&[own, "beam={}"]);
+    assert_eq!((own.ft, own.fc, own.modulus), (2.0, Some(44.0), of_class.modulus));
+    assert_eq!(own.softening, pullout_bridging::Softening::Hordijk);
 }

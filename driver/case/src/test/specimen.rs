@@ -1405,6 +1405,15 @@ fn what_concrete_bears_under_a_wire_follows_from_its_own_strength() {
         notes.contains("f_c = 40.00 MPa") && notes.contains("k = 5.07") && notes.contains("p_b = 129.1 MPa"),
         "{notes}"
     );
+    // what decides the hook is shown, and the defaults are those of each kind of line
+    assert!(program.about.highlights.len() == 1 && program.about.highlights[0].contains("f_c = 40.00 MPa"));
+    let defaults = program.about.defaults.iter().filter(|line| line.starts_with("contact"));
+    let defaults: Vec<&String> = defaults.filter(|line| line.contains("penalty_factor")).collect();
+    assert!(defaults.len() == 2 || defaults.len() == 3, "{defaults:?}");
+    assert!(
+        defaults[0].contains("penalty_factor = 1,") && defaults[1].contains("penalty_factor = 100,"),
+        "{defaults:?}"
+    );
     assert!(is_rigid(&hooked, &["contact.bearing=rigid"]));
     assert_eq!(accepted(&hooked, &["contact.penalty_factor=7"]).model.contacts[0].penalty_factor, 7.0);
     // elastic concrete has no strength
@@ -1423,6 +1432,49 @@ fn what_concrete_bears_under_a_wire_follows_from_its_own_strength() {
     perpendicular["contact"] = case["contact"].clone();
     let text = problems_of(&perpendicular, &["contact.bearing=crushing"]);
     assert!(text.contains("$.contact.bearing") && text.contains("plane specimens"), "{text}");
+}
+
+/// The law that a class fills in has the class's f_c (40 + 8 MPa) where it is compressed.
+#[test]
+fn a_law_takes_the_class_of_a_concrete() {
+    let mut case = two_fibres();
+    let of = |material: Value| {
+        let mut case = case.clone();
+        case["parts"]["matrix"]["material"] = material;
+        case
+    };
+    let by_class = of(json!({ "plugin": "concrete_damage_implex", "concrete": "C40/50" }));
+    let program = accepted(&by_class, &["contact.bearing=crushing"]);
+    let notes = program.about.notes.join("\n");
+    assert!(notes.contains("f_c = 48 MPa, f_t = 3.509 MPa, E = 36268 MPa, G_f = 0.1465 N/mm"), "{notes}");
+    assert!(program.about.highlights.join("\n").contains("f_c = 48.00 MPa"), "{:?}", program.about.highlights);
+    let props = |case: &Value, overrides: &[&str]| {
+        let laws = accepted(case, overrides).model.laws;
+        laws.last().expect("the matrix's").props.clone()
+    };
+    let law = props(&by_class, &[]);
+    assert_eq!(law, props(&by_class, &["parts.matrix.material.concrete=48"]));
+    // what is given stands
+    let own = props(&by_class, &["parts.matrix.material.props={\"E\": 30000}"]);
+    assert_eq!((own[0], &own[1..]), (30000.0, &law[1..]));
+    for (material, place, words) in [
+        (json!({ "plugin": "concrete_damage", "concrete": "B40" }), "$.parts.matrix.material.concrete", "is no class"),
+        (json!({ "plugin": "concrete_damage", "concrete": "C7" }), "$.parts.matrix.material.concrete", "C12 to C120"),
+        (json!({ "plugin": "concrete_damage", "concrete": 300 }), "$.parts.matrix.material.concrete", "128 MPa"),
+        (json!({ "plugin": "concrete_damage", "concrete": true }), "$.parts.matrix.material.concrete", "expected"),
+        (
+            json!({ "plugin": "concrete_damage", "concrete": "C40", "props": [30000] }),
+            "$.parts.matrix.material.props",
+            "list",
+        ),
+        (json!({ "plugin": "linear_elastic", "concrete": "C40" }), "$.parts.matrix.material.concrete", "no strength"),
+    ] {
+        let text = problems_of(&of(material.clone()), &[]);
+        assert!(text.contains(place) && text.contains(words), "{material}: {text}");
+    }
+    case["contact"]["law"]["concrete"] = json!("C40");
+    let text = problems_of(&case, &[]);
+    assert!(text.contains("$.contact.law.concrete") && text.contains("bond_slip"), "{text}");
 }
 
 #[test]

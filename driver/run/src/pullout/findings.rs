@@ -11,6 +11,9 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
+/// Elongation over 5 diameters by which a wire that bears less than before must have grown to count as necked.
+const NECKING: f64 = 0.005;
+
 /// The part of `summary.json` that only specimens have.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Findings {
@@ -78,15 +81,45 @@ pub struct Rupture {
     pub increment: u32,
 }
 
+/// What a wire has borne so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Borne {
+    /// Greatest mean axial stress of a section, on its initial area, MPa.
+    stress: f64,
+    /// Greatest elongation over 5 diameters at that moment.
+    strain: f64,
+}
+
+impl Borne {
+    /// Adds an increment; returns whether the wire necks: it grows longer and bears less. A hook that straightens bears less, too, but does
+    /// not grow longer.
+    fn necks(&mut self, of_wire: &WireRecord) -> bool {
+        if of_wire.stress >= self.stress {
+            *self = Self { stress: of_wire.stress, strain: of_wire.strain };
+        }
+        of_wire.strain > self.strain + NECKING
+    }
+}
+
 impl Rupture {
-    /// Adds those of an increment that break for the first time; returns whether one of them breaks by its own strength or elongation.
-    pub fn add(ruptures: &mut IndexMap<String, Self>, record: &Record, measured: &Measured, limit: f64) -> bool {
+    /// Adds those of an increment that break for the first time; returns whether one of them breaks by its own strength or elongation, or
+    /// necks before it reaches them.
+    pub fn add(
+        ruptures: &mut IndexMap<String, Self>,
+        borne: &mut Vec<Borne>,
+        record: &Record,
+        measured: &Measured,
+        limit: f64,
+    ) -> bool {
+        borne.resize(measured.wires.len(), Borne::default());
         let &Record { step, increment, .. } = record;
         let mut breaks = false;
         for (index, (wire, of_wire)) in measured.wires.iter().zip(&record.wires).enumerate() {
             let has_limits = wire.has_limits();
             let &WireRecord { strain: axial_strain, stress: axial_stress } = of_wire;
-            let is_over = if has_limits { wire.breaks(axial_strain, axial_stress) } else { axial_strain > limit };
+            let necks = borne[index].necks(of_wire);
+            let is_over =
+                if has_limits { necks || wire.breaks(axial_strain, axial_stress) } else { axial_strain > limit };
             let name = Self::name(measured, index);
             if !is_over || ruptures.contains_key(name) {
                 continue;

@@ -2,7 +2,7 @@
 
 use super::checkpoint::Saved;
 use super::fields::{FieldWriter, WrittenFields};
-use super::findings::{self, Findings, Rupture};
+use super::findings::{self, Borne, Findings, Rupture};
 use super::moments::Moments;
 use super::peak::PeakKeeper;
 use super::{PictureAt, PulloutProgram, Settings, crack_band, overlap, replay, section};
@@ -227,6 +227,8 @@ pub(super) struct RecorderState {
     /// `None`: no pictures are wanted.
     moments: Option<Moments>,
     ruptures: IndexMap<String, Rupture>,
+    /// What the wires have borne so far.
+    borne: Vec<Borne>,
     present: Present,
     energies: Energies,
     /// Cost of finished increments, without calls of plugins and attempts that were given up.
@@ -279,6 +281,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
             peak: PeakKeeper::default(),
             moments: settings.pictures.then(|| Moments::new(&program.pictures_at)),
             ruptures: IndexMap::new(),
+            borne: Vec::new(),
             present,
             energies: Energies::default(),
             so_far: Statistics::default(),
@@ -381,7 +384,13 @@ impl Observer for Recorder<'_, '_> {
             .as_mut()
             .is_some_and(|moments| moments.observe(&self.program.pictures_at, number, record, snapshot));
         let measured = &self.program.model.measured;
-        let breaks = Rupture::add(&mut self.state.ruptures, record, measured, self.program.rupture_strain);
+        let breaks = Rupture::add(
+            &mut self.state.ruptures,
+            &mut self.state.borne,
+            record,
+            measured,
+            self.program.rupture_strain,
+        );
         if breaks {
             // it is the last row
             self.finish_history()?;
