@@ -83,7 +83,7 @@ impl Concrete {
     /// ν, for which the Model Code gives 0.14 to 0.26.
     pub const POISSON_RATIO: f64 = 0.2;
 
-    /// Makes that of a class: "C40" or, with the strength of cubes behind it, "C40/50".
+    /// Returns the concrete of a class: "C40", or "C40/50" with the cube strength after it.
     ///
     /// # Errors
     /// A text that names none.

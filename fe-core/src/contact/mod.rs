@@ -290,7 +290,7 @@ impl Contact {
         })
     }
 
-    /// Returns the greatest depth to which a surface that bears so much has been crushed, at the ends of edges, and yields, mm.
+    /// Returns the greatest depth to which a surface with a limited pressure has been crushed, at the ends of edges, and yields, mm.
     pub fn crushed(&self) -> f64 {
         let depth_of = |pair: &Pair| {
             let crushed =

@@ -133,11 +133,13 @@ pub(super) const LARGEST_PART_OF_TIME: f64 = 0.5;
 
 /// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
 pub(super) const ENERGY_TOLERANCE: f64 = 3e-4;
-/// Imbalance of the energies that all increments together may leave, as part of the work (doc.md): an increment that adds to it may
-/// add less, the less is left. Increments that a step chooses keep it, but for failures and indirect control; equal ones need not.
+/// Imbalance of energies allowed for all increments together, as part of the work (doc.md). The less of it remains, the
+/// less an increment may add. Increments whose size the step chooses keep to it, except for failures and indirect
+/// control; equal increments need not.
 pub const ENERGY_BUDGET: f64 = 1e-3;
-/// Part of the work that stabilisation and the overstress of laws that extrapolate may take in a run before it is warned of.
-/// Increments keep it likewise, but for viscosity, snap-backs and drag, whose share does not depend on their size.
+/// Part of the work that stabilisation and the overstress of extrapolating laws may take in a run before a warning.
+/// Increments keep to it likewise, except for viscosity, snap-backs and drag, whose share does not depend on their
+/// size.
 pub const STABILISATION_BUDGET: f64 = 1e-2;
 /// Least imbalance or overstress that an increment may always add, as part of its usual share.
 pub(super) const LEAST_SHARE: f64 = 0.05;

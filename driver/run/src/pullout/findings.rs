@@ -11,7 +11,7 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
-/// Elongation over 5 diameters by which a wire that bears less than before must have grown to count as necked.
+/// Elongation over 5 diameters by which a wire whose load has fallen must have grown to count as necked.
 const NECKING: f64 = 0.005;
 
 /// The part of `summary.json` that only specimens have.
@@ -91,8 +91,8 @@ pub struct Borne {
 }
 
 impl Borne {
-    /// Adds an increment; returns whether the wire necks: it grows longer and bears less. A hook that straightens bears less, too, but does
-    /// not grow longer.
+    /// Adds an increment; returns whether the wire necks: it grows longer while its load falls. The load of a hook that straightens
+    /// falls, too, but the wire does not grow longer.
     fn necks(&mut self, of_wire: &WireRecord) -> bool {
         if of_wire.stress >= self.stress {
             *self = Self { stress: of_wire.stress, strain: of_wire.strain };
