@@ -2,9 +2,10 @@
 
 use super::KnownMesh;
 use super::boundary::Drives;
+use super::mesh::{MATRIX, called};
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
-use crate::document::pullout::HeatRoutine;
+use crate::document::pullout::{HeatRoutine, MeshSource};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField};
@@ -50,7 +51,8 @@ pub fn resolve(
     let conductivity = given.conductivity.map_or(default.conductivity, Into::into);
     let capacity = given.capacity.map_or(default.capacity, Into::into);
     let tolerance = given.tolerance.map_or(default.tolerance, Into::into);
-    let parts = parts(reader, given, scene, &place).unwrap_or(default.parts);
+    let is_specimen = matches!(case.mesh, MeshSource::Specimen(_));
+    let parts = parts(reader, given, scene, &place, is_specimen).unwrap_or(default.parts);
     let coupling = match given.coupling {
         Some(document::FieldCoupling::OnePass) => FieldCoupling::OnePass,
         Some(document::FieldCoupling::Staggered) | None => FieldCoupling::Staggered,
@@ -168,18 +170,25 @@ fn drive(drives: &mut Drives, name: Option<&str>, place: &Place) -> Option<usize
     name.map(|name| drives.followed(name, &place.key("drive")))
 }
 
-/// Whether each part has the field; `None`: the case does not say.
+/// Whether each part has the field; `None`: the case does not say. In a specimen the cover has it as the matrix, whose law is its own, and
+/// a phase field is that of the matrix: nothing would hold it in the fibres.
 fn parts(
     reader: &mut Reader<'_>,
     given: &document::ScalarField,
     scene: KnownMesh<'_>,
     place: &Place,
+    is_specimen: bool,
 ) -> Option<Vec<bool>> {
     let place = place.key("parts");
-    let names = given.parts.as_ref()?;
     let parts = scene.mesh?.parts();
+    let has_matrix = is_specimen && parts.iter().any(|part| part.name == MATRIX);
+    let is_of_matrix = has_matrix && matches!(given.kind, document::FieldKind::PhaseField);
+    let names = given.parts.clone().or_else(|| is_of_matrix.then(|| vec![MATRIX.to_owned()]))?;
+    let name_of = |part: &'_ str| -> String {
+        if is_specimen { called(part, |name| names.iter().any(|one| one == name)).to_owned() } else { part.to_owned() }
+    };
     for (index, name) in names.iter().enumerate() {
-        if !parts.iter().any(|part| part.name == *name) {
+        if !parts.iter().any(|part| name_of(&part.name) == *name) {
             let known: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
             let message = format!("the mesh has no part '{name}'{}", hint(name, &known));
             reader.problem(&place.index(index), message);
@@ -188,7 +197,7 @@ fn parts(
     if names.is_empty() {
         reader.problem(&place, "names no part: leave it out for all parts");
     }
-    Some(parts.iter().map(|part| names.contains(&part.name)).collect())
+    Some(parts.iter().map(|part| names.contains(&name_of(&part.name))).collect())
 }
 
 /// Gives a phase field the cracks that its laws have, where the case does not say; a warning where the mesh is too coarse for them.

@@ -948,6 +948,22 @@ fn a_field_takes_its_defaults_and_the_cracks_of_its_law() {
 }
 
 #[test]
+fn a_cover_has_the_phase_field_of_the_matrix() {
+    let case = inclined_case();
+    let parts = |field: &str| {
+        let model = accepted(&case, &["mesh.specimen.cover=true", &format!("field={field}")]).model;
+        let with_field = model.mesh.parts().iter().zip(model.field.expect("a field").parts);
+        with_field.filter(|(_, has_field)| *has_field).map(|(part, _)| part.name.clone()).collect::<Vec<_>>()
+    };
+    let mut concrete = parts(r#"{"kind": "phase_field", "parts": ["matrix"]}"#);
+    concrete.sort();
+    assert_eq!(concrete, ["cover", "matrix"]);
+    assert_eq!(parts(r#"{"kind": "phase_field"}"#).len(), 2, "nothing would hold it in the fibre");
+    assert_eq!(parts(r#"{"kind": "temperature"}"#).len(), 3);
+    assert_eq!(parts(r#"{"kind": "phase_field", "parts": ["cover"]}"#), ["cover"]);
+}
+
+#[test]
 fn the_tolerance_of_a_field_is_less_where_the_stress_depends_on_it_more() {
     let tolerance = |length: f64, more: &[&str]| {
         let mut case = pullout_case();

@@ -10,7 +10,7 @@ use serde::Deserialize;
 pub struct ScalarField {
     /// Meaning of the scalar.
     pub kind: FieldKind,
-    /// Names of the parts that have it (default: all).
+    /// Names of the parts that have it (default: all; of a phase field in a specimen, the matrix). A cover has it with the matrix.
     pub parts: Option<Vec<String>>,
     /// Conductivity k (default 1).
     pub conductivity: Option<Positive>,
