@@ -233,7 +233,7 @@ impl StepRun {
         self.jumps_refused = 0;
         self.energy_refused = 0;
         self.missed = None;
-        let iterations = converged.effort;
+        let iterations = converged.iterations.len();
         self.failures = 0;
         self.changes = 0;
         let slip = converged.end.mean_slip - start.mean_slip;

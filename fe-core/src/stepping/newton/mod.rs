@@ -122,8 +122,6 @@ pub(super) struct Attempt<'a> {
     before: usize,
     /// Iterations before multipliers were last updated near balance.
     updated: Option<usize>,
-    /// Iterations before the field was first corrected.
-    uncorrected: Option<usize>,
     /// The increment of another run that it is led along.
     lead: Option<Lead<'a>>,
     /// Whether the drives of that increment are not where the target has them.
@@ -140,19 +138,7 @@ impl<'a> Attempt<'a> {
         lead: Option<Lead<'a>>,
     ) -> Self {
         let (trial, iterations, kept) = (start.clone(), Vec::new(), Guide::default());
-        Self {
-            start,
-            target,
-            context,
-            trial,
-            iterations,
-            before: 0,
-            updated: None,
-            uncorrected: None,
-            lead,
-            is_off: false,
-            kept,
-        }
+        Self { start, target, context, trial, iterations, before: 0, updated: None, lead, is_off: false, kept }
     }
 
     /// Returns the iterations of this round.
@@ -197,8 +183,6 @@ impl<'a> Attempt<'a> {
 pub(super) struct Converged {
     pub(super) end: Committed,
     pub(super) iterations: Vec<Iteration>,
-    /// Iterations by which an increment is easy: those with the predicted field. How often it is corrected says little of the size.
-    pub(super) effort: usize,
     /// The largest force of drag, as a multiple of what a residual may be.
     pub(super) drag: f64,
     /// Whether the increment went back on the way of the one before, both through drag.
@@ -316,7 +300,7 @@ impl<'m> Equilibrium<'m> {
             };
             if settles {
                 self.memory.statistics.settlements += 1;
-            } else if end == RoundEnd::Balanced && self.field_settles(&mut attempt)? {
+            } else if end == RoundEnd::Balanced && self.field_settles(&attempt)? {
                 self.memory.last_iterations = hardest_round(&attempt.iterations);
                 self.prepare_next(&attempt)?;
                 if self.far_field_holds(&mut attempt)? {
@@ -328,15 +312,14 @@ impl<'m> Equilibrium<'m> {
             self.evaluate(&attempt)?;
         }
         self.parallel = None;
-        let Attempt { trial: mut end, iterations, uncorrected, kept: guide, .. } = attempt;
+        let Attempt { trial: mut end, iterations, kept: guide, .. } = attempt;
         end.mean_slip = self.contact.mean_slip();
         end.dissipation = self.solids.trial_dissipation();
         end.external.clone_from(&self.memory.external);
         end.reactions = self.memory.internal.iter().zip(&self.memory.external).map(|(i, e)| i - e).collect();
         let drag = self.memory.drag.largest();
         let drag = if drag == 0.0 { 0.0 } else { drag / self.tolerance(self.force_scale()) };
-        let effort = uncorrected.unwrap_or(iterations.len());
-        Ok(Converged { end, iterations, effort, drag, turns: self.memory.drag.turns(), guide })
+        Ok(Converged { end, iterations, drag, turns: self.memory.drag.turns(), guide })
     }
 
     /// Predicts the field.
@@ -347,10 +330,9 @@ impl<'m> Equilibrium<'m> {
     }
 
     /// Corrects the field by the heat of the solids: whether they agree. If not, the solids have got another one.
-    fn field_settles(&mut self, attempt: &mut Attempt<'_>) -> Result<bool, PointFailure> {
+    fn field_settles(&mut self, attempt: &Attempt<'_>) -> Result<bool, PointFailure> {
         loop {
             let Self { field: Some(field), solids, times, memory, .. } = self else { return Ok(true) };
-            attempt.uncorrected.get_or_insert(attempt.iterations.len());
             memory.statistics.field_passes += 1;
             let pass = timed(&mut times.solution, || field.pass(&attempt.trial.drives, &attempt.context, solids));
             match pass.map_err(|error| unsolvable(&error))? {
