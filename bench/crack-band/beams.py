@@ -146,7 +146,7 @@ MESHES = {"aligned": aligned, "uneven": uneven, "free": free}
 
 
 def write_mesh(path, kind, nodes, elements, sets):
-    names = {"load": (0, 1), "left": (0, 2), "right": (0, 3), "beam": (2, 4)}
+    names = {name: (0, k) for k, name in enumerate(sets, 1)} | {"beam": (2, 4)}
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names))]
     lines += [f'{dimension} {tag} "{name}"' for name, (dimension, tag) in names.items()]
     lines += ["$EndPhysicalNames", "$Nodes", str(len(nodes))]

@@ -134,7 +134,6 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
             of_part.map(|element| mesh.element_area(element).sqrt()).fold(f64::INFINITY, f64::min)
         };
         scalar_field::with_cracks_of(reader, field, &parts.laws, least);
-        scalar_field::with_tolerance_of(case, field, &parts.laws);
         scalar_field::with_routines(reader, case, field, &parts.laws);
     }
     let model = Model {

@@ -42,6 +42,9 @@ const FAST_PASSES: usize = 25;
 const GEOMETRIC: f64 = 0.1;
 /// Sum of them that is applied at once, at most, in corrections.
 const LONGEST_SUM: f64 = 100.0;
+/// ε: part of the force scale by which the last correction may change a force. Bars with l = 0.15 to 5 mm then bear their strength to
+/// 2·10⁻⁴.
+pub(crate) const FORCE_CHANGE: f64 = 3e-3;
 /// Corrections of the field at the same displacements, in one pass.
 const FIELD_CORRECTIONS: usize = 12;
 /// Passes of an increment, after which it is given up.
@@ -70,6 +73,8 @@ pub(crate) enum Pass {
     Settled,
     /// The laws have got another field: displacements follow.
     Changed,
+    /// The same, by a correction so small that the field is the last one if it leaves the forces as they were ([`Field::accept`]).
+    Near,
     /// The laws have got another field at the same displacements, from which a further correction follows.
     Again,
     /// The laws have got the field again with which the displacements were found.
@@ -97,6 +102,8 @@ pub(crate) struct Field {
     /// The time that the present attempt takes.
     time: f64,
     passes: usize,
+    /// Whether displacements alone are still to be found.
+    is_accepted: bool,
     last_change: f64,
     is_fast: bool,
     /// The correction of the pass before, of slow ones; empty: none.
@@ -148,6 +155,7 @@ impl Field {
             trial: values.clone(),
             next: values,
             passes: 0,
+            is_accepted: false,
             last_change: f64::INFINITY,
             is_fast: true,
             last_correction: Vec::new(),
@@ -205,6 +213,7 @@ impl Field {
         }
         self.time = context.time_increment;
         (self.passes, self.last_change, self.is_fast) = (0, f64::INFINITY, self.definition.is_phase_field());
+        self.is_accepted = false;
         self.last_correction.clear();
         self.next.clone_from(&self.trial);
         self.give(&self.trial, solids);
@@ -252,9 +261,6 @@ impl Field {
             self.give(if goes_on { &self.next } else { &self.trial }, solids);
             return Ok(if goes_on { Pass::Again } else { Pass::Back });
         }
-        if is_small {
-            return Ok(Pass::Settled);
-        }
         if self.passes >= MOST_PASSES || !change.is_finite() {
             return Ok(Pass::GivenUp);
         }
@@ -270,7 +276,17 @@ impl Field {
         self.apply(&correction, part);
         self.trial.clone_from(&self.next);
         self.give(&self.trial, solids);
-        Ok(Pass::Changed)
+        Ok(if is_small { Pass::Near } else { Pass::Changed })
+    }
+
+    /// Returns whether the present field is that of the end of the increment.
+    pub(crate) fn is_accepted(&self) -> bool {
+        self.is_accepted
+    }
+
+    /// Makes the present field that of the end of the increment, or takes this back where displacements go elsewhere.
+    pub(crate) fn accept(&mut self, is_accepted: bool) {
+        self.is_accepted = is_accepted;
     }
 
     /// Returns how many corrections like this one all that would follow add up to, 1/(1 − q), if it is q times the one before; 1 if

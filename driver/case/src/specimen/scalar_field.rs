@@ -9,7 +9,6 @@ use crate::document::pullout::{HeatRoutine, MeshSource};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField};
-use std::f64::consts::PI;
 use umat_abi::host::Library;
 
 /// The field of a case, without the cracks of the laws ([`with_cracks_of`]).
@@ -79,25 +78,6 @@ pub fn resolve(
         coupling,
         tolerance,
     })
-}
-
-/// Change of the stress at the onset of cracks that the default tolerance leaves, at most.
-const ONSET_CHANGE: f64 = 0.05;
-
-/// Lessens the tolerance of a phase field, where the case gives none, for laws that lose more than [`ONSET_CHANGE`] of their stress
-/// with it at the onset of cracks: they lose a₁ δd, a₁ = 4 E G_f/(π l f_t²).
-pub fn with_tolerance_of(case: &PulloutCase, field: &mut ScalarField, laws: &[PluginLaw]) {
-    let is_given = matches!(&case.field, Some(given) if given.tolerance.is_some());
-    if is_given || !field.is_phase_field() {
-        return;
-    }
-    let loss = |law: &PluginLaw| {
-        let [modulus, energy, length, strength] = ["E", "G_f", "l", "f_t"].map(|name| parameter(law, name));
-        Some(4.0 * modulus? * energy? / (PI * length? * strength?.powi(2)))
-    };
-    let with_field = laws.iter().zip(&field.parts).filter(|(_, has_field)| **has_field);
-    field.tolerance =
-        with_field.filter_map(|(law, _)| loss(law)).fold(field.tolerance, |least, loss| least.min(ONSET_CHANGE / loss));
 }
 
 /// Returns a parameter of a law that its library names.

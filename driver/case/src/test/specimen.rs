@@ -963,22 +963,6 @@ fn a_cover_has_the_phase_field_of_the_matrix() {
     assert_eq!(parts(r#"{"kind": "phase_field", "parts": ["cover"]}"#), ["cover"]);
 }
 
-#[test]
-fn the_tolerance_of_a_field_is_less_where_the_stress_depends_on_it_more() {
-    let tolerance = |length: f64, more: &[&str]| {
-        let mut case = pullout_case();
-        case["field"] = json!({ "kind": "phase_field", "parts": ["matrix"] });
-        case["parts"]["matrix"]["material"] = json!({ "plugin": "concrete_phase_field", "props": {
-            "E": 24e3, "f_t": 3.0, "G_f": 0.06, "l": length
-        } });
-        accepted(&case, more).model.field.expect("a field").tolerance
-    };
-    assert_eq!(tolerance(5.0, &[]), 3e-4);
-    assert_eq!(tolerance(0.15, &["field.tolerance=1e-3"]), 1e-3);
-    let slope = 4.0 * 24e3 * 0.06 / (std::f64::consts::PI * 0.15 * 9.0);
-    assert!((tolerance(0.15, &[]) * slope / 0.05 - 1.0).abs() < 1e-12);
-}
-
 /// Problems of a case, one a line.
 fn problems_of(case: &Value, overrides: &[&str]) -> String {
     Bench::new().read(case, overrides).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string())

@@ -35,7 +35,7 @@ use crate::assembly::loads::{Bearers, Shares};
 use crate::assembly::solids::SolidEnergies;
 use crate::assembly::{Equations, Location, PointFailure, Setback, Solids, System, loaded_freedoms, loads};
 use crate::contact::{self, Contact, PointIndex, PointStatus};
-use crate::field::{Field, Pass};
+use crate::field::{FORCE_CHANGE, Field, Pass};
 use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::{Blocks, SolverError};
 use crate::stepping::constants::{CUT, FIELD_CUT, LEAST_RELATIVE_SCALE};
@@ -300,6 +300,7 @@ impl<'m> Equilibrium<'m> {
             };
             if settles {
                 self.memory.statistics.settlements += 1;
+                self.field.iter_mut().for_each(|field| field.accept(false));
             } else if end == RoundEnd::Balanced && self.field_settles(&attempt)? {
                 self.memory.last_iterations = hardest_round(&attempt.iterations);
                 self.prepare_next(&attempt)?;
@@ -329,15 +330,27 @@ impl<'m> Equilibrium<'m> {
         self.memory.at_committed_state = false;
     }
 
-    /// Corrects the field by the heat of the solids: whether they agree. If not, the solids have got another one.
+    /// Corrects the field by the heat of the solids: whether they agree. If not, the solids have got another one, the last of the
+    /// increment if it leaves the forces as they were.
     fn field_settles(&mut self, attempt: &Attempt<'_>) -> Result<bool, PointFailure> {
         loop {
             let Self { field: Some(field), solids, times, memory, .. } = self else { return Ok(true) };
+            if field.is_accepted() {
+                return Ok(true);
+            }
             memory.statistics.field_passes += 1;
             let pass = timed(&mut times.solution, || field.pass(&attempt.trial.drives, &attempt.context, solids));
             match pass.map_err(|error| unsolvable(&error))? {
                 Pass::Settled => return Ok(true),
                 Pass::Changed => return Ok(false),
+                Pass::Near => {
+                    let before = self.memory.internal.clone();
+                    self.evaluate(attempt)?;
+                    let change = largest_difference(&self.memory.internal, &before);
+                    let limit = (FORCE_CHANGE * self.force_scale()).max(self.memory.rounding);
+                    self.field.iter_mut().for_each(|field| field.accept(change <= limit));
+                    return Ok(false);
+                }
                 Pass::Again => self.evaluate(attempt)?,
                 Pass::Back => return self.evaluate(attempt).map(|()| true),
                 Pass::GivenUp => {

@@ -29,9 +29,9 @@ pub struct ScalarField {
     pub fluxes: Option<Vec<Flux>>,
     /// How an increment is solved (default "staggered").
     pub coupling: Option<FieldCoupling>,
-    /// Largest change of θ in the last pass of an increment. Default for a phase field: 3e-4, less where that changes
-    /// the stress by more than 5 % at the onset of cracks (laws with E, G_f, l and f_t). Default for a temperature:
-    /// 1e-9 of its largest magnitude.
+    /// Largest change of θ in the last pass of an increment. Default for a phase field: 3e-4. Default for a temperature:
+    /// 1e-9 of its largest magnitude. The last correction must also leave all forces as they were, to 3e-3 of the force
+    /// scale.
     pub tolerance: Option<Positive>,
     /// Fracture energy and length of the cracks of a phase field, for the column field_energy; default: the parameters G_f and l of the
     /// law, if it has them.
