@@ -7,7 +7,7 @@ use models::concrete_damage::ConcreteDamage;
 use models::concrete_damage::calibration::{self, properties};
 use pullout_bridging::Concrete;
 use pullout_run::number::significant;
-use umat_abi::law::Law as _;
+use umat_abi::law::{ConfigurationError, Law as _};
 
 /// Returns the concrete that a case names, and notes its values.
 pub fn resolve(reader: &mut Reader<'_>, given: &ConcreteStrength, place: &Place) -> Option<Concrete> {
@@ -39,13 +39,22 @@ pub fn measured(concrete: &Concrete) -> calibration::Concrete {
     }
 }
 
-/// Parameters that follow from a concrete, by the names that laws have for them: strengths, and those of the calibrated damage.
-pub fn parameters(concrete: &Concrete) -> Vec<(String, f64)> {
-    let own = [("f_t", concrete.tensile_strength), ("f_c", concrete.compressive_strength)];
-    let calibrated =
-        properties(&measured(concrete)).unwrap_or_else(|_| unreachable!("its values are those of concretes"));
+/// Parameters that follow from a concrete, by the names that laws have for them: strengths, and those of the calibrated damage, for the
+/// E and ν that the case gives in place of the class's.
+///
+/// # Errors
+/// An E or ν for which there is no calibration.
+pub fn parameters(concrete: &Concrete, own: [Option<f64>; 2]) -> Result<Vec<(String, f64)>, ConfigurationError> {
+    let of_class = measured(concrete);
+    let [youngs_modulus, poisson_ratio] = own;
+    let calibrated = properties(&calibration::Concrete {
+        youngs_modulus: youngs_modulus.unwrap_or(of_class.youngs_modulus),
+        poisson_ratio: poisson_ratio.unwrap_or(of_class.poisson_ratio),
+        ..of_class
+    })?;
     let names = ConcreteDamage::INFO.parameters.iter().map(|parameter| parameter.name().to_owned());
-    let own = own.map(|(name, value)| (name.to_owned(), value));
+    let strengths = [("f_t", concrete.tensile_strength), ("f_c", concrete.compressive_strength)];
+    let strengths = strengths.map(|(name, value)| (name.to_owned(), value));
     // 0: it says nothing of it
-    names.zip(calibrated).filter(|(_, value)| *value != 0.0).chain(own).collect()
+    Ok(names.zip(calibrated).filter(|(_, value)| *value != 0.0).chain(strengths).collect())
 }

@@ -397,7 +397,12 @@ fn with_concrete(
     };
     let own = law.map(|law| props::split(law).0).unwrap_or_default();
     let has = |name: &str| own.iter().any(|parameter| parameter.name == name);
-    let values = concrete::parameters(&concrete);
+    let own_value = |name: &str| match named.get(name) {
+        Some(PropValue::Number(value)) => Some(*value),
+        _ => None,
+    };
+    let values = concrete::parameters(&concrete, ["E", "nu"].map(own_value));
+    let values = reader.without_problem(values, &place.key("props"))?;
     // E and ν alone are no concrete
     if !["f_t", "A_t"].into_iter().any(has) {
         let name = law.map_or("the library", |law| &law.name);

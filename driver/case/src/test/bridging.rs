@@ -414,7 +414,7 @@ fn the_matrix_may_be_the_class_of_a_concrete() {
     };
     let (of_class, notes) = matrix(&[r#"matrix={"concrete": "C40/50"}"#]);
     let found = [of_class.ft, of_class.modulus, of_class.fracture_energy];
-    for (found, expected) in found.into_iter().zip([3.508_82, 36_267.6, 0.146_54]) {
+    for (found, expected) in found.into_iter().zip([3.508_82, 36_267.6, 0.146_536_7]) {
         assert!((found / expected - 1.0).abs() < 1e-5, "{of_class:?}");
     }
     assert_eq!(of_class.softening, pullout_bridging::Softening::Bilinear);
