@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 /// Folders and pages whose words are checked; of generated pages the sources are comments of the code.
-const CHECKED: [&str; 11] = [
+const CHECKED: [&str; 14] = [
     "README.md",
     "CONTRIBUTING.md",
     "SECURITY.md",
@@ -20,6 +20,9 @@ const CHECKED: [&str; 11] = [
     "docs/results",
     "docs/theory",
     "docs/working",
+    "fe-core/src",
+    "models/src",
+    "driver/bridging/src",
 ];
 
 /// Pages made of comments of the code, and the dictionary itself.
