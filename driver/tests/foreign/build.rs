@@ -139,7 +139,7 @@ fn modules_are_compiled_before_what_uses_them() {
     close(stress_of_one_increment(&desk, "case"), 4.0);
     desk.write("inner.f90", "module inner\n  use outer\n  real(8), parameter :: two = 2\nend module\n");
     let words = desk.pullout(sources).expect(2).stderr;
-    assert!(words.contains("modules of outer.f90, inner.f90 use each other"), "{words}");
+    assert!(words.contains("outer.f90, inner.f90"), "{words}");
 }
 
 #[test]
