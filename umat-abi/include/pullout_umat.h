@@ -276,12 +276,13 @@ typedef struct pullout_repeating_group {
    */
   uint32_t minimum;
   /*
-   Index of the parameter that holds the number of occurrences, or −1 if NPROPS tells.
+   Index of the parameter that holds the number of occurrences, or −1 if NPROPS determines it.
    */
   int32_t count_parameter;
   /*
-   Number of parameters, the last before the group, that were added to the law later: PROPS without them are read as well,
-   with their defaults. 0 unless occurrences are counted, since the count and NPROPS tell.
+   Number of parameters, the last before the group, that were added to the law later: PROPS without them are
+   accepted, and their defaults used. 0 unless occurrences are counted, since the count and NPROPS together
+   determine it.
    */
   uint32_t added;
 } pullout_repeating_group;
@@ -332,7 +333,7 @@ typedef struct pullout_state_variable_table {
 } pullout_state_variable_table;
 
 /*
- A quantity that hosts print beside the states.
+ A quantity that hosts print in addition to the states.
  */
 typedef struct pullout_derived_output {
   /*

@@ -118,8 +118,10 @@ pub(super) const LARGER_NUDGE: f64 = 4.0;
 pub(super) const RESISTANCE: f64 = 1e-5;
 /// Greatest resistance, as a multiple of the first.
 pub(super) const GREATEST_RESISTANCE: f64 = 1e8;
-/// Factor by which the resistance falls after an increment that stands.
-pub(super) const EASING: f64 = 0.5;
+/// Factor by which the resistance falls after an easy increment.
+pub(super) const EASING: f64 = 0.4;
+/// and after another accepted one.
+pub(super) const SLOW_EASING: f64 = 0.7;
 /// Factor by which the resistance grows where an increment goes back on the way of the one before.
 pub(super) const THICKENING_WHERE_TURNING: f64 = 10.0;
 /// Most increments through drag in a row.

@@ -19,7 +19,7 @@ use crate::model::{Model, Step};
 use crate::stepping::constants::{
     ADVANCES_BEFORE_DRIVE_CONTROL, AIM, CRAWLING, CREEPING, EASING, EASY, FADING, FAILURES_BEFORE_CHANGE, FIRST_LED,
     GREATEST_RESISTANCE, GROWTH, LARGER_NUDGE, LARGEST_PART_OF_TIME, LEADS, LEAST_LED, LIMIT_POINT, LOAD_CHANGE,
-    MOST_THROUGH, MOST_TURNS, NUDGE, RESISTANCE, THICKENING_WHERE_TURNING,
+    MOST_THROUGH, MOST_TURNS, NUDGE, RESISTANCE, SLOW_EASING, THICKENING_WHERE_TURNING,
 };
 use serde::{Deserialize, Serialize};
 
@@ -241,7 +241,11 @@ impl StepRun {
             dragged.increments += 1;
             // between two states to and fro, it was too thin to be led by what is out of balance
             dragged.turns += u32::from(converged.turns);
-            dragged.resistance *= if converged.turns { THICKENING_WHERE_TURNING } else { EASING };
+            dragged.resistance *= match converged.turns {
+                true => THICKENING_WHERE_TURNING,
+                false if iterations <= EASY => EASING,
+                false => SLOW_EASING,
+            };
             let is_there = converged.drag <= 1.0 || dragged.turns >= MOST_TURNS;
             self.progress = self.aim();
             self.attempted = 0.0;

@@ -89,7 +89,8 @@ impl Equilibrium<'_> {
         let moved = moved.max(LEAST_RELATIVE_MOVE * largest(displacements));
         // where residuals fall fast corrections do, too
         let reduction = self.memory.last_reduction;
-        let left = if reduction < FAST_REDUCTION { reduction } else { 1.0 };
+        // through drag, where nothing but drag may hold the specimen, small residuals leave more to correct than that
+        let left = if reduction < FAST_REDUCTION && attempt.resistance() == 0.0 { reduction } else { 1.0 };
         let is_small = |last: &Iteration| left * last.correction <= self.model.controls.displacement_tolerance * moved;
         residual <= (NEGLIGIBLE_RESIDUAL * tolerance).max(self.memory.rounding)
             || (residual <= tolerance && attempt.round().last().is_none_or(is_small))
