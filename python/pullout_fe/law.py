@@ -175,8 +175,8 @@ class Law:
             self._plugin = _core.Plugin(self.path, law, in_process)
         else:
             self._plugin = RemotePlugin(self.path, law, time_limit, _description)
-            description = json.loads(self._plugin.describe())
-            about: dict[str, Any] | None = description["law"]
+        description = json.loads(self._plugin.describe())
+        about: dict[str, Any] | None = description["law"]
         self._about = about or {}
         #: whether the library sets initial states or stresses of points
         self._sets_start = not {"sdvini", "sigini"}.isdisjoint(description["routines"])

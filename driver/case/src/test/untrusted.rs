@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 /// Members of the format that name files or folders.
 const PATHS: [&str; 7] = ["base", "cache", "design", "file", "files", "job_folder", "table"];
 /// Members whose texts are no paths: names within the case, words to be shown, members of other cases.
-const NAMES: [&str; 40] = [
+const NAMES: [&str; 41] = [
     "$schema",
     "above",
     "angle_key",
@@ -16,6 +16,7 @@ const NAMES: [&str; 40] = [
     "claim",
     "cmname",
     "column",
+    "concrete",
     "curves",
     "description",
     "drive",
