@@ -28,15 +28,24 @@ const REST: u16 = 150;
 const MOST_COLORS: usize = 255;
 const SAME: u8 = 255;
 
-/// Colour of open cracks.
-const CRACK: &str = "#e4002b";
-
 type Rgb = [u8; 3];
 
-/// The colours that the frames have most of; places for the others are left black.
+/// Colour of open cracks.
+const CRACK: Rgb = [0xe4, 0x00, 0x2b];
+/// Colour of the current point on the curve.
+const MARK: Rgb = [0xd5, 0x5e, 0x00];
+
+/// Returns a colour as SVG has it.
+fn svg_color([red, green, blue]: Rgb) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+/// Returns the colours of cracks and of the current point, of which there may be few pixels, and the most frequent colours of the frames.
+/// Unused places are black.
 fn palette(frames: &[Vec<Rgb>]) -> Vec<Rgb> {
     let mut counts: HashMap<Rgb, u32> = HashMap::new();
     frames.iter().flatten().for_each(|color| *counts.entry(*color).or_default() += 1);
+    counts.extend([CRACK, MARK].map(|color| (color, u32::MAX)));
     let mut colors: Vec<(u32, Rgb)> = counts.into_iter().map(|(color, count)| (count, color)).collect();
     colors.sort_unstable_by(|a, b| b.cmp(a));
     let mut colors: Vec<Rgb> = colors.into_iter().take(MOST_COLORS).map(|(_, color)| color).collect();
@@ -225,10 +234,11 @@ impl Scenes {
         for [x, y, u, v, a, b] in self.cracks[moment.0].iter().map(|crack| crack.map(f64::from)) {
             outline(&mut cracks, [1.0, -1.0].map(|side| on_picture([x + u + side * a, y + v + side * b])));
         }
-        let _ = write!(svg, r##"<path d="{cracks}" fill="none" stroke="{CRACK}" stroke-width="1.4"/></g>"##);
+        let crack = svg_color(CRACK);
+        let _ = write!(svg, r##"<path d="{cracks}" fill="none" stroke="{crack}" stroke-width="1.4"/></g>"##);
         let at = self.place(moment);
         let [x, y] = curve.at(at);
-        let _ = write!(svg, r##"<circle cx="{x:.1}" cy="{y:.1}" r="4.5" fill="#d55e00"/>"##);
+        let _ = write!(svg, r##"<circle cx="{x:.1}" cy="{y:.1}" r="4.5" fill="{}"/>"##, svg_color(MARK));
         let below = CURVE[0] + 40.0;
         let [slip, load] = at;
         let _ = write!(svg, "{}slip {slip:.2} mm, load {load:.1} N</text></svg>", text(below, 16.0, "start"));
