@@ -224,6 +224,19 @@ def markdown(path):
     return "\n".join(lines) + "\n"
 
 
+def rows_of(table, columns):
+    """The rows of a table, which is begun if there is none: their runs are not repeated."""
+    if not table.exists():
+        table.write_text(",".join(columns) + "\n")
+    with open(table, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def add_row(table, row):
+    with open(table, "a", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerow(row)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program", type=Path)
@@ -234,10 +247,7 @@ def main():
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     table = options.out / "results.csv"
-    if not table.exists():
-        table.write_text(",".join(COLUMNS) + "\n")
-    with open(table, newline="") as file:
-        done = {tuple(row[k] for k in COLUMNS[:4]) for row in csv.DictReader(file)}
+    done = {tuple(row[k] for k in COLUMNS[:4]) for row in rows_of(table, COLUMNS)}
     for size in SIZES:
         for mesh in MESHES:
             for kind in KINDS:
@@ -246,8 +256,7 @@ def main():
                     if key in done or not all(word in key for word in options.only):
                         continue
                     row = run(options.program, options.out, law, mesh, kind, size, options.integration)
-                    with open(table, "a", newline="") as file:
-                        csv.writer(file, lineterminator="\n").writerow(row)
+                    add_row(table, row)
     (options.out / "table.md").write_text(markdown(table))
 
 

@@ -71,20 +71,16 @@ def main():
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     table = options.out / "results.csv"
-    if not table.exists():
-        table.write_text("run," + ",".join(COLUMNS) + "\n")
-    with open(table, newline="") as file:
-        done = {row["run"] for row in csv.DictReader(file)}
+    columns = ["run", *COLUMNS]
+    done = {row["run"] for row in beams.rows_of(table, columns)}
     for case in RUNS:
         words = [str(word) for word in case]
         key = " ".join(words)
         if key not in done and all(word in words for word in options.only):
             row = run(options.program, options.out, *case)
             print(*row, flush=True)
-            with open(table, "a", newline="") as file:
-                csv.writer(file, lineterminator="\n").writerow([key, *row])
-    with open(table, newline="") as file:
-        rows = list(csv.DictReader(file))
+            beams.add_row(table, [key, *row])
+    rows = beams.rows_of(table, columns)
     shown = ["mesh", "kind", "l", "h", "elements", "coupling", "increments", "peak_ratio", "work_ratio", "field_over_damage",
              "iterations", "cpu_s"]
     lines = ["| " + " | ".join(shown) + " |", "|---" * len(shown) + "|"]

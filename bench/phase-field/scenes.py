@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Cracks that run aslant, on five free meshes each: a beam with an eccentric notch, a notched plate in shear, an L-shaped panel.
+"""Oblique cracks on five free meshes each: a beam with an eccentric notch, a notched plate in shear, an L-shaped panel.
 
     python3 scenes.py PROGRAM OUT [--only SCENE ...] [--seeds N]
 
@@ -150,17 +150,13 @@ def main():
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     table = options.out / "scenes.csv"
-    if not table.exists():
-        table.write_text(",".join(COLUMNS) + "\n")
-    with open(table, newline="") as file:
-        done = {(row["scene"], row["seed"]) for row in csv.DictReader(file)}
+    done = {(row["scene"], row["seed"]) for row in beams.rows_of(table, COLUMNS)}
     for seed in range(1, options.seeds + 1):
         for name in options.only:
             if (name, str(seed)) not in done:
                 row = run(options.program, options.out, name, seed)
                 print(*row, flush=True)
-                with open(table, "a", newline="") as file:
-                    csv.writer(file, lineterminator="\n").writerow(row)
+                beams.add_row(table, row)
 
 
 if __name__ == "__main__":

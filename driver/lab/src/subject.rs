@@ -69,16 +69,12 @@ struct State {
 impl Subject {
     /// A case that stands in no file.
     pub fn of_document(document: Value, plugin_paths: &[PathBuf]) -> Result<Self, Error> {
-        Self::new(document, Path::new("."), plugin_paths, None)
+        Self::new(document, Path::new("."), shipped(plugin_paths), None)
     }
 
-    /// A case, or the beginning of one, by whose folder its names are resolved; `named`: the library of the user's, and its file.
-    fn new(
-        document: Value,
-        folder: &Path,
-        plugin_paths: &[PathBuf],
-        named: Option<(&str, PathBuf)>,
-    ) -> Result<Self, Error> {
+    /// A case, or the beginning of one, by whose folder its names are resolved, with the shipped laws; `named`: the library of the user's,
+    /// and its file.
+    fn new(document: Value, folder: &Path, laws: Vec<Value>, named: Option<(&str, PathBuf)>) -> Result<Self, Error> {
         let folder = std::path::absolute(folder)?;
         let library: Vec<PathBuf> = named.iter().flat_map(|(_, file)| with_included(file)).collect();
         let is_data = |file: &PathBuf| library.iter().all(|other| real_path(other) != real_path(file));
@@ -88,17 +84,7 @@ impl Subject {
         let files = Mutex::new(FileWatch::of(library.into_iter().chain(data.iter().cloned())));
         let watched = named.map(|(named, file)| Watched::new(named, file)).transpose()?;
         let (versions, changed) = (Mutex::new([1, 0]), Condvar::new());
-        Ok(Self {
-            document,
-            folder,
-            laws: shipped(plugin_paths),
-            finished: None,
-            watched,
-            data,
-            files,
-            versions,
-            changed,
-        })
+        Ok(Self { document, folder, laws, finished: None, watched, data, files, versions, changed })
     }
 
     /// The results of a run, which nothing changes.
@@ -107,8 +93,7 @@ impl Subject {
             Error::Subject(format!("{error}: is {} the result directory of a run with pictures?", folder.display()))
         })?;
         let document = json!({ "kind": "results", "title": finished.title() });
-        let finished = Some(Arc::new(finished));
-        Ok(Self { finished, laws: Vec::new(), ..Self::new(document, folder, &[], None)? })
+        Ok(Self { finished: Some(Arc::new(finished)), ..Self::new(document, folder, Vec::new(), None)? })
     }
 
     /// The report of the run whose results are shown.
@@ -135,7 +120,7 @@ impl Subject {
             let plugin =
                 document["material"]["plugin"].as_str().filter(|plugin| names_a_file(plugin)).map(str::to_owned);
             let named = plugin.as_deref().map(|plugin| (plugin, folder.join(plugin)));
-            return Self::new(document, &folder, plugin_paths, named);
+            return Self::new(document, &folder, shipped(plugin_paths), named);
         }
         if names_a_file(word) {
             let file = library_path(Path::new(""), word);
@@ -144,7 +129,7 @@ impl Subject {
             let values: Vec<f64> = PLACEHOLDERS.into_iter().chain(std::iter::repeat(1.0)).take(props).collect();
             let material = json!({ "props": values, "nstatv": nstatv });
             let document = json!({ "kind": "point", "material": material, "mode": "3d", "steps": [] });
-            let mut subject = Self::new(document, Path::new("."), plugin_paths, Some((word, file)))?;
+            let mut subject = Self::new(document, Path::new("."), shipped(plugin_paths), Some((word, file)))?;
             if subject.library()["description"]["laws"].as_array().is_some_and(|laws| !laws.is_empty()) {
                 subject.document["material"] = json!({ "props": [], "nstatv": 0 });
             }
@@ -163,7 +148,7 @@ impl Subject {
         let is_bulk = entry_points.is_some_and(|names| names.iter().any(|name| name == "umat"));
         let kind = if is_bulk { "point" } else { "interface" };
         let document = json!({ "kind": kind, "material": { "plugin": word, "props": {} }, "steps": [] });
-        Self::of_document(document, plugin_paths)
+        Self::new(document, Path::new("."), laws, None)
     }
 
     /// Returns whether a case may name this plugin: a shipped law, or what the command line named.
@@ -269,7 +254,7 @@ impl Watched {
 /// How many PROPS and state variables a source uses: the greatest numbers between their brackets.
 fn used(file: &Path) -> [usize; 2] {
     let sources = if umat_abi::host::is_source(file) { build::inputs(file) } else { Vec::new() };
-    let texts: Vec<Vec<u8>> = sources.iter().filter_map(|source| input::read(source, Input::Case).ok()).collect();
+    let texts: Vec<Vec<u8>> = sources.iter().filter_map(|source| input::read(source, Input::Source).ok()).collect();
     let text = texts.iter().map(|text| String::from_utf8_lossy(text).to_lowercase()).collect::<Vec<_>>().join("\n");
     ["props", "statev"].map(|name| {
         let greatest = |(at, _): (usize, &str)| {

@@ -297,8 +297,9 @@ fn a_thousand_connections_at_once_end() {
     // all places are taken: the others were sent away, one of them by its answer
     let refused = held.iter_mut().rev().any(|stream| {
         let mut answer = [0; 12];
-        let told = stream.set_read_timeout(Some(Duration::from_secs(2))).and_then(|()| stream.read_exact(&mut answer));
-        told.is_ok() && answer == *b"HTTP/1.1 503"
+        let answered =
+            stream.set_read_timeout(Some(Duration::from_secs(2))).and_then(|()| stream.read_exact(&mut answer));
+        answered.is_ok() && answer == *b"HTTP/1.1 503"
     });
     assert!(refused, "requests over the limit get an error");
     drop(held);

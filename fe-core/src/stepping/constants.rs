@@ -190,13 +190,13 @@ pub(super) const LEAST_FAR_FIELD: f64 = 0.3;
 // Along another run.
 
 /// The part of what there is to correct at the start of a round that may be left at its end.
-pub(super) const LEFT_BESIDE: f64 = 1e-4;
+pub(super) const PARALLEL_REMAINDER: f64 = 1e-4;
 /// Residual that a first correction by the factor of another run may leave: as a part of what there was to correct, since an
 /// error of first order adds up where matter softens, and of what rounding may make of a residual, which mostly makes less.
-pub(super) const ROUGHLY_LEFT_BESIDE: [f64; 2] = [1e-6, 0.1];
+pub(super) const PARALLEL_ROUGH_REMAINDER: [f64; 2] = [1e-6, 0.1];
 /// The part of what rounding may make of a residual at which there is nothing to correct: a difference so small has been left by the
 /// sums of the displacements.
-pub(super) const NOTHING_BESIDE: f64 = 1e-3;
+pub(super) const PARALLEL_NOTHING: f64 = 1e-3;
 /// The part of its growth to which the leading quantity is known.
 pub(super) const GROWTH_ROUNDING: f64 = 1e-11;
 /// Number of factors that go round: as many runs work at a time.
