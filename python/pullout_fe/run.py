@@ -417,6 +417,8 @@ def _is_on_file(case: Case) -> bool:
 def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: bool, stop: _core.Stop | None) -> Run:
     """Run a case by the program pullout."""
     case.check()
+    if stop is not None and stop.is_set():
+        raise Stopped("the run was asked to end before it started")
     file, document, folder, overrides, plugin_paths = case._parts()
     # a document is passed through a pipe; file names are relative to its folder
     command: list[str | Path] = [_core.program(), "run", "--quiet", f"--threads={threads}", f"--out={out}"]
@@ -427,6 +429,9 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
         file, document = None, json.dumps(named)
     command += [f"--plugin-path={path}" for path in plugin_paths] + [f"--set={text}" for text in overrides]
     command += ["--", "/dev/stdin" if file is None else file]
+    summary = out / "summary.json"
+    # of a run before this one, whose results stay if this one does not start
+    before = summary.stat() if summary.is_file() else None
     pipe = subprocess.PIPE
     # Ctrl-C in the terminal goes to this process only
     with subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as child:
@@ -441,8 +446,11 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
                 child.kill()
             raise
     is_stopped = stop is not None and stop.is_set()
-    if (child.returncode not in (0, 1) and not is_stopped) or not (out / "summary.json").is_file():
-        raise PulloutError(words.strip() or f"the program ended with exit code {child.returncode}")
+    after = summary.stat() if summary.is_file() else None
+    is_new = after is not None and (before is None or (after.st_ino, after.st_mtime_ns) != (before.st_ino, before.st_mtime_ns))
+    if (child.returncode not in (0, 1) and not is_stopped) or not is_new:
+        message = words.strip() or f"the program ended with exit code {child.returncode}"
+        raise Stopped(message) if is_stopped else PulloutError(message)
     made = read(out)
     made.case = case
     return made
