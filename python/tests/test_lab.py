@@ -132,6 +132,72 @@ def test_a_mix_of_fibres(tmp_path: Path) -> None:
             assert browser.evaluate(f"document.getElementById('{place}').checkVisibility()") is False, place
 
 
+#: chooses a measured curve of columns `strain,stress`, which is compared with e11 and s11
+DROP = """(() => {
+  const transfer = new DataTransfer();
+  transfer.items.add(new File([`%s`], "measured.csv"));
+  const field = document.getElementById("data");
+  field.files = transfer.files;
+  field.dispatchEvent(new Event("change"));
+})()"""
+#: ticks parameters by their labels and starts the fit
+FIT = """(() => {
+  for (const label of %s) [...document.querySelectorAll("#free label")].find((one) => one.textContent.trim() === label).firstChild.click();
+  document.getElementById("start-fit").click();
+})()"""
+
+
+def measured(case: dict[str, Any], every: int = 1) -> str:
+    run = po.run(case)
+    rows = zip(run.history["e11"][::every], run.history["s11"][::every])
+    return "strain,stress\n" + "".join(f"{x},{y}\n" for x, y in rows)
+
+
+def test_parameters_fitted_to_a_measured_curve(tmp_path: Path) -> None:
+    steps = [{"increments": 60, "target": {"e11": 0.01}}]
+    case = {"kind": "point", "title": "A bar", "material": {"plugin": "j2_plasticity", "props": {"E": 2e5, "hardening": [[300.0, 0.0], [320.0, 0.01]]}}, "steps": steps}
+    truth = {**case, "material": {"plugin": "j2_plasticity", "props": {"E": 1.7e5, "hardening": [[260.0, 0.0], [290.0, 0.01]]}}}
+    (tmp_path / "case.json").write_text(json.dumps(case))
+    with lab(tmp_path, "case.json") as browser:
+        assert browser.evaluate("document.getElementById('fit').checkVisibility()") is False, "there are no data yet"
+        browser.evaluate(DROP % measured(truth))
+        browser.wait("document.getElementById('fit').checkVisibility()")
+        browser.evaluate("document.getElementById('fit').open = true")
+        browser.evaluate(FIT % json.dumps(["E, MPa", "yield_stress 1, MPa", "yield_stress 2, MPa"]))
+        browser.wait("document.querySelectorAll('#estimates tr').length === 3", 60)
+        # the controls, and with them the case, have what was found
+        browser.wait("JSON.parse(document.getElementById('case').value).material.props.E !== 2e5")
+        found = json.loads(browser.evaluate("document.getElementById('case').value"))["material"]["props"]
+        assert found["E"] == pytest.approx(1.7e5, rel=1e-5)
+        assert found["hardening"] == [[pytest.approx(260.0, rel=1e-5), 0.0], [pytest.approx(290.0, rel=1e-4), 0.01]]
+        assert browser.evaluate("document.querySelector('#ghosts input').value") == "before the fit"
+        # numbers that the case refuses are told
+        browser.evaluate("(() => { const f = document.querySelector('#free input[type=number]'); f.value = 5e6; f.dispatchEvent(new Event('change')); })()")
+        browser.evaluate("document.getElementById('start-fit').click()")
+        browser.wait("document.getElementById('fitted').textContent.includes('material.props.E')")
+
+
+@pytest.mark.skipif(shutil.which("gfortran") is None, reason="no gfortran")
+def test_constants_of_a_source_fitted_and_a_fit_stopped(tmp_path: Path) -> None:
+    (tmp_path / "j2.f90").write_text((ROOT / "tests/umats/j2.f90").read_text())
+    (tmp_path / "case.json").write_text(json.dumps(J2))
+    # the same law of another program
+    truth = {**J2, "material": {"plugin": "j2_plasticity", "props": {"E": 2e5, "nu": 0.3, "hardening": [[260.0, 0.0], [300.0, 0.02]]}}}
+    with lab(tmp_path, "case.json") as browser:
+        browser.evaluate(DROP % measured(truth, 5))
+        browser.wait("document.getElementById('fit').checkVisibility()")
+        browser.evaluate("document.getElementById('fit').open = true")
+        browser.evaluate(FIT % json.dumps(["PROPS(3)"]))
+        browser.wait("document.getElementById('start-fit').textContent === 'Stop'")
+        browser.evaluate("document.getElementById('start-fit').click()")
+        browser.wait("document.getElementById('fitted').textContent === 'stopped'", 30)
+        browser.evaluate("document.getElementById('start-fit').click()")
+        browser.wait("document.querySelectorAll('#estimates tr').length === 1", 120)
+        browser.wait("JSON.parse(document.getElementById('case').value).material.props[2] !== 300")
+        found = json.loads(browser.evaluate("document.getElementById('case').value"))["material"]["props"]
+        assert found == [2e5, 0.3, pytest.approx(260.0, rel=1e-4), 2e3]
+
+
 def test_a_finished_run(tmp_path: Path) -> None:
     case = {"kind": "point", "title": "A bar", "material": {"plugin": "concrete_damage"}, "steps": [{"increments": 50, "target": {"e11": 5e-4}}]}
     po.run(case, out=tmp_path / "out")

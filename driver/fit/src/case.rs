@@ -25,6 +25,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 mod report;
 
@@ -36,6 +38,8 @@ const INWARDS: f64 = 0.01;
 const AT_ROUNDING: f64 = 1e-6;
 /// Ends of searches whose root mean squares differ by less than this part are the same.
 const SAME_END: f64 = 1e-3;
+/// What a fit says that another thread ended.
+const STOPPED: &str = "the fit was asked to end";
 /// Bounds that are further apart than this ratio are searched by orders of magnitude.
 const WIDE: f64 = 10.0;
 /// A number so near to a bound, as a part of the distance of the bounds, lies on it.
@@ -55,8 +59,10 @@ pub struct Free {
 pub struct Test {
     /// The case with its values to start from.
     pub source: CaseSource,
-    /// The measured curve.
+    /// The file of the measured curve, or the name of a curve that stands in none.
     pub data: PathBuf,
+    /// The measured points; `None`: those of the file.
+    pub points: Option<Vec<[f64; 2]>>,
     /// Columns of the history that it is compared with.
     pub curve: [String; 2],
     /// Weight of its squares relative to those of the other tests.
@@ -74,6 +80,15 @@ pub struct CaseRequest {
     pub starts: usize,
     /// Most runs of all searches, of each case.
     pub max_runs: usize,
+    /// Ends the fit, and the run that goes on, when it is set.
+    pub stop: Arc<AtomicBool>,
+}
+
+impl CaseRequest {
+    /// Number of places that a fit is searched from, unless told otherwise.
+    pub const STARTS: u32 = 4;
+    /// Most runs of a fit, unless told otherwise.
+    pub const MOST_RUNS: u32 = 500;
 }
 
 /// Result of a search.
@@ -126,7 +141,7 @@ impl FittedTest {
 /// Fits cases. `progress` receives the number of runs so far and the root mean square of the differences.
 ///
 /// # Errors
-/// Everything that is wrong with the input, one sentence each.
+/// Everything that is wrong with the input, one sentence each; a fit that was asked to end.
 pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<CaseFit, Vec<String>> {
     let documents: Vec<Value> = request.tests.iter().map(|test| document(&test.source)).collect::<Result<_, _>>()?;
     let starts = starts(request, &documents)?;
@@ -153,6 +168,9 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         if ends.iter().any(|(best, _)| fitted.rms(&best.run) <= AT_ROUNDING * unit) {
             break;
         }
+    }
+    if request.stop.load(Ordering::Relaxed) {
+        return Err(vec![STOPPED.into()]);
     }
     let rms = |(best, _): &(Best<Vec<Computed>>, Option<String>)| fitted.rms(&best.run);
     let least = ends.iter().map(rms).fold(f64::INFINITY, f64::min);
@@ -265,10 +283,10 @@ fn greatest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 fn document(source: &CaseSource) -> Result<Value, Vec<String>> {
-    let CaseSource { file, overrides, plugin_paths, .. } = source;
-    let name = file.display();
+    let name = source.file.display();
     if source.need().is_none() {
-        pullout_case::read(file, overrides, plugin_paths)
+        source
+            .case()
             .map_err(|errors| errors.problems.iter().map(|problem| format!("{name}: {problem}")).collect::<Vec<_>>())?;
     }
     source.text().ok_or_else(|| vec![format!("{name}: is no case")])
@@ -311,8 +329,16 @@ fn starts(request: &CaseRequest, documents: &[Value]) -> Result<Vec<f64>, Vec<St
 }
 
 /// The measured points.
+fn data(test: &Test) -> Result<Vec<[f64; 2]>, Vec<String>> {
+    let rows = test.points.clone().map_or_else(|| read_data(test), Ok)?;
+    if rows.iter().all(|row| row[1] == 0.0) {
+        return Err(vec![format!("{}: all values are 0: they determine nothing", test.data.display())]);
+    }
+    Ok(rows)
+}
+
+/// The measured points of a file.
 fn read_data(test: &Test) -> Result<Vec<[f64; 2]>, Vec<String>> {
-    let file = test.data.display();
     let csv = CsvFile::read(&test.data)?;
     if csv.header.iter().all(|name| name.parse::<f64>().is_ok()) {
         return Err(csv.fault(1, "these are numbers, but the first line must name the columns"));
@@ -330,11 +356,7 @@ fn read_data(test: &Test) -> Result<Vec<[f64; 2]>, Vec<String>> {
         }
     };
     let rows = csv.numbers(&columns, true)?;
-    let rows: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
-    if rows.iter().all(|row| row[1] == 0.0) {
-        return Err(vec![format!("{file}: all values are 0: they determine nothing")]);
-    }
-    Ok(rows)
+    Ok(rows.iter().map(|row| [row[0], row[1]]).collect())
 }
 
 fn overrides<'a>(numbers: impl IntoIterator<Item = (&'a Free, &'a f64)>) -> Vec<String> {
@@ -364,6 +386,8 @@ struct Measured {
     scale: f64,
     /// Factor of the differences as parts of it.
     weight: f64,
+    /// Ends a run.
+    stop: Arc<AtomicBool>,
 }
 
 /// Cases with measured points.
@@ -391,9 +415,12 @@ impl Measured {
 
     /// Returns the results of the case with other numbers.
     fn computed(&self, free: &[Free], values: &[f64], on: Option<&Increments>) -> Result<Computed, String> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(STOPPED.into());
+        }
         let mut source = self.source.clone();
         source.overrides.extend(overrides(self.numbers(free, values)));
-        let (outcome, increments) = search::outcome(source, on)?;
+        let (outcome, increments) = search::outcome(source, on, &self.stop)?;
         if !outcome.is_done() {
             return Err(outcome.summary.message.unwrap_or_else(|| "the run did not come to its end".into()));
         }
@@ -428,7 +455,7 @@ impl Fitted {
     fn of(request: &CaseRequest, documents: &[Value]) -> Result<Self, Vec<String>> {
         let mean = request.tests.iter().map(|test| test.weight).sum::<f64>() / request.tests.len() as f64;
         let measured = |(test, document): (&Test, &Value)| {
-            let data = read_data(test)?;
+            let data = data(test)?;
             let has = |k: &usize| pullout_case::value_at(document, &request.free[*k].path).is_some();
             Ok(Measured {
                 source: CaseSource { document: Some(document.clone()), overrides: Vec::new(), ..test.source.clone() },
@@ -436,6 +463,7 @@ impl Fitted {
                 has: (0..request.free.len()).filter(has).collect(),
                 scale: greatest(data.iter().map(|row| row[1])),
                 weight: (test.weight / mean).sqrt(),
+                stop: request.stop.clone(),
                 data,
             })
         };
@@ -544,12 +572,8 @@ impl CaseFit {
         text
     }
 
-    /// Writes fit.json, fitted-case.json, fitted-curve.csv, and the curves as a picture with a report; of several tests, files with
-    /// their numbers. The result is what could not be drawn.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn write(&self, directory: &mut ResultDirectory, request: &CaseRequest) -> io::Result<Vec<String>> {
+    /// Returns the results as `fit.json` has them.
+    pub fn summary(&self, request: &CaseRequest) -> Value {
         let number = |k: usize| {
             let (free, estimate) = (&self.free[k], &self.estimates[k]);
             json!({
@@ -577,7 +601,7 @@ impl CaseFit {
             "correlation": rows_of(&self.correlation),
         });
         let of_test = |(test, fitted): (&Test, &FittedTest)| {
-            let Test { source, data, curve, weight } = test;
+            let Test { source, data, curve, weight, .. } = test;
             json!({ "case": source.file, "data": data, "curve": curve, "weight": weight, "rms": fitted.rms() })
         };
         let tests: Vec<Value> = request.tests.iter().zip(&self.tests).map(of_test).collect();
@@ -585,7 +609,16 @@ impl CaseFit {
             ["case", "data", "curve"].iter().for_each(|&key| summary[key] = test[key].clone());
         }
         summary["tests"] = tests.into();
-        directory.write("fit.json", format!("{summary:#}\n"))?;
+        summary
+    }
+
+    /// Writes fit.json, fitted-case.json, fitted-curve.csv, and the curves as a picture with a report; of several tests, files with
+    /// their numbers. The result is what could not be drawn.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, directory: &mut ResultDirectory, request: &CaseRequest) -> io::Result<Vec<String>> {
+        directory.write("fit.json", format!("{:#}\n", self.summary(request)))?;
         let mut figures = Vec::new();
         for (k, (test, fitted)) in request.tests.iter().zip(&self.tests).enumerate() {
             let number = if self.tests.len() > 1 { format!("-{}", k + 1) } else { String::new() };

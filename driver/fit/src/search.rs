@@ -10,6 +10,8 @@ use pullout_engine::{Along, CaseSource, Outcome, Settings};
 use pullout_run::PLUGIN_STACK;
 use serde_json::{Value, json};
 use std::cell::Cell;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Relative step of differences. Smaller steps drown in the tolerance of a specimen's equilibrium.
 pub const STEP: f64 = 1e-6;
@@ -26,11 +28,16 @@ pub enum Increments {
     Trail(Along),
 }
 
-/// Runs a case on the way of another run, if there is one; otherwise its own way is returned, if it came to its end.
+/// Runs a case on the way of another run, if there is one; otherwise its own way is returned, if it came to its end. `stop` ends
+/// the run.
 ///
 /// # Errors
 /// The case is wrong, or cannot be run.
-pub fn outcome(mut source: CaseSource, on: Option<&Increments>) -> Result<(Outcome, Option<Increments>), String> {
+pub fn outcome(
+    mut source: CaseSource,
+    on: Option<&Increments>,
+    stop: &Arc<AtomicBool>,
+) -> Result<(Outcome, Option<Increments>), String> {
     let along = match on {
         Some(Increments::Recorded(recorded)) => {
             source.overrides.push(format!("increments={}", json!({ "recorded": recorded })));
@@ -42,7 +49,7 @@ pub fn outcome(mut source: CaseSource, on: Option<&Increments>) -> Result<(Outco
     let prepared = source.read().map_err(|errors| {
         errors.problems.first().map_or_else(|| "the case is wrong".to_owned(), ToString::to_string)
     })?;
-    let settings = Settings { records: on.is_none(), along, ..Settings::default() };
+    let settings = Settings { records: on.is_none(), along, stop: stop.clone(), ..Settings::default() };
     let mut outcome = prepared.run(settings).map_err(|error| error.to_string())?;
     let trail = outcome.trail.take().map(|trail| Increments::Trail(trail.into()));
     let increments = trail.or_else(|| outcome.increments.take().map(Increments::Recorded));

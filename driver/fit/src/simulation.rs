@@ -8,6 +8,7 @@ use super::specimen::Specimen;
 use nalgebra::{DMatrix, DVector};
 use pullout_engine::{CaseSource, Outcome};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The step of differences of runs that are not led by another, most of whose coordinates are logarithms: their curves are smooth to
 /// about 1e-4 of the peak.
@@ -111,7 +112,7 @@ impl Simulator<'_> {
             plugin_paths: self.plugin_paths.to_vec(),
             ..CaseSource::file(&self.specimen.file)
         };
-        let (outcome, increments) = search::outcome(source, on)?;
+        let (outcome, increments) = search::outcome(source, on, &Arc::default())?;
         Ok(Tried { law, curve: SimulatedCurve::of(&outcome, self.slip_at), increments })
     }
 

@@ -33,8 +33,10 @@
     return { low, high: high > low ? high : low + size, byPowers: low > 0 && high > 20 * low };
   };
 
-  /** A number with its slider; `change` hears what it becomes. */
-  const control = (name, unit, doc, value, bounds, change) => {
+  /** Numbers that can be fitted, by their places in the case: label, usual range, reader and writer; the case has the factor times what is shown. */
+  const numbers = new Map();
+  /** A number with its slider; `change` hears what it becomes; `place`: where the case has it. */
+  const control = (name, unit, doc, value, bounds, change, place = null, factor = 1) => {
     const { low, high, byPowers } = range(bounds, value);
     const steps = 1000;
     const toPlace = (v) => byPowers ? Math.log(v / low) / Math.log(high / low) : (v - low) / (high - low);
@@ -48,6 +50,7 @@
       slider.value = Math.round(steps * Math.min(Math.max(toPlace(number.valueAsNumber), 0), 1));
       change(number.valueAsNumber);
     };
+    if (place !== null) numbers.set(place, { label, factor, bounds: [low, high], value: () => number.valueAsNumber, become: (v) => { number.value = v; number.oninput(); } });
     const caption = make("span", { className: "name", title: doc ?? "" }, name, unit && unit !== "-" ? make("small", {}, ` ${unit}`) : "");
     return make("div", { className: "parameter" }, caption, number, slider);
   };
@@ -64,14 +67,24 @@
         select.onchange = () => change(select.value);
         rows.push(make("div", { className: "parameter" }, make("span", { className: "name", title: p.doc }, p.name), select));
       } else {
-        rows.push(control(p.name, p.unit, p.doc, values[p.name] ?? p.default, p, change));
+        rows.push(control(p.name, p.unit, p.doc, values[p.name] ?? p.default, p, change, `material.props.${p.name}`));
       }
     }
     if (group) {
       const repeated = law.parameters.slice(-group.size);
       const field = make("input", { type: "text", ariaLabel: group.name, value: JSON.stringify(values[group.name] ?? groupDefault(group)) });
+      const rowsNow = () => JSON.parse(field.value), place = `material.props.${group.name}.`;
+      const list = () => {
+        for (const other of numbers.keys()) if (other.startsWith(place)) numbers.delete(other);
+        rowsNow().forEach((row, k) => repeated.forEach((p, n) => {
+          const { low, high } = range(p, row[n]), of = p.unit === "-" ? "" : `, ${p.unit}`;
+          const become = (v) => { const next = rowsNow(); next[k][n] = v; field.value = JSON.stringify(next); field.oninput(); };
+          numbers.set(`${place}${k}.${n}`, { label: `${p.name} ${k + 1}${of}`, factor: 1, bounds: [low, high], value: () => rowsNow()[k][n], become });
+        }));
+      };
+      list();
       field.oninput = () => {
-        try { values[group.name] = JSON.parse(field.value); field.setCustomValidity(""); changed(); } catch (error) { field.setCustomValidity(error.message); }
+        try { values[group.name] = JSON.parse(field.value); list(); showFree(); field.setCustomValidity(""); changed(); } catch (error) { field.setCustomValidity(error.message); }
       };
       const columns = repeated.map((p) => p.unit === "-" ? p.name : `${p.name} ${p.unit}`).join(", ");
       rows.push(make("label", {}, `${group.name}: rows of ${columns} `, field));
@@ -81,7 +94,7 @@
   const groupDefault = (group) => Array.from({ length: group.minimum }, () => law.parameters.slice(-group.size).map((p) => p.default));
 
   const constantControls = () => values.map((value, k) => {
-    const row = control(names[k] ?? `PROPS(${k + 1})`, "", "", value, { default: value, usual: null }, (next) => { values[k] = next; changed(); });
+    const row = control(names[k] ?? `PROPS(${k + 1})`, "", "", value, { default: value, usual: null }, (next) => { values[k] = next; changed(); }, `material.props.${k}`);
     row.firstChild.replaceChildren(make("input", { type: "text", value: names[k] ?? `PROPS(${k + 1})`, ariaLabel: `Name of PROPS(${k + 1})`,
       onchange: (event) => { names[k] = event.target.value; } }));
     return row;
@@ -125,7 +138,7 @@
         if (typeof value === "number" && !Array.isArray(node)) {
           const [title, unit, low, high, factor] = known[name] ?? [name, "", null, null, 1];
           const bounds = { default: value / factor, usual: low === null ? null : [low, high] };
-          const row = control(title, unit, name, value / factor, bounds, (next) => { node[key] = next * factor; changed(); });
+          const row = control(title, unit, name, value / factor, bounds, (next) => { node[key] = next * factor; changed(); }, name, factor);
           if (name in known) first[name] = row; else others.push(row);
         } else if (value && typeof value === "object" && key !== "compare" && key !== "steps") walk(value, at);
       }
@@ -154,8 +167,10 @@
     for (const place of document.querySelectorAll(".of-a-law")) place.hidden = !isPoint;
     for (const place of document.querySelectorAll(".of-a-case")) place.hidden = kind === "results";
     part("strengths").parentElement.hidden = !isPoint;
+    numbers.clear();
     const rows = kind === "results" ? [] : !isPoint ? caseControls() : law ? parameterControls() : constantControls();
     part("parameters").replaceChildren(...rows);
+    showFree();
   };
 
   part("law").onchange = () => {
@@ -427,15 +442,66 @@
       changed();
     };
     for (const field of [fx, fy, tx, ty]) field.lastChild.onchange = take;
-    const drop = make("button", { type: "button", onclick: () => { curves = []; part("measured").replaceChildren(); part("data").value = ""; changed(); } }, "Remove");
+    const drop = make("button", { type: "button", onclick: () => { curves = []; part("measured").replaceChildren(); part("data").value = ""; showFree(); changed(); } }, "Remove");
     part("measured").replaceChildren(fx, tx, fy, ty, drop);
     take();
+    showFree();
   };
   window.document.ondragover = (event) => event.preventDefault();
   window.document.ondrop = async (event) => {
     event.preventDefault();
     const file = event.dataTransfer.files[0];
     if (file) takeData(file.name, await file.text());
+  };
+
+  // ---- fit to data ----------------------------------------------------------------------------------------------------------
+
+  const free = new Map();          // bounds as text by place, of the parameters that may change
+  const showFree = () => {
+    part("fit").hidden = curves.length === 0 || numbers.size === 0;
+    for (const place of free.keys()) if (!numbers.has(place)) free.delete(place);
+    part("free").replaceChildren(...[...numbers].map(([place, { label, bounds }]) => {
+      const field = (k, title) => make("input", { type: "number", step: "any", value: free.get(place)?.[k] ?? tidy(bounds[k]), ariaLabel: `${title} bound of ${label}` });
+      const fields = [field(0, "Lower"), field(1, "Upper")];
+      const tick = make("input", { type: "checkbox", checked: free.has(place) });
+      const note = () => { if (tick.checked) free.set(place, fields.map((one) => one.value)); else free.delete(place); };
+      for (const one of [tick, ...fields]) one.onchange = note;
+      return make("tr", {}, make("td", {}, make("label", {}, tick, ` ${label}`)), ...fields.map((one) => make("td", {}, one)));
+    }));
+  };
+
+  let isFitting = false;
+  part("start-fit").onclick = async () => {
+    if (isFitting) { ask("fit", { document: {}, free: [] }); return; }
+    const document = caseNow(), before = copy(document);
+    for (const place of free.keys()) {
+      const { value, factor } = numbers.get(place), keys = place.split("."), last = keys.pop();
+      keys.reduce((node, key) => node[key], document)[last] = value() * factor;
+    }
+    const texts = [...free].map(([place, bounds]) => `${place}=${bounds.map((bound) => Number(bound) * numbers.get(place).factor).join(":")}`);
+    if (!texts.length) { part("fitted").textContent = "Tick at least one parameter."; return; }
+    isFitting = true;
+    part("start-fit").textContent = "Stop";
+    part("fitted").textContent = "fitting …";
+    part("estimates").replaceChildren();
+    const answer = await (await ask("fit", { document, curves, free: texts })).json().catch(() => ({ status: "refused", problems: [{ words: "the lab has ended: start it again" }] }));
+    isFitting = false;
+    part("start-fit").textContent = "Fit";
+    if (answer.problems) { part("fitted").textContent = answer.problems.map((problem) => problem.words).join("\n"); return; }
+    if (answer.status === "superseded") { part("fitted").textContent = "stopped"; return; }
+    const words = [`${answer.runs} runs, RMS difference ${tidy(answer.rms)}`, answer.message, ...answer.warnings].filter(Boolean);
+    part("fitted").textContent = words.join("\n");
+    part("estimates").replaceChildren(...answer.parameters.map(({ path, value, standard_error, identifiable, on_bound }) => {
+      const { label, factor } = numbers.get(path);
+      const remark = [identifiable ? "" : "not determined by the data", on_bound === null ? "" : "on its bound"].filter(Boolean).join(", ");
+      return make("tr", {}, ...[label, `${tidy(value / factor)} ± ${standard_error === null ? "∞" : tidy(standard_error / factor)}`, remark].map((text) => make("td", {}, text)));
+    }));
+    pin(before, "before the fit");
+    for (const { path, value } of answer.parameters) {
+      const { become, factor } = numbers.get(path);
+      become(Number((value / factor).toPrecision(10)));
+    }
+    window.dispatchEvent(new CustomEvent("fitted"));
   };
 
   // ---- take away ------------------------------------------------------------------------------------------------------------

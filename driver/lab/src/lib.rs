@@ -202,6 +202,7 @@ impl Shared {
         };
         match path {
             "/run" => Response::json(&self.work.run(&self.subject, &wanted)),
+            "/fit" => Response::json(&self.work.fit(&self.subject, &wanted)),
             "/check" => Response::json(&self.work.check(&self.subject, &wanted)),
             "/csv" => text(self.work.csv(&self.subject, &wanted)),
             "/abaqus" => text(self.work.abaqus(&self.subject, &wanted)),

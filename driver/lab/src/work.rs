@@ -2,9 +2,10 @@
 
 use crate::done::Done;
 use crate::subject::{CALL_TIME_LIMIT, Subject};
-use pullout_case::{Case, CaseProblem};
+use pullout_case::Case;
 use pullout_check::conformance::Judgement;
 use pullout_engine::{CaseSource, Error, Message, Outcome, Settings};
+use pullout_fit::{CaseRequest, Free, Test, fit_case};
 use pullout_report::history::History;
 use pullout_report::plots::figure::Drawing;
 use pullout_report::plots::{self, Curve, Spec, selection};
@@ -41,6 +42,9 @@ pub(crate) struct Wanted {
     /// Measured curves.
     #[serde(default)]
     curves: Vec<Curve>,
+    /// Numbers that are fitted to them, as `pullout fit` takes them: "material.props.E=1e4:4e4".
+    #[serde(default)]
+    free: Vec<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -149,6 +153,36 @@ impl Work {
             text.push(b'\n');
         }
         Ok(String::from_utf8_lossy(&text).into_owned())
+    }
+
+    /// Fits numbers of the case to the measured curves. A request without numbers only ends the fit that goes on.
+    pub fn fit(&self, subject: &Subject, wanted: &Wanted) -> Value {
+        let stop = self.newest(("fit", &wanted.page));
+        let superseded = || json!({ "status": "superseded" });
+        if wanted.free.is_empty() {
+            return superseded();
+        }
+        let fitted = || {
+            let source = self.source(subject, &wanted.document)?;
+            let test = |curve: &Curve| Test {
+                source: source.clone(),
+                data: curve.label.clone().into(),
+                points: Some(curve.points.iter().map(|&(x, y)| [x, y]).collect()),
+                curve: [curve.x.clone(), curve.y.clone()],
+                weight: 1.0,
+            };
+            let tests: Vec<Test> = wanted.curves.iter().map(test).collect();
+            if tests.is_empty() {
+                return Err(refusal("", "there is no measured curve"));
+            }
+            let free = |text: &String| Free::parse(text).map_err(|message| refusal(text, &message));
+            let free: Vec<Free> = wanted.free.iter().map(free).collect::<Result<_, Value>>()?;
+            let (starts, max_runs) = (CaseRequest::STARTS as usize, CaseRequest::MOST_RUNS as usize);
+            let request = CaseRequest { tests, free, starts, max_runs, stop: stop.clone() };
+            Ok(fit_case(&request, &|_, _| {}).map_err(|messages| problems(&messages))?.summary(&request))
+        };
+        let answer = fitted().unwrap_or_else(|refusal| refusal);
+        if stop.load(Ordering::Relaxed) { superseded() } else { answer }
     }
 
     /// What `pullout plugin check` says of the law around the path of the case.
@@ -273,7 +307,7 @@ impl Work {
     }
 }
 
-fn problems(problems: &[CaseProblem]) -> Value {
+fn problems<P: ToString>(problems: &[P]) -> Value {
     let all: Vec<Value> = problems.iter().map(|problem| json!({ "words": problem.to_string() })).collect();
     json!({ "status": "refused", "problems": all })
 }

@@ -6,6 +6,7 @@ use pullout_fit::{CaseRequest, Free, Test, fit_case};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::number::significant;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Arguments of `fit CASE`. With the subcommands `fit bond` and `fit beam`, none of them is required.
 #[derive(Debug, clap::Args)]
@@ -28,10 +29,10 @@ pub(in super::super) struct CaseFitArguments {
     #[arg(long = "weight", value_name = "W", value_parser = super::positive, allow_negative_numbers = true)]
     weights: Vec<f64>,
     /// Number of starting points: the values of the case, and others between the bounds. The best result counts.
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = CaseRequest::STARTS, value_parser = clap::value_parser!(u32).range(1..))]
     starts: u32,
     /// Largest number of runs of all searches together.
-    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = CaseRequest::MOST_RUNS, value_parser = clap::value_parser!(u32).range(1..))]
     max_runs: u32,
     /// Result directory [default: out/<case file stem>-fit/].
     #[arg(short, long, value_name = "DIR")]
@@ -65,6 +66,7 @@ impl CaseFitArguments {
             free: self.free.clone(),
             starts: self.starts as usize,
             max_runs: self.max_runs as usize,
+            stop: Arc::default(),
         };
         let case = &self.cases[0];
         let folder = self.out.clone().unwrap_or_else(|| {
@@ -123,6 +125,7 @@ impl CaseFitArguments {
             Test {
                 source: CaseSource { overrides, plugin_paths, ..CaseSource::file(&self.cases[k % self.cases.len()]) },
                 data: data.clone(),
+                points: None,
                 curve: self.curve[k % self.curve.len()].clone(),
                 weight: if self.weights.is_empty() { 1.0 } else { self.weights[k % self.weights.len()] },
             }
