@@ -291,17 +291,17 @@ pub(crate) static SPECIMEN: [Column<Record>; 37] = [
     column("separation_length", "mm", "open length of the interface", Other, |record| record.separation_length),
     // Largest bearing pressure t_N/(φ L).
     column("bearing_pressure_max", "MPa", "greatest bearing pressure", Other, |r| r.greatest_bearing_pressure),
-    // Number of attempts given up before the increment.
+    // Number of attempts at the increment that failed before it was accepted.
     column("cutbacks", "", "cutbacks", Other, |record| f64::from(record.cutbacks)),
     // Largest equivalent plastic strain of the fibre, if its law's metadata have that state (`peeq`).
     column("plastic_strain_max", "", "greatest plastic strain of the fibre", Other, |record| record.plastic_strain),
     // Largest principal stress of the fibre, from tension and bending.
     column("stress_max", "MPa", "greatest stress of the fibre", Other, |record| record.principal_stress),
-    // Largest value of the scalar field of the case. NaN without one.
+    // Largest value of the scalar field of the case. NaN without a field.
     column("field_max", "", "greatest value of the field", Other, |record| record.largest_field),
-    // Fracture energy times the area of the cracks of a phase field: compare it with damage_energy. NaN without one.
+    // Fracture energy times the area of the cracks of a phase field: compare it with damage_energy. NaN without a phase field.
     column("field_energy", "N·mm", "energy of the phase field", Energy, |record| record.crack[1]),
-    // Largest elongation of a fibre over 5 diameters, to which bending over the exit or in a hook does not add.
+    // Largest elongation of a fibre over 5 diameters, without bending over the exit or in a hook.
     column("axial_strain_max", "", "greatest elongation of a fibre over 5 diameters", Other, |record| {
         record.wires.iter().map(|wire| wire.strain).fold(f64::NAN, f64::max)
     }),
