@@ -486,7 +486,7 @@ pub struct RunIncrements {
 pub struct Controls {
     /// Newton iterations per increment (default 25).
     pub max_iterations: Option<Whole<1, 10_000>>,
-    /// Halvings of an increment (default 12).
+    /// Most cut-backs in a row (default 12). The shortest piece of an increment is 2^(−max_cutbacks) of it.
     pub max_cutbacks: Option<Whole<0, 60>>,
 }
 

@@ -291,17 +291,17 @@ pub(crate) static SPECIMEN: [Column<Record>; 37] = [
     column("separation_length", "mm", "open length of the interface", Other, |record| record.separation_length),
     // Largest bearing pressure t_N/(φ L).
     column("bearing_pressure_max", "MPa", "greatest bearing pressure", Other, |r| r.greatest_bearing_pressure),
-    // Number of attempts given up before the increment.
+    // Number of attempts at the increment that failed before it was accepted.
     column("cutbacks", "", "cutbacks", Other, |record| f64::from(record.cutbacks)),
     // Largest equivalent plastic strain of the fibre, if its law's metadata have that state (`peeq`).
     column("plastic_strain_max", "", "greatest plastic strain of the fibre", Other, |record| record.plastic_strain),
     // Largest principal stress of the fibre, from tension and bending.
     column("stress_max", "MPa", "greatest stress of the fibre", Other, |record| record.principal_stress),
-    // Largest value of the scalar field of the case. NaN without one.
+    // Largest value of the scalar field of the case. NaN without a field.
     column("field_max", "", "greatest value of the field", Other, |record| record.largest_field),
-    // Fracture energy times the area of the cracks of a phase field: compare it with damage_energy. NaN without one.
+    // Fracture energy times the area of the cracks of a phase field: compare it with damage_energy. NaN without a phase field.
     column("field_energy", "N·mm", "energy of the phase field", Energy, |record| record.crack[1]),
-    // Largest elongation of a fibre over 5 diameters, to which bending over the exit or in a hook does not add.
+    // Largest elongation of a fibre over 5 diameters, without bending over the exit or in a hook.
     column("axial_strain_max", "", "greatest elongation of a fibre over 5 diameters", Other, |record| {
         record.wires.iter().map(|wire| wire.strain).fold(f64::NAN, f64::max)
     }),
@@ -364,23 +364,23 @@ pub static BRIDGING: [Column<BridgingRow>; 20] = [
     column("spalled_mean", "mm", "mean length spalled", Other, |row| row.fibres.spalled_mean),
     // Estimated quadrature error of `sigma_fibre`.
     column("error", "MPa", "error of σ_{f}", Other, |row| row.fibres.error),
-    // Fraction of `sigma_fibre` carried by fibres at 0 to 10°. NaN if there is none.
+    // Fraction of `sigma_fibre` carried by fibres at 0 to 10°. NaN if `sigma_fibre` is 0.
     column("share_0_10", "", "0–10°", Share, |row| row.shares[0]),
-    // Fraction of `sigma_fibre` carried by fibres at 10 to 20°. NaN if there is none.
+    // Fraction of `sigma_fibre` carried by fibres at 10 to 20°. NaN if `sigma_fibre` is 0.
     column("share_10_20", "", "10–20°", Share, |row| row.shares[1]),
-    // Fraction of `sigma_fibre` carried by fibres at 20 to 30°. NaN if there is none.
+    // Fraction of `sigma_fibre` carried by fibres at 20 to 30°. NaN if `sigma_fibre` is 0.
     column("share_20_30", "", "20–30°", Share, |row| row.shares[2]),
-    // Fraction of `sigma_fibre` carried by fibres at 30 to 40°. NaN if there is none.
+    // Fraction of `sigma_fibre` carried by fibres at 30 to 40°. NaN if `sigma_fibre` is 0.
     column("share_30_40", "", "30–40°", Share, |row| row.shares[3]),
-    // Fraction of `sigma_fibre` carried by fibres at 40 to 50°. NaN if there is none.
+    // Fraction of `sigma_fibre` carried by fibres at 40 to 50°. NaN if `sigma_fibre` is 0.
     column("share_40_50", "", "40–50°", Share, |row| row.shares[4]),
-    // Fraction of `sigma_fibre` carried by fibres at 50 to 60°. NaN if there is none.
+    // Fraction of `sigma_fibre` carried by fibres at 50 to 60°. NaN if `sigma_fibre` is 0.
     column("share_50_60", "", "50–60°", Share, |row| row.shares[5]),
-    // Fraction of `sigma_fibre` carried by fibres at 60 to 70°. NaN if there is none.
+    // Fraction of `sigma_fibre` carried by fibres at 60 to 70°. NaN if `sigma_fibre` is 0.
     column("share_60_70", "", "60–70°", Share, |row| row.shares[6]),
-    // Fraction of `sigma_fibre` carried by fibres at 70 to 80°. NaN if there is none.
+    // Fraction of `sigma_fibre` carried by fibres at 70 to 80°. NaN if `sigma_fibre` is 0.
     column("share_70_80", "", "70–80°", Share, |row| row.shares[7]),
-    // Fraction of `sigma_fibre` carried by fibres at 80 to 90°. NaN if there is none.
+    // Fraction of `sigma_fibre` carried by fibres at 80 to 90°. NaN if `sigma_fibre` is 0.
     column("share_80_90", "", "80–90°", Share, |row| row.shares[8]),
     // 5 % quantile of `sigma` over random beams.
     column("sigma_05", "MPa", "5 % of beams", Band, |row| row.quantiles[0] + row.matrix),

@@ -479,7 +479,7 @@ pub struct Until {
 pub struct Controls {
     /// Newton iterations per increment.
     pub max_iterations: u32,
-    /// Halvings of an increment.
+    /// Most cut-backs in a row; the shortest piece of an increment is `2^(−max_cutbacks)` of it.
     pub max_cutbacks: u32,
 }
 

@@ -263,7 +263,7 @@ pub struct PulloutControls {
     pub displacement_tolerance: Option<Fraction>,
     /// Newton iterations of an attempt (default 20).
     pub max_iterations: Option<Whole<2, 1000>>,
-    /// Attempts of one increment (default 30).
+    /// Most cut-backs of an increment (default 30).
     pub max_cutbacks: Option<Whole<0, 1000>>,
     /// Shorten corrections that make the residual grow (default true).
     pub line_search: Option<bool>,
