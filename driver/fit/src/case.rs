@@ -85,9 +85,9 @@ pub struct CaseRequest {
 }
 
 impl CaseRequest {
-    /// Number of places that a fit is searched from, unless told otherwise.
+    /// Number of places that a fit is searched from, unless others are asked for.
     pub const STARTS: u32 = 4;
-    /// Most runs of a fit, unless told otherwise.
+    /// Most runs of a fit, unless others are asked for.
     pub const MOST_RUNS: u32 = 500;
 }
 
