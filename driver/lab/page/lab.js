@@ -93,7 +93,7 @@
   };
   const groupDefault = (group) => Array.from({ length: group.minimum }, () => law.parameters.slice(-group.size).map((p) => p.default));
 
-  const constantControls = () => values.map((value, k) => {
+  const constantControls = () => (Array.isArray(values) ? values : []).map((value, k) => {
     const row = control(names[k] ?? `PROPS(${k + 1})`, "", "", value, { default: value, usual: null }, (next) => { values[k] = next; changed(); }, `material.props.${k}`);
     row.firstChild.replaceChildren(make("input", { type: "text", value: names[k] ?? `PROPS(${k + 1})`, ariaLabel: `Name of PROPS(${k + 1})`,
       onchange: (event) => { names[k] = event.target.value; } }));
