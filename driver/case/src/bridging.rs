@@ -8,7 +8,7 @@ use crate::document::bridging::{
 };
 use crate::history;
 use crate::problem::{Place, Problem};
-use crate::reader::Reader;
+use crate::reader::{Reader, USUAL_STRENGTH_OF_WIRES};
 use crate::table::CsvFile;
 use pullout_bridging::{
     Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, Matrix, NotchedBeam, Orientation, Scatter, ShearLag,
@@ -219,7 +219,7 @@ fn warn_of_units(
             ("fibre.length", fibre.length, "mm", [0.5, 200.0]),
             ("fibre.E", fibre.modulus, "MPa", [1e3, 1e6]),
         ]);
-        given.extend(fibre.strength.map(|strength| ("fibre.strength", strength, "MPa", [50.0, 1e4])));
+        given.extend(fibre.strength.map(|strength| ("fibre.strength", strength, "MPa", USUAL_STRENGTH_OF_WIRES)));
         if let LoadSource::Bond(bond, inclination) = source {
             if let Bond::Closed(closed) = bond {
                 given.push(("fibre.tau", closed.tau, "MPa", [1e-3, 100.0]));

@@ -201,6 +201,9 @@ impl UsedDefaults {
     }
 }
 
+/// Usual tensile strengths of fibres, MPa.
+pub const USUAL_STRENGTH_OF_WIRES: [f64; 2] = [50.0, 1e4];
+
 /// Returns the warning of a value that is hardly meant, a slip of units perhaps.
 pub fn outside_usual(what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2]) -> String {
     let [value, lower, upper] = [value, lower, upper].map(pullout_run::number::rounded);

@@ -87,12 +87,22 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<MeshAndSet
                     let diameter = ground.diameter();
                     let Specimen { definition, fibres, notes, .. } = &mut ground.specimen;
                     adapt_parts(reader, case, definition, diameter);
+                    let thickness = |key: &str| Place::root().key("parts").key(key).key("thickness");
+                    let is_fibre = |key: &str| {
+                        let mut names = fibres.iter().map(|fibre| definition.parts[fibre.part].name.as_str());
+                        names.any(|name| section_of(case, name).0 == key)
+                    };
+                    for (key, _) in case.parts.iter().filter(|(_, part)| is_layered(part.thickness)) {
+                        if !is_fibre(key) {
+                            reader.problem(&thickness(key), "layers are those of a fibre's section: give it in mm");
+                        }
+                    }
                     for fibre in fibres.iter() {
                         let name = definition.parts[fibre.part].name.clone();
                         let (key, section) = section_of(case, &name);
                         let part = &definition.parts[fibre.part];
-                        if matches!(section, Some(document::Thickness::Section(document::Section::Layers))) {
-                            layer(reader, definition, fibre, &Place::root().key("parts").key(key).key("thickness"));
+                        if is_layered(section) {
+                            layer(reader, definition, fibre, &thickness(key));
                         } else if part.model != PlaneModel::Axisymmetric {
                             note_section(reader, fibre.diameter, part.thickness);
                         }
@@ -165,6 +175,11 @@ const LAYERS: [f64; 2] = [0.75 * PI - 4.0 / 3.0, 4.0 / 3.0 - 0.25 * PI];
 fn section_of<'n>(case: &PulloutCase, name: &'n str) -> (&'n str, Option<document::Thickness>) {
     let key = called(name, |name| case.parts.contains_key(name));
     (key, thickness_of(case, key))
+}
+
+/// Returns whether a thickness is that of a round section's layers.
+fn is_layered(section: Option<document::Thickness>) -> bool {
+    matches!(section, Some(document::Thickness::Section(document::Section::Layers)))
 }
 
 /// Gives the elements of a round fibre the thicknesses of its layers.

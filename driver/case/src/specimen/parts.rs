@@ -7,7 +7,7 @@ use crate::document::{EntryPoint, PulloutCase};
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{check_count, components};
 use crate::problem::Place;
-use crate::reader::{Reader, UsedDefaults};
+use crate::reader::{Reader, USUAL_STRENGTH_OF_WIRES, UsedDefaults};
 use fe_core::element::{ElementKind, Integration};
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::Mesh;
@@ -67,6 +67,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>
     Some(parts)
 }
 
+/// Usual elongations of wires: 1 is 100 %.
+const USUAL_ELONGATION: [f64; 2] = [1e-3, 1.0];
+
 /// The wires of fibres, with what the case says of their strength.
 pub fn wires(reader: &mut Reader<'_>, case: &PulloutCase, mesh: &Mesh, fibres: &[PulledFibre]) -> Vec<Wire> {
     let root = Place::root().key("parts");
@@ -80,10 +83,18 @@ pub fn wires(reader: &mut Reader<'_>, case: &PulloutCase, mesh: &Mesh, fibres: &
             }
         }
     }
-    let wire = |(fibre, name): (&PulledFibre, &str)| {
+    let mut wire = |(fibre, name): (&PulledFibre, &str)| {
         let mut wire = Wire::new(mesh, fibre);
         if let Some(part) = given.get(name) {
             [wire.strength, wire.elongation] = [part.strength, part.elongation].map(|limit| limit.map(|limit| limit.0));
+            for (key, limit, unit, usual) in [
+                ("strength", wire.strength, "MPa", USUAL_STRENGTH_OF_WIRES),
+                ("elongation", wire.elongation, "", USUAL_ELONGATION),
+            ] {
+                if let Some(limit) = limit.filter(|limit| !(usual[0]..=usual[1]).contains(limit)) {
+                    reader.warn_unusual(&format!("parts.{name}.{key}"), limit, unit, usual);
+                }
+            }
         }
         wire
     };

@@ -1313,6 +1313,76 @@ fn impossible_fibres_are_reported_with_their_place() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// A hooked fibre by its data sheet with one thing wrong each, by the place that is named.
+#[test]
+fn malformed_keys_of_hooked_fibres_are_reported_with_their_place() {
+    let mut case = two_fibres();
+    case["mesh"]["specimen"] = json!({ "type": "fibres", "width": 24, "depth": 24, "mesh_size": 3, "elements_across": 4, "fibres": [
+        { "name": "a", "diameter": 0.9, "embedded": 15.0,
+          "path": { "type": "hooked", "hook": [2.12, 2.95], "angle_deg": 45, "radius": 2.0 } } ] });
+    case["parts"]["fibre"]["thickness"] = json!("layers");
+    accepted(&case, &["parts.fibre.strength=1160", "parts.fibre.elongation=0.03", "contact.bearing=rigid"]);
+    let fibre = "mesh.specimen.fibres.0";
+    let at = |key: &str| format!("$.mesh.specimen.fibres[0].{key}");
+    let given = |key: &str, value: &str| format!("{fibre}.{key}={value}");
+    let mut samples: Vec<(String, String)> = [
+        ("path.type", "crooked", "path.type"),
+        ("path.shape", "3D", "path.shape"),
+        ("path.hook", "[]", "path.hook"),
+        ("path.hook", "3", "path.hook"),
+        ("path.hook", "[2.12, -1]", "path.hook[1]"),
+        ("path.hook", r#"[2.12, "long"]"#, "path.hook[1]"),
+        ("path.hook", "[0.2, 3]", "path"),
+        ("path.hook", "[14, 3]", "path"),
+        ("path.angle_deg", "0", "path.angle_deg"),
+        ("path.angle_deg", "-45", "path.angle_deg"),
+        ("path.angle_deg", "120", "path.angle_deg"),
+        ("path.angle_deg", "wide", "path.angle_deg"),
+        ("path.bends", "0", "path"),
+        ("path.bends", "3", "path"),
+        ("path.bends", "1.5", "path.bends"),
+        ("path.radius", "0", "path.radius"),
+        ("path.radius", "30", "path"),
+        ("path.free_length", "-1", "path.free_length"),
+        ("path.bend_radius", "-1", "path.bend_radius"),
+        ("rotate_deg", "85", "path"),
+        ("rotate_deg", "steep", "rotate_deg"),
+        ("embedded", "5", "path"),
+        ("embedded", "0", "embedded"),
+        ("embedded", "40", "embedded"),
+        ("diameter", "0.0009", "diameter"),
+    ]
+    .map(|(key, value, place)| (given(key, value), at(place)))
+    .into();
+    samples.extend(
+        [
+            ("mesh.specimen.elements_across=3", "$.parts.fibre.thickness"),
+            ("mesh.specimen.elements_across=0", "$.mesh.specimen.elements_across"),
+            ("parts.fibre.thickness=round", "$.parts.fibre.thickness"),
+            ("parts.matrix.thickness=layers", "$.parts.matrix.thickness"),
+            ("parts.fibre.strength=0", "$.parts.fibre.strength"),
+            ("parts.fibre.strength=high", "$.parts.fibre.strength"),
+            ("parts.fibre.elongation=-0.1", "$.parts.fibre.elongation"),
+            ("contact.bearing=0", "$.contact.bearing"),
+            ("contact.bearing=crushed", "$.contact.bearing"),
+            ("output.rupture_strain=-1", "$.output.rupture_strain"),
+        ]
+        .map(|(change, place)| (change.to_owned(), place.to_owned())),
+    );
+    for (change, place) in &samples {
+        let errors = Bench::new().read(&case, &[change]).map(|_| ()).expect_err(change);
+        let places: Vec<&str> = errors.problems.iter().filter_map(|p| p.place.as_ref()).map(|p| p.as_str()).collect();
+        assert_eq!(places, [place], "{change}: {errors}");
+    }
+    // strength in GPa, elongation in percent
+    for (change, words) in
+        [("parts.fibre.strength=1.16", "1.16 MPa"), ("parts.fibre.elongation=3", "parts.fibre.elongation = 3")]
+    {
+        let warnings = accepted(&case, &[change]).about.warnings.join("\n");
+        assert!(warnings.contains(words) && warnings.contains("outside the usual range"), "{warnings}");
+    }
+}
+
 #[test]
 fn lengths_in_metres_are_refused_in_every_specimen_of_a_fibre() {
     for kind in ["perpendicular_fibre", "inclined_fibre"] {
