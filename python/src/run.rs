@@ -128,12 +128,6 @@ pub fn dotted(path: &str) -> String {
     pullout_case::dotted(path)
 }
 
-/// Place `number`, from 1, of those between bounds from which a fit is searched.
-#[pyfunction]
-pub fn place_between(bounds: Vec<[f64; 2]>, number: usize) -> Vec<f64> {
-    pullout_fit::place_between(&bounds, number)
-}
-
 /// A curve on a grid, NaN where the run has no value, and what is to be said of turns of the grid; `name` is its first column.
 #[pyfunction]
 pub fn on_grid<'py>(

@@ -99,13 +99,19 @@ pub trait Simulation {
     /// Result of a run.
     type Run: Clone;
 
-    /// Runs the simulation; the error is why there is no curve.
+    /// Runs the simulation.
+    ///
+    /// # Errors
+    /// Reason why there is no curve.
     fn run(&self, coordinates: &[f64]) -> Result<Self::Run, String>;
 
     /// Returns the differences whose squares shall be least, as parts of the greatest value.
     fn differences(&self, run: &Self::Run) -> DVector<f64>;
 
     /// Returns their derivatives by the coordinates.
+    ///
+    /// # Errors
+    /// Reason why there are none.
     fn derivatives(&self, coordinates: &[f64], run: &Self::Run) -> Result<DMatrix<f64>, String>;
 
     /// Returns the root mean square of the differences in the unit that is reported to the user.
@@ -186,7 +192,7 @@ impl<'a, S: Simulation> Search<'a, S> {
             TerminationReason::User(_) => problem
                 .trouble
                 .take()
-                .or_else(|| Some(format!("the search did not finish within the {most} runs of --max-runs"))),
+                .or_else(|| Some(format!("the search did not finish within the {most} runs that it may make"))),
             other => Some(format!("the search ended with {other:?}")),
         };
         (problem, trouble)
