@@ -7,6 +7,7 @@ use super::search::{self, Increments, STEP, Simulation, root_mean_square};
 use super::specimen::Specimen;
 use nalgebra::{DMatrix, DVector};
 use pullout_engine::{CaseSource, Outcome};
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// The step of differences of runs that are not led by another, most of whose coordinates are logarithms: their curves are smooth to
@@ -14,7 +15,7 @@ use std::path::PathBuf;
 const STEP_OF_FREE_RUNS: f64 = 0.02;
 
 /// Weighting of the curve's rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 pub enum Weights {
     /// Rising and softening branch count the same, however many rows each has.
     Balanced,
