@@ -6,7 +6,7 @@ use super::table::Table;
 use super::timing::{median, process_time};
 use super::{BenchError, Settings};
 use fe_core::threads::Threads;
-use pullout_run::PLUGIN_STACK;
+use pullout_run::in_threads;
 use pullout_run::number::significant;
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout::checkpoint::Checkpoints;
@@ -143,8 +143,5 @@ fn run(scene: &Scene, program: &PulloutProgram, threads: usize, folder: &Path) -
             Err(Stop::Write(error)) => Err(error.into()),
         }
     };
-    std::thread::scope(|scope| {
-        let worker = std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work)?;
-        worker.join().unwrap_or_else(|_| Err(failed("a run panicked".into())))
-    })
+    in_threads([work]).remove(0)?.unwrap_or_else(|_| Err(failed("a run panicked".into())))
 }

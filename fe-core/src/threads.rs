@@ -6,7 +6,7 @@
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Stack of a thread, bytes: a plugin may keep arrays there.
 const STACK: usize = 1 << 24;
@@ -15,7 +15,35 @@ const STACK: usize = 1 << 24;
 #[derive(Clone, Debug, Default)]
 pub struct Threads(Option<Arc<ThreadPool>>);
 
+/// Pools that [`Threads::within`] made and no analysis uses.
+static IDLE: Mutex<Vec<Arc<ThreadPool>>> = Mutex::new(Vec::new());
+
 impl Threads {
+    /// Runs an analysis on one of so many threads, which share its work. They remain for the next one: what rayon keeps of a pool that
+    /// the caller's thread joins ([`Self::new`]), 10 kB, is never freed. With one thread it runs on the caller's.
+    ///
+    /// # Errors
+    ///
+    /// The system provides no threads.
+    pub fn within<R: Send>(
+        count: NonZeroUsize,
+        analysis: impl FnOnce(Self) -> R + Send,
+    ) -> Result<R, ThreadPoolBuildError> {
+        if count.get() == 1 {
+            return Ok(analysis(Self::default()));
+        }
+        let idle = || IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = {
+            let mut pools = idle();
+            let place = pools.iter().position(|pool| pool.current_num_threads() == count.get());
+            place.map(|place| pools.swap_remove(place))
+        };
+        let pool = kept.map_or_else(|| pool_of(count).build().map(Arc::new), Ok)?;
+        let result = pool.install(|| analysis(Self(Some(pool.clone()))));
+        idle().push(pool);
+        Ok(result)
+    }
+
     /// Makes a pool of so many threads. The caller's is one of them if possible: waking another one takes up to half a
     /// millisecond, and the caller's has the data. A thread can join a pool only once, so one `Threads` does all its
     /// work.
@@ -27,8 +55,7 @@ impl Threads {
         if count.get() == 1 {
             return Ok(Self::default());
         }
-        let builder = || ThreadPoolBuilder::new().num_threads(count.get()).stack_size(STACK);
-        let pool = builder().use_current_thread().build().or_else(|_| builder().build())?;
+        let pool = pool_of(count).use_current_thread().build().or_else(|_| pool_of(count).build())?;
         Ok(Self(Some(Arc::new(pool))))
     }
 
@@ -75,6 +102,10 @@ impl Threads {
             }
         }
     }
+}
+
+fn pool_of(count: NonZeroUsize) -> ThreadPoolBuilder {
+    ThreadPoolBuilder::new().num_threads(count.get()).stack_size(STACK)
 }
 
 /// Some pieces have nothing to do: a thread takes a small part of its share at a time.

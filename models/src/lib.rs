@@ -5,7 +5,6 @@
 
 pub mod biaxial_damage;
 pub mod bond_slip;
-pub mod bracketed_newton;
 pub mod concrete_damage;
 pub mod damage_law;
 pub mod drucker_prager;
@@ -14,4 +13,5 @@ pub mod j2_plasticity;
 pub mod linear_elastic;
 pub mod pure_damage;
 pub mod reverse_cyclic_damage;
+pub mod roots;
 pub mod tensor;

@@ -79,97 +79,83 @@ class _Fitted:
         difference = (curve - target) / array_of(sigma, "sigma")
         return np.where(np.isnan(target), 0.0, difference)
 
-    def fit(self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, *, starts: int = 1, **options: Any) -> Fit:
-        """Fit the parameters to data by ``scipy.optimize.least_squares``, which receives ``options``.
+    def fit(
+        self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, *, starts: int = 1, max_runs: int = 1000
+    ) -> Fit:
+        """Fit the parameters to data by the least squares of ``pullout fit``.
 
-        ``starts``: number of starting points, ``x0`` and others between the ``bounds``, as in ``pullout fit``. The best result counts.
+        ``starts``: number of starting points, ``x0`` and others between the ``bounds``. The best result counts. ``max_runs``: largest
+        number of runs of all searches. Where a run fails, the search goes back, except at the first point.
 
         The covariance assumes data errors of ``sigma``. Without ``sigma`` it assumes errors as large as the remaining differences, as in
         ``pullout fit``.
         """
-        from scipy.optimize import least_squares
-
         start = self.x0 if x0 is None else array_of(x0, "x0")
         if start.shape != self.x0.shape:
             raise CaseError([("x0", f"has the shape {start.shape}, {self.x0.shape} is needed")])
         if not np.all(np.isfinite(start)):
             missing = [name for name, value in zip(self.names, start) if not np.isfinite(value)]
             raise CaseError(f"the case does not say {', '.join(missing)}: give x0")
+        named = list(zip(self.names, start.tolist(), self.bounds, self._is_log))
+        outside = [("x0", f"{name} = {value} is not within {low}:{high}") for name, value, (low, high), _ in named if not low <= value <= high]
+        outside += [("x0", f"{name} = {value} has no logarithm") for name, value, _, is_log in named if is_log and value <= 0.0]
+        unbounded = [name for name, bound in zip(self.names, self.bounds) if not np.all(np.isfinite(bound))]
         starts = whole(starts, "starts")
-        logarithmic = self._is_log
+        if starts > 1 and unbounded:
+            outside.append(("starts", f"lie between bounds: give those of {', '.join(unbounded)}"))
+        if outside:
+            raise CaseError(outside)
         target = array_of(data, "data")
         deviations = array_of(1.0 if sigma is None else sigma, "sigma")
         if np.isinf(target).any() or np.isnan(target).all():
             raise CaseError([("data", "has no finite number" if np.isnan(target).all() else "is infinite: NaN is what is not known")])
         if not np.all(np.isfinite(deviations) & (deviations > 0.0)):
             raise CaseError([("sigma", "is a finite number > 0, or one for each point")])
-        weight = np.where(np.isnan(target), 0.0, 1.0) / deviations
-        freedom = int(np.count_nonzero(~np.isnan(target))) - len(self.names)
+        known = np.atleast_1d(~np.isnan(target))
+        count, freedom = len(self.names), int(np.count_nonzero(known)) - len(self.names)
         if sigma is None and freedom < 1:
-            raise CaseError(f"{freedom + len(self.names)} points cannot determine errors of {len(self.names)} parameters: give sigma")
-
-        def outer(z: Array) -> Array:
-            return np.where(logarithmic, np.exp(np.where(logarithmic, z, 0.0)), z)
-
-        def inner(x: Array) -> Array:
-            return np.where(logarithmic, np.log(np.where(logarithmic, x, 1.0)), x)
-
-        def derivatives(z: Array) -> Array:
-            x = outer(z)
-            matrix: Array = self.jac(x) * weight[:, None] * np.where(logarithmic, x, 1.0)
-            return matrix
-
+            raise CaseError(f"{freedom + count} points cannot determine errors of {count} parameters: give sigma")
         runs = 0
 
-        def residual(z: Array) -> Array:
+        def residual(x: ArrayLike) -> Array:
             nonlocal runs
             runs += 1
-            found = self.residual(outer(z), target, deviations)
+            try:
+                found = self.residual(x, target, deviations)[known]
+            except (CaseError, RunFailed) as error:
+                if runs == 1 or isinstance(error, Stopped):
+                    raise
+                return np.full(freedom + count, np.nan)
             if runs == 1 and np.isnan(found).any():
-                raise CaseError([("data", self._outside(start, int(np.argmax(np.isnan(found)))))])
+                raise CaseError([("data", self._outside(start, int(np.flatnonzero(known)[np.argmax(np.isnan(found))])))])
             return found
 
-        lower, upper = (np.array([bound[side] for bound in self.bounds], dtype=float) for side in (0, 1))
-        with np.errstate(divide="ignore"):
-            # logarithms need positive bounds
-            limits = [inner(np.where(logarithmic, np.maximum(lower, 0.0), lower)), inner(upper)]
-        unbounded = [name for name, bound in zip(self.names, self.bounds) if not np.all(np.isfinite(bound))]
-        if starts > 1 and unbounded:
-            raise CaseError([("starts", f"lie between bounds: give those of {', '.join(unbounded)}")])
+        def derivatives(x: ArrayLike) -> Array:
+            nonlocal runs
+            runs += 1 + count
+            slopes: Array = self.jac(x)[known] / np.broadcast_to(deviations, known.shape)[known][:, None]
+            return slopes
 
-        def search(begin: Array) -> Any:
-            return least_squares(residual, inner(begin), derivatives, bounds=(limits[0], limits[1]), x_scale="jac", **options)
-
-        found = search(start)
-        of_derivatives = int(found.njev or 0)
-        for number in range(1, starts):
-            begin = np.array(_core.place_between(np.transpose([outer(limit) for limit in limits]).tolist(), number))
-            try:
-                other = search(begin)
-            except (PulloutError, ValueError):
-                # the case does not run there
-                continue
-            of_derivatives += int(other.njev or 0)
-            found = min(found, other, key=lambda end: float(end.cost))
-        values = outer(found.x)
-        jacobian = np.asarray(found.jac) / np.where(logarithmic, values, 1.0)
-        scatter = 1.0 if sigma is not None else float(np.sqrt(2.0 * found.cost / freedom))
-        covariance, unknown = _covariance(jacobian, values, scatter)
-        errors = np.sqrt(np.diag(covariance))
-        with np.errstate(invalid="ignore", divide="ignore"):
-            correlations = covariance / np.outer(errors, errors)
-        on_bound = {}
-        for name, value, (low, high) in zip(self.names, values.tolist(), self.bounds):
-            near = ON_BOUND * (high - low if np.isfinite(high - low) else abs(value))
-            on_bound.update({name: float(bound) for bound in (low, high) if abs(bound - value) <= near})
+        ranges = [(*bound, bool(is_log)) for bound, is_log in zip(self.bounds, self._is_log)]
+        scale = float(np.max(np.abs(np.where(known, target, 0.0)) / deviations)) or 1.0
+        limits = (starts, whole(max_runs, "max_runs"))
+        found = _core.least_squares(residual, derivatives, ranges, start.tolist(), limits, scale, sigma is not None)
+        values, deviation, rows, cost, on_bound, trouble = found
+        if trouble is not None:
+            warnings.warn(trouble, stacklevel=2)
+        # nothing is known of some
+        errors = np.where(np.isfinite(deviation), deviation, np.nan)
+        correlations = np.array(rows)
+        correlations[np.isnan(errors)] = np.nan
+        correlations[:, np.isnan(errors)] = np.nan
         return Fit(
-            dict(zip(self.names, values.tolist())),
-            covariance,
+            dict(zip(self.names, values)),
+            correlations * np.outer(errors, errors),
             correlations,
-            [name for name, is_unknown in zip(self.names, unknown) if is_unknown],
-            float(found.cost),
-            runs + of_derivatives * (1 + len(self.names)),
-            on_bound,
+            [name for name, error in zip(self.names, errors) if np.isnan(error)],
+            cost,
+            runs,
+            {name: bound for name, bound in zip(self.names, on_bound) if bound is not None},
         )
 
 
@@ -439,21 +425,6 @@ def _in_threads(work: Callable[..., Array | None], *rows: Iterable[Any], stop: _
             # threads do not receive Ctrl-C, and their other runs are useless
             stop.set()
             raise
-
-
-def _covariance(jacobian: Array, values: Array, scatter: float) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the covariance for residuals with this scatter, and a mask of the parameters that it does not cover: those of directions
-    that change nothing."""
-    scale = np.where(values == 0.0, 1.0, np.abs(values))
-    _, singular, directions = np.linalg.svd(jacobian * scale, full_matrices=False)
-    # a relative change of 1 that moves the curve by less than a thousandth of a standard deviation is not seen
-    is_seen = singular > max(1e-3 * scatter, 1e-9 * float(singular.max(initial=0.0)))
-    unknown: NDArray[np.bool_] = np.any(np.abs(directions[~is_seen]) > 0.1, axis=0)
-    inverse = directions[is_seen].T @ np.diag(singular[is_seen] ** -2.0) @ directions[is_seen]
-    covariance = inverse * np.outer(scale, scale) * scatter**2
-    covariance[unknown, :] = np.nan
-    covariance[:, unknown] = np.nan
-    return covariance, unknown
 
 
 def _number(document: Any, path: str) -> float:

@@ -6,7 +6,6 @@ use crate::points::{Given, Inputs, Refused, Rows, Work, numbers};
 use crate::run::with_stack;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2};
 use pullout_case::{ALL_LAWS, frame_from_json, hint, not_found, props_from_json};
-use pullout_run::PLUGIN_STACK;
 use pullout_run::program::Mode;
 use pullout_run::{isolation, sources};
 use pyo3::exceptions::{PyKeyError, PyValueError};
@@ -474,22 +473,18 @@ fn description(law: &host::LawDescription) -> Value {
 /// Updates pieces of the points, each in a thread with the stack that plugins may want.
 fn in_threads(points: Rows<'_>, threads: usize, work: &Work<'_>) -> PyResult<Vec<Refused>> {
     let size = points.count.div_ceil(threads).max(1);
-    std::thread::scope(|scope| {
-        let mut rest = points;
-        let mut handles = Vec::new();
-        while rest.count > 0 {
-            let count = rest.count.min(size);
-            let [piece, behind] = rest.split(count);
-            rest = behind;
-            let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK);
-            handles.push(thread.spawn_scoped(scope, move || piece.update(work))?);
-        }
-        let mut refused = Vec::new();
-        for handle in handles {
-            refused.extend(handle.join().map_err(|panic| of_panic(&*panic))??);
-        }
-        Ok(refused)
-    })
+    let (mut rest, mut pieces) = (points, Vec::new());
+    while rest.count > 0 {
+        let count = rest.count.min(size);
+        let [piece, behind] = rest.split(count);
+        rest = behind;
+        pieces.push(move || piece.update(work));
+    }
+    let mut refused = Vec::new();
+    for ended in pullout_run::in_threads(pieces) {
+        refused.extend(ended?.map_err(|panic| of_panic(&*panic))??);
+    }
+    Ok(refused)
 }
 
 /// SHA-256 of a file, in hexadecimal digits.

@@ -3,6 +3,7 @@
 
 mod analysis;
 mod errors;
+mod fit;
 mod law;
 mod points;
 mod run;
@@ -12,11 +13,13 @@ mod sweep;
 #[pyo3::pymodule]
 mod _core {
     #[pymodule_export]
+    use super::fit::least_squares;
+    #[pymodule_export]
     use super::law::{Plugin, find, is_shipped, plugins, sha256};
     #[pymodule_export]
     use super::run::{
-        Stop, Trail, check, document, dotted, examples, main, off_grid, on_grid, place_between, program, run, schema,
-        set_program, unit,
+        Stop, Trail, check, document, dotted, examples, main, off_grid, on_grid, program, run, schema, set_program,
+        unit,
     };
 
     #[pymodule_export]

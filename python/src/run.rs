@@ -6,8 +6,8 @@ use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pullout_case::CaseErrors;
 use pullout_engine::{Along, CaseSource, Error, Outcome, Settings};
 use pullout_report::compare::OnGrid;
-use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
+use pullout_run::{PLUGIN_STACK, in_threads};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
@@ -126,12 +126,6 @@ pub fn document(case: Parts) -> PyResult<String> {
 #[pyfunction]
 pub fn dotted(path: &str) -> String {
     pullout_case::dotted(path)
-}
-
-/// Place `number`, from 1, of those between bounds from which a fit is searched.
-#[pyfunction]
-pub fn place_between(bounds: Vec<[f64; 2]>, number: usize) -> Vec<f64> {
-    pullout_fit::place_between(&bounds, number)
 }
 
 /// A curve on a grid, NaN where the run has no value, and what is to be said of turns of the grid; `name` is its first column.
@@ -318,10 +312,7 @@ fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
 
 /// Runs work that may call plugins on a thread with the stack that they may need.
 pub fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> PyResult<R> {
-    std::thread::scope(|scope| {
-        let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work)?;
-        thread.join().map_err(|panic| of_panic(&*panic))
-    })
+    in_threads([work]).remove(0)?.map_err(|panic| of_panic(&*panic))
 }
 
 /// Sets the files of the program `pullout` and of this module.

@@ -6,7 +6,7 @@ use super::variations::{Base, bases};
 use crate::BenchError;
 use crate::runs::{self, Limit};
 use crate::table::Table;
-use pullout_run::PLUGIN_STACK;
+use pullout_run::in_threads;
 use pullout_run::number::significant;
 use pullout_run::path::Statistics;
 use std::path::{Path, PathBuf};
@@ -75,13 +75,9 @@ pub(super) fn measure(
         }
     };
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    std::thread::scope(|scope| -> Result<(), BenchError> {
-        let workers = (0..threads)
-            .map(|_| std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work))
-            .collect::<Result<Vec<_>, _>>()?;
-        let panicked = workers.into_iter().map(|worker| worker.join()).filter(Result::is_err).count();
-        if panicked == 0 { Ok(()) } else { Err(BenchError::Failed("a specimen's run panicked".into())) }
-    })?;
+    for ended in in_threads((0..threads).map(|_| work)) {
+        ended?.map_err(|_| BenchError::Failed("a specimen's run panicked".into()))?;
+    }
     let mut ended = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
     ended.sort_unstable_by_key(|(k, _)| *k);
     Ok(ended.into_iter().map(|(_, run)| run).collect())

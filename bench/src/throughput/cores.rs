@@ -3,7 +3,7 @@
 use super::super::solid::{Situation, Solid};
 use super::super::timing::median;
 use super::super::{BenchError, Settings};
-use pullout_run::PLUGIN_STACK;
+use pullout_run::in_threads;
 use std::hint::black_box;
 use std::sync::Barrier;
 use std::time::Instant;
@@ -79,15 +79,9 @@ fn all(
         let _ = black_box(call?.repeat(count, request));
         Ok((start, Instant::now()))
     };
-    let spans = std::thread::scope(|scope| {
-        let handles: Vec<_> = (0..threads)
-            .map(|_| std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, run))
-            .collect::<Result<_, _>>()?;
-        let spans = handles.into_iter().map(|handle| {
-            handle.join().unwrap_or_else(|_| Err(BenchError::Failed("a measuring thread panicked".into())))
-        });
-        spans.collect::<Result<Vec<_>, BenchError>>()
-    })?;
+    let panicked = |_| Err(BenchError::Failed("a measuring thread panicked".into()));
+    let spans = in_threads((0..threads).map(|_| run)).into_iter().map(|ended| ended?.unwrap_or_else(panicked));
+    let spans = spans.collect::<Result<Vec<_>, BenchError>>()?;
     let first = spans.iter().map(|(start, _)| *start).min();
     let last = spans.iter().map(|(_, end)| *end).max();
     Ok(first.zip(last).map_or(f64::NAN, |(first, last)| (last - first).as_secs_f64()))

@@ -1,6 +1,7 @@
 //! Gauss–Legendre rules on panels between kinks, and roots in a bracket.
 
 use gauss_quad::GaussLegendre;
+use models::roots::bracketed;
 use std::sync::OnceLock;
 
 /// Degrees of the rules; a result is accepted when two neighbours agree.
@@ -84,47 +85,10 @@ pub fn changes<L: PartialEq>(
 /// A root is found to this part of it.
 const ROOT: f64 = 1e-13;
 
-/// A root of f in [a, b], whose ends have values of different signs or 0 (Chandrupatla 1997: inverse quadratic
-/// steps where they are safe, halving where not).
+/// A root of f in [a, b], whose ends have values of different signs or 0.
 pub fn root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64) -> f64 {
-    const STEPS: usize = 100;
-    let (mut x_1, mut x_2) = (b, a);
-    let (mut f_1, mut f_2) = (f(b), f(a));
-    if f_1 == 0.0 {
-        return x_1;
-    }
-    if f_2 == 0.0 {
-        return x_2;
-    }
-    let mut part = 0.5;
-    for _ in 0..STEPS {
-        let x = x_1 + part * (x_2 - x_1);
-        let value = f(x);
-        let (x_3, f_3);
-        if (value > 0.0) == (f_1 > 0.0) {
-            (x_3, f_3) = (x_1, f_1);
-        } else {
-            (x_3, f_3) = (x_2, f_2);
-            (x_2, f_2) = (x_1, f_1);
-        }
-        (x_1, f_1) = (x, value);
-        let nearest = if f_1.abs() < f_2.abs() { x_1 } else { x_2 };
-        let smallest = ROOT * nearest.abs() + f64::MIN_POSITIVE;
-        let least_part = smallest / (x_2 - x_1).abs();
-        // ends that are no numbers have nothing between them
-        if least_part.is_nan() || least_part > 0.5 || f_1 == 0.0 {
-            return nearest;
-        }
-        let (xi, phi) = ((x_1 - x_2) / (x_3 - x_2), (f_1 - f_2) / (f_3 - f_2));
-        part = if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
-            let from_two = f_1 / (f_2 - f_1) * f_3 / (f_2 - f_3);
-            from_two + (x_3 - x_1) / (x_2 - x_1) * f_1 / (f_3 - f_1) * f_2 / (f_3 - f_2)
-        } else {
-            0.5
-        };
-        part = part.clamp(least_part, 1.0 - least_part);
-    }
-    x_1
+    let ends = [(b, f(b)), (a, f(a))];
+    bracketed(f, ends[0], ends[1], ROOT).x
 }
 
 /// Returns where f is greatest in [a, b], if it has one maximum there (golden section), and its value.

@@ -202,7 +202,7 @@ fn run_bridging(case: &Case, program: &BridgingProgram, threads: NonZeroUsize) -
 /// Runs a case in memory; what it would write but fields is left out.
 pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let Settings { threads, stop, records, along, views, columns, listener, fields } = settings;
-    // a point is the work of one: others would wait, and rayon never frees what it keeps of a thread that joins a pool (10 kB)
+    // a point is the work of one: others would wait
     let threads = threads.filter(|_| !matches!(case, Case::Path(_))).unwrap_or(NonZeroUsize::MIN);
     case.announce();
     if let Some(columns) = columns {
@@ -216,16 +216,19 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     if views {
         record.keep_states();
     }
-    let settings = pullout::Settings {
-        threads: Threads::new(threads).map_err(io::Error::other)?,
-        folder: fields.as_deref(),
-        checkpoints: &Checkpoints::default(),
-        // pictures need states that are reported during the run
-        pictures: views,
-        keeps_trail: records,
-        along,
-    };
-    let ended = carry_out(case, record, records, &settings)?;
+    let ended = Threads::within(threads, |threads| {
+        let settings = pullout::Settings {
+            threads,
+            folder: fields.as_deref(),
+            checkpoints: &Checkpoints::default(),
+            // pictures need states that are reported during the run
+            pictures: views,
+            keeps_trail: records,
+            along,
+        };
+        carry_out(case, record, records, &settings)
+    });
+    let ended = ended.map_err(io::Error::other)??;
     let Ended { mut record, mut summary, mut specimen, replay, increments, unwritten } = ended;
     if let Some(error) = unwritten {
         return Err(error);

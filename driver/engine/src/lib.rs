@@ -76,7 +76,7 @@ pub struct Settings {
     pub views: bool,
     /// Receives the columns of the rows that the listener will hear, before the first; on the thread of [`Prepared::run`].
     pub columns: Option<Box<dyn FnOnce(Vec<String>) + Send>>,
-    /// Receives progress on the thread of [`Prepared::run`].
+    /// Receives progress, on the thread of [`Prepared::run`] or, of a specimen with several threads, on one of these.
     pub listener: Option<Listener>,
     /// Folder for the fields that the case asks for; without one they are left out.
     pub fields: Option<PathBuf>,

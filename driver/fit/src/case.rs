@@ -1,16 +1,15 @@
 //! `pullout fit CASE`: the numbers of any case by which its curve is nearest to a measured one.
 //!
 //! Several tests may share the numbers: each has a case and a curve, whose differences count as parts of its greatest value. Least
-//! squares ([`search`]) from the values of the case and from others between the bounds: the best end counts. Bounds are kept
-//! by what is sought instead of the numbers: z with x = lo + (hi − lo)(1 + sin z)/2.
+//! squares from the values of the case and from others between the bounds ([`super::places`]).
 
 use super::doubt::doubts;
 use super::output::{MOST_MARKS, rows_of, standard_error, table};
-use super::search::{self, Best, Increments, STEP, Search, Simulation, root_mean_square};
+use super::places::{Range, least_squares, size};
+use super::search::{self, Increments, STEP, Simulation, root_mean_square};
 use super::specimen::make_absolute;
-use levenberg_marquardt::LevenbergMarquardt;
 use nalgebra::{DMatrix, DVector};
-use pullout_bridging::{Estimate, estimates};
+use pullout_bridging::Estimate;
 use pullout_case::CsvFile;
 use pullout_engine::{CaseSource, Outcome};
 use pullout_report::compare::{Off, OnGrid};
@@ -30,20 +29,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 mod report;
 
-/// The search ends when the sum of squares would fall, or what is sought would move, by less than this part.
-const SMALLEST: f64 = 1e-10;
-/// A start on a bound moves inwards by this part of the distance of the bounds: on them nothing has a slope.
-const INWARDS: f64 = 0.01;
-/// Differences so small, as a part of the greatest value of the data, are what rounding leaves: nothing better is sought.
-const AT_ROUNDING: f64 = 1e-6;
-/// Ends of searches whose root mean squares differ by less than this part are the same.
-const SAME_END: f64 = 1e-3;
 /// What a fit says that another thread ended.
 const STOPPED: &str = "the fit was asked to end";
-/// Bounds that are further apart than this ratio are searched by orders of magnitude.
-const WIDE: f64 = 10.0;
-/// A number so near to a bound, as a part of the distance of the bounds, lies on it.
-const ON_BOUND: f64 = 1e-6;
 
 /// A number of a case that is sought.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,52 +133,15 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
     let documents: Vec<Value> = request.tests.iter().map(|test| document(&test.source)).collect::<Result<_, _>>()?;
     let starts = starts(request, &documents)?;
     let fitted = Fitted::of(request, &documents)?;
-    let file = request.tests[0].source.file.display();
-    let unit = fitted.unit;
-    let mut problem = Search::new(&fitted, request.max_runs, 0, progress);
-    let bounds: Vec<[f64; 2]> = request.free.iter().map(|free| free.bounds).collect();
-    let mut ends: Vec<(Best<Vec<Computed>>, Option<String>)> = Vec::new();
-    let mut searches = 0;
-    while searches < request.starts.max(1) && (searches == 0 || problem.may_run(1 + starts.len())) {
-        let start = if searches == 0 { starts.clone() } else { place_between(&bounds, searches) };
-        searches += 1;
-        let sought: Vec<f64> = start.iter().zip(&request.free).map(|(value, free)| free.sought(*value)).collect();
-        match problem.begin(&sought) {
-            Err(message) if searches == 1 => return Err(vec![message]),
-            Err(_) => continue,
-            Ok(()) => {}
-        }
-        let method = LevenbergMarquardt::new().with_ftol(SMALLEST).with_xtol(SMALLEST);
-        let trouble;
-        (problem, trouble) = problem.search(method);
-        ends.extend(problem.best.take().map(|best| (best, trouble)));
-        if ends.iter().any(|(best, _)| fitted.rms(&best.run) <= AT_ROUNDING * unit) {
-            break;
-        }
-    }
+    let ranges: Vec<Range> = request.free.iter().map(Free::range).collect();
+    let found = least_squares(&fitted, &ranges, &starts, [request.starts, request.max_runs], None, progress);
     if request.stop.load(Ordering::Relaxed) {
         return Err(vec![STOPPED.into()]);
     }
-    let rms = |(best, _): &(Best<Vec<Computed>>, Option<String>)| fitted.rms(&best.run);
-    let least = ends.iter().map(rms).fold(f64::INFINITY, f64::min);
-    let is_same = |end: &&(Best<Vec<Computed>>, _)| rms(end) <= least * (1.0 + SAME_END) + AT_ROUNDING * unit;
-    let searches = [searches, ends.iter().filter(is_same).count()];
-    let Some((best, trouble)) = ends.into_iter().find(|end| rms(end) <= least) else {
-        return Err(vec![format!("{file}: no run gives a curve")]);
-    };
-    let values = fitted.values(&best.coordinates);
-    problem.count_derivative_runs();
-    let derivatives = fitted.slopes(&values, &best.run);
-    let trouble = trouble.or_else(|| derivatives.as_ref().err().cloned());
-    // relative changes of the numbers, so that all are of one size
-    let sizes = DMatrix::from_diagonal(&DVector::from_iterator(values.len(), values.iter().map(|&value| size(value))));
-    let residuals = fitted.differences(&best.run) * unit;
-    let unknown = |&value: &f64| Estimate { value, standard_error: f64::INFINITY };
-    let (estimates, correlation) = match derivatives {
-        Ok(derivatives) => estimates(&values, residuals.as_slice(), &(derivatives * &sizes), &[], &sizes),
-        Err(_) => (values.iter().map(unknown).collect(), DMatrix::identity(values.len(), values.len())),
-    };
-    let tests: Vec<FittedTest> = std::iter::zip(&fitted.tests, &best.run)
+    let found = found.map_err(|message| vec![message])?;
+    let values: Vec<f64> = found.estimates.iter().map(|estimate| estimate.value).collect();
+    let rms = fitted.rms(&found.run);
+    let tests: Vec<FittedTest> = std::iter::zip(&fitted.tests, &found.run)
         .map(|(of, run)| FittedTest {
             case: of.kept(&request.free, &values),
             rows: std::iter::zip(&of.data, &run.curve).map(|(row, computed)| [row[0], row[1], *computed]).collect(),
@@ -200,10 +150,10 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
     let is_alone = tests.len() == 1;
     let names: Vec<String> = request.tests.iter().map(|test| test.data.display().to_string()).collect();
     let misfit = |(name, test): (_, &FittedTest)| match is_alone {
-        true => ("", least / unit),
+        true => ("", rms / fitted.unit),
         false => (name, test.rms() / test.scale()),
     };
-    let said = best.run.iter().zip(&names).filter_map(|(run, name)| {
+    let said = found.run.iter().zip(&names).filter_map(|(run, name)| {
         let warning = run.warning.clone()?;
         Some(if is_alone { warning } else { format!("{name}: {warning}") })
     });
@@ -211,30 +161,15 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
     Ok(CaseFit {
         free: request.free.clone(),
         starts,
-        estimates,
-        correlation,
-        rms: least,
-        searches,
-        runs: problem.runs(),
-        trouble,
+        estimates: found.estimates,
+        correlation: found.correlation,
+        rms,
+        searches: found.searches,
+        runs: found.runs,
+        trouble: found.trouble,
         warnings: said.chain(doubts).collect(),
         tests,
     })
-}
-
-/// Place `number`, from 1, of a sequence that fills what lies between the bounds evenly: multiples of powers of 1/φ with
-/// φ^(n + 1) = φ + 1 for n numbers, the golden ratio of one (M. Roberts, 2018).
-pub fn place_between(bounds: &[[f64; 2]], number: usize) -> Vec<f64> {
-    let ratio = (0..64).fold(2.0_f64, |ratio, _| (1.0 + ratio).powf(1.0 / (bounds.len() as f64 + 1.0)));
-    let place = |(k, &[low, high]): (usize, &[f64; 2])| {
-        let part = (0.5 + number as f64 * ratio.powi(-(k as i32 + 1))).fract();
-        if low > 0.0 && high > WIDE * low { low * (high / low).powf(part) } else { low + part * (high - low) }
-    };
-    bounds.iter().enumerate().map(place).collect()
-}
-
-fn size(value: f64) -> f64 {
-    if value == 0.0 { 1.0 } else { value.abs() }
 }
 
 impl Free {
@@ -261,20 +196,13 @@ impl Free {
         Ok(Self { path, bounds })
     }
 
-    fn value(&self, sought: f64) -> f64 {
-        let [low, high] = self.bounds;
-        (low + (high - low) * 0.5 * (1.0 + sought.sin())).clamp(low, high)
-    }
-
-    fn sought(&self, value: f64) -> f64 {
-        let [low, high] = self.bounds;
-        (2.0 * (value - low) / (high - low) - 1.0).clamp(-1.0, 1.0).asin()
+    fn range(&self) -> Range {
+        Range { bounds: self.bounds, is_logarithmic: false }
     }
 
     /// The bound that a value lies on.
     fn bound(&self, value: f64) -> Option<f64> {
-        let near = ON_BOUND * (self.bounds[1] - self.bounds[0]);
-        self.bounds.into_iter().find(|bound| (bound - value).abs() <= near)
+        self.range().bound(value)
     }
 }
 
@@ -304,14 +232,7 @@ fn starts(request: &CaseRequest, documents: &[Value]) -> Result<Vec<f64>, Vec<St
             .find_map(|(test, document)| Some((test.source.file.display(), pullout_case::value_at(document, path)?)));
         match found.map(|(file, found)| (file, found, found.as_f64())) {
             Some((.., Some(value))) if (*low..=*high).contains(&value) => {
-                let inwards = INWARDS * (high - low);
-                starts.push(if value == *low {
-                    low + inwards
-                } else if value == *high {
-                    high - inwards
-                } else {
-                    value
-                });
+                starts.push(request.free[k].range().inside(value));
             }
             Some((.., Some(value))) => {
                 problems.push(format!("--free {path}: the case begins with {value}, which is not within {low}:{high}"));
@@ -478,36 +399,15 @@ impl Fitted {
         let unit = if let [test] = &tests[..] { test.scale } else { 1.0 };
         Ok(Self { free: request.free.clone(), tests, unit })
     }
-
-    fn values(&self, sought: &[f64]) -> Vec<f64> {
-        self.free.iter().zip(sought).map(|(free, sought)| free.value(*sought)).collect()
-    }
-
-    /// Derivatives of the differences in their unit by the values.
-    fn slopes(&self, values: &[f64], runs: &[Computed]) -> Result<DMatrix<f64>, String> {
-        let mut slopes = DMatrix::zeros(self.tests.iter().map(|test| test.data.len()).sum(), values.len());
-        let mut first = 0;
-        for (test, run) in self.tests.iter().zip(runs) {
-            let named = |message: String| match self.tests.len() {
-                1 => message,
-                _ => format!("{}: {message}", test.source.file.display()),
-            };
-            let own = test.slopes(&self.free, values, run).map_err(named)? * (test.weight * (self.unit / test.scale));
-            slopes.rows_mut(first, own.nrows()).copy_from(&own);
-            first += own.nrows();
-        }
-        Ok(slopes)
-    }
 }
 
 impl Simulation for Fitted {
     type Run = Vec<Computed>;
 
-    fn run(&self, sought: &[f64]) -> Result<Vec<Computed>, String> {
-        let values = self.values(sought);
+    fn run(&self, values: &[f64]) -> Result<Vec<Computed>, String> {
         let run = |test: &Measured| {
             let named = |message| format!("{}: {message}", test.source.file.display());
-            test.computed(&self.free, &values, None).map_err(named)
+            test.computed(&self.free, values, None).map_err(named)
         };
         self.tests.iter().map(run).collect()
     }
@@ -520,12 +420,19 @@ impl Simulation for Fitted {
         DVector::from_vec(self.tests.iter().zip(runs).flat_map(of_test).collect())
     }
 
-    fn derivatives(&self, sought: &[f64], runs: &Vec<Computed>) -> Result<DMatrix<f64>, String> {
-        let mut derivatives = self.slopes(&self.values(sought), runs)?;
-        for ((mut column, free), sought) in derivatives.column_iter_mut().zip(&self.free).zip(sought) {
-            column *= 0.5 * (free.bounds[1] - free.bounds[0]) * sought.cos() / self.unit;
+    fn derivatives(&self, values: &[f64], runs: &Vec<Computed>) -> Result<DMatrix<f64>, String> {
+        let mut slopes = DMatrix::zeros(self.tests.iter().map(|test| test.data.len()).sum(), values.len());
+        let mut first = 0;
+        for (test, run) in self.tests.iter().zip(runs) {
+            let named = |message: String| match self.tests.len() {
+                1 => message,
+                _ => format!("{}: {message}", test.source.file.display()),
+            };
+            let own = test.slopes(&self.free, values, run).map_err(named)? * (test.weight / test.scale);
+            slopes.rows_mut(first, own.nrows()).copy_from(&own);
+            first += own.nrows();
         }
-        Ok(derivatives)
+        Ok(slopes)
     }
 
     fn rms(&self, runs: &Vec<Computed>) -> f64 {

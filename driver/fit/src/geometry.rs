@@ -1,11 +1,12 @@
 //! The fibre, and what its elasticity adds to the slip of the bond.
 
 use super::curve::LoadSlipCurve;
-use models::bracketed_newton::bracketed_newton;
+use models::roots::bracketed_newton;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Position at which the slip of a curve was measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 pub enum SlipAt {
     /// At the grip: the free length stretches as well.
     Grip,

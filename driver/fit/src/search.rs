@@ -7,7 +7,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationRe
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 use pullout_engine::{Along, CaseSource, Outcome, Settings};
-use pullout_run::PLUGIN_STACK;
+use pullout_run::in_threads;
 use serde_json::{Value, json};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -83,19 +83,13 @@ pub fn derivatives(
         (moved[k] - coordinates[k], moved, increments)
     });
     while columns.len() < count {
-        let some: Vec<Result<DVector<f64>, String>> = std::thread::scope(|scope| {
-            let spawn = |(step, moved, increments): (f64, Vec<f64>, Option<Increments>)| {
-                let column = move || Ok((run(&moved, increments.as_ref())? - rows) / step);
-                let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK);
-                thread.spawn_scoped(scope, column).map_err(|error| error.to_string())
-            };
-            let threads: Vec<_> = perturbed.by_ref().take(at_once).map(spawn).collect();
-            let join = |thread: Result<std::thread::ScopedJoinHandle<'_, _>, String>| {
-                thread?.join().unwrap_or_else(|_| Err("a run ended its thread".into()))
-            };
-            threads.into_iter().map(join).collect()
+        let some = perturbed.by_ref().take(at_once).map(|(step, moved, increments)| {
+            move || Ok::<_, String>((run(&moved, increments.as_ref())? - rows) / step)
         });
-        columns.extend(some);
+        columns.extend(in_threads(some).into_iter().map(|ended| {
+            let ended = ended.map_err(|error| error.to_string())?;
+            ended.unwrap_or_else(|_| Err("a run ended its thread".into()))
+        }));
     }
     let columns: Result<Vec<DVector<f64>>, String> = columns.into_iter().collect();
     Ok(DMatrix::from_columns(&columns?))
@@ -106,13 +100,19 @@ pub trait Simulation {
     /// Result of a run.
     type Run: Clone;
 
-    /// Runs the simulation; the error is why there is no curve.
+    /// Runs the simulation.
+    ///
+    /// # Errors
+    /// Reason why there is no curve.
     fn run(&self, coordinates: &[f64]) -> Result<Self::Run, String>;
 
     /// Returns the differences whose squares shall be least, as parts of the greatest value.
     fn differences(&self, run: &Self::Run) -> DVector<f64>;
 
     /// Returns their derivatives by the coordinates.
+    ///
+    /// # Errors
+    /// Reason why there are none.
     fn derivatives(&self, coordinates: &[f64], run: &Self::Run) -> Result<DMatrix<f64>, String>;
 
     /// Returns the root mean square of the differences in the unit that is reported to the user.
@@ -193,7 +193,7 @@ impl<'a, S: Simulation> Search<'a, S> {
             TerminationReason::User(_) => problem
                 .trouble
                 .take()
-                .or_else(|| Some(format!("the search did not finish within the {most} runs of --max-runs"))),
+                .or_else(|| Some(format!("the search did not finish within the {most} runs that it may make"))),
             other => Some(format!("the search ended with {other:?}")),
         };
         (problem, trouble)

@@ -7,6 +7,7 @@ use super::search::{self, Increments, STEP, Simulation, root_mean_square};
 use super::specimen::Specimen;
 use nalgebra::{DMatrix, DVector};
 use pullout_engine::{CaseSource, Outcome};
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use std::sync::Arc;
 const STEP_OF_FREE_RUNS: f64 = 0.02;
 
 /// Weighting of the curve's rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 pub enum Weights {
     /// Rising and softening branch count the same, however many rows each has.
     Balanced,

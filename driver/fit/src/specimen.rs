@@ -6,6 +6,7 @@ use models::concrete_damage::ConcreteDamage;
 use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, Concrete, properties_with_exponent};
 use pullout_run::input::folder_of;
 use pullout_run::isolation::{self, Need};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use umat_abi::host;
@@ -45,7 +46,7 @@ const FALLING_INCREMENT: f64 = 0.05;
 const INITIAL: f64 = 0.2;
 
 /// Law of the matrix.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 pub enum MatrixLaw {
     /// Linear elastic.
     Elastic,

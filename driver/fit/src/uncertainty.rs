@@ -17,6 +17,6 @@ pub struct Uncertainty {
 pub fn uncertainty(law: &BondLaw, residuals: &DVector<f64>, jacobian: &DMatrix<f64>, weights: &[f64]) -> Uncertainty {
     let values = |law: &BondLaw| -> Vec<f64> { law.quantities().iter().map(|quantity| quantity.value).collect() };
     let derivatives = differences(&law.coordinates(), &|coordinates: &[f64]| values(&law.at(coordinates)));
-    let (estimates, correlation) = estimates(&values(law), residuals.as_slice(), jacobian, weights, &derivatives);
+    let (estimates, correlation) = estimates(&values(law), residuals.as_slice(), None, jacobian, weights, &derivatives);
     Uncertainty { estimates, correlation }
 }

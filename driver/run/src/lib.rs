@@ -19,5 +19,19 @@ pub mod replay;
 pub mod signals;
 pub mod sources;
 
+use std::thread::{self, Builder};
+
 /// Stack of every thread that calls plugins, bytes: automatic Fortran arrays live there.
 pub const PLUGIN_STACK: usize = 64 << 20;
+
+/// Does each piece of work in a thread of its own, which may call plugins. Returns, in their order, what they gave or the panic that
+/// ended them; an error: the system gives no thread.
+pub fn in_threads<R: Send>(
+    works: impl IntoIterator<Item = impl FnOnce() -> R + Send>,
+) -> Vec<std::io::Result<thread::Result<R>>> {
+    thread::scope(|scope| {
+        let start = |work| Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work);
+        let started: Vec<_> = works.into_iter().map(start).collect();
+        started.into_iter().map(|thread| Ok(thread?.join())).collect()
+    })
+}

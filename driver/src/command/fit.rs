@@ -6,8 +6,9 @@ use pullout_fit::{
     FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, TestFibre, Weights,
 };
 use pullout_report::directory::{Access, Kind, ResultDirectory};
+use pullout_run::isolation::{self, Work};
 use pullout_run::number::significant;
-use std::ffi::OsString;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 mod beam;
@@ -46,7 +47,7 @@ enum FitTarget {
 }
 
 /// Forms to fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 enum Forms {
     /// k_e s, a_1 s^b_1, a_2 s^b_2.
     Powers,
@@ -56,10 +57,12 @@ enum Forms {
     Both,
 }
 
-#[derive(Debug, Args)]
+/// A fit of a bond law, which another process carries out where the simulation calls a plugin that may end it.
+#[derive(Debug, Serialize, Deserialize, Args)]
 pub(super) struct Bond {
     /// The measured curve: CSV with a header line, slip in mm, load in N. Lines that begin with # are comments.
     #[arg(value_name = "CURVE.csv")]
+    #[serde(with = "isolation::path")]
     curve: PathBuf,
     /// Column of the slip [default: 'slip' if there are 'slip' and 'load', else the first].
     #[arg(long, value_name = "COLUMN")]
@@ -107,24 +110,32 @@ pub(super) struct Bond {
     /// Simulate with this case of kind "pullout", whose contact law is bond_slip. Only its bond law changes. Slip and
     /// load of its history are compared with the curve.
     #[arg(long, value_name = "CASE.json")]
+    #[serde(with = "isolation::optional_path")]
     specimen_case: Option<PathBuf>,
     /// Largest number of simulations for each form.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     max_runs: u32,
     /// Result directory [default: out/<curve file stem>/].
     #[arg(short, long, value_name = "DIR")]
+    #[serde(with = "isolation::optional_path")]
     out: Option<PathBuf>,
     /// Also replace files in the result directory that pullout did not write or that were changed since, and list them.
     #[arg(long)]
     overwrite: bool,
     /// Search this folder for plugins first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
+    #[serde(with = "isolation::paths")]
     plugin_paths: Vec<PathBuf>,
+    #[serde(skip)]
     #[command(flatten)]
     isolation: Isolation,
     /// Print only errors.
     #[arg(long)]
     quiet: bool,
+}
+
+impl Work for Bond {
+    const NAME: &'static str = "fit-bond";
 }
 
 /// Opens the result directory of a fit, or returns why it cannot.
@@ -157,44 +168,45 @@ impl Fit {
     }
 }
 
-/// Fits a law. `line` is the command line.
-pub(super) fn act(fit: &Fit, line: &[OsString]) -> Result<u8, Refusal> {
+/// Fits a law.
+pub(super) fn act(fit: &Fit) -> Result<u8, Refusal> {
     match &fit.law {
-        Some(FitTarget::Bond(bond)) => act_on_bond(bond, line),
+        Some(FitTarget::Bond(bond)) => bond.act(),
         Some(FitTarget::Beam(beam)) => beam.act(),
         None => fit.case.act(),
     }
 }
 
-fn act_on_bond(bond: &Bond, line: &[OsString]) -> Result<u8, Refusal> {
-    let curve = LoadSlipCurve::read(&bond.curve, bond.slip.as_deref(), bond.load.as_deref());
-    let curve = curve.map_err(|problems| Refusal::input(problems.join("\n")))?;
-    let request = bond.request();
-    if let Some(need) = pullout_fit::need(&request) {
-        return Ok(isolated::carry_out(&line.to_vec(), &need, &bond.curve, bond.quiet));
-    }
-    let mut directory = bond.open()?;
-    let progress = |form: &str, runs: usize, rms: f64| {
-        if !bond.quiet {
-            complain(format!("{form}: run {runs}, RMS {} % of the peak", significant(100.0 * rms, 4)));
-        }
-    };
-    let laws = pullout_fit::fit(&curve, &request, &progress).map_err(|error| match error {
-        FitError::Input(message) => Refusal::input(message),
-        FitError::Case(errors) => errors.into(),
-        FitError::Failed(message) => Refusal::failed(format!("{}: {message}", bond.curve.display())),
-    })?;
-    directory.begin(&[])?;
-    let source = bond.curve.display().to_string();
-    let warnings = pullout_fit::write(&mut directory, &source, &curve, &request, &laws)?;
-    directory.remove_earlier()?;
-    directory.finish()?;
-    let code = bond.print_laws(&laws);
-    warnings.iter().for_each(|warning| complain(format!("{source}: warning: {warning}")));
-    Ok(code)
-}
-
 impl Bond {
+    /// Fits the law, here or in a process of its own.
+    pub(super) fn act(&self) -> Result<u8, Refusal> {
+        let curve = LoadSlipCurve::read(&self.curve, self.slip.as_deref(), self.load.as_deref());
+        let curve = curve.map_err(|problems| Refusal::input(problems.join("\n")))?;
+        let request = self.request();
+        if let Some(need) = pullout_fit::need(&request) {
+            return Ok(isolated::carry_out(self, &need, &self.curve, self.quiet));
+        }
+        let mut directory = self.open()?;
+        let progress = |form: &str, runs: usize, rms: f64| {
+            if !self.quiet {
+                complain(format!("{form}: run {runs}, RMS {} % of the peak", significant(100.0 * rms, 4)));
+            }
+        };
+        let laws = pullout_fit::fit(&curve, &request, &progress).map_err(|error| match error {
+            FitError::Input(message) => Refusal::input(message),
+            FitError::Case(errors) => errors.into(),
+            FitError::Failed(message) => Refusal::failed(format!("{}: {message}", self.curve.display())),
+        })?;
+        directory.begin(&[])?;
+        let source = self.curve.display().to_string();
+        let warnings = pullout_fit::write(&mut directory, &source, &curve, &request, &laws)?;
+        directory.remove_earlier()?;
+        directory.finish()?;
+        let code = self.print_laws(&laws);
+        warnings.iter().for_each(|warning| complain(format!("{source}: warning: {warning}")));
+        Ok(code)
+    }
+
     fn request(&self) -> Request {
         let piecewise = Form::Piecewise { points: usize::from(self.points) };
         Request {

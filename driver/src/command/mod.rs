@@ -239,7 +239,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     // Plugins with automatic arrays need more stack than the main thread has.
-    let act = move || act(arguments.command, line.get(1..).unwrap_or_default());
+    let act = move || act(arguments.command);
     let thread = std::thread::Builder::new().name("pullout".into()).stack_size(PLUGIN_STACK).spawn(act);
     match thread.map(std::thread::JoinHandle::join) {
         Ok(Ok(code)) => code,
@@ -262,19 +262,8 @@ fn command_for(file: &Path) -> Option<String> {
     file.is_file().then(|| format!("to use this file: pullout {command} {}", file.display()))
 }
 
-/// Executes a command line without the program's name. Returns the exit code.
-fn act_on(arguments: &[OsString]) -> u8 {
-    match CommandLine::try_parse_from(std::iter::once(&OsString::from("pullout")).chain(arguments)) {
-        Ok(parsed) => act(parsed.command, arguments),
-        Err(message) => {
-            complain(message);
-            BAD_INPUT
-        }
-    }
-}
-
-/// Executes a command. `line` is its command line without the program's name. Returns the exit code.
-fn act(command: Command, line: &[OsString]) -> u8 {
+/// Executes a command. Returns the exit code.
+fn act(command: Command) -> u8 {
     if command.isolation().in_process {
         isolation::let_all_in();
     }
@@ -301,7 +290,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         Command::Study(arguments) => Ok(study::run_all(&arguments)),
         Command::Sweep { action } => sweep::act(&action),
         Command::Check { cases, reading, quiet } => Ok(run::check(&cases, &reading, quiet)),
-        Command::Plugin { action } => plugin::act(&action, line),
+        Command::Plugin { action } => plugin::act(&action),
         Command::Schema => {
             say(&format!("{:#}\n", pullout_case::schema()));
             Ok(DONE)
@@ -309,7 +298,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         Command::Plot(arguments) => plot::plot(&arguments),
         Command::Animate(arguments) => animate::animate(&arguments),
         Command::Import(arguments) => import::run(&arguments),
-        Command::Fit(fit) => fit::act(&fit, line),
+        Command::Fit(fit) => fit::act(&fit),
         Command::Bench(arguments) => Err(bench::run(&arguments)),
         Command::Props { law } => props::print(&law),
         Command::Worker(task) => isolation::worker::work(&task, work).map_err(Refusal::failed),
@@ -334,7 +323,14 @@ fn work(name: &str, work: &str) -> u8 {
         serde_json::from_str(work).map_err(Refusal::failed).and_then(act)
     }
     let done = match name {
-        <Vec<OsString>>::NAME => done(work, |line: Vec<OsString>| Ok(act_on(&line))),
+        fit::Bond::NAME => done(work, |bond: fit::Bond| {
+            compile_sources(false);
+            bond.act()
+        }),
+        plugin::Description::NAME => done(work, |asked: plugin::Description| {
+            compile_sources(false);
+            asked.print()
+        }),
         Job::NAME => done(work, |job: Job| {
             compile_sources(job.case.is_untrusted);
             Ok(run::carry_out(&job))

@@ -8,10 +8,10 @@ use clap::Subcommand;
 use pullout_case::CaseProblem;
 use pullout_check::description;
 use pullout_run::isolation::prints::Prints;
-use pullout_run::isolation::{self, Need};
+use pullout_run::isolation::{self, Need, Work};
 use pullout_run::sources;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use umat_abi::host::{Found, Library, library_path, names_a_file, search_paths};
@@ -58,17 +58,17 @@ pub(super) enum Action {
 /// Time limit of loading a library, or of one call, unless a case sets another, s. It is short, since the user waits.
 const TIME_LIMIT: f64 = 5.0;
 
-/// Executes the command, whose command line is `line`.
-pub(super) fn act(action: &Action, line: &[OsString]) -> Result<u8, Refusal> {
+/// Executes the command.
+pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
     match action {
         Action::List { json, plugin_paths } => Ok(list(plugin_paths, *json)),
         Action::Info { plugin, abaqus, json, plugin_paths, .. } => {
-            let work = match (abaqus, json) {
-                (true, _) => abaqus_input,
-                (_, true) => info_as_json,
-                _ => info,
+            let form = match (abaqus, json) {
+                (true, _) => Form::Abaqus,
+                (_, true) => Form::Json,
+                _ => Form::Text,
             };
-            with_library(plugin, plugin_paths, line, work)
+            Description { library: file_of(plugin, plugin_paths)?, form }.print()
         }
         Action::Check(arguments) => check::run(arguments),
         Action::Build(arguments) => build::run(arguments),
@@ -86,21 +86,41 @@ impl Action {
     }
 }
 
-/// Loads a library, given by its law's name or by its path, and passes it to `work`. If the library may not run here, another
-/// process executes the same command line.
-fn with_library(
-    name: &str,
-    plugin_paths: &[PathBuf],
-    line: &[OsString],
-    work: fn(&Library) -> Result<u8, Refusal>,
-) -> Result<u8, Refusal> {
-    let file = file_of(name, plugin_paths)?;
-    if let Some(need) = Need::of_library(&file, TIME_LIMIT) {
-        return Ok(isolated::carry_out(&line.to_vec(), &need, &file, false));
+/// Form in which a library is described.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+enum Form {
+    Text,
+    Json,
+    Abaqus,
+}
+
+/// What `plugin info` prints of a library.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Description {
+    #[serde(with = "isolation::path")]
+    library: PathBuf,
+    form: Form,
+}
+
+impl Work for Description {
+    const NAME: &'static str = "info";
+}
+
+impl Description {
+    /// Prints it, here or, if the library may not run here, in another process.
+    pub(super) fn print(&self) -> Result<u8, Refusal> {
+        if let Some(need) = Need::of_library(&self.library, TIME_LIMIT) {
+            return Ok(isolated::carry_out(self, &need, &self.library, false));
+        }
+        // what it prints in thousands of calls is nobody's
+        let _prints = Prints::discard();
+        let library = isolation::load(&self.library).map_err(no_plugin)?;
+        match self.form {
+            Form::Text => info(&library),
+            Form::Json => info_as_json(&library),
+            Form::Abaqus => abaqus_input(&library),
+        }
     }
-    // what it prints in thousands of calls is nobody's
-    let _prints = Prints::discard();
-    work(&isolation::load(&file).map_err(no_plugin)?)
 }
 
 /// Makes the refusal of a library that cannot be loaded, or is none.

@@ -4,6 +4,7 @@ use super::{Study, StudyRun};
 use pullout_engine::{Job, Keep, Message, Options};
 use pullout_report::directory::{Kind, ResultDirectory};
 use pullout_report::summary::{Status, Summary};
+use pullout_run::in_threads;
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::Child;
 use pullout_run::signals;
@@ -11,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io;
 use std::num::NonZeroUsize;
+use std::panic::resume_unwind;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -144,23 +146,22 @@ pub fn execute(
     let due: Vec<usize> = (0..states.len()).filter(|&index| states[index].is_none()).collect();
     let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let ended: Mutex<Vec<(usize, io::Result<u8>)>> = Mutex::new(Vec::new());
-    std::thread::scope(|scope| {
-        for _ in 0..execution.jobs.clamp(1, due.len().max(1)) {
-            scope.spawn(|| {
-                while signals::received().is_none()
-                    && let Some(&index) = due.get(next.fetch_add(1, Ordering::Relaxed))
-                {
-                    let run = &study.runs[index];
-                    let code = execution.run(run);
-                    let count = over.fetch_add(1, Ordering::Relaxed) + 1;
-                    finished(run, *code.as_ref().unwrap_or(&1), count, due.len());
-                    if let Ok(mut ended) = ended.lock() {
-                        ended.push((index, code));
-                    }
-                }
-            });
+    let work = || {
+        while signals::received().is_none()
+            && let Some(&index) = due.get(next.fetch_add(1, Ordering::Relaxed))
+        {
+            let run = &study.runs[index];
+            let code = execution.run(run);
+            let count = over.fetch_add(1, Ordering::Relaxed) + 1;
+            finished(run, *code.as_ref().unwrap_or(&1), count, due.len());
+            if let Ok(mut ended) = ended.lock() {
+                ended.push((index, code));
+            }
         }
-    });
+    };
+    for ended in in_threads((0..execution.jobs.clamp(1, due.len().max(1))).map(|_| work)) {
+        ended?.unwrap_or_else(|panic| resume_unwind(panic));
+    }
     let mut states: Vec<RunOutcome> = states.into_iter().map(|state| state.unwrap_or(RunOutcome::NotRun)).collect();
     for (index, code) in ended.into_inner().unwrap_or_default() {
         let name = study.name_of(&study.runs[index]);

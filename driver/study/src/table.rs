@@ -43,47 +43,24 @@ pub fn write_csv(directory: &mut ResultDirectory, study: &Study, results: &Resul
 }
 
 fn csv_of(study: &Study, results: &Results) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let exact = |value: Option<f64>| value.map_or_else(String::new, number::exact);
-    let count = |count: Option<u64>| count.map_or(String::new(), |count| count.to_string());
+    let field = |value: &Value| match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) if number.is_f64() => number.as_f64().map_or_else(String::new, number::exact),
+        other => other.to_string(),
+    };
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(COLUMNS)?;
-    for (run, result) in study.runs.iter().zip(&results.runs) {
-        let (member, summary) = (&study.members[run.member], result.summary.as_ref());
-        writer.write_record([
-            study.series[run.series].name.clone(),
-            member.label.clone(),
-            exact(member.x),
-            result.status_in_words().to_owned(),
-            exact(result.peak),
-            exact(result.slip_at_peak),
-            exact(result.work),
-            exact(results.work_to),
-            exact(result.end),
-            exact(result.reach),
-            count(summary.map(|summary| summary.increments)),
-            count(summary.map(|summary| summary.iterations)),
-            count(summary.map(|summary| summary.cutbacks)),
-            exact(result.energy_error_max()),
-            exact(summary.and_then(|summary| summary.cpu_time_s)),
-            exact(summary.map(|summary| summary.wall_time_s)),
-            run.folder.display().to_string(),
-            result.message.clone().unwrap_or_default(),
-        ])?;
+    let work_to = json!(results.work_to);
+    for run in of_runs(study, results) {
+        writer.write_record(COLUMNS.map(|name| field(if name == "work_to" { &work_to } else { &run[name] })))?;
     }
     Ok(writer.into_inner().map_err(|error| error.to_string())?)
 }
 
-/// Writes `study.json`.
-///
-/// # Errors
-/// The file cannot be written.
-pub fn write_json(
-    directory: &mut ResultDirectory,
-    study: &Study,
-    results: &Results,
-    findings: &[Finding],
-) -> io::Result<()> {
-    let run = |(run, result): (&StudyRun, &RunResult)| {
+/// What is known of each run: in `study.json` all of it, in `study.csv` its [`COLUMNS`].
+fn of_runs(study: &Study, results: &Results) -> Vec<Value> {
+    let of_run = |(run, result): (&StudyRun, &RunResult)| {
         let (member, summary) = (&study.members[run.member], result.summary.as_ref());
         json!({
             "series": study.series[run.series].name, "label": member.label, "title": member.title, "x": member.x,
@@ -100,6 +77,19 @@ pub fn write_json(
             "fingerprint": run.fingerprint, "warnings": run.warnings,
         })
     };
+    study.runs.iter().zip(&results.runs).map(of_run).collect()
+}
+
+/// Writes `study.json`.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_json(
+    directory: &mut ResultDirectory,
+    study: &Study,
+    results: &Results,
+    findings: &[Finding],
+) -> io::Result<()> {
     let x = study.x.as_ref().map(|x| json!({ "name": x.name, "unit": x.unit, "logarithmic": x.logarithmic }));
     let document: Value = json!({
         "title": study.title,
@@ -108,7 +98,7 @@ pub fn write_json(
         "curve": { "x": study.curve.x, "y": study.curve.y, "units": study.units, "work_unit": work_unit(study) },
         "work_to": results.work_to,
         "series": study.series.iter().map(|series| json!({ "name": series.name, "title": series.title })).collect::<Vec<_>>(),
-        "runs": study.runs.iter().zip(&results.runs).map(run).collect::<Vec<_>>(),
+        "runs": of_runs(study, results),
         "claims": findings,
     });
     directory.write(FILE, format!("{document:#}\n")).map(|_| ())

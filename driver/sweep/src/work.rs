@@ -5,6 +5,7 @@ use crate::claim::{Claim, ClaimHeader, ClaimedKeys, OrphanedClaim, PendingRun, l
 use crate::collect::{Known, MOST_LOSSES, Maker, part};
 use crate::run::{Measured, measure};
 use crate::store::{Keep, Keys, Store, Sweep};
+use pullout_run::in_threads;
 use pullout_run::isolation::{self, End, Failure, Need, Passage, Watch};
 use pullout_run::path::{FailedAt, FailureKind};
 use pullout_run::{replay, signals};
@@ -114,15 +115,9 @@ pub fn work(store: &Store, work: &Work, report: &(dyn Fn(usize, usize) + Sync)) 
     let kept = runs.len() - due.len();
     let jobs = work.jobs.clamp(1, due.len().max(1));
     office.queue().due = due.into();
-    let ended: Vec<io::Result<()>> = std::thread::scope(|scope| {
-        let start = |_| {
-            let stack = std::thread::Builder::new().stack_size(pullout_run::PLUGIN_STACK);
-            stack.spawn_scoped(scope, || office.run_worker(is_apart))
-        };
-        let started: Vec<_> = (0..jobs).map(start).collect();
-        started.into_iter().map(|thread| thread?.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
-    });
-    ended.into_iter().collect::<io::Result<()>>()?;
+    for ended in in_threads((0..jobs).map(|_| || office.run_worker(is_apart))) {
+        ended?.unwrap_or_else(|panic| resume_unwind(panic))?;
+    }
     let (mut queue, ran) = (office.queue(), office.over.load(Ordering::Relaxed));
     office.look(&mut queue)?;
     let others = queue.due.iter().filter(|due| queue.is_taken(due) || queue.known.is_over_since(due)).count();

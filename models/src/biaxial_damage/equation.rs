@@ -164,8 +164,8 @@ impl Update<'_> {
             None => self.effective.break_points(self.parameters.hydrostatic.kinks(), upper, &mut points),
         };
         let root = root::least_root(self, Some(first), &points[..count], upper)?;
-        let trial = self.sample(root.m)?;
-        if root.residual.abs() > SUSPICIOUS * root.m {
+        let trial = self.sample(root.x)?;
+        if root.residual.abs() > SUSPICIOUS * root.x {
             let other = self.sample(root.other)?;
             if (other.weights.beta - trial.weights.beta).abs() > SUSPICIOUS {
                 return None; // the least β_b jumped past the root

@@ -4,6 +4,8 @@
 //! sign. The valleys between nodes are searched for their bottoms as well, since two close roots leave no change of
 //! sign between nodes.
 
+use crate::roots::{Root, bracketed};
+
 /// Cells of each piece, equal in ln m.
 const CELLS: u32 = 16;
 /// A residual this small at a kink is a root: there the residual may only touch zero, and rounding decides
@@ -13,29 +15,6 @@ const TOUCHING: f64 = 64.0 * f64::EPSILON;
 const SECTION: f64 = 0.381_966_011_250_105_1;
 /// Width, relative to m, below which the residual can no longer locate the bottom of a valley.
 const BOTTOM: f64 = 1.5e-8;
-/// Three times the iterations that bisection needs: from neighbouring powers of two down to neighbouring numbers, and
-/// before that in ln m.
-const MAX_ITERATIONS: u32 = 256;
-/// Every so many steps of a bracketing bisect, whatever the interpolation says.
-const FORCED_BISECTION: u32 = 4;
-
-/// The result: a point, its neighbour across the change of sign (itself if hit), what is left.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Root {
-    /// The better of the two ends of the last bracket.
-    pub m: f64,
-    /// The other one.
-    pub other: f64,
-    /// The residual at `m`.
-    pub residual: f64,
-}
-
-impl Root {
-    fn exact(m: f64, residual: f64) -> Self {
-        Self { m, other: m, residual }
-    }
-}
-
 /// Equation M(m) = m that the search samples.
 pub(super) trait Equation {
     /// All that is known at one m.
@@ -132,17 +111,17 @@ fn root_of_cell<E: Equation>(equation: &E, start: (f64, E::Sample), end: (f64, E
     for k in 0..2 {
         if before[k] > 0.0 && after[k] <= 0.0 {
             let kink = |m: f64| equation.kinks(&equation.sample(m))[k];
-            let m = bracketed(kink, (start.0, before[k]), (end.0, after[k])).m;
+            let m = bracketed(kink, (start.0, before[k]), (end.0, after[k]), f64::EPSILON).x;
             let value = residual(m);
-            if value <= TOUCHING * m && least.is_none_or(|root| m < root.m) {
+            if value <= TOUCHING * m && least.is_none_or(|root| m < root.x) {
                 least = Some(Root::exact(m, value));
             }
         }
     }
     match least {
-        Some(root) if root.residual >= -TOUCHING * root.m => Some(root),
-        Some(root) => Some(bracketed(residual, (start.0, ends[0]), (root.m, root.residual))),
-        None if ends[1] <= 0.0 => Some(bracketed(residual, (start.0, ends[0]), (end.0, ends[1]))),
+        Some(root) if root.residual >= -TOUCHING * root.x => Some(root),
+        Some(root) => Some(bracketed(residual, (start.0, ends[0]), (root.x, root.residual), f64::EPSILON)),
+        None if ends[1] <= 0.0 => Some(bracketed(residual, (start.0, ends[0]), (end.0, ends[1]), f64::EPSILON)),
         None => None,
     }
 }
@@ -158,7 +137,7 @@ fn root_of_valley<E: Equation>(equation: &E, start: (f64, f64), lowest: (f64, f6
         let m = bottom.0 + SECTION * if -sides[0] > sides[1] { sides[0] } else { sides[1] };
         let value = residual(m);
         if value <= 0.0 {
-            return Some(bracketed(residual, start, (m, value)));
+            return Some(bracketed(residual, start, (m, value), f64::EPSILON));
         }
         let farther = if value < bottom.1 { std::mem::replace(&mut bottom, (m, value)).0 } else { m };
         if farther < bottom.0 {
@@ -168,51 +147,4 @@ fn root_of_valley<E: Equation>(equation: &E, start: (f64, f64), lowest: (f64, f6
         }
     }
     None
-}
-
-/// Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection; in ln m as long
-/// as the ends differ by more than a factor.
-#[inline]
-fn bracketed(residual: impl Fn(f64) -> f64, mut a: (f64, f64), mut b: (f64, f64)) -> Root {
-    // a and b enclose the root, a is the latest point, c the one that a or b replaced
-    let mut fraction = 0.5;
-    for iteration in 1..=MAX_ITERATIONS {
-        if b.1 == 0.0 {
-            return Root::exact(b.0, 0.0);
-        }
-        let wide = a.0 > 4.0 * b.0 || b.0 > 4.0 * a.0;
-        let x = if wide { a.0.sqrt() * b.0.sqrt() } else { a.0 + fraction * (b.0 - a.0) };
-        if x == a.0 || x == b.0 {
-            break;
-        }
-        let value = residual(x);
-        if value == 0.0 {
-            return Root::exact(x, 0.0);
-        }
-        let c;
-        if (value > 0.0) == (a.1 > 0.0) {
-            c = a;
-        } else {
-            c = b;
-            b = a;
-        }
-        a = (x, value);
-        let (better, width) = (if a.1.abs() < b.1.abs() { a } else { b }, (b.0 - a.0).abs());
-        let least = f64::EPSILON * better.0 / width;
-        // NaN between ends that are not finite, which states beyond all strains can ask for
-        if least.is_nan() || least > 0.5 {
-            break;
-        }
-        let xi = (a.0 - b.0) / (c.0 - b.0);
-        let phi = (a.1 - b.1) / (c.1 - b.1);
-        let safe = phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi;
-        fraction = if safe && iteration % FORCED_BISECTION != 0 {
-            a.1 / (b.1 - a.1) * c.1 / (b.1 - c.1) + (c.0 - a.0) / (b.0 - a.0) * a.1 / (c.1 - a.1) * b.1 / (c.1 - b.1)
-        } else {
-            0.5
-        }
-        .clamp(least, 1.0 - least);
-    }
-    let (m, other) = if a.1.abs() < b.1.abs() { (a, b) } else { (b, a) };
-    Root { m: m.0, other: other.0, residual: m.1 }
 }

@@ -449,7 +449,7 @@ impl<R: Fn(f64) -> f64> root::Equation for Smooth<R> {
 fn two_roots_between_two_nodes_of_the_search_are_not_passed_over() {
     let least_root = |residual: &dyn Fn(f64) -> f64| {
         let found = root::least_root(&Smooth(residual), residual(1.0), &[], 20.0);
-        found.expect("there is a root").m
+        found.expect("there is a root").x
     };
     for distance in [0.3, 0.128, 1e-2, 1e-4, 1e-6] {
         for least in [1.7, 2.9, 3.852, 3.9, 7.0] {

@@ -100,8 +100,9 @@ const MAX_ITERATIONS: usize = 80;
 /// A Newton step this small leaves an error of its square, below rounding.
 const LAST_STEP: f64 = 3e-9;
 
-/// Root of an increasing function of q, given as (value, slope), between `lower` and `upper`.
-fn bracketed_newton(f: impl Fn(f64) -> (f64, f64), mut lower: f64, mut upper: f64, start: f64) -> f64 {
+/// Root of an increasing function of q, given as (value, slope), between `lower` and `upper`. Newton converges from everywhere here: the
+/// bisections by which [`crate::roots::bracketed_newton`] guards against cycles would change the last digits.
+fn increasing_root(f: impl Fn(f64) -> (f64, f64), mut lower: f64, mut upper: f64, start: f64) -> f64 {
     let mut q = start.clamp(lower, upper);
     for _ in 0..MAX_ITERATIONS {
         let (value, slope) = f(q);
@@ -124,7 +125,7 @@ fn bracketed_newton(f: impl Fn(f64) -> (f64, f64), mut lower: f64, mut upper: f6
 /// which ln R is nearly linear.
 pub(super) fn peak(curve: &Uniaxial) -> Point {
     let p = 1.0 / curve.law.b;
-    let q = bracketed_newton(
+    let q = increasing_root(
         |q| {
             let point = curve.point(q);
             let ratio = curve.stiffness_ratio(point.eta);
@@ -250,7 +251,7 @@ impl Stretch {
         let ceiling_energy = 0.5 * curve.modulus * ceiling * ceiling;
         let lower = self.peak.eta.ln();
         let upper = curve.law.eta(ceiling_energy).min(ETA_MAX).ln().max(lower) + 1e-9;
-        let q = bracketed_newton(
+        let q = increasing_root(
             |q| {
                 let point = curve.point(q);
                 let reach = point.strain * (1.0 + stretch * (1.0 - curve.stiffness_ratio(point.eta)));

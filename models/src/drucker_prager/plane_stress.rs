@@ -3,7 +3,7 @@
 
 use super::Parameters;
 use super::return_map::{Regime, Returned};
-use crate::bracketed_newton::bracketed_newton;
+use crate::roots::bracketed_newton;
 use crate::tensor::condense_plane_stress;
 use umat_abi::law::Failure;
 

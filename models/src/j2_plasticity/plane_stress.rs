@@ -2,7 +2,7 @@
 //! S = σ11 + σ22, D = σ11 − σ22, T = σ12 everything is diagonal, and one scalar κ remains.
 
 use super::{Parameters, Returned, State, admissible_stress};
-use crate::bracketed_newton::bracketed_newton;
+use crate::roots::bracketed_newton;
 use crate::tensor::{Elasticity, add_dyad};
 use umat_abi::law::Request;
 

@@ -1,7 +1,7 @@
 //! Stress control of one direction of strain: what is needed for uniaxial tests in three dimensions.
 
 use super::Point;
-use models::bracketed_newton::bracketed_newton;
+use models::roots::bracketed_newton;
 use umat_abi::law::{Law, Response};
 
 /// Components 22 and 33 together: uniaxial stress in three dimensions.

@@ -86,7 +86,8 @@ pub fn bond_from_strengths(
     let (end, count) = OPENINGS;
     let openings: Vec<f64> = (0..count).map(|k| end * (k as f64 / (count - 1) as f64).powi(2)).collect();
     sought.find(mean.len(), &|composite| {
-        let stresses: Vec<f64> = averages(&composite.roughly(), &openings).iter().map(|average| average.stress).collect();
+        let stresses: Vec<f64> =
+            averages(&composite.roughly(), &openings).iter().map(|average| average.stress).collect();
         let bridging = Polyline::smooth(&openings, &stresses);
         let section = [SectionLaw::new(&composite.matrix, &composite.with_matrix(&bridging), geometry.hinge())];
         let computed = Beam::new(*geometry, &section, &composite.matrix).residual().residual;

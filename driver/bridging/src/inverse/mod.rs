@@ -98,7 +98,7 @@ fn assess(problem: &LeastSquares<'_>, parameters: Vec<f64>) -> Fitted {
     let jacobian = differences(&parameters, problem.residuals).rows(0, data.len()).into_owned();
     let values = (problem.quantities)(&parameters);
     let derivatives = differences(&parameters, problem.quantities);
-    let (estimates, correlation) = estimates(&values, data, &jacobian, &[], &derivatives);
+    let (estimates, correlation) = estimates(&values, data, None, &jacobian, &[], &derivatives);
     Fitted { estimates, correlation, rms: rms(data), penalty: rms(penalties), parameters, reached: true }
 }
 
@@ -109,10 +109,11 @@ fn assess(problem: &LeastSquares<'_>, parameters: Vec<f64>) -> Fitted {
 /// cov θ = σ² (JᵀWJ)⁻¹ JᵀW²J (JᵀWJ)⁻¹,   σ² = rᵀr/(m − n),   cov q = D cov θ Dᵀ with D = ∂q/∂θ
 /// ```
 ///
-/// Components along directions without information are unknown.
+/// `scatter` is σ where it is known. Components along directions without information are unknown.
 pub fn estimates(
     values: &[f64],
     residuals: &[f64],
+    scatter: Option<f64>,
     jacobian: &DMatrix<f64>,
     weights: &[f64],
     derivatives: &DMatrix<f64>,
@@ -123,7 +124,8 @@ pub fn estimates(
         jacobian.transpose() * scaled
     };
     let freedom = residuals.len().saturating_sub(jacobian.ncols()).max(1);
-    let variance = residuals.iter().map(|row| row * row).sum::<f64>() / freedom as f64;
+    let remaining = || residuals.iter().map(|row| row * row).sum::<f64>() / freedom as f64;
+    let variance = scatter.map_or_else(remaining, |scatter| scatter * scatter);
     let information = SymmetricEigen::new(scaled(1));
     let greatest = information.eigenvalues.max();
     let is_determined = |eigenvalue: f64| eigenvalue > LEAST_INFORMATION * greatest;

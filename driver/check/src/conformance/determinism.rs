@@ -5,7 +5,7 @@ use super::random::SEED;
 use super::report::{Ledger, Verdict};
 use super::sample::SampledState;
 use super::subject::{Answer, Subject, distance, largest};
-use pullout_run::PLUGIN_STACK;
+use pullout_run::in_threads;
 use umat_abi::host::{Alteration, ExternalDatabases};
 use umat_abi::metadata::flags;
 
@@ -144,17 +144,9 @@ pub(super) fn threads(subject: &mut Subject<'_>, sample: &[SampledState], ledger
         }
         None
     };
-    let wrong: Vec<Option<usize>> = std::thread::scope(|scope| {
-        let work = &work;
-        let handles: Vec<_> = twins
-            .into_iter()
-            .enumerate()
-            .filter_map(|(k, twin)| {
-                std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, move || work(twin, k)).ok()
-            })
-            .collect();
-        handles.into_iter().map(|handle| handle.join().unwrap_or(Some(0))).collect()
-    });
+    let work = &work;
+    let ended = in_threads(twins.into_iter().enumerate().map(|(k, twin)| move || work(twin, k)));
+    let wrong: Vec<Option<usize>> = ended.into_iter().flatten().map(|ended| ended.unwrap_or(Some(0))).collect();
     let calls = format!("{} calls", wrong.len() * ROUNDS * sample.len());
     match wrong.iter().flatten().next() {
         None if wrong.len() > 1 => ledger.add(Verdict::Pass, calls, format!("{} threads", wrong.len())),

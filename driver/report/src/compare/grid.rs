@@ -1,9 +1,6 @@
 //! A curve of a run on a grid: where its x first passes given values, branch by branch where these turn back.
 
-use super::Turns;
-
-/// Fraction of the distance from the beginning of a branch. Values outside the branch by less were rounded: they are at its end.
-const ROUNDING: f64 = 1e-9;
+use super::{Branch, NOISE, Turns};
 
 /// Reason why a run has no value at a point of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,28 +95,22 @@ fn on_branch([x, y]: [&[f64]; 2], grid: &[f64], is_turn: [bool; 2]) -> Vec<Resul
     let start = x.first().copied().unwrap_or(f64::NAN);
     let ways = grid.iter().map(|value| value - start);
     let way = ways.fold(0.0_f64, |far, way| if way.abs() > far.abs() { way } else { far });
-    let direction = if way < 0.0 { -1.0 } else { 1.0 };
-    let rounding = ROUNDING * way.abs();
-    // along the way
-    let mut points: Vec<[f64; 2]> = Vec::with_capacity(x.len());
+    // what advances along the way
+    let mut branch =
+        Branch { direction: if way < 0.0 { -1.0 } else { 1.0 }, noise: NOISE * way.abs(), ..Branch::default() };
     for (&x, &y) in x.iter().zip(y) {
-        if points.last().is_none_or(|last| direction * x > last[0]) {
-            points.push([direction * x, y]);
+        let x = branch.direction * x;
+        if branch.x.last().is_none_or(|&last| x > last) {
+            branch.push([x, y]);
         }
     }
-    let end = points.last().map_or(start, |last| direction * last[0]);
+    let end = branch.x.last().map_or(start, |last| branch.direction * last);
     let at = |value: &f64| {
-        let x = direction * value;
-        let right = points.partition_point(|point| point[0] < x);
-        match (right.checked_sub(1).map(|left| points[left]), points.get(right)) {
-            // without what the division rounds
-            (_, Some(b)) if b[0] == x => Ok(b[1]),
-            (Some(a), Some(b)) => Ok(a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])),
-            (None, Some(first)) if first[0] - x <= rounding => Ok(first[1]),
-            (Some(last), None) if x - last[0] <= rounding => Ok(last[1]),
-            (None, _) => Err(Off::Before { start, at_turn: is_turn[0] }),
-            (Some(_), None) => Err(Off::Behind { end, at_turn: is_turn[1] }),
-        }
+        let is_before = branch.x.first().is_none_or(|&first| branch.direction * value < first);
+        branch.at(*value).ok_or(match is_before {
+            true => Off::Before { start, at_turn: is_turn[0] },
+            false => Off::Behind { end, at_turn: is_turn[1] },
+        })
     };
     grid.iter().map(at).collect()
 }

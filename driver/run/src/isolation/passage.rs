@@ -22,11 +22,6 @@ pub trait Work: Serialize {
     const IS_HEARD_BY_STARTER: bool = false;
 }
 
-/// A command line of this program without its name.
-impl Work for Vec<OsString> {
-    const NAME: &'static str = "line";
-}
-
 /// First line: what all kinds of work have in common.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Head {
@@ -193,5 +188,28 @@ pub mod paths {
     /// As of the deserializer.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PathBuf>, D::Error> {
         Vec::<OsString>::deserialize(deserializer).map(|paths| paths.into_iter().map(PathBuf::from).collect())
+    }
+}
+
+/// A path that may not be given, as JSON, whatever its bytes.
+pub mod optional_path {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::ffi::OsString;
+    use std::path::PathBuf;
+
+    /// Writes it.
+    ///
+    /// # Errors
+    /// As of the serializer.
+    pub fn serialize<S: Serializer>(path: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
+        path.as_ref().map(|path| path.as_os_str()).serialize(serializer)
+    }
+
+    /// Reads it.
+    ///
+    /// # Errors
+    /// As of the deserializer.
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<PathBuf>, D::Error> {
+        Ok(Option::<OsString>::deserialize(deserializer)?.map(PathBuf::from))
     }
 }

@@ -1,4 +1,4 @@
-use super::bracketed_newton;
+use super::{Root, bracketed, bracketed_newton};
 use std::cell::Cell;
 
 #[test]
@@ -26,4 +26,23 @@ fn survives_kinks_flat_parts_and_slopes_that_lie() {
     // a wrong slope costs steps only
     let wrong = |x: f64| (x.powi(3) - 8.0, -1.0);
     approx::assert_relative_eq!(bracketed_newton([0.0, 100.0], 50.0, 0.0, wrong), 2.0, max_relative = 1e-15);
+}
+
+#[test]
+fn encloses_the_root_from_zero_over_decades_and_at_an_end() {
+    let square = |x: f64| x * x - 2.0;
+    let found = bracketed(square, (2.0, 2.0), (0.0, -2.0), f64::EPSILON);
+    approx::assert_relative_eq!(found.x, 2.0_f64.sqrt(), max_relative = 4e-16);
+    assert!((found.x - found.other).abs() <= 4e-16 && found.residual == square(found.x), "{found:?}");
+    let calls = Cell::new(0);
+    let log = |x: f64| {
+        calls.set(calls.get() + 1);
+        x.ln() + 400.0
+    };
+    let found = bracketed(log, (1.0, 400.0), (1e-300, log(1e-300)), f64::EPSILON);
+    approx::assert_relative_eq!(found.x, (-400.0_f64).exp(), max_relative = 1e-13);
+    assert!(calls.get() < 40, "{} evaluations", calls.get());
+    for ends in [[(0.0, 0.0), (1.0, 1.0)], [(1.0, 1.0), (0.0, 0.0)]] {
+        assert_eq!(bracketed(|x| x, ends[0], ends[1], f64::EPSILON), Root::exact(0.0, 0.0));
+    }
 }
