@@ -409,7 +409,8 @@ impl StepRun {
         let led = |by, growth: f64| (growth > 0.0).then(|| Lead::Other(Led::new(by, growth)));
         let slip = || led(Leader::PointSlip, if self.follows_slip { self.usual_slip } else { 0.0 });
         let dissipation = || match self.follows_field {
-            true => led(Leader::Field, FIELD_GROWTH),
+            // once the drives have led
+            true => led(Leader::Field, if self.usual_progress > 0.0 { FIELD_GROWTH } else { 0.0 }),
             false => led(Leader::Dissipation, self.usual_dissipation),
         };
         match self.lead {
