@@ -109,7 +109,7 @@ pub(super) const LOAD_CHANGE: f64 = 0.02;
 pub(super) const FIELD_GROWTH: f64 = 0.1;
 /// and the greatest.
 pub(super) const GREATEST_FIELD_GROWTH: f64 = 0.5;
-/// A specimen that bears no more than this part of the greatest load is led by the drives again: a crack that is open grows no more.
+/// Part of the greatest load below which the drives lead again: a crack that is open grows no more.
 pub(super) const LEAST_LED_LOAD: f64 = 0.02;
 /// After as many increments in a row under another lead in which the drives advanced, they lead again.
 pub(super) const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
