@@ -148,10 +148,16 @@ fn local_axes_turn_the_derivatives_back() {
 
 /// `plugin check` with a case.
 pub(super) fn checked(desk: &Desk, case: &Value, code: i32) -> Outcome {
+    checked_with(desk, case, &[], code)
+}
+
+/// The same with more arguments.
+pub(super) fn checked_with(desk: &Desk, case: &Value, more: &[&str], code: i32) -> Outcome {
     let library = case["material"]["plugin"].as_str().expect("a path").to_owned();
     let case = desk.case("case.json", case);
     let arguments = ["plugin", "check", &library, "--states", "40", "--case"];
-    let outcome = desk.pullout(arguments.iter().map(AsRef::as_ref).chain([case.as_os_str()])).expect(code);
+    let words = arguments.iter().map(AsRef::as_ref).chain([case.as_os_str()]);
+    let outcome = desk.pullout(words.chain(more.iter().map(AsRef::as_ref))).expect(code);
     println!("{}", outcome.stdout);
     outcome
 }

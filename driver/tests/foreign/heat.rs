@@ -2,9 +2,9 @@
 //! closed forms, and errors that are planted.
 
 use super::check::row;
-use super::coupling::checked;
+use super::coupling::{checked, checked_with};
 use super::{built, built_of, close, point, run};
-use crate::program::{Desk, Run};
+use crate::program::{Desk, Run, goes_on_from_a_checkpoint};
 use serde_json::{Value, json};
 
 const YOUNG: f64 = 30e3;
@@ -215,6 +215,77 @@ fn what_umatht_stores_is_capacity() {
     for way in [0.0, 1.0] {
         let theirs = cooled("theirs", json!({ "umatht": { "props": [2.5, 0.0, 3.0, way, 0.0], "density": 0.2 } }));
         theirs.iter().zip(&own).for_each(|(theirs, own)| close(*theirs, *own));
+    }
+}
+
+/// Error, row, verdict, words.
+const PLANTED: [(u32, &str, &str, &str); 6] = [
+    (1, "DFDT", "warn", "left at 0"),
+    (2, "DFDG", "FAIL", "1.250 of what it should be"),
+    (6, "DUDT", "FAIL", "0.500 of what it should be"),
+    (7, "DUDG", "FAIL", "d(U)/d(DTEMDX1) = 0.0"),
+    (8, "DFDT", "FAIL", "right except for its sign"),
+    (9, "DFDG", "FAIL", "left at 0"),
+];
+
+/// k (1 + b θ) and c θ, with U added to and with U set.
+#[test]
+fn planted_errors_of_umatht_have_their_verdicts() {
+    let desk = Desk::new();
+    let Some(library) = built_of(&desk, &["elastic.f", "conducting.f90"], &[]) else { return };
+    let rows = ["DUDT", "DUDG", "DFDT", "DFDG"];
+    let steps = json!([{ "increments": 5, "temperature": 60.0, "target": { "e11": 2e-4 } }]);
+    let mut case = point(json!({ "plugin": library, "props": [YOUNG, POISSON], "nstatv": 2 }), "plane_strain", steps);
+    case["temperature"] = json!(20.0);
+    let with = |error: u32, way: u32, code: i32| {
+        checked_with(&desk, &case, &["--umatht-props", &format!("2.5,0.6,3.0,{way},{error}")], code)
+    };
+    for way in [0, 1] {
+        let outcome = with(0, way, 0);
+        for name in rows {
+            let row = row(&outcome, name);
+            assert!(row.starts_with("pass") && row.contains("on the case's path itself"), "{row}");
+        }
+    }
+    for (error, check, verdict, words) in PLANTED {
+        let outcome = with(error, error % 2, i32::from(verdict == "FAIL"));
+        for name in rows {
+            let row = row(&outcome, name);
+            let (verdict, words) = if name == check { (verdict, words) } else { ("pass", "consistent") };
+            assert!(row.starts_with(verdict) && row.contains(words), "{error}: {verdict} … {words} expected: {row}");
+        }
+    }
+    let outcome = with(10, 0, 1);
+    for name in rows {
+        let row = row(&outcome, name);
+        assert!(row.starts_with("FAIL") && row.contains("in all states"), "{row}");
+    }
+    // its parameters are not those of UMAT
+    let outcome = checked(&desk, &case, 0);
+    let row = row(&outcome, "UMATHT");
+    assert!(row.starts_with("info") && row.contains("--umatht-props"), "{row}");
+}
+
+/// U and FLUX of the last increment, STATEV, the field and the one before it are in the checkpoint.
+#[test]
+fn transient_heat_goes_on_from_a_checkpoint_to_the_same_bits() {
+    let desk = Desk::new();
+    let Some(library) = built_of(&desk, &["elastic.f", "conducting.f90"], &[]) else { return };
+    let fields = [
+        json!({ "routines": [], "conductivity": 2.5, "capacity": 0.6 }),
+        json!({ "umatht": { "props": [2.5, 0.6, 3.0, 0, 0], "density": 0.2 } }),
+        json!({ "umatht": { "props": [2.5, 0.6, 3.0, 1, 0], "density": 0.2 } }),
+    ];
+    for more in fields {
+        let mut field = json!({
+            "kind": "temperature", "initial": 20, "fixed": [{ "nodes": "left", "value": 0 }],
+            "fluxes": [{ "edges": "right", "flux": 3.0, "drive": "heat" }],
+        });
+        field.as_object_mut().expect("a field").extend(more.as_object().expect("keys").clone());
+        let steps = json!([{ "increments": 20, "time": 2.0, "drives": { "heat": 1.0 } }]);
+        let mut case = bar(&library, 4.0, ("Q8", 6), field, steps);
+        case["output"] = json!({ "plots": false, "vtu": 5 });
+        goes_on_from_a_checkpoint(&desk, &desk.case("cooled.json", &case), "13");
     }
 }
 

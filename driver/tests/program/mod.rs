@@ -60,6 +60,30 @@ pub fn pullout_in<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<I
     }
 }
 
+/// Asserts that a run makes the same files with a checkpoint after so many increments as without, and again where it goes on from it.
+pub fn goes_on_from_a_checkpoint(desk: &Desk, case: &Path, increments: &str) {
+    let run = |more: &[&str]| {
+        let words = ["run".as_ref(), "--quiet".as_ref(), case.as_os_str()];
+        desk.pullout(words.into_iter().chain(more.iter().map(AsRef::as_ref))).expect(0);
+    };
+    let [plain, kept] = ["plain", "kept"].map(|name| desk.path(name));
+    run(&["--out", "plain", "--overwrite"]);
+    run(&["--out", "kept", "--overwrite", "--checkpoint-every", increments]);
+    // that a library's own memory is in no checkpoint is a warning
+    let summary = |folder: &Path| {
+        let mut summary = timeless(folder);
+        summary["warnings"].take();
+        summary
+    };
+    for again in [false, true] {
+        if again {
+            run(&["--restart", "kept"]);
+        }
+        assert!(files(&plain) == files(&kept), "goes on: {again}");
+        assert_eq!(summary(&plain), summary(&kept));
+    }
+}
+
 /// The mesh of a fibre that is as coarse as still shows a pull-out.
 pub fn coarse_fibre() -> Value {
     json!({ "type": "perpendicular_fibre", "embedded_elements": 6, "interface_size": 2.0, "largest_size": 6.0 })

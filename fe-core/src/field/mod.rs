@@ -17,6 +17,13 @@
 //! Prediction and over-relaxation are for phase fields: they save two of three passes where cracks grow steadily. If a
 //! pass changes more than the one before, the rest of the increment does without them. Slow passes whose corrections
 //! form a geometric series are summed up at once.
+//!
+//! Where the field leads, the growth g of the node that grows fastest is given, and the drives follow along their line
+//! by δλ in each pass. At fixed drives the passes would leave the branch on which the load falls with the drives:
+//!
+//! ```text
+//! a = K⁻¹R,   b = K⁻¹ ∂R/∂λ,   δλ = (g − (θ − θ_n)_k − a_k)/b_k,   θ ← θ + a + δλ b
+//! ```
 
 mod element;
 
@@ -49,6 +56,8 @@ pub(crate) const FORCE_CHANGE: f64 = 3e-3;
 const FIELD_CORRECTIONS: usize = 12;
 /// Passes of an increment, after which it is given up.
 const MOST_PASSES: usize = 300;
+/// Last change of a field that leads, as a part of its growth, below which it says nothing of how it grows on.
+const LEAST_FORETOLD: f64 = 0.1;
 
 /// Number of an equation that is none.
 const NONE: usize = usize::MAX;
@@ -69,8 +78,6 @@ pub struct FieldState {
 /// Result of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pass {
-    /// The field and the displacements agree.
-    Settled,
     /// The laws have got another field: displacements follow.
     Changed,
     /// The same, by a correction so small that the field is the last one if it leaves the forces as they were ([`Field::accept`]).
@@ -81,6 +88,23 @@ pub(crate) enum Pass {
     Back,
     /// So many passes that a smaller increment is to be tried.
     GivenUp,
+}
+
+/// The growth of a field that leads.
+#[derive(Clone, Copy, Debug)]
+struct Leading {
+    growth: f64,
+    /// The node that grows by it, once it is known.
+    node: Option<usize>,
+}
+
+/// A correction of the field at fixed drives.
+#[derive(Clone, Debug)]
+pub(crate) struct Correction {
+    /// K⁻¹R, by equations.
+    change: Vec<f64>,
+    /// R.
+    residual: Vec<f64>,
 }
 
 /// A field and its equations.
@@ -106,6 +130,7 @@ pub(crate) struct Field {
     is_accepted: bool,
     last_change: f64,
     is_fast: bool,
+    leading: Option<Leading>,
     /// The correction of the pass before, of slow ones; empty: none.
     last_correction: Vec<f64>,
 }
@@ -158,6 +183,7 @@ impl Field {
             is_accepted: false,
             last_change: f64::INFINITY,
             is_fast: true,
+            leading: None,
             last_correction: Vec::new(),
             has_field,
             equations,
@@ -189,8 +215,14 @@ impl Field {
         self.hand_over(solids);
     }
 
-    /// Begins an attempt at an increment: the field that the laws are given first.
-    pub(crate) fn begin(&mut self, drives: &[f64], context: &IncrementContext, solids: &mut Solids) {
+    /// Begins an attempt at an increment: the field that the laws are given first. `growth`: that of its leading node, if it leads.
+    pub(crate) fn begin(
+        &mut self,
+        drives: &[f64],
+        context: &IncrementContext,
+        growth: Option<f64>,
+        solids: &mut Solids,
+    ) {
         let FieldState { values, earlier, time, .. } = &self.committed;
         let is_one_pass = self.definition.coupling == FieldCoupling::OnePass;
         let share = match (self.definition.is_phase_field(), is_one_pass) {
@@ -198,7 +230,14 @@ impl Field {
             (true, false) => PREDICTION,
             (_, true) => 1.0,
         };
-        let ratio = if *time > 0.0 { share * context.time_increment / time } else { 0.0 };
+        let ratio = match growth {
+            Some(growth) => {
+                let grown = values.iter().zip(earlier).map(|(now, before)| now - before).fold(0.0, f64::max);
+                if grown > LEAST_FORETOLD * growth { share * growth / grown } else { 0.0 }
+            }
+            None if *time > 0.0 => share * context.time_increment / time,
+            None => 0.0,
+        };
         self.trial.clear();
         self.trial.extend(values.iter().zip(earlier).map(|(now, before)| {
             let change = ratio * (now - before);
@@ -212,7 +251,9 @@ impl Field {
             }
         }
         self.time = context.time_increment;
-        (self.passes, self.last_change, self.is_fast) = (0, f64::INFINITY, self.definition.is_phase_field());
+        self.leading = growth.map(|growth| Leading { growth, node: None });
+        (self.passes, self.last_change) = (0, f64::INFINITY);
+        self.is_fast = self.definition.is_phase_field() && growth.is_none();
         self.is_accepted = false;
         self.last_correction.clear();
         self.next.clone_from(&self.trial);
@@ -232,23 +273,13 @@ impl Field {
         }
     }
 
-    /// Corrects the field by the heat of the laws at the present displacements.
-    ///
-    /// # Errors
-    ///
-    /// The equations have no solution.
+    /// Corrects the field, and gives it to the laws. Returns with it which part of the correction was applied.
     pub(crate) fn pass(
         &mut self,
-        drives: &[f64],
-        context: &IncrementContext,
+        Correction { change: correction, .. }: Correction,
         solids: &mut Solids,
-    ) -> Result<Pass, SolverError> {
-        if context.time_increment <= 0.0 {
-            // nothing flows in no time
-            return Ok(Pass::Settled);
-        }
+    ) -> (Pass, f64) {
         self.passes += 1;
-        let correction = self.correction(drives, context, solids)?;
         let change = correction.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let scale = match self.definition.kind {
             FieldKind::PhaseField(_) => 1.0,
@@ -259,10 +290,10 @@ impl Field {
             self.apply(&correction, 1.0);
             let goes_on = !is_small && self.passes < FIELD_CORRECTIONS;
             self.give(if goes_on { &self.next } else { &self.trial }, solids);
-            return Ok(if goes_on { Pass::Again } else { Pass::Back });
+            return (if goes_on { Pass::Again } else { Pass::Back }, 1.0);
         }
         if self.passes >= MOST_PASSES || !change.is_finite() {
-            return Ok(Pass::GivenUp);
+            return (Pass::GivenUp, 0.0);
         }
         self.is_fast &= self.passes <= 2 || (change <= self.last_change && self.passes <= FAST_PASSES);
         self.last_change = change;
@@ -276,7 +307,41 @@ impl Field {
         self.apply(&correction, part);
         self.trial.clone_from(&self.next);
         self.give(&self.trial, solids);
-        Ok(if is_small { Pass::Near } else { Pass::Changed })
+        (if is_small { Pass::Near } else { Pass::Changed }, part)
+    }
+
+    /// Adds to a correction what the drives add that follow the field, by its change with them. Returns how far they go.
+    pub(crate) fn lead(&mut self, correction: &mut Correction, response: &[f64]) -> f64 {
+        let Some(Leading { growth, node }) = &mut self.leading else { return 0.0 };
+        let follows = |node: &usize| self.equations[*node] != NONE;
+        let by = |node: &usize| response[self.equations[*node]];
+        let fastest = || (0..self.equations.len()).filter(follows).max_by(|a, b| by(a).total_cmp(&by(b)));
+        *node = node.or_else(fastest);
+        let Some(node) = *node else { return f64::NAN };
+        let missing = *growth - (self.next[node] - self.committed.values[node]);
+        let share = (missing - correction.change[self.equations[node]]) / by(&node);
+        correction.change.iter_mut().zip(response).for_each(|(change, by)| *change += share * by);
+        share
+    }
+
+    /// Returns K⁻¹ ∂R/∂λ, K being that of a correction, from the heat of the laws at displacements of drives that are further by `length`.
+    pub(crate) fn response(
+        &mut self,
+        correction: &Correction,
+        length: f64,
+        drives: &[f64],
+        context: &IncrementContext,
+        solids: &Solids,
+    ) -> Result<Vec<f64>, SolverError> {
+        let mut change = self.equations_at(drives, context, solids, None);
+        change.iter_mut().zip(&correction.residual).for_each(|(there, here)| *there = (*there - here) / length);
+        self.solve(&mut change)?;
+        Ok(change)
+    }
+
+    /// Returns whether corrections of a phase field have grown in this increment: passes leave a state that is unstable.
+    pub(crate) fn departs(&self) -> bool {
+        self.definition.is_phase_field() && !self.is_fast
     }
 
     /// Returns whether the present field is that of the end of the increment.
@@ -313,20 +378,51 @@ impl Field {
         }
     }
 
-    /// K⁻¹ R.
-    fn correction(
+    /// Returns K⁻¹R at the present displacements.
+    ///
+    /// # Errors
+    ///
+    /// The equations have no solution.
+    pub(crate) fn correction(
         &mut self,
         drives: &[f64],
         context: &IncrementContext,
         solids: &Solids,
-    ) -> Result<Vec<f64>, SolverError> {
+    ) -> Result<Correction, SolverError> {
+        let mut symmetry = Symmetry::Symmetric;
+        let mut values = std::mem::take(&mut self.matrix.values);
+        let residual = self.equations_at(drives, context, solids, Some((&mut values, &mut symmetry)));
+        self.matrix.values = values;
+        if !residual.is_empty() {
+            self.solver.factorise(&self.matrix, symmetry)?;
+        }
+        let mut change = residual.clone();
+        self.solve(&mut change)?;
+        Ok(Correction { change, residual })
+    }
+
+    /// Solves with the last factor.
+    fn solve(&mut self, right_side: &mut [f64]) -> Result<(), SolverError> {
+        if right_side.iter().any(|value| *value != 0.0) {
+            self.solver.solve(&self.matrix, right_side)?;
+        }
+        Ok(())
+    }
+
+    /// Returns R by the heat that the laws returned, with K and its symmetry if they are asked for.
+    fn equations_at(
+        &self,
+        drives: &[f64],
+        context: &IncrementContext,
+        solids: &Solids,
+        mut matrix: Option<(&mut Vec<f64>, &mut Symmetry)>,
+    ) -> Vec<f64> {
         let density = self.definition.transfer.as_ref().map_or(0.0, |transfer| transfer.density);
         let medium = element::Medium {
             conductivity: self.definition.conductivity,
             capacity_rate: self.definition.capacity / context.time_increment,
             density_rate: density / context.time_increment,
         };
-        let mut symmetry = Symmetry::Symmetric;
         let mut residual = vec![0.0; self.matrix.pattern().size()];
         for (flux, nodal) in self.definition.fluxes.iter().zip(&self.fluxes) {
             let factor = flux.drive.map_or(1.0, |drive| drives[drive]);
@@ -336,41 +432,37 @@ impl Field {
                 }
             }
         }
-        self.matrix.values.fill(0.0);
-        let pattern = Arc::clone(self.matrix.pattern());
+        if let Some((values, _)) = &mut matrix {
+            values.fill(0.0);
+        }
+        let pattern = self.matrix.pattern();
         for element in &self.elements {
             let count = element.nodes.len();
             let at = |values: &[f64]| -> Vec<f64> { element.nodes.iter().map(|&node| values[node]).collect() };
             let (end, start) = (at(&self.next), at(&self.committed.values));
             let heat = solids.heat(element.element);
-            if heat.iter().any(|returned| returned.transfer.is_some()) {
-                symmetry = Symmetry::Unsymmetric;
-            }
-            let (forces, matrix) = element.equations(medium, [&start, &end], heat);
+            let (forces, stiffness) = element.equations(medium, [&start, &end], heat);
             for (i, &row) in element.nodes.iter().enumerate() {
                 let row = self.equations[row];
                 if row == NONE {
                     continue;
                 }
                 residual[row] += forces[i];
+                let Some((values, symmetry)) = &mut matrix else { continue };
+                if heat.iter().any(|returned| returned.transfer.is_some()) {
+                    **symmetry = Symmetry::Unsymmetric;
+                }
                 for (j, &column) in element.nodes.iter().enumerate() {
                     let column = self.equations[column];
                     if column != NONE
                         && let Some(place) = pattern.index(row, column)
                     {
-                        self.matrix.values[place] += matrix[i * count + j];
+                        values[place] += stiffness[i * count + j];
                     }
                 }
             }
         }
-        if residual.is_empty() {
-            return Ok(residual);
-        }
-        self.solver.factorise(&self.matrix, symmetry)?;
-        if residual.iter().any(|value| *value != 0.0) {
-            self.solver.solve(&self.matrix, &mut residual)?;
-        }
-        Ok(residual)
+        residual
     }
 
     /// Makes the last attempt the committed state.

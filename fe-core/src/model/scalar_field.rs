@@ -112,6 +112,14 @@ impl ScalarField {
         if self.is_phase_field() { "phase_field" } else { "temperature" }
     }
 
+    /// Returns whether it may lead an increment: cracks that grow, of which no value follows a drive.
+    pub(crate) fn may_lead(&self) -> bool {
+        self.is_phase_field()
+            && self.coupling == Coupling::Staggered
+            && self.fixed.iter().all(|fixed| fixed.drive.is_none())
+            && self.fluxes.iter().all(|flux| flux.drive.is_none())
+    }
+
     /// Returns whether it is no energy.
     pub fn is_phase_field(&self) -> bool {
         self.kind != FieldKind::Temperature

@@ -56,6 +56,9 @@ pub(super) const PARTS: u32 = 4;
 pub(super) const PROBE: f64 = 1e-4;
 /// Least step of these differences, as part of the displacements, which are rounded.
 pub(super) const LEAST_PROBE: f64 = 1e-8;
+/// Factor by which a step is longer where nothing loads with it, and number of them.
+pub(super) const LARGER_PROBE: f64 = 10.0;
+pub(super) const MOST_PROBES: usize = 8;
 
 // Attempts.
 
@@ -102,6 +105,12 @@ pub(super) const LEAST_LED: f64 = 1e-6;
 /// An increment led by dissipation grows while the load changes by less than this part of the greatest so far, and
 /// shrinks when it changes by twice as much: the path is curved, and its energies are trapezoidal sums.
 pub(super) const LOAD_CHANGE: f64 = 0.02;
+/// Usual growth of a phase field, from 0 to 1, in an increment that it leads.
+pub(super) const FIELD_GROWTH: f64 = 0.1;
+/// and the greatest.
+pub(super) const GREATEST_FIELD_GROWTH: f64 = 0.5;
+/// Part of the greatest load below which the drives lead again: a crack that is open grows no more.
+pub(super) const LEAST_LED_LOAD: f64 = 0.02;
 /// After as many increments in a row under another lead in which the drives advanced, they lead again.
 pub(super) const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
 /// Where displacements grow so many times faster with the drives than they did in the step, and no equilibrium is found further on, the

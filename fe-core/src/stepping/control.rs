@@ -3,7 +3,7 @@
 //! A step goes from progress 0 to 1 on the line between the drives' values at its start and its end. Increments follow
 //! the drives; where these would have to turn back (snap-back), the contact point that slides fastest leads and the drives
 //! follow, until they advance again. Where that does not help (an element that fails unloads all else), the dissipation of
-//! the solids leads. Where nothing leads on, no equilibrium is near: the drives stand, and the specimen goes through a fluid that
+//! the solids leads, or the phase field if there is one. Where nothing leads on, no equilibrium is near: the drives stand, and the specimen goes through a fluid that
 //! drags at its contact to the next one.
 //!
 //! Automatic increments under the drives are repeated with less where their energies do not balance.
@@ -15,11 +15,12 @@ use super::newton::{Committed, Converged, IncrementGoal, Leader, hardest_round};
 use super::recorded::LeadingQuantity;
 use super::size::IncrementSize;
 use crate::assembly::PointFailure;
-use crate::model::{Model, Step};
+use crate::model::{Model, ScalarField, Step};
 use crate::stepping::constants::{
-    ADVANCES_BEFORE_DRIVE_CONTROL, AIM, CRAWLING, CREEPING, EASING, EASY, FADING, FAILURES_BEFORE_CHANGE, FIRST_LED,
-    GREATEST_RESISTANCE, GROWTH, LARGER_NUDGE, LARGEST_PART_OF_TIME, LEADS, LEAST_LED, LIMIT_POINT, LOAD_CHANGE,
-    MOST_THROUGH, MOST_TURNS, NUDGE, RESISTANCE, SLOW_EASING, THICKENING_WHERE_TURNING,
+    ADVANCES_BEFORE_DRIVE_CONTROL, AIM, CRAWLING, CREEPING, EASING, EASY, FADING, FAILURES_BEFORE_CHANGE, FIELD_GROWTH,
+    FIRST_LED, GREATEST_FIELD_GROWTH, GREATEST_RESISTANCE, GROWTH, LARGER_NUDGE, LARGEST_PART_OF_TIME, LEADS,
+    LEAST_LED, LEAST_LED_LOAD, LIMIT_POINT, LOAD_CHANGE, MOST_THROUGH, MOST_TURNS, NUDGE, RESISTANCE, SLOW_EASING,
+    THICKENING_WHERE_TURNING,
 };
 use serde::{Deserialize, Serialize};
 
@@ -135,6 +136,8 @@ pub(super) struct StepRun {
     /// Equilibria that drag has led to since the drives led to one.
     nudges: u32,
     follows_slip: bool,
+    /// Whether a phase field may lead.
+    follows_field: bool,
     stabilised: bool,
     /// Whether the stabilisation is that of laws that extrapolate: their points are led well by nothing but the drives.
     extrapolates: bool,
@@ -152,6 +155,7 @@ impl StepRun {
             size,
             attempted: size.next(1.0),
             follows_slip: !model.contacts.is_empty(),
+            follows_field: model.field.as_ref().is_some_and(ScalarField::may_lead),
             stabilised: model.controls.relaxation_time > 0.0 || model.extrapolates(),
             extrapolates: model.extrapolates(),
             locates_peak: model.controls.locate_peak && !model.contacts.is_empty(),
@@ -192,6 +196,7 @@ impl StepRun {
                 LeadingQuantity::Slip { growth: increment, point: leading }
             }
             Lead::Other(Led { by: Leader::Dissipation, increment, .. }) => LeadingQuantity::Dissipation(increment),
+            Lead::Other(Led { by: Leader::Field, increment, .. }) => LeadingQuantity::Field(increment),
             Lead::Drag(Dragged { resistance, .. }) => LeadingQuantity::Through { to: self.aim(), resistance },
         }
     }
@@ -258,7 +263,7 @@ impl StepRun {
         }
         self.usual_slip = slip.max(FADING * self.usual_slip);
         self.usual_dissipation = (converged.end.dissipation - start.dissipation).max(FADING * self.usual_dissipation);
-        let before = self.progress;
+        let (before, greatest) = (self.progress, load.greatest);
         match &mut self.lead {
             Lead::Drives => {
                 self.largest_slip = self.largest_slip.max(slip);
@@ -277,7 +282,12 @@ impl StepRun {
                 self.helped = led.by;
                 self.progress = self.progress_of(&converged.end.drives);
                 self.last_progress = self.progress - before;
-                self.after_led_increment(iterations, (findings.load - load.last).abs() / load.greatest);
+                let iterations = match self.helped {
+                    // each pass takes some
+                    Leader::Field => hardest_round(&converged.iterations),
+                    Leader::PointSlip | Leader::Dissipation => iterations,
+                };
+                self.after_led_increment(iterations, [load.last, findings.load].map(|load| load / greatest));
             }
             Lead::Drag(_) => {}
         }
@@ -302,16 +312,19 @@ impl StepRun {
         (ratio > LIMIT_POINT).then_some((self.fastest, ratio))
     }
 
-    fn after_led_increment(&mut self, iterations: usize, load_change: f64) {
+    /// `loads`: before it and after it, as parts of the greatest.
+    fn after_led_increment(&mut self, iterations: usize, loads: [f64; 2]) {
         let largest_slip = self.largest_slip;
+        let load_change = (loads[1] - loads[0]).abs();
         let Lead::Other(led) = &mut self.lead else { return };
         let (was_easy, largest, recovered) = match led.by {
             Leader::PointSlip => (iterations <= EASY, largest_slip, led.increment >= FIRST_LED * largest_slip),
-            Leader::Dissipation => {
+            Leader::Dissipation | Leader::Field => {
                 if load_change > 2.0 * LOAD_CHANGE {
                     led.increment *= LOAD_CHANGE / load_change;
                 }
-                (iterations <= EASY && load_change < LOAD_CHANGE, f64::INFINITY, true)
+                let largest = if led.by == Leader::Field { GREATEST_FIELD_GROWTH } else { f64::INFINITY };
+                (iterations <= EASY && load_change < LOAD_CHANGE, largest, true)
             }
         };
         if was_easy && led.easy {
@@ -319,10 +332,16 @@ impl StepRun {
         }
         led.easy = was_easy;
         led.advances = if self.last_progress > 0.0 { led.advances + 1 } else { 0 };
-        if led.advances >= ADVANCES_BEFORE_DRIVE_CONTROL && recovered {
-            self.lead = Lead::Drives;
-            self.size.restart(self.last_progress);
+        let is_broken = led.by == Leader::Field && loads[1] <= LEAST_LED_LOAD;
+        if (led.advances >= ADVANCES_BEFORE_DRIVE_CONTROL && recovered) || is_broken {
+            self.drives_lead_again();
         }
+    }
+
+    /// Lets the drives lead again, with increments as they were.
+    fn drives_lead_again(&mut self) {
+        self.lead = Lead::Drives;
+        self.size.restart(if self.last_progress > 0.0 { self.last_progress } else { self.usual_progress });
     }
 
     /// An attempt failed or was judged too large.
@@ -360,10 +379,10 @@ impl StepRun {
         match next {
             Some(next) => {
                 self.changes += 1;
-                if next == Lead::Drives {
-                    self.size.restart(self.last_progress);
-                }
                 self.lead = next;
+                if next == Lead::Drives {
+                    self.drives_lead_again();
+                }
                 self.failures = 0;
                 Advance::Repeated
             }
@@ -389,16 +408,22 @@ impl StepRun {
     fn next_lead(&self) -> Option<Lead> {
         let led = |by, growth: f64| (growth > 0.0).then(|| Lead::Other(Led::new(by, growth)));
         let slip = || led(Leader::PointSlip, if self.follows_slip { self.usual_slip } else { 0.0 });
-        let dissipation = || led(Leader::Dissipation, self.usual_dissipation);
+        let dissipation = || match self.follows_field {
+            // once the drives have led
+            true => led(Leader::Field, if self.usual_progress > 0.0 { FIELD_GROWTH } else { 0.0 }),
+            false => led(Leader::Dissipation, self.usual_dissipation),
+        };
         match self.lead {
             Lead::Drives if self.extrapolates => None,
             Lead::Drives if self.stabilised => slip(),
             Lead::Other(_) if self.stabilised => (self.last_progress > 0.0).then_some(Lead::Drives),
-            Lead::Drives if self.helped == Leader::Dissipation => dissipation().or_else(slip),
+            Lead::Drives if self.helped != Leader::PointSlip => dissipation().or_else(slip),
             Lead::Drives => slip().or_else(dissipation),
             Lead::Other(Led { by: Leader::PointSlip, .. }) => dissipation(),
             // Where all that can fail has failed, nothing dissipates until the drives have advanced.
             Lead::Other(Led { by: Leader::Dissipation, .. }) => (self.last_progress > 0.0).then_some(Lead::Drives),
+            // a crack that is open grows no more
+            Lead::Other(Led { by: Leader::Field, .. }) => Some(Lead::Drives),
             Lead::Drag(_) => None,
         }
     }

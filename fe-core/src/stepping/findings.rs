@@ -3,6 +3,7 @@
 use super::control::Findings;
 use super::newton::{Committed, Converged, Equilibrium, largest};
 use super::{Analysis, Energies, Snapshot};
+use crate::field::Field;
 use crate::stepping::constants::{LEAST_DISSIPATION, LEAST_ROUNDINGS};
 
 impl Analysis<'_> {
@@ -26,6 +27,7 @@ impl Analysis<'_> {
         Findings {
             load: load.abs(),
             pulls_on: (drive(&converged.end) - drive(&self.present.committed)) * load > 0.0,
+            field_departs: self.equilibrium.field.as_ref().is_some_and(Field::departs),
             slip_growth: contact.largest_slip_growth(),
             energy_error,
             energy_error_before,

@@ -55,6 +55,8 @@ pub enum LeadingQuantity {
     },
     /// The dissipation of the solids' laws grows by so much, N·mm.
     Dissipation(f64),
+    /// The phase field grows by so much at the node where it grows fastest.
+    Field(f64),
     /// Drag on contact holds the specimen back, which is out of balance.
     Through {
         /// The part of the step that the drives are at.
@@ -97,7 +99,9 @@ impl Recorded {
                 for (index, tried) in attempts.iter().enumerate() {
                     let (part, number) = match tried.to {
                         LeadingQuantity::Drives(part) => (part, 0.0),
-                        LeadingQuantity::Slip { growth, .. } | LeadingQuantity::Dissipation(growth) => (0.0, growth),
+                        LeadingQuantity::Slip { growth, .. }
+                        | LeadingQuantity::Dissipation(growth)
+                        | LeadingQuantity::Field(growth) => (0.0, growth),
                         LeadingQuantity::Through { to, resistance } => (to, resistance),
                     };
                     let is_sound = number.is_finite() && tried.time >= 0.0 && tried.time.is_finite();
@@ -145,6 +149,7 @@ impl StepRun {
                 led(Leader::PointSlip, growth, point.map(|[pair, point]| PointIndex { pair, point }))
             }
             LeadingQuantity::Dissipation(growth) => led(Leader::Dissipation, growth, None),
+            LeadingQuantity::Field(growth) => led(Leader::Field, growth, None),
             LeadingQuantity::Through { to, resistance } => {
                 IncrementGoal::Through { goal: self.drives_at(to), resistance }
             }

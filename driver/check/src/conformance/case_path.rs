@@ -273,6 +273,7 @@ fn of_umat(entry: CheckedEntryPoint, before: &MaterialPoint, call: &UmatCall) ->
             time_increment: call.dtime,
             temperature: [call.temp, call.dtemp],
             fields: [call.predef.clone(), call.dpred.clone()],
+            ..Setting::default()
         },
         ..Committed::zero(entry, before.statev.len())
     };

@@ -4,8 +4,8 @@ use super::subject::{Answer, Committed, INSTANT, Setting};
 use nalgebra::Matrix3;
 use pullout_run::deformation::columns;
 use umat_abi::host::{
-    Alteration, CallOutcome, FricAnswer, FricCall, Heat, NotFinite, Overrun, PluginCall, SurfaceFields, UinterCall,
-    UmatCall,
+    Alteration, CallOutcome, FricAnswer, FricCall, GRADIENTS, Heat, NotFinite, Overrun, PluginCall, SurfaceFields,
+    UinterCall, UmatCall,
 };
 
 /// The answer, and whether the call wrote past the end of an array. The answer counts all the same; the overrun has its own row.
@@ -16,7 +16,7 @@ pub(super) fn prepare_umat(call: &mut UmatCall, from: &Committed, step: &[f64], 
     let [stored, plastic, creep, ..] = from.energies;
     let states = call.statev().len();
     call.set_point([&from.input, step, &from.output], &from.statev[..states], [stored, plastic, creep]);
-    let Setting { time_increment, temperature, fields } = &from.setting;
+    let Setting { time_increment, temperature, fields, .. } = &from.setting;
     call.time = from.time;
     call.dtime = share * time_increment;
     let share = share_of_fields(share);
@@ -48,6 +48,7 @@ fn answer<I, O>(call: &PluginCall<I, O>, [rows, columns]: [usize; 2], not_finite
         statev: call.statev().to_vec(),
         energies: [0.0; 5],
         heat: Heat::default(),
+        transfer: None,
         slip_increment: [0.0; 2],
         flags: [0; 2],
         not_finite,
@@ -62,7 +63,16 @@ pub(super) fn umat(call: &mut UmatCall, from: &Committed, filling: f64, alterati
     let [stored, plastic, creep] = call.energies;
     let answer = answer(call, [n, n], call.not_finite().or_else(|| call.moduli_not_finite()));
     let energies = [stored, plastic, creep, 0.0, 0.0];
-    (Answer { energies, heat: call.heat(), flags: from.flags, ..answer }, result)
+    let answer = Answer { energies, heat: call.heat(), flags: from.flags, ..answer };
+    // UMATHT as from nothing: U is its increment, or all of it
+    match result.and_then(|()| call.transfer(from.setting.temperature_gradient, (0.0, [0.0; GRADIENTS]))) {
+        Ok(Some((transfer, outcome))) if answer.outcome == CallOutcome::Done => {
+            let not_finite = answer.not_finite.or_else(|| transfer.not_finite());
+            (Answer { transfer: Some(transfer), outcome, not_finite, ..answer }, Ok(()))
+        }
+        Ok(_) => (answer, Ok(())),
+        Err(overrun) => (answer, Err(overrun)),
+    }
 }
 
 /// The arguments of a UINTER.

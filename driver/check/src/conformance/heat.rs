@@ -1,5 +1,7 @@
-//! Derivatives that couple a UMAT with a temperature, DDSDDT, DRPLDE and DRPLDT, against differences of STRESS and RPL.
+//! Derivatives that couple a UMAT with a temperature, DDSDDT, DRPLDE and DRPLDT, against differences of STRESS and RPL; those of
+//! UMATHT, DUDT, DUDG, DFDT and DFDG, against differences of U and FLUX.
 
+use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::sample::SampledState;
 use super::subject::{Answer, CheckedEntryPoint, Subject, distance, largest};
@@ -13,6 +15,14 @@ const DERIVATIVES: [(&str, Measure); 3] = [
     ("DDSDDT", Measure::StressByTemperature),
     ("DRPLDE", Measure::HeatByStrain),
     ("DRPLDT", Measure::HeatByTemperature),
+];
+
+/// The derivatives of UMATHT by their names.
+const OF_TRANSFER: [(&str, Measure); 4] = [
+    ("DUDT", Measure::EnergyByTemperature),
+    ("DUDG", Measure::EnergyByGradient),
+    ("DFDT", Measure::FluxByTemperature),
+    ("DFDG", Measure::FluxByGradient),
 ];
 
 /// Derivative that a wrong one is in truth.
@@ -92,12 +102,74 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[SampledState], ledger: 
             .iter()
             .filter_map(|(state, mismatch)| {
                 let answer = subject.evaluate(&state.from, &state.step).ok()?;
-                Some(classify(&measure.reported(&answer), mismatch, stress_state))
+                Some(classify(&measure.reported(&answer), mismatch, Some(stress_state)))
             })
             .collect();
         let is_choice = kinds.iter().all(|kind| *kind == Kind::Zero);
         let with = if is_of_heat { with } else { "" };
         findings.report(subject, measure, with, (&(summary(&kinds) + with), is_choice), ledger);
+    }
+}
+
+/// The rows of the derivatives of UMATHT, if the library has it; `props`: its parameters, without which it is not called.
+pub(super) fn check_transfer(
+    subject: &mut Subject<'_>,
+    props: Option<&[f64]>,
+    sample: &[SampledState],
+    ledger: &mut Ledger<'_>,
+) {
+    /// Of the numbers for the gradients.
+    const CHECK: u64 = 0x7E4B;
+    let has_it = subject.plugin.library.routines().iter().any(|routine| routine.symbol == "umatht");
+    if !has_it || !matches!(subject.entry, CheckedEntryPoint::Umat(_)) {
+        return;
+    }
+    let Some(props) = props else {
+        let detail = "its derivatives are compared with differences if --umatht-props gives it its PROPS";
+        return ledger.row("UMATHT", Verdict::Info, "not called", detail);
+    };
+    let (along, count) = states(subject, sample, CALLS);
+    let Some(mut subject_with) = subject.with_umatht(props) else { return };
+    let mut random = Random::of_check(CHECK);
+    let with_gradient = |state: &SampledState| {
+        let mut state = state.clone();
+        let size = Measure::EnergyByTemperature.sizes(subject, &state.from, &state.step)[0];
+        state.from.setting.temperature_gradient = std::array::from_fn(|_| size * random.signed());
+        state
+    };
+    let all: Vec<SampledState> = along.iter().chain(&sample[..count]).map(with_gradient).collect();
+    let here = &mut subject_with;
+    let answers: Vec<Answer> = all.iter().filter_map(|state| here.evaluate(&state.from, &state.step).ok()).collect();
+    for (name, measure) in OF_TRANSFER {
+        ledger.begin(name);
+        if answers.is_empty() {
+            ledger.add(Verdict::Fail, "none", "UMATHT fails, or returns NaN or infinity, in all states");
+            continue;
+        }
+        let value = answers.iter().fold(0.0_f64, |most, answer| most.max(largest(&measure.value(answer.clone()))));
+        let sizes = all.iter().flat_map(|state| measure.sizes(here, &state.from, &state.step));
+        let least = ROUNDING_OF_DIFFERENCES * value / sizes.fold(f64::INFINITY, f64::min);
+        let findings = Findings::of(here, all.iter(), measure, least);
+        let kinds: Vec<Kind> = findings
+            .wrong
+            .iter()
+            .filter_map(|(state, mismatch)| {
+                let answer = here.evaluate(&state.from, &state.step).ok()?;
+                Some(classify(&measure.reported(&answer), mismatch, None))
+            })
+            .collect();
+        // iterations get there by and by without these two
+        let may_be_left = matches!(measure, Measure::EnergyByGradient | Measure::FluxByTemperature);
+        let is_zero = kinds.iter().all(|kind| *kind == Kind::Zero);
+        let what = match (is_zero, may_be_left) {
+            (true, true) => "left at 0: iterations for the temperature converge slowly without it".to_owned(),
+            (true, false) => "left at 0".to_owned(),
+            (false, _) => summary(&kinds),
+        };
+        findings.report(here, measure, "", (&what, is_zero && may_be_left), ledger);
+    }
+    for (array, times) in std::mem::take(&mut subject_with.overruns) {
+        *subject.overruns.entry(array).or_default() += times;
     }
 }
 
@@ -115,8 +187,8 @@ fn summary(kinds: &[Kind]) -> String {
     if kinds.iter().all(same) { first } else { Kind::Wrong }.to_string()
 }
 
-/// Returns what a wrong derivative is.
-fn classify(reported: &[f64], mismatch: &Mismatch, stress_state: StressState) -> Kind {
+/// Returns what a wrong derivative is. `stress_state`: that of its components, if these are strains.
+fn classify(reported: &[f64], mismatch: &Mismatch, stress_state: Option<StressState>) -> Kind {
     /// Rounding of the differences, and of a law with a few digits.
     const SAME: f64 = 1e-5;
     if largest(reported) == 0.0 {
@@ -133,8 +205,10 @@ fn classify(reported: &[f64], mismatch: &Mismatch, stress_state: StressState) ->
     if is(&derivative.iter().map(|value| of_all * value).collect::<Vec<f64>>()) {
         return Kind::Scaled(of_all);
     }
-    let direct = stress_state.components().iter().take_while(|component| **component < 3).count();
-    if derivative.len() > direct {
+    let direct = |state: StressState| state.components().iter().take_while(|component| **component < 3).count();
+    if let Some(direct) = stress_state.map(direct)
+        && derivative.len() > direct
+    {
         let of_shears = factor(&derivative[direct..], &reported[direct..]);
         let shears = derivative[direct..].iter().map(|value| of_shears * value);
         if is(&derivative[..direct].iter().copied().chain(shears).collect::<Vec<f64>>()) {

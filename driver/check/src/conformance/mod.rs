@@ -52,6 +52,8 @@ use umat_abi::metadata::kinds;
 pub struct Options {
     /// PROPS; `None`: the plugin's, or if it has none the defaults of the metadata.
     pub props: Option<Vec<f64>>,
+    /// PROPS of UMATHT; `None`: it is not called.
+    pub umatht_props: Option<Vec<f64>>,
     /// CELENT, mm; `None`: one that the law accepts.
     pub characteristic_length: Option<f64>,
     /// Number of random histories per stress state.
@@ -78,6 +80,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             props: None,
+            umatht_props: None,
             characteristic_length: None,
             states: 200,
             program: None,
@@ -283,6 +286,7 @@ fn check_subject(
         tangent::symmetry(subject, &sample, ledger);
         tangent::shear_stiffness(subject, ledger);
         heat::check(subject, &sample, ledger);
+        heat::check_transfer(subject, options.umatht_props.as_deref(), &sample, ledger);
     }
     if let Some(first) = &first {
         memory::unset_entries(subject, &sample, ledger);

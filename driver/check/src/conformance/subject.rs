@@ -19,8 +19,8 @@ use pullout_run::program::Kind;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use umat_abi::host::{
-    Alignment, Alteration, CallFailure, CallOutcome, FricAnswer, FricCall, Heat, LoadError, NotFinite, Plugin, Probed,
-    SurfaceFields, UinterCall, UmatCall, Validation, judge, same_bits,
+    Alignment, Alteration, CallFailure, CallOutcome, FricAnswer, FricCall, GRADIENTS, Heat, LoadError, NotFinite,
+    Plugin, Probed, SurfaceFields, Transfer, UinterCall, UmatCall, Validation, judge, same_bits,
 };
 use umat_abi::law::{Request, StressState};
 
@@ -111,6 +111,8 @@ pub(super) struct Setting {
     pub(super) temperature: [f64; 2],
     /// PREDEF and DPRED.
     pub(super) fields: [Vec<f64>; 2],
+    /// DTEMDX of UMATHT.
+    pub(super) temperature_gradient: [f64; GRADIENTS],
 }
 
 impl Setting {
@@ -119,7 +121,8 @@ impl Setting {
         let [end, increment] = call.temperature();
         let [ends, increments] = call.predef().map(|pairs| pairs.iter().copied().step_by(2).collect::<Vec<f64>>());
         let starts = ends.iter().zip(&increments).map(|(end, increment)| end - increment).collect();
-        Self { time_increment, temperature: [end - increment, increment], fields: [starts, increments] }
+        let temperature = [end - increment, increment];
+        Self { time_increment, temperature, fields: [starts, increments], ..Self::default() }
     }
 
     /// The temperature, and field variables, at the start and after a share of their increments.
@@ -133,7 +136,8 @@ impl Setting {
 
 impl Default for Setting {
     fn default() -> Self {
-        Self { time_increment: 1.0, temperature: [0.0; 2], fields: [vec![0.0], vec![0.0]] }
+        let fields = [vec![0.0], vec![0.0]];
+        Self { time_increment: 1.0, temperature: [0.0; 2], fields, temperature_gradient: [0.0; GRADIENTS] }
     }
 }
 
@@ -187,6 +191,8 @@ pub(super) struct Answer {
     pub(super) energies: [f64; 5],
     /// RPL and its derivatives; 0 for contact.
     pub(super) heat: Heat,
+    /// Answer of UMATHT, if it is called.
+    pub(super) transfer: Option<Transfer>,
     pub(super) slip_increment: [f64; 2],
     pub(super) flags: [i32; 2],
     /// A result that no host can go on with.
@@ -417,6 +423,13 @@ impl<'p> Subject<'p> {
         })
     }
 
+    /// Creates a twin whose calls of UMAT are followed by UMATHT with these parameters; `None`: there is none.
+    pub(super) fn with_umatht(&self, props: &[f64]) -> Option<Self> {
+        let mut twin = self.twin(&self.props).ok()?;
+        let Call::Umat(call) = &mut twin.call else { return None };
+        call.transfer_heat(props).then_some(twin)
+    }
+
     /// Returns a call of plane stress through six components; `None` if the plugin does not support that.
     pub(super) fn through_six(&self) -> Option<UmatCall> {
         let solid = StressState::ThreeD;
@@ -478,7 +491,7 @@ impl<'p> Subject<'p> {
     /// Returns the point before the first increment, with the DTIME, DTEMP and DPRED of another increment.
     pub(super) fn virgin_during(&self, other: &Committed) -> Committed {
         let mut virgin = self.virgin();
-        let Setting { time_increment, temperature, fields } = &other.setting;
+        let Setting { time_increment, temperature, fields, .. } = &other.setting;
         virgin.setting.time_increment = *time_increment;
         virgin.setting.temperature[1] = temperature[1];
         virgin.setting.fields[1].clone_from(&fields[1]);

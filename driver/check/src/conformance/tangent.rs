@@ -5,6 +5,7 @@ use super::sample::{self, SampledState};
 use super::subject::{Answer, CheckedEntryPoint, Committed, Subject, distance, largest};
 use super::tolerances::{DIFFERENCES_DECIDE, EXCLUDED_SHARE, SYMMETRY, TANGENT, TANGENT_JUMP};
 use std::fmt;
+use umat_abi::host::GRADIENTS;
 use umat_abi::metadata::flags;
 
 /// Steps of the differences, relative to the inputs.
@@ -280,6 +281,14 @@ pub(super) enum Measure {
     HeatByStrain,
     /// RPL by the temperature at the end: DRPLDT.
     HeatByTemperature,
+    /// U by the temperature at the end: DUDT.
+    EnergyByTemperature,
+    /// U by the gradient of the temperature: DUDG.
+    EnergyByGradient,
+    /// FLUX of UMATHT by the temperature at the end: DFDT.
+    FluxByTemperature,
+    /// and by its gradient: DFDG.
+    FluxByGradient,
 }
 
 impl Measure {
@@ -289,42 +298,83 @@ impl Measure {
     }
 
     fn is_by_temperature(self) -> bool {
-        matches!(self, Self::StressByTemperature | Self::HeatByTemperature)
+        use Measure::{EnergyByTemperature, FluxByTemperature, HeatByTemperature, StressByTemperature};
+        matches!(self, StressByTemperature | HeatByTemperature | EnergyByTemperature | FluxByTemperature)
+    }
+
+    fn is_by_gradient(self) -> bool {
+        matches!(self, Self::EnergyByGradient | Self::FluxByGradient)
     }
 
     fn is_of_heat(self) -> bool {
         matches!(self, Self::HeatByStrain | Self::HeatByTemperature)
     }
 
+    fn is_of_energy(self) -> bool {
+        matches!(self, Self::EnergyByTemperature | Self::EnergyByGradient)
+    }
+
+    fn is_of_flux(self) -> bool {
+        matches!(self, Self::FluxByTemperature | Self::FluxByGradient)
+    }
+
     fn columns(self, entry: CheckedEntryPoint) -> usize {
-        if self.is_by_temperature() { 1 } else { entry.inputs() }
+        match self {
+            _ if self.is_by_temperature() => 1,
+            _ if self.is_by_gradient() => GRADIENTS,
+            _ => entry.inputs(),
+        }
     }
 
     fn rows(self, entry: CheckedEntryPoint) -> usize {
-        if self.is_of_heat() { 1 } else { entry.outputs() }
+        match self {
+            _ if self.is_of_heat() || self.is_of_energy() => 1,
+            _ if self.is_of_flux() => GRADIENTS,
+            _ => entry.outputs(),
+        }
     }
 
     fn row_name(self, entry: CheckedEntryPoint, row: usize) -> String {
-        if self.is_of_heat() { "RPL".to_owned() } else { entry.output_name(row) }
+        match self {
+            _ if self.is_of_heat() => "RPL".to_owned(),
+            _ if self.is_of_energy() => "U".to_owned(),
+            _ if self.is_of_flux() => format!("FLUX{}", row + 1),
+            _ => entry.output_name(row),
+        }
     }
 
     fn column_name(self, entry: CheckedEntryPoint, column: usize) -> String {
-        if self.is_by_temperature() { "TEMP".to_owned() } else { entry.input_name(column) }
+        match self {
+            _ if self.is_by_temperature() => "TEMP".to_owned(),
+            _ if self.is_by_gradient() => format!("DTEMDX{}", column + 1),
+            _ => entry.input_name(column),
+        }
     }
 
     /// Returns what is differentiated.
-    fn value(self, answer: Answer) -> Vec<f64> {
-        if self.is_of_heat() { vec![answer.heat.rpl] } else { answer.output }
+    pub(super) fn value(self, answer: Answer) -> Vec<f64> {
+        let transfer = answer.transfer.unwrap_or_default();
+        match self {
+            _ if self.is_of_heat() => vec![answer.heat.rpl],
+            _ if self.is_of_energy() => vec![transfer.energy],
+            _ if self.is_of_flux() => transfer.flux.to_vec(),
+            _ => answer.output,
+        }
     }
 
     /// The derivative that an answer reports, row by row.
     pub(super) fn reported(self, answer: &Answer) -> Vec<f64> {
         let components = answer.output.len();
+        let transfer = answer.transfer.unwrap_or_default();
         match self {
             Self::Output | Self::Kirchhoff | Self::Cauchy => answer.tangent.clone(),
             Self::StressByTemperature => answer.heat.ddsddt[..components].to_vec(),
             Self::HeatByStrain => answer.heat.drplde[..components].to_vec(),
             Self::HeatByTemperature => vec![answer.heat.drpldt],
+            Self::EnergyByTemperature => vec![transfer.energy_by_temperature],
+            Self::EnergyByGradient => transfer.energy_by_gradient.to_vec(),
+            Self::FluxByTemperature => transfer.flux_by_temperature.to_vec(),
+            Self::FluxByGradient => transfer.flux_by_gradient.concat(),
         }
     }
 
@@ -332,6 +382,9 @@ impl Measure {
     pub(super) fn sizes(self, subject: &Subject<'_>, from: &Committed, step: &[f64]) -> Vec<f64> {
         /// Size of a temperature that is given as 0.
         const DEGREE: f64 = 1.0;
+        if self.is_by_gradient() {
+            return vec![largest(&from.setting.temperature_gradient).max(DEGREE); GRADIENTS];
+        }
         if !self.is_by_temperature() {
             return local_sizes(subject, from, step);
         }
@@ -353,6 +406,11 @@ fn perturbed(
         warmer.setting.temperature[1] += by;
         return subject.evaluate(&warmer, step).ok();
     }
+    if measure.is_by_gradient() {
+        let mut steeper = from.clone();
+        steeper.setting.temperature_gradient[column] += by;
+        return subject.evaluate(&steeper, step).ok();
+    }
     let mut step = step.to_vec();
     step[column] += by;
     subject.evaluate(from, &step).ok()
@@ -372,7 +430,13 @@ fn differences(
     let deforms = match measure {
         Measure::Kirchhoff | Measure::Cauchy => true,
         Measure::HeatByStrain => Measure::of(subject) == Measure::Kirchhoff,
-        Measure::Output | Measure::StressByTemperature | Measure::HeatByTemperature => false,
+        Measure::Output
+        | Measure::StressByTemperature
+        | Measure::HeatByTemperature
+        | Measure::EnergyByTemperature
+        | Measure::EnergyByGradient
+        | Measure::FluxByTemperature
+        | Measure::FluxByGradient => false,
     };
     let mut matrix = vec![0.0; n * m];
     for j in 0..m {

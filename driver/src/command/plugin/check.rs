@@ -49,6 +49,9 @@ struct Subject {
     /// PROPS to use instead of those of the case, or of the defaults of the metadata.
     #[arg(long, value_name = "P1,P2,...", allow_hyphen_values = true, value_delimiter = ',')]
     props: Option<Vec<f64>>,
+    /// PROPS of UMATHT, whose derivatives are then checked.
+    #[arg(long, value_name = "P1,P2,...", allow_hyphen_values = true, value_delimiter = ',')]
+    umatht_props: Option<Vec<f64>>,
     /// Mode to use instead of the case's. Without a case, only this mode is checked.
     #[arg(long, value_name = "3d|plane_strain|axisymmetric|plane_stress")]
     mode: Option<String>,
@@ -162,7 +165,8 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<u8, Refusal> {
 /// Makes checks for another process, which receives the judgement alone.
 pub(in crate::command) fn examine(asked: Examination) -> Result<u8, Refusal> {
     let Examination { case, plugin, states } = asked;
-    let of = Subject { plugin, props: None, mode: None, states, plugin_paths: case.plugin_paths.clone() };
+    let plugin_paths = case.plugin_paths.clone();
+    let of = Subject { plugin, props: None, umatht_props: None, mode: None, states, plugin_paths };
     let file = file_of(&of.plugin, &of.plugin_paths)?;
     let judged = judge(Checks::of(of, Some(case)), &file, false)?;
     if let Ok(judgement) = &judged {
@@ -192,6 +196,7 @@ fn with_library(checks: &Checks, file: &Path, prints_rows: bool) -> Result<Vec<J
 /// Checks a library in this process. `prints_rows`: whether rows are printed as they come.
 fn here(checks: &Checks, library: &Library, prints_rows: bool) -> Result<Vec<Judged>, Refusal> {
     let mut options = Options {
+        umatht_props: checks.of.umatht_props.clone(),
         states: checks.of.states,
         group: checks.group,
         skipped: checks.skip.clone(),

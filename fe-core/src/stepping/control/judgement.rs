@@ -18,6 +18,8 @@ pub(in crate::stepping) struct Findings {
     pub(in crate::stepping) slip_growth: f64,
     /// Whether the drive of the slip went where the load pulls.
     pub(in crate::stepping) pulls_on: bool,
+    /// Whether the passes of a field left an unstable state.
+    pub(in crate::stepping) field_departs: bool,
     /// Addition of the increment to the imbalance of the energies, and that imbalance before it, relative to the work.
     pub(in crate::stepping) energy_error: f64,
     pub(in crate::stepping) energy_error_before: f64,
@@ -78,14 +80,20 @@ impl StepRun {
                 return Err(failed("the drives leave the path of the last increments"));
             }
         }
-        if matches!(self.lead, Lead::Other(_)) && findings.gives_back {
+        // a crack that grows does not unload, however brittle it is
+        if matches!(self.lead, Lead::Other(Led { by: Leader::PointSlip | Leader::Dissipation, .. }))
+            && findings.gives_back
+        {
             return Err(failed(
                 "the drives turn back, and what they take back was stored: the specimen unloads elastically",
             ));
         }
         let fall = (load.last - findings.load) / load.greatest;
         let jumps = match self.lead {
-            Lead::Drives => self.follows_slip && !self.stabilised && findings.pulls_on && fall > LARGEST_FALL,
+            Lead::Drives => {
+                let may_jump = self.follows_slip || (self.follows_field && findings.field_departs);
+                may_jump && !self.stabilised && findings.pulls_on && fall > LARGEST_FALL
+            }
             Lead::Drag(_) => false,
             Lead::Other(_) => fall.abs() > LARGEST_FALL,
         };

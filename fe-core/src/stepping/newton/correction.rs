@@ -3,9 +3,11 @@
 use super::{Attempt, Committed, Equilibrium, IncrementGoal, Leader, add_loads, largest, trouble, unsolvable};
 use crate::assembly::{Location, PointFailure};
 use crate::contact::PointIndex;
+use crate::field::Correction;
 use crate::model::IncrementContext;
 use crate::stepping::constants::{
-    BEFORE_HALVING, CUT, LEAST_OF_BRACKET, LEAST_PROBE, MAX_SECANTS, MINIMUM_REACHED, PARTS, PROBE, WORK_REDUCTION,
+    BEFORE_HALVING, CUT, LARGER_PROBE, LEAST_OF_BRACKET, LEAST_PROBE, MAX_SECANTS, MINIMUM_REACHED, MOST_PROBES, PARTS,
+    PROBE, WORK_REDUCTION,
 };
 use crate::stepping::line_search;
 use crate::stepping::times::timed;
@@ -17,6 +19,13 @@ struct Progress {
     so_far: f64,
     along_residual: f64,
     along_drives: f64,
+}
+
+/// How far the drives go that follow a field, along their line, and by how much a force changes with it, N.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Followed {
+    pub(super) share: f64,
+    pub(super) force: f64,
 }
 
 /// Correction of displacements and drives in one Newton iteration.
@@ -47,14 +56,16 @@ impl Equilibrium<'_> {
         let &Attempt { start, target, ref trial, .. } = attempt;
         let mut correction = self.memory.residual.clone();
         let predicts = attempt.predicts();
-        let may_lack = !matches!(target, IncrementGoal::Led { .. }) || (predicts && attempt.is_off);
+        let leads = matches!(target, IncrementGoal::Led { by: Leader::PointSlip | Leader::Dissipation, .. });
+        let may_lack = !leads || (predicts && attempt.is_off);
         let drives = if may_lack { attempt.lacking() } else { vec![0.0; trial.drives.len()] };
         if predicts && may_lack {
             let change = self.drive_force(start, &drives);
             correction.iter_mut().zip(&change).for_each(|(c, f)| *c += f);
         }
         match target {
-            IncrementGoal::Drives(_) | IncrementGoal::Through { .. } => {
+            // those that follow a field are found with it
+            IncrementGoal::Drives(_) | IncrementGoal::Through { .. } | IncrementGoal::Led { by: Leader::Field, .. } => {
                 self.solve(&mut correction)?;
                 Ok(self.as_direction(&correction, drives))
             }
@@ -69,6 +80,7 @@ impl Equilibrium<'_> {
                         self.slip_progress(&from_residual, &from_drives, predicts && attempt.lead.is_none(), *point)
                     }
                     Leader::Dissipation => self.dissipation_progress(attempt, &from_residual, &from_drives)?,
+                    Leader::Field => Progress::default(),
                 };
                 let growth = self.parallel.as_ref().map_or(*growth, |parallel| parallel.growth);
                 let share = (growth - progress.so_far - progress.along_residual) / progress.along_drives;
@@ -138,6 +150,49 @@ impl Equilibrium<'_> {
         };
         let so_far = now - attempt.start.dissipation;
         Ok(Progress { so_far, along_residual: slope(from_residual)?, along_drives: slope(from_drives)? })
+    }
+
+    /// Adds to a correction of a field that leads what the drives add that follow it. Their change with the field is that of the heat at
+    /// displacements a little further along their line, which UMATs do not give by itself. The points' trial state is lost.
+    pub(super) fn follow_field(
+        &mut self,
+        attempt: &Attempt<'_>,
+        correction: &mut Correction,
+    ) -> Result<Followed, PointFailure> {
+        let IncrementGoal::Led { by: Leader::Field, direction, .. } = attempt.target else {
+            return Ok(Followed::default());
+        };
+        let (trial, context) = (&attempt.trial, attempt.context());
+        if !self.memory.factorised {
+            self.factorise()?;
+        }
+        let mut along = self.drive_force(attempt.start, direction);
+        self.solve(&mut along)?;
+        let along = self.as_direction(&along, direction.clone());
+        let probe = (PROBE * self.memory.last_move).max(LEAST_PROBE * largest(&trial.displacements));
+        let mut length = probe / largest(&along.displacements);
+        for _ in 0..MOST_PROBES {
+            let there = trial.displacements.iter().zip(&along.displacements).map(|(u, du)| u + length * du);
+            let there: Vec<f64> = there.collect();
+            let mut forces = vec![0.0; there.len()];
+            let Self { solids, field: Some(field), times, memory, .. } = self else { break };
+            timed(&mut times.solids, || solids.evaluate(&there, &context, Request::Stress, &mut forces))?;
+            let response = field.response(correction, length, &trial.drives, &attempt.context, solids);
+            let response = response.map_err(|error| unsolvable(&error))?;
+            if response.iter().all(|by| *by <= 0.0) {
+                // nothing loads so near: it has unloaded, or does not crack yet
+                length *= LARGER_PROBE;
+                continue;
+            }
+            let share = field.lead(correction, &response);
+            let internal = memory.internal.iter().zip(&memory.contact_forces).map(|(all, contact)| all - contact);
+            let change = forces.iter().zip(internal).map(|(there, here)| (there - here).abs()).fold(0.0, f64::max);
+            if share.is_finite() && change.is_finite() {
+                return Ok(Followed { share, force: (share / length).abs() * change });
+            }
+            break;
+        }
+        Err(trouble(Location::System, "no crack follows the drives".into(), CUT))
     }
 
     fn dissipation_at(&mut self, displacements: &[f64], context: IncrementContext) -> Result<f64, PointFailure> {

@@ -51,6 +51,7 @@ impl Equilibrium<'_> {
             let (begins_round, flips) = (attempt.round().is_empty(), self.flips());
             self.memory.last_reduction = if predicts { 1.0 } else { after / residual };
             growing = if !predicts && after > residual { growing + 1 } else { 0 };
+            attempt.follows = false;
             attempt.iterations.push(Iteration {
                 residual: after,
                 scale: self.force_scale(),

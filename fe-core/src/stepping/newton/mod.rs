@@ -40,6 +40,7 @@ use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::{Blocks, SolverError};
 use crate::stepping::constants::{CUT, FIELD_CUT, LEAST_RELATIVE_SCALE};
 use crate::threads::Threads;
+use correction::Followed;
 use parallel::ParallelRound;
 use serde::{Deserialize, Serialize};
 use state::Memory;
@@ -82,6 +83,8 @@ pub(super) enum Leader {
     PointSlip,
     /// Dissipation of the solids' laws, N·mm: grows while an element fails.
     Dissipation,
+    /// The phase field at the node where it grows fastest with the drives: grows while a crack does.
+    Field,
 }
 
 /// Residual and correction of one iteration, for the report.
@@ -126,6 +129,9 @@ pub(super) struct Attempt<'a> {
     lead: Option<Lead<'a>>,
     /// Whether the drives of that increment are not where the target has them.
     is_off: bool,
+    /// Values of drives that follow a field, and whether they have changed since the last iteration.
+    followed: Vec<f64>,
+    follows: bool,
     /// The way that it takes, if it is kept.
     kept: Guide,
 }
@@ -138,7 +144,21 @@ impl<'a> Attempt<'a> {
         lead: Option<Lead<'a>>,
     ) -> Self {
         let (trial, iterations, kept) = (start.clone(), Vec::new(), Guide::default());
-        Self { start, target, context, trial, iterations, before: 0, updated: None, lead, is_off: false, kept }
+        let followed = start.drives.clone();
+        Self {
+            start,
+            target,
+            context,
+            trial,
+            iterations,
+            before: 0,
+            updated: None,
+            lead,
+            is_off: false,
+            followed,
+            follows: false,
+            kept,
+        }
     }
 
     /// Returns the iterations of this round.
@@ -146,9 +166,9 @@ impl<'a> Attempt<'a> {
         &self.iterations[self.before..]
     }
 
-    /// Returns whether the next correction is the predictor, which takes the drives to their goal.
+    /// Returns whether the next correction is a predictor, which takes the drives to their goal.
     fn predicts(&self) -> bool {
-        self.iterations.is_empty() && (self.lead.is_none() || self.is_off)
+        self.follows || (self.iterations.is_empty() && (self.lead.is_none() || self.is_off))
     }
 
     /// Returns what the drives lack to be where the target has them; of a leading quantity on their line, if they may be off it.
@@ -157,6 +177,9 @@ impl<'a> Attempt<'a> {
         match self.target {
             IncrementGoal::Drives(goal) | IncrementGoal::Through { goal, .. } => {
                 goal.iter().zip(now).map(|(to, from)| to - from).collect()
+            }
+            IncrementGoal::Led { by: Leader::Field, .. } => {
+                self.followed.iter().zip(now).map(|(to, from)| to - from).collect()
             }
             IncrementGoal::Led { direction, .. } => {
                 let length: f64 = direction.iter().map(|d| d * d).sum();
@@ -301,7 +324,7 @@ impl<'m> Equilibrium<'m> {
             if settles {
                 self.memory.statistics.settlements += 1;
                 self.field.iter_mut().for_each(|field| field.accept(false));
-            } else if end == RoundEnd::Balanced && self.field_settles(&attempt)? {
+            } else if end == RoundEnd::Balanced && self.field_settles(&mut attempt)? {
                 self.memory.last_iterations = hardest_round(&attempt.iterations);
                 self.prepare_next(&attempt)?;
                 if self.far_field_holds(&mut attempt)? {
@@ -326,27 +349,42 @@ impl<'m> Equilibrium<'m> {
     /// Predicts the field.
     fn begin_field(&mut self, attempt: &Attempt<'_>) {
         let Some(field) = &mut self.field else { return };
-        field.begin(&attempt.trial.drives, &attempt.context, &mut self.solids);
+        let growth = match attempt.target {
+            IncrementGoal::Led { by: Leader::Field, growth, .. } => Some(*growth),
+            _ => None,
+        };
+        field.begin(&attempt.trial.drives, &attempt.context, growth, &mut self.solids);
         self.memory.at_committed_state = false;
     }
 
     /// Corrects the field by the heat of the solids: whether they agree. If not, the solids have got another one, the last of the
     /// increment if it leaves the forces as they were.
-    fn field_settles(&mut self, attempt: &Attempt<'_>) -> Result<bool, PointFailure> {
+    fn field_settles(&mut self, attempt: &mut Attempt<'_>) -> Result<bool, PointFailure> {
         loop {
             let Self { field: Some(field), solids, times, memory, .. } = self else { return Ok(true) };
-            if field.is_accepted() {
+            // nothing flows in no time
+            if field.is_accepted() || attempt.context.time_increment <= 0.0 {
                 return Ok(true);
             }
             memory.statistics.field_passes += 1;
-            let pass = timed(&mut times.solution, || field.pass(&attempt.trial.drives, &attempt.context, solids));
-            match pass.map_err(|error| unsolvable(&error))? {
-                Pass::Settled => return Ok(true),
+            let (drives, context) = (&attempt.trial.drives, &attempt.context);
+            let correction = timed(&mut times.solution, || field.correction(drives, context, solids));
+            let mut correction = correction.map_err(|error| unsolvable(&error))?;
+            let Followed { share, force } = self.follow_field(attempt, &mut correction)?;
+            let Self { field: Some(field), solids, .. } = self else { return Ok(true) };
+            let (pass, part) = field.pass(correction, solids);
+            if let IncrementGoal::Led { direction, .. } = attempt.target
+                && share != 0.0
+            {
+                attempt.followed.iter_mut().zip(direction).for_each(|(drive, along)| *drive += part * share * along);
+                attempt.follows = true;
+            }
+            match pass {
                 Pass::Changed => return Ok(false),
                 Pass::Near => {
                     let before = self.memory.internal.clone();
                     self.evaluate(attempt)?;
-                    let change = largest_difference(&self.memory.internal, &before);
+                    let change = largest_difference(&self.memory.internal, &before).max(force);
                     let limit = (FORCE_CHANGE * self.force_scale()).max(self.memory.rounding);
                     self.field.iter_mut().for_each(|field| field.accept(change <= limit));
                     return Ok(false);

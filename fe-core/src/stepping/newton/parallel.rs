@@ -96,7 +96,10 @@ impl Equilibrium<'_> {
             IncrementGoal::Led { by: Leader::Dissipation, .. } => {
                 self.solids.trial_dissipation() - attempt.start.dissipation
             }
-            IncrementGoal::Drives(_) | IncrementGoal::Through { .. } => 0.0,
+            // a field leads in its passes
+            IncrementGoal::Led { by: Leader::Field, .. } | IncrementGoal::Drives(_) | IncrementGoal::Through { .. } => {
+                0.0
+            }
         }
     }
 
