@@ -83,7 +83,7 @@ pub fn wires(reader: &mut Reader<'_>, case: &PulloutCase, mesh: &Mesh, fibres: &
             }
         }
     }
-    let mut wire = |(fibre, name): (&PulledFibre, &str)| {
+    let wire = |(fibre, name): (&PulledFibre, &str)| {
         let mut wire = Wire::new(mesh, fibre);
         if let Some(part) = given.get(name) {
             [wire.strength, wire.elongation] = [part.strength, part.elongation].map(|limit| limit.map(|limit| limit.0));
