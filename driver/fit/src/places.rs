@@ -1,7 +1,7 @@
 //! Least squares from several places between bounds: the best end counts, and says how well its numbers are known.
 //!
 //! Bounds are kept by what is sought instead of the numbers: of u, the number or its logarithm, between two bounds it is z with
-//! u = lo + (hi − lo)(1 + sin z)/2, beside one bound z with u = lo + z² or hi − z², without bounds u itself.
+//! u = lo + (hi − lo)(1 + sin z)/2, with one bound z with u = lo + z² or hi − z², without bounds u itself.
 
 use super::search::{Best, Search, Simulation, root_mean_square};
 use levenberg_marquardt::LevenbergMarquardt;
@@ -10,7 +10,7 @@ use pullout_bridging::{Estimate, estimates};
 
 /// The search ends when the sum of squares would fall, or what is sought would move, by less than this part.
 const SMALLEST: f64 = 1e-10;
-/// A start on a bound moves inwards by this part of the distance of the bounds, or of its size beside one bound: on them nothing has a
+/// A start on a bound moves inwards by this part of the distance of the bounds, or of its size with one bound: on them nothing has a
 /// slope.
 const INWARDS: f64 = 0.01;
 /// Differences so small, as a part of the greatest value of the data, are what rounding leaves: nothing better is sought.
