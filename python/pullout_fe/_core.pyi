@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 __all__ = [
     "Plugin",
     "STACK",
+    "STARTS",
     "Stop",
     "Trail",
     "UTILITIES",
@@ -34,6 +35,7 @@ __all__ = [
 ]
 
 VERSION: str
+STARTS: int
 UTILITIES: str
 STACK: int
 

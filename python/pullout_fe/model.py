@@ -80,12 +80,12 @@ class _Fitted:
         return np.where(np.isnan(target), 0.0, difference)
 
     def fit(
-        self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, *, starts: int = 1, max_runs: int = 1000
+        self, data: ArrayLike, sigma: ArrayLike | None = None, x0: ArrayLike | None = None, *, starts: int | None = None, max_runs: int = 1000
     ) -> Fit:
         """Fit the parameters to data by the least squares of ``pullout fit``.
 
-        ``starts``: number of starting points, ``x0`` and others between the ``bounds``. The best result counts. ``max_runs``: largest
-        number of runs of all searches. Where a run fails, the search goes back, except at the first point.
+        ``starts``: number of starting points, ``x0`` and others between the ``bounds``. The best result counts. The default is 4
+        as in ``pullout fit``, or 1 if a bound is infinite. ``max_runs``: largest number of runs of all searches. Where a run fails, the search goes back, except at the first point.
 
         The covariance assumes data errors of ``sigma``. Without ``sigma`` it assumes errors as large as the remaining differences, as in
         ``pullout fit``.
@@ -100,7 +100,7 @@ class _Fitted:
         outside = [("x0", f"{name} = {value} is not within {low}:{high}") for name, value, (low, high), _ in named if not low <= value <= high]
         outside += [("x0", f"{name} = {value} has no logarithm") for name, value, _, is_log in named if is_log and value <= 0.0]
         unbounded = [name for name, bound in zip(self.names, self.bounds) if not np.all(np.isfinite(bound))]
-        starts = whole(starts, "starts")
+        starts = (1 if unbounded else _core.STARTS) if starts is None else whole(starts, "starts")
         if starts > 1 and unbounded:
             outside.append(("starts", f"lie between bounds: give those of {', '.join(unbounded)}"))
         if outside:

@@ -33,6 +33,10 @@ mod _core {
     #[pymodule_export]
     const STACK: usize = pullout_run::PLUGIN_STACK;
 
+    /// Number of places that a fit is searched from, unless others are asked for.
+    #[pymodule_export]
+    const STARTS: u32 = pullout_fit::CaseRequest::STARTS;
+
     /// File name of the library of the utility routines, by which an installation is known.
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

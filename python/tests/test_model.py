@@ -251,8 +251,9 @@ def test_a_fit_from_several_places_takes_the_best_end() -> None:
     made = po.Model(BAR, {"nu": "material.props.nu"}, ("e11", "s11"), GRID, bounds={"nu": (-0.6, 0.45)})
     # (1 - nu)/(1 + nu)/(1 - 2 nu) is least at 0: from below, the way leads to the lower bound
     target = oedometer(100.0, 0.4)
-    one = made.fit(target, sigma=1.0, x0=[-0.3])
-    four = made.fit(target, sigma=1.0, x0=[-0.3], starts=4)
+    one = made.fit(target, sigma=1.0, x0=[-0.3], starts=1)
+    # as many as the program has
+    four = made.fit(target, sigma=1.0, x0=[-0.3])
     assert one.on_bound == {"nu": -0.6} and four.values["nu"] == pytest.approx(0.4, rel=1e-6)
     assert four.evaluations > one.evaluations
     with pytest.raises(po.CaseError, match="starts: lie between bounds: give those of E"):
