@@ -23,8 +23,6 @@ Free = Union[str, "tuple[str, str]"]
 
 #: relative step of differences: smaller steps drown in the tolerance of a specimen's equilibrium
 STEP = 1e-6
-#: a parameter closer to a bound than this fraction of the distance between the bounds lies on it
-ON_BOUND = 1e-6
 
 
 class Fit(NamedTuple):
@@ -85,7 +83,8 @@ class _Fitted:
         """Fit the parameters to data by the least squares of ``pullout fit``.
 
         ``starts``: number of starting points, ``x0`` and others between the ``bounds``. The best result counts. The default is 4
-        as in ``pullout fit``, or 1 if a bound is infinite. ``max_runs``: largest number of runs of all searches. Where a run fails, the search goes back, except at the first point.
+        as in ``pullout fit``, or 1 if a bound is infinite. ``max_runs``: largest number of runs of all searches. Where a run fails,
+        the search goes back, except at the first point.
 
         The covariance assumes data errors of ``sigma``. Without ``sigma`` it assumes errors as large as the remaining differences, as in
         ``pullout fit``.

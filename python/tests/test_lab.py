@@ -171,7 +171,7 @@ def test_parameters_fitted_to_a_measured_curve(tmp_path: Path) -> None:
         assert found["E"] == pytest.approx(1.7e5, rel=1e-5)
         assert found["hardening"] == [[pytest.approx(260.0, rel=1e-5), 0.0], [pytest.approx(290.0, rel=1e-4), 0.01]]
         assert browser.evaluate("document.querySelector('#ghosts input').value") == "before the fit"
-        # numbers that the case refuses are told
+        # a lower bound above the upper one is refused with its place
         browser.evaluate("(() => { const f = document.querySelector('#free input[type=number]'); f.value = 5e6; f.dispatchEvent(new Event('change')); })()")
         browser.evaluate("document.getElementById('start-fit').click()")
         browser.wait("document.getElementById('fitted').textContent.includes('material.props.E')")
