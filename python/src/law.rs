@@ -43,6 +43,7 @@ pub fn find(name: &str) -> PyResult<PathBuf> {
         if !path.is_file() {
             return refuse(format!("there is no library file {}", path.display()));
         }
+        driver::command::compile_sources(false);
         return sources::library_of(path).map_err(|message| Exception::Plugin.with(message));
     }
     let folders = host::search_paths(&[]);

@@ -80,7 +80,9 @@ impl Stop {
 /// Progress of a run: the part that is done, and the present row.
 type State = Option<(f64, Vec<f64>)>;
 
+/// Returns a case, which may name sources of plugins: these are compiled.
 fn source((file, document, folder, overrides, plugin_paths): Parts) -> PyResult<CaseSource> {
+    driver::command::compile_sources(false);
     let mut source = match (file, document) {
         (Some(file), None) => CaseSource::file(&file),
         (file, document) => {

@@ -394,6 +394,17 @@ def test_what_a_umat_prints_is_kept(tmp_path: Path, compile_fortran: Compile, ca
     assert capfd.readouterr().out == "" and po.run(CRUSHING).prints == ""
 
 
+def test_a_source_is_compiled(tmp_path: Path, compile_fortran: Compile, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    library = compile_fortran(PRINTING, tmp_path / "prints.f90")
+    source = library.with_name("prints.f90")
+    assert po.run(umat(source, 0.5)).history == po.run(umat(library, 0.5)).history
+    assert po.Law(source, nstatv=1).evaluate(0.0, [[0.1, 0, 0, 0, 0, 0]], props=[3e4]).stress[0, 0] == pytest.approx(3e3)
+    source.write_text("      this is no fortran")
+    with pytest.raises(po.PluginError, match="prints.f90"):
+        po.run(umat(source, 0.5))
+
+
 @pytest.mark.parametrize("is_foreign", [False, True])
 def test_another_thread_stops_a_run(is_foreign: bool, umats: dict[str, Path], tmp_path: Path) -> None:
     long = umat(umats["stops"], -0.5).with_({"steps[0].increments": 9_000_000}) if is_foreign else LONG

@@ -308,7 +308,7 @@ fn act(command: Command) -> u8 {
 }
 
 /// Allows cases to name plugin sources, which are then compiled, unless the cases are untrusted.
-fn compile_sources(is_untrusted: bool) {
+pub fn compile_sources(is_untrusted: bool) {
     if !is_untrusted {
         sources::build_by(|source| {
             build::kept(source, &|words| complain(words)).map_err(|refusal| refusal.to_string())
