@@ -10,6 +10,7 @@ mod error;
 mod general_lu;
 mod graph;
 mod linear;
+mod method;
 mod ordering;
 mod parts;
 mod pattern;
@@ -22,6 +23,7 @@ pub use blocks::Blocks;
 pub use condensation::Superelement;
 pub use error::SolverError;
 pub use linear::LinearSolver;
+pub use method::Method;
 pub use pattern::{Pattern, SystemMatrix};
 
 #[cfg(test)]
@@ -63,17 +65,6 @@ pub enum Symmetry {
     Symmetric,
     /// Perhaps not symmetric.
     Unsymmetric,
-}
-
-/// Methods of factorisation, in the order in which they are tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Method {
-    /// LLᵀ in parts.
-    Parts,
-    /// LU, pivoting inside supernodes.
-    BlockLu,
-    /// LU, full partial pivoting.
-    GeneralLu,
 }
 
 /// A vector as a matrix of one column.
