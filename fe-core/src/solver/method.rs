@@ -1,12 +1,8 @@
-//! Methods of factorisation: what a method does, and the list of them. Another one is a file with its [`Factorisation`] and a row of
-//! the list.
+//! Methods of factorisation: what a method does, and how the list of them is made.
 
 use std::sync::{Arc, OnceLock};
 
-use super::block_lu::BlockLu;
-use super::general_lu::GeneralLu;
 use super::ordering::elimination_order;
-use super::parts::Parts;
 use super::{Pattern, SolverError, SystemMatrix};
 use crate::threads::Threads;
 
@@ -109,11 +105,4 @@ macro_rules! methods {
     };
 }
 
-methods! {
-    /// LLᵀ in parts.
-    Parts = Parts,
-    /// LU, pivoting inside supernodes.
-    BlockLu = BlockLu,
-    /// LU, full partial pivoting.
-    GeneralLu = GeneralLu,
-}
+pub(super) use methods;

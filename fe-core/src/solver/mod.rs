@@ -18,12 +18,12 @@ mod whole;
 mod zone;
 
 use faer::MatMut;
+use method::{Analysed, Factorisation, Layout, methods};
 
 pub use blocks::Blocks;
 pub use condensation::Superelement;
 pub use error::SolverError;
 pub use linear::LinearSolver;
-pub use method::Method;
 pub use pattern::{Pattern, SystemMatrix};
 
 #[cfg(test)]
@@ -65,6 +65,16 @@ pub enum Symmetry {
     Symmetric,
     /// Perhaps not symmetric.
     Unsymmetric,
+}
+
+// another one is a file with its `Factorisation`, and a row here
+methods! {
+    /// LLᵀ in parts.
+    Parts = parts::Parts,
+    /// LU, pivoting inside supernodes.
+    BlockLu = block_lu::BlockLu,
+    /// LU, full partial pivoting.
+    GeneralLu = general_lu::GeneralLu,
 }
 
 /// A vector as a matrix of one column.
