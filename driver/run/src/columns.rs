@@ -532,8 +532,8 @@ pub fn of_contact(tangential_directions: usize, states: &[String]) -> Vec<String
 
 /// Returns the history's columns of a specimen, including those of each of several fibres.
 pub fn of_specimen(fibres: &[MeasuredFibre]) -> Vec<String> {
-    let of = |fibre: &MeasuredFibre| FIBRE.iter().map(move |column| format!("{}.{}", column.name, fibre.name));
-    let each: Vec<String> = fibres.iter().flat_map(of).collect();
+    let names = |fibre: &MeasuredFibre| FIBRE.iter().map(|column| format!("{}.{}", column.name, fibre.name)).collect();
+    let each = fibres.iter().map(names).collect::<Vec<Vec<String>>>().concat();
     framed(SPECIMEN.iter().map(|column| column.name).chain(each.iter().map(String::as_str)))
 }
 

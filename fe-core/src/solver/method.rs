@@ -84,17 +84,17 @@ macro_rules! methods {
         }
 
         impl Method {
-            pub(super) const ALL: [Self; [$(stringify!($method)),+].len()] = [$(Self::$method),+];
+            const ALL: [Self; [$(stringify!($method)),+].len()] = [$(Self::$method),+];
 
             /// Returns whether the method is for such a matrix.
-            pub(super) fn applies(self, is_symmetric: bool) -> bool {
+            fn applies(self, is_symmetric: bool) -> bool {
                 match self {
                     $(Self::$method => <$factorisation>::applies(is_symmetric),)+
                 }
             }
 
             /// Analyses a pattern.
-            pub(super) fn analyse(self, pattern: &Pattern, layout: &Layout) -> Result<Analysed, SolverError> {
+            fn analyse(self, pattern: &Pattern, layout: &Layout) -> Result<Analysed, SolverError> {
                 match self {
                     $(Self::$method => {
                         Ok(<$factorisation>::analyse(pattern, layout)?.map(|analysed| Box::new(analysed) as _))
