@@ -6,7 +6,7 @@ mod program;
 use end_to_end_tests::{Tool, find, run as compile, workspace};
 use program::{Desk, cases};
 use pullout_case::{JsonPlace, ProblemKind};
-use pullout_engine::{CaseSource, Error, Job, Message, Options, Outcome, Settings, set_program};
+use pullout_engine::{CaseSource, Error, Job, Message, Options, Outcome, REPLAY, Settings, set_program};
 use pullout_report::history::History;
 use pullout_report::summary::Status;
 use pullout_run::isolation::Child;
@@ -54,7 +54,7 @@ fn same_as_the_command(case: &Path, overrides: &[&str]) -> Outcome {
         text.as_object_mut().expect("an object").retain(|name, _| !name.contains("time"));
     }
     assert_eq!(summary, expected);
-    assert!(outcome.is_done() && outcome.replay.is_none());
+    assert!(outcome.is_done() && !outcome.documents.contains_key(REPLAY));
     outcome
 }
 
@@ -195,7 +195,7 @@ fn a_run_that_fails_keeps_its_rows_and_can_be_repeated() {
     let failed_at = outcome.summary.failed_at.expect("a place");
     assert_eq!((failed_at.kind, failed_at.step, failed_at.increment), (FailureKind::Failed, 1, 6));
     assert_eq!(outcome.history.rows(), 6);
-    let again = run(CaseSource::document(outcome.replay.expect("a replay"), Path::new("")));
+    let again = run(CaseSource::document(outcome.documents[REPLAY].clone(), Path::new("")));
     assert_eq!(again.summary.status, Status::Failed);
 }
 
@@ -277,7 +277,7 @@ fn libraries_of_others_run_in_a_child() {
         assert!(source.need().is_some());
         let outcome = run(source);
         assert_eq!(outcome.summary.failed_at.map(|at| (at.kind, at.step, at.increment)), kind.map(|kind| (kind, 1, 3)));
-        assert_eq!(outcome.replay.is_some(), kind.is_some());
+        assert_eq!(outcome.documents.contains_key(REPLAY), kind.is_some());
         let stress = outcome.history.column("s11").expect("a column");
         assert_eq!(stress.len(), if kind.is_some() { 3 } else { 6 });
         assert!((stress[2] - 2.0).abs() < 1e-12, "{stress:?}");

@@ -176,23 +176,25 @@ class Run:
     """The results of a run."""
 
     def __init__(
-        self, case: Case | None, history: History, summary: str, replay: str | None, folder: Path | None = None, is_done: bool = False
+        self, case: Case | None, history: History, texts: Mapping[str, str], folder: Path | None = None, is_done: bool = False
     ) -> None:
         self.case = case
         self.history = history
         #: the result folder, if there is one
         self.folder = folder
-        self._summary = summary
+        # the summary and the documents of the run by their names, and what else is text
+        self._texts = dict(texts)
+        replay = self._document("replay")
         #: a case that repeats the failed increment or call
-        self.replay = None if replay is None else Case(json.loads(replay))
+        self.replay = None if replay is None else Case(replay)
+        increments = self._document("increments")
         #: for a run with ``record=True``: ``case.with_({"increments": run.increments})`` repeats the increments of this run
-        self.increments: dict[str, Any] | None = None
+        self.increments: dict[str, Any] | None = None if increments is None else {"recorded": increments}
+        #: output of plugins in another process, or with ``out``; otherwise they print where the interpreter does
+        self.prints: str = self._texts.get("prints", "")
         self._trail: _core.Trail | None = None
-        self._view: str | None = None
         #: the folder of the fields, which is deleted with this object
         self._fields: tempfile.TemporaryDirectory[str] | None = None
-        #: output of plugins in another process, or with ``out``; otherwise they print where the interpreter does
-        self.prints: str = ""
         self._is_done = is_done
         #: how and where it failed, if it did
         self.failure: Failure | None = None
@@ -210,11 +212,15 @@ class Run:
         # the states and fields of a specimen stay in their process; its increments are pickled
         return {**self.__dict__, "_trail": None, "_fields": None}
 
+    def _document(self, name: str) -> Any:
+        text = self._texts.get(name)
+        return None if text is None else json.loads(text)
+
     # read on demand: that takes as long as fifty increments of a point
     @cached_property
     def summary(self) -> dict[str, Any]:
         """The content of ``summary.json``."""
-        made: dict[str, Any] = json.loads(self._summary)
+        made: dict[str, Any] = self._document("summary")
         return made
 
     @property
@@ -280,7 +286,7 @@ class Run:
 
     def view(self, height: int = 900) -> View:
         """Return the viewer of ``report.html``: the deformed specimen with its fields over the run, and the load–slip curve."""
-        page = self._view or self._view_of_report()
+        page = self._texts.get("view") or self._view_of_report()
         if page is None:
             raise PulloutError("there is no view: it is of specimens, run with view=True, or with out=… and their pictures")
         return View(page, height)
@@ -302,7 +308,7 @@ class Run:
     def _repr_html_(self) -> str:
         words = html.escape(repr(self)[1:-1])
         message = f"<br>{html.escape(self.failure.message)}" if self.failure else ""
-        page = self._view or self._view_of_report()
+        page = self._texts.get("view") or self._view_of_report()
         view = "" if page is None else View(page, 900)._repr_html_()
         return f"<b>{words}</b>{message}{view}{self.history._repr_html_()}"
 
@@ -370,18 +376,15 @@ def run(
     bar = _Bar() if progress is True else None
     listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
     try:
-        columns, summary, is_done, replay, increments, states, page, prints = _core.run(
+        columns, texts, is_done, states = _core.run(
             case._parts(), threads, listener, in_process, trail, (record, view), stop, None if kept is None else kept.name
         )
     finally:
         if bar is not None:
             bar.close()
     history = History({name: values for name, _, values in columns}, {name: unit for name, unit, _ in columns})
-    made = Run(case, history, summary, replay, is_done=is_done)
-    made.increments = None if increments is None else {"recorded": json.loads(increments)}
-    made._trail = states
-    made._view = page
-    made._fields, made.prints = kept, prints
+    made = Run(case, history, texts, is_done=is_done)
+    made._trail, made._fields = states, kept
     return _ended(made, on_failure)
 
 
@@ -477,22 +480,18 @@ def read(folder: str | os.PathLike[str]) -> Run:
     others = [table for table in (folder / "bridging.csv", folder / "beam.csv") if table.is_file()]
     columns: dict[str, NDArray[np.float64]] = {}
     try:
-        summary = (folder / "summary.json").read_text(encoding="utf-8")
+        documents = [folder / "summary.json", *folder.glob("*.json")]
+        texts = {file.stem: file.read_text(encoding="utf-8") for file in documents}
+        printed = [folder / name for name in ("umat.log", "umat.msg")]
+        texts["prints"] = "".join(file.read_text(encoding="utf-8", errors="replace") for file in printed if file.is_file())
         for table in others or [folder / "history.csv"]:
             with open(table, encoding="utf-8") as file:
                 names = file.readline().strip().split(",")
                 values = np.loadtxt(file, delimiter=",", ndmin=2)
             columns.update(zip(names, np.ascontiguousarray(values.reshape(-1, len(names)).T)))
-        replay = folder / "replay.json"
-        text = replay.read_text(encoding="utf-8") if replay.is_file() else None
-        made = Run(None, History(columns, {name: _core.unit(name) for name in columns}), summary, text, folder)
-        printed = [folder / name for name in ("umat.log", "umat.msg")]
-        made.prints = "".join(file.read_text(encoding="utf-8", errors="replace") for file in printed if file.is_file())
-        if (folder / "increments.json").is_file():
-            made.increments = {"recorded": json.loads((folder / "increments.json").read_text(encoding="utf-8"))}
+        return Run(None, History(columns, {name: _core.unit(name) for name in columns}), texts, folder)
     except (OSError, ValueError) as error:
         raise PulloutError(f"{folder} has no results: {error}") from None
-    return made
 
 
 def ramp(increments: int, time: float | None = None, **target: Union[float, str]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ use pullout_run::{PLUGIN_STACK, in_threads};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -32,10 +33,9 @@ pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<Pat
 /// A column with its unit.
 type Column<'py> = (String, &'static str, Bound<'py, PyArray1<f64>>);
 
-/// Columns, `summary.json`, whether the run came to its end, the replay case, the increments, the states of a specimen, the page of the
-/// viewer, and what plugins printed in a child.
-type Results<'py> =
-    (Vec<Column<'py>>, String, bool, Option<String>, Option<String>, Option<Trail>, Option<String>, String);
+/// Columns; texts: `summary.json` and the documents of the run by their names, the page of the viewer, what plugins printed in a child;
+/// whether the run came to its end; the states of a specimen.
+type Results<'py> = (Vec<Column<'py>>, BTreeMap<String, String>, bool, Option<Trail>);
 
 /// The states of a specimen, along which a run with nearly the same parameters goes.
 #[pyclass(frozen, module = "pullout_fe._core")]
@@ -291,25 +291,19 @@ fn notify(py: Python<'_>, listener: &Py<PyAny>, names: &[String], part: f64, row
 }
 
 fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
-    let (summary, is_done) = (outcome.summary.text()?, outcome.is_done());
-    let replay = outcome.replay.map(|replay| replay.to_string());
-    let increments = outcome.increments.map(|increments| increments.to_string());
+    let is_done = outcome.is_done();
+    let mut texts: BTreeMap<String, String> =
+        outcome.documents.iter().map(|(name, document)| (name.clone(), document.to_string())).collect();
+    texts.insert("summary".into(), outcome.summary.text()?);
+    texts.insert("prints".into(), outcome.prints);
+    texts.extend(outcome.view.map(|page| ("view".into(), page)));
     let columns = outcome.history.into_columns();
     // the memory is handed over, not copied
     let columns = columns.map(|(name, values)| {
         let unit = Outcome::unit(&name);
         (name, unit, values.into_pyarray(py))
     });
-    Ok((
-        columns.collect(),
-        summary,
-        is_done,
-        replay,
-        increments,
-        outcome.trail.map(|trail| Trail(trail.into())),
-        outcome.view,
-        outcome.prints,
-    ))
+    Ok((columns.collect(), texts, is_done, outcome.trail.map(|trail| Trail(trail.into()))))
 }
 
 /// Runs work that may call plugins on a thread with the stack that they may need.

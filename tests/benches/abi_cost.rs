@@ -4,13 +4,7 @@
 //! `cargo bench -p end-to-end-tests --bench abi_cost`. The ways alternate in short repeats, and medians are compared:
 //! other work of the machine then affects all of them alike.
 
-use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, sample, strain_path};
-use models::concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex, ConcretePhaseField};
-use models::{
-    biaxial_damage::BiaxialDamage, drucker_prager::DruckerPrager, inelastic_damage::InelasticDamage,
-    j2_plasticity::J2Plasticity, linear_elastic::LinearElastic, pure_damage::PureDamage,
-    reverse_cyclic_damage::ReverseCyclicDamage,
-};
+use end_to_end_tests::{PointMemory, Sample, plugin, sample, strain_path};
 use std::hint::black_box;
 use std::time::Instant;
 use umat_abi::export::umat;
@@ -20,22 +14,6 @@ use umat_abi::umat::UmatFunction;
 /// Calls of each way in all.
 const CALLS: usize = 10_000_000;
 const REPEATS: usize = 50;
-/// The laws' `umat_` linked into this program: the same function, with the same 38 arguments, that a library exports.
-mod linked {
-    use super::*;
-    umat_abi::umat_symbol!("linked_linear_elastic_", linear_elastic, umat::<LinearElastic>);
-    umat_abi::umat_symbol!("linked_pure_damage_", pure_damage, umat::<PureDamage>);
-    umat_abi::umat_symbol!("linked_inelastic_damage_", inelastic_damage, umat::<InelasticDamage>);
-    umat_abi::umat_symbol!("linked_reverse_cyclic_damage_", reverse_cyclic_damage, umat::<ReverseCyclicDamage>);
-    umat_abi::umat_symbol!("linked_biaxial_damage_", biaxial_damage, umat::<BiaxialDamage>);
-    umat_abi::umat_symbol!("linked_concrete_damage_", concrete_damage, umat::<ConcreteDamage>);
-    umat_abi::umat_symbol!("linked_implex_", concrete_damage_implex, umat::<ConcreteDamageImplex>);
-    umat_abi::umat_symbol!("linked_fixed_", concrete_damage_fixed, umat::<ConcreteDamageFixed>);
-    umat_abi::umat_symbol!("linked_phase_field_", concrete_phase_field, umat::<ConcretePhaseField>);
-    umat_abi::umat_symbol!("linked_j2_plasticity_", j2_plasticity, umat::<J2Plasticity>);
-    umat_abi::umat_symbol!("linked_drucker_prager_", drucker_prager, umat::<DruckerPrager>);
-}
-
 /// Largest accepted surcharge of a loaded library over a direct call: the greater of the two.
 const ACCEPTED_NANOSECONDS: f64 = 5.0;
 const ACCEPTED_SHARE: f64 = 0.05;
@@ -130,25 +108,23 @@ fn measure<L: Law>(law: &Sample, linked: UmatFunction, calls: usize) -> bool {
     accepted
 }
 
+/// Measures every law with its `umat_` linked into this program: the same function, with the same 38 arguments, that its library
+/// exports.
+macro_rules! measure_all {
+    (umat: [$($law:ty => $name:literal,)+], $($interface:tt)*) => {
+        |calls: usize| [$({
+            umat_abi::umat_symbol!(concat!("linked_", $name, "_"), linked, umat::<$law>);
+            measure::<$law>(sample($name), linked, calls)
+        }),+]
+    };
+}
+
 fn main() {
     // `cargo test --benches` runs this too, without `--bench`: then it only shows that it works.
     let calls = if std::env::args().any(|argument| argument == "--bench") { CALLS / REPEATS } else { 10 };
     println!("ns a call, medians of {REPEATS} repeats of {calls} calls; accepted: +5 ns or +5 %");
     println!("{:<22} {:>10} {:>10} {:>10} {:>10} {:>10}", "law", "bare", "direct", "dlopen", "surcharge", "");
-    let accepted = [
-        measure::<LinearElastic>(sample("linear_elastic"), linked::linear_elastic, calls),
-        measure::<PureDamage>(sample("pure_damage"), linked::pure_damage, calls),
-        measure::<InelasticDamage>(sample("inelastic_damage"), linked::inelastic_damage, calls),
-        measure::<ReverseCyclicDamage>(sample("reverse_cyclic_damage"), linked::reverse_cyclic_damage, calls),
-        measure::<BiaxialDamage>(sample("biaxial_damage"), linked::biaxial_damage, calls),
-        measure::<ConcreteDamage>(sample("concrete_damage"), linked::concrete_damage, calls),
-        measure::<ConcreteDamageImplex>(sample("concrete_damage_implex"), linked::concrete_damage_implex, calls),
-        measure::<ConcreteDamageFixed>(sample("concrete_damage_fixed"), linked::concrete_damage_fixed, calls),
-        measure::<ConcretePhaseField>(sample("concrete_phase_field"), linked::concrete_phase_field, calls),
-        measure::<J2Plasticity>(sample("j2_plasticity"), linked::j2_plasticity, calls),
-        measure::<DruckerPrager>(sample("drucker_prager"), linked::drucker_prager, calls),
-    ];
-    assert_eq!(accepted.len(), LAWS.len(), "every law of the table");
+    let accepted = models::laws!(measure_all)(calls);
     if calls > 10 && accepted.contains(&false) {
         std::process::exit(1);
     }

@@ -1,16 +1,6 @@
 //! No law allocates in a call: counted by this program's own allocator, below the boundary of `umat_`.
 
-use end_to_end_tests::{LAWS, PointMemory, Sample, strain_path};
-use models::{
-    biaxial_damage::BiaxialDamage,
-    concrete_damage::{ConcreteDamage, ConcreteDamageFixed, ConcreteDamageImplex, ConcretePhaseField},
-    drucker_prager::DruckerPrager,
-    inelastic_damage::InelasticDamage,
-    j2_plasticity::J2Plasticity,
-    linear_elastic::LinearElastic,
-    pure_damage::PureDamage,
-    reverse_cyclic_damage::ReverseCyclicDamage,
-};
+use end_to_end_tests::{PointMemory, Sample, sample, strain_path};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use umat_abi::export::umat;
@@ -64,20 +54,14 @@ fn requests() -> u64 {
 /// The boundary of one law.
 type Boundary = unsafe fn(&UmatArguments);
 
+macro_rules! entries {
+    (umat: [$($law:ty => $name:literal,)+], $($interface:tt)*) => {
+        &[$(($name, umat::<$law>)),+]
+    };
+}
+
 /// The boundary of every law, called directly: a plugin has an allocator of its own, which this program cannot count.
-const ENTRIES: &[(&str, Boundary)] = &[
-    ("linear_elastic", umat::<LinearElastic>),
-    ("pure_damage", umat::<PureDamage>),
-    ("inelastic_damage", umat::<InelasticDamage>),
-    ("reverse_cyclic_damage", umat::<ReverseCyclicDamage>),
-    ("biaxial_damage", umat::<BiaxialDamage>),
-    ("concrete_damage", umat::<ConcreteDamage>),
-    ("concrete_damage_implex", umat::<ConcreteDamageImplex>),
-    ("concrete_damage_fixed", umat::<ConcreteDamageFixed>),
-    ("concrete_phase_field", umat::<ConcretePhaseField>),
-    ("j2_plasticity", umat::<J2Plasticity>),
-    ("drucker_prager", umat::<DruckerPrager>),
-];
+const ENTRIES: &[(&str, Boundary)] = models::laws!(entries);
 
 #[test]
 fn the_count_counts() {
@@ -88,9 +72,8 @@ fn the_count_counts() {
 
 #[test]
 fn ten_thousand_calls_allocate_nothing() {
-    assert_eq!(ENTRIES.len(), LAWS.len(), "every law of the table");
-    for (law, (name, entry)) in LAWS.iter().zip(ENTRIES) {
-        assert_eq!(law.name, *name);
+    for (name, entry) in ENTRIES {
+        let law = sample(name);
         for stress_state in Sample::STRESS_STATES {
             let mut point = PointMemory::new(law, stress_state);
             let path = strain_path(17, point.ntens(), law.strain, 10_000);

@@ -8,10 +8,12 @@ use std::process::{Command, Stdio};
 const PROGRAM: [&str; 2] = ["driver", "pullout"];
 /// Package and name of Python's extension, which contains the program.
 const EXTENSION: [&str; 2] = ["pullout-python", "_core"];
-/// The package of all laws in one library, whose examples are the libraries for Kratos.
+/// The package of all laws in one library.
 pub const ALL_LAWS: &str = "pullout_laws";
-/// The folders of the plugins and of the utility routines.
-const LIBRARIES: [&str; 2] = ["/models/plugins/", "/umat-abi/"];
+/// The folder of the plugins' packages, whose examples are the libraries for Kratos.
+const PLUGINS: &str = "models/plugins/";
+/// The folder of the utility routines.
+const UTILITIES: &str = "umat-abi/";
 /// The profile for distribution. Builds with another profile are for tests.
 pub const FOR_OTHERS: &str = "dist";
 
@@ -64,7 +66,12 @@ fn messages(workspace: &Path, profile: &str, package: &str, linker: Option<&Path
         link_by(&mut command, linker);
     }
     if profile == FOR_OTHERS {
-        command.args(["--package", package, "--package", ALL_LAWS]);
+        command.args(["--package", package]);
+        let plugins = workspace.join(PLUGINS);
+        let packages = plugins.read_dir().map_err(|error| format!("{}: {error}", plugins.display()))?;
+        for package in packages.flatten() {
+            command.arg("--package").arg(package.file_name());
+        }
         if package == PROGRAM[0] {
             command.args(["--features", "driver/full"]);
         }
@@ -100,7 +107,8 @@ fn libraries(messages: &str, kind: &str) -> Result<Vec<PathBuf>, String> {
     let mut libraries = Vec::new();
     for artifact in artifacts(messages)? {
         let package = artifact["package_id"].as_str().unwrap_or_default();
-        let is_ours = package.starts_with("path+") && LIBRARIES.iter().any(|folder| package.contains(folder));
+        let is_ours =
+            package.starts_with("path+") && [PLUGINS, UTILITIES].iter().any(|folder| package.contains(folder));
         if is_ours && has(&artifact["target"]["kind"], kind) && has(&artifact["target"]["crate_types"], "cdylib") {
             let files = artifact["filenames"].as_array().into_iter().flatten().filter_map(Value::as_str);
             libraries.extend(files.filter(|file| file.ends_with(std::env::consts::DLL_SUFFIX)).map(PathBuf::from));

@@ -1,7 +1,7 @@
 //! CalculiX decks of models: what the two cases need and no more.
 
 use crate::BenchError;
-use fe_core::element::ElementKind;
+use fe_core::element::{ElementKind, Integration};
 use fe_core::kinematics::PlaneModel;
 use fe_core::model::{LoadKind, Model, PluginLaw, StepControl};
 use std::fmt::Write as _;
@@ -13,13 +13,8 @@ fn element_type(kind: ElementKind, model: PlaneModel) -> String {
         PlaneModel::PlaneStrain => "CPE",
         PlaneModel::Axisymmetric => "CAX",
     };
-    let shape = match kind {
-        ElementKind::T3 => "3",
-        ElementKind::T6 => "6",
-        ElementKind::Q4 => "4",
-        ElementKind::Q8 => "8R",
-    };
-    format!("{family}{shape}")
+    let reduced = if kind.default_integration() == Integration::Reduced { "R" } else { "" };
+    format!("{family}{}{reduced}", kind.node_count())
 }
 
 fn unknown(what: &str) -> BenchError {

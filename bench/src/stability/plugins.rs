@@ -4,26 +4,11 @@ use super::Row;
 use super::progress::Progress;
 use crate::table::Table;
 use crate::{BenchError, Settings};
+use models::NAMES;
 use pullout_check::conformance::{self, Options, Verdict};
 use umat_abi::host::{Found, Plugin, search_paths};
 
 const PART: &str = "plugin";
-
-/// All shipped plugins.
-const PLUGINS: [&str; 12] = [
-    "linear_elastic",
-    "pure_damage",
-    "inelastic_damage",
-    "reverse_cyclic_damage",
-    "biaxial_damage",
-    "concrete_damage",
-    "concrete_damage_implex",
-    "concrete_damage_fixed",
-    "concrete_phase_field",
-    "j2_plasticity",
-    "drucker_prager",
-    "bond_slip",
-];
 
 /// Random histories of each stress state.
 const HISTORIES: usize = 1000;
@@ -31,11 +16,11 @@ const QUICK_HISTORIES: usize = 40;
 
 /// Checks all of them.
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Row>, BenchError> {
-    let progress = Progress::new("plugins", PLUGINS.len() as u64);
+    let progress = Progress::new("plugins", NAMES.len() as u64);
     let searched = search_paths(&settings.plugin_paths);
     let states = if settings.quick { QUICK_HISTORIES } else { HISTORIES };
     let mut rows = Vec::new();
-    for name in PLUGINS {
+    for name in NAMES.iter().copied() {
         let Some(found) = Found::by_name(name, &searched) else {
             return Err(BenchError::Missing { plugin: name.into(), searched });
         };
@@ -69,7 +54,7 @@ fn of_check(plugin: &str, row: conformance::Row) -> Row {
 /// One line for each plugin.
 pub(super) fn summary(rows: &[Row]) -> Table {
     let mut table = Table::new(["plugin", "checks", "not applicable", "failed"]);
-    for plugin in PLUGINS {
+    for plugin in NAMES.iter().copied() {
         let of_plugin = || rows.iter().filter(|row| row.subject == plugin);
         let sum = |number: fn(&Row) -> u64| of_plugin().map(number).sum::<u64>();
         table.push([

@@ -1,7 +1,8 @@
 //! Runs in a child: a [`Job`] into a folder of which nothing stays.
 
-use super::{CaseSource, Error, Inspection, Job, Keep, Message, Options, Outcome, Settings};
+use super::{CaseSource, Documents, Error, Inspection, Job, Keep, Message, Options, Outcome, Settings};
 use pullout_case::{CaseErrors, CaseProblem};
+use pullout_report::directory::MANIFEST;
 use pullout_report::history::History;
 use pullout_report::plots::Spec;
 use pullout_report::summary::{self, Summary};
@@ -101,12 +102,20 @@ fn plainly(text: Vec<u8>) -> String {
 fn read(out: &Path) -> io::Result<Outcome> {
     let summary = Summary::read(&out.join(summary::FILE))?;
     let history = History::of_run(out, |table| table.read()).unwrap_or_default();
-    let json = |name: &str| serde_json::from_slice(&input::read(&out.join(name), Input::Case).ok()?).ok();
+    let mut documents = Documents::new();
+    for entry in out.read_dir()?.flatten() {
+        let file = entry.file_name().to_string_lossy().into_owned();
+        if let Some(name) = file.strip_suffix(".json")
+            && ![summary::FILE, MANIFEST].contains(&&*file)
+        {
+            let read = input::read(&entry.path(), Input::Case).ok().and_then(|text| serde_json::from_slice(&text).ok());
+            documents.extend(read.map(|document| (name.to_owned(), document)));
+        }
+    }
     Ok(Outcome {
         history,
         summary,
-        replay: json("replay.json"),
-        increments: json("increments.json"),
+        documents,
         trail: None,
         view: None,
         spec: Spec::of_run(out).ok(),

@@ -1,6 +1,6 @@
 //! Runs in this process.
 
-use super::{Job, Keep, Message, Outcome, Settings};
+use super::{Documents, INCREMENTS, Job, Keep, Message, Outcome, REPLAY, Settings};
 use fe_core::stepping::Recorded;
 use fe_core::threads::Threads;
 use pullout_case::Case;
@@ -20,7 +20,6 @@ use pullout_run::isolation::{send, worker};
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout::checkpoint::{self, Checkpoints};
 use pullout_run::{pullout, signals};
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io;
 use std::num::NonZeroUsize;
@@ -52,8 +51,7 @@ struct Ended<'c> {
     record: RunRecorder,
     summary: Summary,
     specimen: Option<Specimen<'c>>,
-    replay: Option<Value>,
-    increments: Option<Recorded>,
+    documents: Documents,
     /// Rows or fields that could not be written.
     unwritten: Option<io::Error>,
 }
@@ -84,7 +82,7 @@ fn carry_out<'c>(
         Err(Stop::Write(_)) => worker::end_if_spoilt(),
         _ => worker::look_after_plugins(),
     }
-    let (mut failed_at, mut replay, mut unwritten) = (None, None, None);
+    let (mut failed_at, mut documents, mut unwritten) = (None, Documents::new(), None);
     let message = match result {
         Ok(()) => record.was_ended().then(|| interrupted(&record.place(), settings.checkpoints.every.is_some())),
         Err(Stop::Write(error)) => {
@@ -94,14 +92,16 @@ fn carry_out<'c>(
         }
         Err(Stop::Failed(failure)) => {
             failed_at = Some(failure.place());
-            replay = Some(failure.replay).filter(|replay| !replay.is_null());
+            documents.extend((!failure.replay.is_null()).then_some((REPLAY.to_owned(), failure.replay)));
             Some(failure.message)
         }
     };
     let summary = summarise(case, &mut record, statistics, message, failed_at, specimen.as_mut())?;
     // those of a run that was not at its end would repeat a part of it
-    let increments = record.recorded.take().filter(|_| summary.status == Status::Done);
-    Ok(Ended { record, summary, specimen, replay, increments, unwritten })
+    if let Some(recorded) = record.recorded.take().filter(|_| summary.status == Status::Done) {
+        documents.insert(INCREMENTS.to_owned(), serde_json::to_value(recorded)?);
+    }
+    Ok(Ended { record, summary, specimen, documents, unwritten })
 }
 
 /// Returns a listener that sends rows to the process that started this one.
@@ -150,15 +150,17 @@ pub fn run_into(
     let folder = Some(&*folder);
     let settings = pullout::Settings { threads, folder, checkpoints, pictures: draws, keeps_trail: false, along: None };
     let ended = carry_out(case, record, job.options.record_increments, &settings)?;
-    let Ended { mut record, mut summary, specimen, replay, increments, unwritten: _ } = ended;
-    if let Some(recorded) = increments {
-        directory.write("increments.json", serde_json::to_string(&recorded)?)?;
-    }
+    let Ended { mut record, mut summary, specimen, documents, unwritten: _ } = ended;
     // what plugins printed is complete before the results are listed
     drop(prints);
-    if let Some(case) = replay {
-        let replay = directory.write("replay.json", format!("{case:#}\n"))?;
-        job.keep.name_replay(&mut summary.message, &replay);
+    for (name, document) in documents {
+        let (is_replay, file) = (name == REPLAY, format!("{name}.json"));
+        // a replay is read by people
+        let text = if is_replay { format!("{document:#}\n") } else { document.to_string() };
+        let written = directory.write(&file, text)?;
+        if is_replay {
+            job.keep.name_replay(&mut summary.message, &written);
+        }
     }
     conclude(case, directory, summary, specimen.as_ref(), &record.take_states(), draws)
 }
@@ -195,8 +197,8 @@ fn run_bridging(case: &Case, program: &BridgingProgram, threads: NonZeroUsize) -
     written?;
     let history = History::of_run(folder.path(), |table| table.read()).unwrap_or_default();
     let spec = Some(Spec::of(case, BTreeMap::new()));
-    let (replay, increments, trail, view) = (None, None, None, None);
-    Ok(Outcome { history, summary, replay, increments, trail, view, spec, prints: String::new() })
+    let (documents, trail, view) = (Documents::new(), None, None);
+    Ok(Outcome { history, summary, documents, trail, view, spec, prints: String::new() })
 }
 
 /// Runs a case in memory; what it would write but fields is left out.
@@ -229,11 +231,10 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
         carry_out(case, record, records, &settings)
     });
     let ended = ended.map_err(io::Error::other)??;
-    let Ended { mut record, mut summary, mut specimen, replay, increments, unwritten } = ended;
+    let Ended { mut record, mut summary, mut specimen, documents, unwritten } = ended;
     if let Some(error) = unwritten {
         return Err(error);
     }
-    let increments = increments.map(serde_json::to_value).transpose()?;
     let trail = specimen.as_mut().and_then(|(_, outcome)| outcome.trail.take());
     let trail = trail.filter(|_| summary.status == Status::Done).map(Arc::new);
     let states = record.take_states();
@@ -244,5 +245,5 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
         None => None,
     };
     let spec = Some(Spec::of(case, BTreeMap::new()));
-    Ok(Outcome { history, summary, replay, increments, trail, view, spec, prints: String::new() })
+    Ok(Outcome { history, summary, documents, trail, view, spec, prints: String::new() })
 }

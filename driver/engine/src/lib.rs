@@ -29,6 +29,7 @@ use pullout_run::isolation::{self, Need};
 use pullout_run::{bridging, columns};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -82,6 +83,15 @@ pub struct Settings {
     pub fields: Option<PathBuf>,
 }
 
+/// JSON that a run made besides rows and summary, by the name of its file in a result folder, without ".json": whoever runs a case, here
+/// or in a child, gets what is put in here.
+pub type Documents = BTreeMap<String, Value>;
+
+/// A case that repeats the increment that failed, or the call that ended the child.
+pub const REPLAY: &str = "replay";
+/// The increments of a finished run, if they are kept: `"increments": {"recorded": …}` in a case that repeats them.
+pub const INCREMENTS: &str = "increments";
+
 /// Results of a run.
 #[derive(Debug)]
 pub struct Outcome {
@@ -89,10 +99,8 @@ pub struct Outcome {
     pub history: History,
     /// Contents of `summary.json`. [`Status::Interrupted`]: the run was asked to end.
     pub summary: Summary,
-    /// A case that repeats the increment that failed, or the call that ended the child.
-    pub replay: Option<Value>,
-    /// The increments of a finished run, if they are kept: `"increments": {"recorded": …}` in a case that repeats them.
-    pub increments: Option<Value>,
+    /// What else the run made: see [`Documents`].
+    pub documents: Documents,
     /// The states of a specimen whose run is done, if they are kept ([`Settings::along`]); not of a run in a child.
     pub trail: Option<Arc<Trail>>,
     /// A specimen over the run, as a page of HTML: the viewer of `report.html` by itself.

@@ -6,7 +6,7 @@
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
-use pullout_engine::{Along, CaseSource, Outcome, Settings};
+use pullout_engine::{Along, CaseSource, INCREMENTS, Outcome, Settings};
 use pullout_run::in_threads;
 use serde_json::{Value, json};
 use std::cell::Cell;
@@ -52,7 +52,7 @@ pub fn outcome(
     let settings = Settings { records: on.is_none(), along, stop: stop.clone(), ..Settings::default() };
     let mut outcome = prepared.run(settings).map_err(|error| error.to_string())?;
     let trail = outcome.trail.take().map(|trail| Increments::Trail(trail.into()));
-    let increments = trail.or_else(|| outcome.increments.take().map(Increments::Recorded));
+    let increments = trail.or_else(|| outcome.documents.remove(INCREMENTS).map(Increments::Recorded));
     Ok((outcome, increments))
 }
 

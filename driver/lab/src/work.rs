@@ -4,7 +4,7 @@ use crate::done::Done;
 use crate::subject::{CALL_TIME_LIMIT, Subject};
 use pullout_case::Case;
 use pullout_check::conformance::Judgement;
-use pullout_engine::{CaseSource, Error, Message, Outcome, Settings};
+use pullout_engine::{CaseSource, Error, Message, Outcome, REPLAY, Settings};
 use pullout_fit::{CaseRequest, Free, Test, fit_case};
 use pullout_report::history::History;
 use pullout_report::plots::figure::Drawing;
@@ -294,7 +294,8 @@ impl Work {
             return Err(json!({ "status": "superseded" }));
         }
         let milliseconds = 1e3 * start.elapsed().as_secs_f64();
-        let Outcome { history, summary, replay, prints, spec, .. } = outcome;
+        let Outcome { history, summary, mut documents, prints, spec, .. } = outcome;
+        let replay = documents.remove(REPLAY);
         let done = Arc::new(Done { history, summary, replay, prints, spec, milliseconds });
         if done.history.rows() <= LONGEST_KEPT {
             let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);

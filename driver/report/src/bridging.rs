@@ -45,12 +45,12 @@ pub fn conclude(
             directory.write("fibres.csv", curves(&results.curves))?;
         }
         let [bridging, beam] = BRIDGING_TABLES;
-        write_table(directory, bridging, &BRIDGING, program.left_out(), &results.rows)?;
+        write_table(directory, bridging, BRIDGING, program.left_out(), &results.rows)?;
         if !results.beam.is_empty() {
-            write_table(directory, beam, &BEAM, program.left_out(), &results.beam)?;
+            write_table(directory, beam, BEAM, program.left_out(), &results.beam)?;
         }
         if !results.scatter.is_empty() {
-            write_table(directory, "scatter.csv", &SCATTER, &[], &results.scatter)?;
+            write_table(directory, "scatter.csv", SCATTER, &[], &results.scatter)?;
         }
     }
     let results = done.as_ref().ok().map(|(.., results)| *results);

@@ -139,8 +139,8 @@ impl Simulations {
 impl BridgingProgram {
     /// Columns of `bridging.csv`, then those of `beam.csv`.
     pub fn columns(&self) -> Vec<String> {
-        let bridging = columns::names_without(&BRIDGING, self.left_out());
-        let beam = self.beam.map(|_| columns::names_without(&BEAM, self.left_out()));
+        let bridging = columns::names_without(BRIDGING, self.left_out());
+        let beam = self.beam.map(|_| columns::names_without(BEAM, self.left_out()));
         bridging.into_iter().chain(beam.into_iter().flatten()).collect()
     }
 

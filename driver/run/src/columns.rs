@@ -92,7 +92,7 @@ pub struct PointRow {
 }
 
 /// Columns of a material point.
-pub static POINT: [Column<PointRow>; 39] = [
+pub static POINT: &[Column<PointRow>] = &[
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |row| row.time),
     // Normal strain along axis 1.
@@ -201,7 +201,7 @@ pub struct ContactPoint {
 }
 
 /// Columns of a contact point.
-pub static CONTACT: [Column<ContactPoint>; 12] = [
+pub static CONTACT: &[Column<ContactPoint>] = &[
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |row| row.total_time),
     // Tangential slip, in the first direction.
@@ -229,7 +229,7 @@ pub static CONTACT: [Column<ContactPoint>; 12] = [
 ];
 
 /// Columns of a specimen.
-pub(crate) static SPECIMEN: [Column<Record>; 37] = [
+pub(crate) static SPECIMEN: &[Column<Record>] = &[
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |record| record.time),
     // Displacement of the grip along the pull direction.
@@ -312,7 +312,7 @@ pub(crate) static SPECIMEN: [Column<Record>; 37] = [
 ];
 
 /// Columns of each of several fibres of a specimen, after those of the specimen: `load.NAME`.
-pub static FIBRE: [Column<FibreRecord>; 9] = [
+pub static FIBRE: &[Column<FibreRecord>] = &[
     // Drive of this fibre's grip.
     column("slip", "mm", "slip", Other, |fibre| fibre.slip),
     // Reaction of this fibre along the pull direction.
@@ -347,7 +347,7 @@ pub struct BridgingRow {
 }
 
 /// Columns of `bridging.csv`.
-pub static BRIDGING: [Column<BridgingRow>; 20] = [
+pub static BRIDGING: &[Column<BridgingRow>] = &[
     // Crack opening.
     column("w", "mm", "w", Other, |row| row.fibres.opening),
     // Stress carried by fibres and matrix.
@@ -402,7 +402,7 @@ pub struct BeamRow {
 }
 
 /// Columns of `beam.csv`, of a notched beam.
-pub static BEAM: [Column<BeamRow>; 8] = [
+pub static BEAM: &[Column<BeamRow>] = &[
     // Opening at the mouth of the notch.
     column("cmod", "mm", "CMOD", Other, |row| row.load.cmod),
     // Deflection at midspan, 0.85 CMOD + 0.04 mm (EN 14651).
@@ -433,7 +433,7 @@ pub struct ScatterRow {
 }
 
 /// Columns of `scatter.csv`, of beams made at random.
-pub static SCATTER: [Column<ScatterRow>; 7] = [
+pub static SCATTER: &[Column<ScatterRow>] = &[
     // Number of the beam.
     column("beam", "", "beam", Other, |row| row.beam as f64),
     // Number of fibres across the ligament.
@@ -458,7 +458,7 @@ fn is_in<R>(table: &[Column<R>], name: &str) -> bool {
 /// Returns whether two columns of a case of kind "bridging" are in two files.
 pub fn are_of_two_files(known: &[String], one: &str, other: &str) -> bool {
     // a specimen has a load too
-    known.iter().any(|name| name == "cmod") && is_in(&BEAM, one) != is_in(&BEAM, other)
+    known.iter().any(|name| name == "cmod") && is_in(BEAM, one) != is_in(BEAM, other)
 }
 
 /// Names of the columns of a table but those of some groups.
@@ -517,7 +517,7 @@ pub fn left_out_of_point(nlgeom: bool, heat: bool) -> &'static [Group] {
 
 /// The history's columns of a material point, in the order of the CSV, with those of heat or without; `states` are those of its plugin.
 pub fn of_point(nlgeom: bool, heat: bool, states: &[String]) -> Vec<String> {
-    with_states(&POINT, left_out_of_point(nlgeom, heat), states)
+    with_states(POINT, left_out_of_point(nlgeom, heat), states)
 }
 
 /// The groups that the history of a contact point leaves out.
@@ -527,13 +527,13 @@ pub(crate) fn left_out_of_contact(tangential_directions: usize) -> &'static [Gro
 
 /// The history's columns of a contact point.
 pub fn of_contact(tangential_directions: usize, states: &[String]) -> Vec<String> {
-    with_states(&CONTACT, left_out_of_contact(tangential_directions), states)
+    with_states(CONTACT, left_out_of_contact(tangential_directions), states)
 }
 
 /// Returns the history's columns of a specimen, including those of each of several fibres.
 pub fn of_specimen(fibres: &[MeasuredFibre]) -> Vec<String> {
-    let of = |fibre: &MeasuredFibre| FIBRE.each_ref().map(|column| format!("{}.{}", column.name, fibre.name));
-    let each: Vec<String> = fibres.iter().flat_map(of).collect();
+    let names = |fibre: &MeasuredFibre| FIBRE.iter().map(|column| format!("{}.{}", column.name, fibre.name)).collect();
+    let each = fibres.iter().map(names).collect::<Vec<Vec<String>>>().concat();
     framed(SPECIMEN.iter().map(|column| column.name).chain(each.iter().map(String::as_str)))
 }
 
@@ -571,9 +571,9 @@ pub fn shown(name: &str) -> Option<(&'static str, &'static str, Group)> {
         let found = table.iter().find(|column| column.name == name);
         found.map(|column| (column.title, column.unit, column.group))
     }
-    let of_fibre = || of(&FIBRE, name.split_once('.')?.0);
-    let of_beam = || of(&BRIDGING, name).or_else(|| of(&BEAM, name));
-    of(&POINT, name).or_else(|| of(&CONTACT, name)).or_else(|| of(&SPECIMEN, name)).or_else(of_beam).or_else(of_fibre)
+    let of_fibre = || of(FIBRE, name.split_once('.')?.0);
+    let of_beam = || of(BRIDGING, name).or_else(|| of(BEAM, name));
+    of(POINT, name).or_else(|| of(CONTACT, name)).or_else(|| of(SPECIMEN, name)).or_else(of_beam).or_else(of_fibre)
 }
 
 #[cfg(test)]

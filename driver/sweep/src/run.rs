@@ -1,7 +1,7 @@
 //! One run: its numbers and curves.
 
 use crate::store::{Keep, Store, Sweep};
-use pullout_engine::{CaseSource, Outcome, Settings};
+use pullout_engine::{CaseSource, Outcome, REPLAY, Settings};
 use pullout_report::compare::Branch;
 use pullout_report::summary::Status;
 use pullout_run::path::{FailedAt, FailureKind};
@@ -74,7 +74,7 @@ impl Measured {
 }
 
 fn of(outcome: Outcome, keep: &Keep, wall: f64) -> Measured {
-    let Outcome { history, summary, replay, .. } = outcome;
+    let Outcome { history, summary, documents, .. } = outcome;
     let failed_at = summary.failed_at.or_else(|| {
         let is_failed = summary.status == Status::Failed;
         is_failed.then_some(FailedAt { kind: FailureKind::Failed, step: 0, increment: 0 })
@@ -93,7 +93,7 @@ fn of(outcome: Outcome, keep: &Keep, wall: f64) -> Measured {
         counts,
         times,
         is_lost: false,
-        replay: replay.map(|case| format!("{case:#}\n")),
+        replay: documents.get(REPLAY).map(|case| format!("{case:#}\n")),
     }
 }
 

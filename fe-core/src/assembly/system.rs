@@ -147,6 +147,10 @@ impl System {
         })
     }
 
+    pub(crate) fn threads(&self) -> &Threads {
+        &self.threads
+    }
+
     /// The threads that assemble, factorise and solve.
     pub fn set_threads(&mut self, threads: &Threads) {
         self.threads = threads.clone();

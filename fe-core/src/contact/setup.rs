@@ -270,8 +270,7 @@ fn penalty(mesh: &Mesh, pair: &ContactPair, moduli: &[f64], points: &[ContactPoi
         let [start, end] = [0, 1].map(|k| mesh.nodes()[ends.nodes()[k]]);
         let length = distance(end, start);
         // A triangle is twice as high as its mean height.
-        let shape = if element.kind().corner_count() == 3 { 2.0 } else { 1.0 };
-        let height = shape * mesh.element_area(edge.element) / length;
+        let height = element.kind().count_in_square() * mesh.element_area(edge.element) / length;
         let depth = model.depth(0.5 * (start[0] + end[0]), element.thickness());
         least = least.min(moduli[element.part()] * depth / height);
     }

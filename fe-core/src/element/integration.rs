@@ -35,31 +35,20 @@ pub struct IntegrationPoint {
 impl ElementKind {
     /// The integration of this kind by default: reduced for Q8, full for the rest.
     pub const fn default_integration(self) -> Integration {
-        match self {
-            Self::T3 | Self::T6 | Self::Q4 => Integration::Full,
-            Self::Q8 => Integration::Reduced,
-        }
+        if self.description().reduced.is_some() { Integration::Reduced } else { Integration::Full }
     }
 
     /// The points of a rule; `None` where this kind has no such rule (see the module's table).
     pub const fn integration_points(self, integration: Integration) -> Option<&'static [IntegrationPoint]> {
         match integration {
             Integration::Full => Some(self.full_integration_points()),
-            Integration::Reduced => match self {
-                Self::Q8 => Some(&GAUSS_2X2),
-                Self::T3 | Self::T6 | Self::Q4 => None,
-            },
+            Integration::Reduced => self.description().reduced,
         }
     }
 
     /// The points of the full rule, which every kind has.
     pub(crate) const fn full_integration_points(self) -> &'static [IntegrationPoint] {
-        match self {
-            Self::T3 => &CENTROID,
-            Self::T6 => &TRIANGLE_3,
-            Self::Q4 => &GAUSS_2X2,
-            Self::Q8 => &GAUSS_3X3,
-        }
+        self.description().full
     }
 }
 
@@ -71,18 +60,18 @@ const GAUSS_3_ABSCISSA: f64 = 0.774_596_669_241_483_4;
 const THIRD: f64 = 1.0 / 3.0;
 const SIXTH: f64 = 1.0 / 6.0;
 
-static CENTROID: [IntegrationPoint; 1] = [IntegrationPoint { coordinates: [THIRD, THIRD], weight: 0.5 }];
+pub(super) static CENTROID: [IntegrationPoint; 1] = [IntegrationPoint { coordinates: [THIRD, THIRD], weight: 0.5 }];
 
 /// The interior three-point rule: its points do not lie on edges, where neighbours would share them.
-static TRIANGLE_3: [IntegrationPoint; 3] = [
+pub(super) static TRIANGLE_3: [IntegrationPoint; 3] = [
     IntegrationPoint { coordinates: [SIXTH, SIXTH], weight: SIXTH },
     IntegrationPoint { coordinates: [4.0 * SIXTH, SIXTH], weight: SIXTH },
     IntegrationPoint { coordinates: [SIXTH, 4.0 * SIXTH], weight: SIXTH },
 ];
 
-static GAUSS_2X2: [IntegrationPoint; 4] = product([-GAUSS_2_ABSCISSA, GAUSS_2_ABSCISSA], [1.0, 1.0]);
+pub(super) static GAUSS_2X2: [IntegrationPoint; 4] = product([-GAUSS_2_ABSCISSA, GAUSS_2_ABSCISSA], [1.0, 1.0]);
 
-static GAUSS_3X3: [IntegrationPoint; 9] =
+pub(super) static GAUSS_3X3: [IntegrationPoint; 9] =
     product([-GAUSS_3_ABSCISSA, 0.0, GAUSS_3_ABSCISSA], [5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0]);
 
 /// The product of a rule on −1 … 1 with itself, ξ running fastest; POINTS = COUNT².

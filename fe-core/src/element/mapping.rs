@@ -89,9 +89,5 @@ pub fn area(kind: ElementKind, nodes: &[[f64; 2]]) -> Result<f64, MappingError> 
 /// In quadratic quadrilaterals a crack opens both columns of points if symmetry demands it. Otherwise it opens one
 /// column, and the band is half as wide as returned here (`bench/crack-band`).
 pub fn characteristic_length(kind: ElementKind, reference_area: f64) -> f64 {
-    match kind {
-        ElementKind::T3 => (2.0 * reference_area).sqrt(),
-        ElementKind::T6 => 2.0 / 3.0 * (2.0 * reference_area).sqrt(),
-        ElementKind::Q4 | ElementKind::Q8 => reference_area.sqrt(),
-    }
+    kind.description().band * (kind.count_in_square() * reference_area).sqrt()
 }

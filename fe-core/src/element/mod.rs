@@ -16,22 +16,80 @@ use serde::Deserialize;
 #[cfg(test)]
 mod test;
 
-/// The most nodes that an element has.
-pub(crate) const MAX_NODES: usize = 8;
-
-/// Kind of elements.
-// the page of this module has the numbering of nodes
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
-pub enum ElementKind {
-    /// Triangles of 3 nodes.
-    T3,
-    /// Triangles of 6 nodes.
-    T6,
-    /// Quadrilaterals of 4 nodes.
-    Q4,
-    /// Quadrilaterals of 8 nodes.
-    Q8,
+/// All that is known of one kind of element: what else computes with elements asks [`ElementKind`].
+struct ElementDescription {
+    /// (ξᵢ, ηᵢ) of each node: corners, middles of the edges, nodes inside.
+    coordinates: &'static [[f64; 2]],
+    corner_count: usize,
+    edge_kind: EdgeKind,
+    shape_functions: fn([f64; 2]) -> ShapeFunctions,
+    full: &'static [IntegrationPoint],
+    /// The rule of one order less, if there is one: it is the default then.
+    reduced: Option<&'static [IntegrationPoint]>,
+    /// Width of a band of cracks, relative to the side of the square that the element, or two triangles, make.
+    band: f64,
+    /// Gmsh's number of the type, VTK's of the cell.
+    gmsh: i64,
+    vtk: u8,
 }
+
+/// Declares the kinds of elements: their names, and where they are described.
+macro_rules! element_kinds {
+    ($($(#[$doc:meta])* $kind:ident = $description:path),+ $(,)?) => {
+        /// Kind of elements.
+        // the page of this module has the numbering of nodes
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
+        pub enum ElementKind {
+            $($(#[$doc])* $kind,)+
+        }
+
+        impl ElementKind {
+            /// All kinds.
+            pub const ALL: [Self; [$(stringify!($kind)),+].len()] = [$(Self::$kind),+];
+
+            const fn description(self) -> &'static ElementDescription {
+                match self {
+                    $(Self::$kind => const { &$description },)+
+                }
+            }
+
+            /// Does what depends on the number of nodes at compile time.
+            pub(crate) fn with_node_count<T>(self, job: impl WithNodeCount<T>) -> T {
+                match self {
+                    $(Self::$kind => job.run::<{ $description.coordinates.len() }>(),)+
+                }
+            }
+        }
+    };
+}
+
+element_kinds! {
+    /// Triangles of 3 nodes.
+    T3 = triangle::T3,
+    /// Triangles of 6 nodes.
+    T6 = triangle::T6,
+    /// Quadrilaterals of 4 nodes.
+    Q4 = quadrilateral::Q4,
+    /// Quadrilaterals of 8 nodes.
+    Q8 = quadrilateral::Q8,
+}
+
+/// What is compiled for each number of nodes: see [`ElementKind::with_node_count`].
+pub(crate) trait WithNodeCount<T> {
+    /// Does it for elements of `N` nodes.
+    fn run<const N: usize>(self) -> T;
+}
+
+/// The most nodes that an element has.
+pub(crate) const MAX_NODES: usize = {
+    let (mut most, mut index) = (0, 0);
+    while index < ElementKind::ALL.len() {
+        let count = ElementKind::ALL[index].node_count();
+        most = if count > most { count } else { most };
+        index += 1;
+    }
+    most
+};
 
 /// Shape functions of an element at one point, with their derivatives by two coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,33 +119,34 @@ impl ShapeFunctions {
 }
 
 impl ElementKind {
-    /// All kinds.
-    pub const ALL: [Self; 4] = [Self::T3, Self::T6, Self::Q4, Self::Q8];
-
     /// Returns how many nodes it has.
     pub const fn node_count(self) -> usize {
-        match self {
-            Self::T3 => 3,
-            Self::Q4 => 4,
-            Self::T6 => 6,
-            Self::Q8 => 8,
-        }
+        self.description().coordinates.len()
     }
 
     /// Returns how many corners it has, and edges.
     pub const fn corner_count(self) -> usize {
-        match self {
-            Self::T3 | Self::T6 => 3,
-            Self::Q4 | Self::Q8 => 4,
-        }
+        self.description().corner_count
     }
 
     /// The kind of its edges.
     pub const fn edge_kind(self) -> EdgeKind {
-        match self {
-            Self::T3 | Self::Q4 => EdgeKind::Linear,
-            Self::T6 | Self::Q8 => EdgeKind::Quadratic,
-        }
+        self.description().edge_kind
+    }
+
+    /// Returns how many of these elements make a square: two triangles.
+    pub(crate) const fn count_in_square(self) -> f64 {
+        if self.corner_count() == 3 { 2.0 } else { 1.0 }
+    }
+
+    /// Gmsh's number of the type of element.
+    pub(crate) const fn gmsh_type(self) -> i64 {
+        self.description().gmsh
+    }
+
+    /// VTK's number of the type of cell; the numbering of nodes is the same.
+    pub(crate) const fn vtk_type(self) -> u8 {
+        self.description().vtk
     }
 
     /// Local nodes of an edge: start, end, middle; two of them on linear edges. Edges are taken modulo their number.
@@ -98,21 +157,13 @@ impl ElementKind {
     }
 
     /// (ξᵢ, ηᵢ) of each node.
-    pub(crate) fn reference_coordinates(self) -> &'static [[f64; 2]] {
-        match self {
-            Self::T3 | Self::T6 => &triangle::COORDINATES[..self.node_count()],
-            Self::Q4 | Self::Q8 => &quadrilateral::COORDINATES[..self.node_count()],
-        }
+    pub(crate) const fn reference_coordinates(self) -> &'static [[f64; 2]] {
+        self.description().coordinates
     }
 
     /// Shape functions at (ξ, η) and their derivatives by ξ and η.
     pub fn shape_functions(self, reference: [f64; 2]) -> ShapeFunctions {
-        match self {
-            Self::T3 => triangle::linear(reference),
-            Self::T6 => triangle::quadratic(reference),
-            Self::Q4 => quadrilateral::bilinear(reference),
-            Self::Q8 => quadrilateral::serendipity(reference),
-        }
+        (self.description().shape_functions)(reference)
     }
 }
 

@@ -1,13 +1,37 @@
 //! Shape functions of the quadrilaterals.
 
-use super::ShapeFunctions;
+use super::integration::{GAUSS_2X2, GAUSS_3X3};
+use super::{EdgeKind, ElementDescription, ShapeFunctions};
+
+pub(super) const Q4: ElementDescription = ElementDescription {
+    coordinates: COORDINATES.first_chunk::<4>().expect("corners"),
+    corner_count: 4,
+    edge_kind: EdgeKind::Linear,
+    shape_functions: bilinear,
+    full: &GAUSS_2X2,
+    reduced: None,
+    band: 1.0,
+    gmsh: 3,
+    vtk: 9,
+};
+
+pub(super) const Q8: ElementDescription = ElementDescription {
+    coordinates: &COORDINATES,
+    edge_kind: EdgeKind::Quadratic,
+    shape_functions: serendipity,
+    full: &GAUSS_3X3,
+    reduced: Some(&GAUSS_2X2),
+    gmsh: 16,
+    vtk: 23,
+    ..Q4
+};
 
 /// Corners, then the middles of the edges.
-pub(super) const COORDINATES: [[f64; 2]; 8] =
+const COORDINATES: [[f64; 2]; 8] =
     [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]];
 
 /// Q4: products of linear functions.
-pub(super) fn bilinear([xi, eta]: [f64; 2]) -> ShapeFunctions {
+fn bilinear([xi, eta]: [f64; 2]) -> ShapeFunctions {
     let mut shape = ShapeFunctions::zero(4);
     for node in 0..4 {
         let [a, b] = COORDINATES[node];
@@ -19,7 +43,7 @@ pub(super) fn bilinear([xi, eta]: [f64; 2]) -> ShapeFunctions {
 }
 
 /// Q8: the serendipity functions.
-pub(super) fn serendipity([xi, eta]: [f64; 2]) -> ShapeFunctions {
+fn serendipity([xi, eta]: [f64; 2]) -> ShapeFunctions {
     let mut shape = ShapeFunctions::zero(8);
     for node in 0..4 {
         let [a, b] = COORDINATES[node];

@@ -4,10 +4,7 @@ use approx::assert_abs_diff_eq;
 impl ElementKind {
     /// The area of the reference element: ½ or 4.
     pub(crate) fn reference_area(self) -> f64 {
-        match self {
-            Self::T3 | Self::T6 => 0.5,
-            Self::Q4 | Self::Q8 => 4.0,
-        }
+        if self.corner_count() == 3 { 0.5 } else { 4.0 }
     }
 }
 
@@ -32,10 +29,12 @@ fn distorted(kind: ElementKind) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
     if kind.edge_kind() == EdgeKind::Linear {
         return (nodes, Vec::new());
     }
+    let centre = [0, 1].map(|k| corners[..count].iter().map(|corner| corner[k]).sum::<f64>() / count as f64);
     for edge in 0..count {
         let (start, end) = (corners[edge], corners[(edge + 1) % count]);
         nodes.push([0, 1].map(|k| 0.5 * (start[k] + end[k]) + offsets[edge][k]));
     }
+    nodes.resize(kind.node_count(), centre);
     (nodes, offsets[..count].to_vec())
 }
 
@@ -337,10 +336,10 @@ fn characteristic_length_is_the_side_of_a_square_and_the_leg_of_its_half_of_whic
 {
     for kind in ElementKind::ALL {
         let area = kind.reference_area();
-        let length = match kind {
-            ElementKind::T3 => 1.0,
-            ElementKind::T6 => 2.0 / 3.0,
-            ElementKind::Q4 | ElementKind::Q8 => 2.0,
+        let length = match (kind, kind.corner_count()) {
+            (ElementKind::T6, _) => 2.0 / 3.0,
+            (_, 3) => 1.0,
+            _ => 2.0,
         };
         assert_abs_diff_eq!(characteristic_length(kind, area), length, epsilon = 1e-15);
     }

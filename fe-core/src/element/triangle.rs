@@ -1,15 +1,39 @@
 //! Shape functions of the triangles, in the area coordinates (1 − ξ − η, ξ, η).
 
-use super::ShapeFunctions;
+use super::integration::{CENTROID, TRIANGLE_3};
+use super::{EdgeKind, ElementDescription, ShapeFunctions};
+
+pub(super) const T3: ElementDescription = ElementDescription {
+    coordinates: COORDINATES.first_chunk::<3>().expect("corners"),
+    corner_count: 3,
+    edge_kind: EdgeKind::Linear,
+    shape_functions: linear,
+    full: &CENTROID,
+    reduced: None,
+    band: 1.0,
+    gmsh: 2,
+    vtk: 5,
+};
+
+pub(super) const T6: ElementDescription = ElementDescription {
+    coordinates: &COORDINATES,
+    edge_kind: EdgeKind::Quadratic,
+    shape_functions: quadratic,
+    full: &TRIANGLE_3,
+    band: 2.0 / 3.0,
+    gmsh: 9,
+    vtk: 22,
+    ..T3
+};
 
 /// Corners, then the middles of the edges.
-pub(super) const COORDINATES: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
+const COORDINATES: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
 
 /// Derivatives of the three area coordinates by ξ and η.
 const AREA_COORDINATE_DERIVATIVES: [[f64; 2]; 3] = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
 
 /// T3: the area coordinates themselves.
-pub(super) fn linear([xi, eta]: [f64; 2]) -> ShapeFunctions {
+fn linear([xi, eta]: [f64; 2]) -> ShapeFunctions {
     let mut shape = ShapeFunctions::zero(3);
     shape.values[..3].copy_from_slice(&[1.0 - xi - eta, xi, eta]);
     shape.derivatives[..3].copy_from_slice(&AREA_COORDINATE_DERIVATIVES);
@@ -17,7 +41,7 @@ pub(super) fn linear([xi, eta]: [f64; 2]) -> ShapeFunctions {
 }
 
 /// T6: Lᵢ (2Lᵢ − 1) at the corners, 4 Lᵢ Lⱼ at the middle of edge ij.
-pub(super) fn quadratic([xi, eta]: [f64; 2]) -> ShapeFunctions {
+fn quadratic([xi, eta]: [f64; 2]) -> ShapeFunctions {
     let area_coordinates = [1.0 - xi - eta, xi, eta];
     let mut shape = ShapeFunctions::zero(6);
     for start in 0..3 {

@@ -47,6 +47,9 @@ fn patch(kind: ElementKind) -> Vec<Vec<[f64; 2]>> {
                         .push([0.5 * (a[0] + b[0]) - 0.03 * (b[1] - a[1]), 0.5 * (a[1] + b[1]) + 0.03 * (b[0] - a[0])]);
                 }
             }
+            let corners = element.len() as f64;
+            let centre = [0, 1].map(|k| nodes[..element.len()].iter().map(|node| node[k]).sum::<f64>() / corners);
+            nodes.resize(kind.node_count(), centre);
             nodes
         })
         .collect()

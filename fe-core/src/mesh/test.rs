@@ -67,6 +67,7 @@ fn grid(kind: ElementKind, columns: usize, rows: usize, holes: &[[usize; 2]]) ->
                     cell.push([(start[0] + end[0]) / 2, (start[1] + end[1]) / 2]);
                 }
             }
+            cell.resize(kind.node_count(), [2 * column + 1, 2 * row + 1]);
             let mut nodes = Vec::new();
             for position in cell {
                 nodes.push(*numbers.entry(position).or_insert_with(|| {

@@ -119,12 +119,12 @@ impl Recovery {
 
 impl Extrapolation {
     fn new(kind: ElementKind, points: &[IntegrationPoint]) -> Self {
-        let row = |&node: &[f64; 2]| match (kind, points) {
-            (ElementKind::T3 | ElementKind::T6, [corner, along_xi, along_eta]) => {
+        let row = |&node: &[f64; 2]| match (kind.corner_count(), points) {
+            (3, [corner, along_xi, along_eta]) => {
                 linear_weights([corner, along_xi, along_eta].map(|point| point.coordinates), node)
             }
-            (ElementKind::T3 | ElementKind::T6, _) => vec![1.0 / points.len() as f64; points.len()],
-            (ElementKind::Q4 | ElementKind::Q8, _) => product_weights(points, node),
+            (3, _) => vec![1.0 / points.len() as f64; points.len()],
+            _ => product_weights(points, node),
         };
         Self { kind, points: points.len(), rows: kind.reference_coordinates().iter().flat_map(row).collect() }
     }

@@ -3,7 +3,7 @@
 use super::fields::{Activity, ContactPoint, Fields, FieldsError};
 use super::principal::{Principal, von_mises};
 use super::recovery::Recovery;
-use super::vtu::{Array, Grid, VERTEX, cell_type};
+use super::vtu::{Array, Grid, VERTEX};
 use crate::mesh::{Element, Mesh};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -192,7 +192,7 @@ fn solids(mesh: &Mesh, fields: &Fields, recovery: &Recovery) -> Result<Grid, Fie
             .collect(),
         connectivity,
         offsets,
-        types: elements().map(|element| cell_type(element.kind())).collect(),
+        types: elements().map(|element| element.kind().vtk_type()).collect(),
         point_data,
         cell_data: vec![
             Array::numbers("part", elements().map(Element::part)),

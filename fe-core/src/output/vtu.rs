@@ -3,7 +3,6 @@
 //! The crates that write this format name no components and leave out the counts of an empty piece, without which no
 //! reader takes the file; what is needed of it is these few lines.
 
-use crate::element::ElementKind;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use std::fmt::Write as _;
@@ -39,16 +38,6 @@ pub(super) struct Grid {
 
 /// VTK's number of a vertex.
 pub(super) const VERTEX: u8 = 1;
-
-/// VTK's number of a kind of element; the numbering of nodes is the same.
-pub(super) const fn cell_type(kind: ElementKind) -> u8 {
-    match kind {
-        ElementKind::T3 => 5,
-        ElementKind::Q4 => 9,
-        ElementKind::T6 => 22,
-        ElementKind::Q8 => 23,
-    }
-}
 
 impl Array {
     /// One real number per tuple.

@@ -17,7 +17,9 @@ use faer::{Accum, MatMut, MatRef, Par, Spec};
 
 use super::analysis::Analysis;
 use super::graph::NONE;
-use super::{SolverError, column};
+use super::method::{Factorisation, Layout};
+use super::{Pattern, SolverError, SystemMatrix, column};
+use crate::threads::Threads;
 
 /// The least pivot, relative to the greatest entry of its column before elimination.
 const SMALLEST_PIVOT: f64 = 1e-8;
@@ -37,7 +39,7 @@ pub(super) struct BlockLu {
     /// Supernodes that something below them in the tree of elimination has changed.
     changed: Vec<bool>,
     /// Multiplications and additions of the last factorisation, without supernodes that were kept.
-    pub(super) flops: f64,
+    flops: f64,
     /// The row of its block that comes to each place.
     permutation: Vec<usize>,
     /// The greatest entry of each column of A.
@@ -106,9 +108,98 @@ impl Queue {
     }
 }
 
+impl Factorisation for BlockLu {
+    fn analyse(pattern: &Pattern, layout: &Layout) -> Result<Option<Self>, SolverError> {
+        Self::new(Analysis::new(pattern, layout.elimination_order(pattern)?)?).map(Some)
+    }
+
+    /// Factorises; `false` if a pivot is too small.
+    ///
+    /// A supernode stays as it is, to the last bit, if its own values are those of the last factorisation and nothing that
+    /// it subtracts has changed: that comes from its descendants in the tree of elimination, whose next row is in their
+    /// parent.
+    fn factorise(&mut self, values: &[f64], _: &SystemMatrix, _: &Threads) -> Result<bool, SolverError> {
+        self.set_scales(values);
+        self.queue.heads.fill(NONE);
+        self.queue.passed.fill(0);
+        self.changed.fill(!self.is_factor);
+        self.is_factor = false;
+        self.flops = 0.0;
+        let analysis = Arc::clone(&self.analysis);
+        for index in 0..self.panels.len() {
+            let panel = self.panels[index];
+            let rows = analysis.supernodes.supernode(index).pattern();
+            let changed = self.changed[index] || self.differs(&analysis, panel, values);
+            let mut earlier = std::mem::replace(&mut self.queue.heads[index], NONE);
+            if changed {
+                (panel.start..panel.end()).chain(rows.iter().copied()).zip(0..).for_each(|(row, local)| {
+                    self.local[row] = local;
+                });
+                self.assemble(&analysis, panel, values);
+            }
+            while earlier != NONE {
+                let next = self.queue.next[earlier];
+                let rows = analysis.supernodes.supernode(earlier).pattern();
+                let (begin, shared) = self.pass(earlier, rows, panel);
+                if changed {
+                    self.subtract(earlier, &rows[begin..], (begin, shared), panel);
+                }
+                earlier = next;
+            }
+            if changed {
+                if !self.eliminate(panel) {
+                    return Ok(false);
+                }
+                if let Some(&row) = rows.first() {
+                    self.changed[self.queue.owner[row]] = true;
+                }
+            }
+            self.queue.wait(index, rows);
+        }
+        self.values.clear();
+        self.values.extend_from_slice(values);
+        self.is_factor = true;
+        Ok(true)
+    }
+
+    fn solve(&mut self, right_side: &mut [f64], _: &Threads) {
+        let Analysis { supernodes, order, .. } = &*self.analysis;
+        let x = &mut self.ordered;
+        x.iter_mut().zip(order).for_each(|(to, &equation)| *to = right_side[equation]);
+        for (index, panel) in self.panels.iter().enumerate() {
+            let (block, below) = panel.lower(&self.lower).split_at_row(panel.columns);
+            let (own, outside) = self.work.split_at_mut(panel.columns);
+            let permutation = &self.permutation[panel.start..panel.end()];
+            own.iter_mut().zip(permutation).for_each(|(own, &row)| *own = x[panel.start + row]);
+            let outside = &mut outside[..panel.below];
+            solve_unit_lower_triangular_in_place(block, column(own), Par::Seq);
+            matmul(column(outside), Accum::Replace, below, column(own).rb(), 1.0, Par::Seq);
+            x[panel.start..panel.end()].copy_from_slice(own);
+            supernodes.supernode(index).pattern().iter().zip(outside).for_each(|(&row, value)| x[row] -= *value);
+        }
+        for (index, panel) in self.panels.iter().enumerate().rev() {
+            let outside = &mut self.work[..panel.below];
+            outside.iter_mut().zip(supernodes.supernode(index).pattern()).for_each(|(value, &row)| *value = x[row]);
+            let own = &mut x[panel.start..panel.end()];
+            let upper = panel.upper(&self.upper).transpose();
+            matmul(column(own), Accum::Add, upper, column(outside).rb(), -1.0, Par::Seq);
+            let block = panel.lower(&self.lower).split_at_row(panel.columns).0;
+            solve_upper_triangular_in_place(block, column(own), Par::Seq);
+        }
+        x.iter().zip(order).for_each(|(from, &equation)| right_side[equation] = *from);
+    }
+    fn forget(&mut self) {
+        self.is_factor = false;
+    }
+
+    fn size(&self) -> Option<(f64, usize)> {
+        Some((self.flops, self.lower.len() + self.upper.len()))
+    }
+}
+
 impl BlockLu {
     /// Memory for a factor.
-    pub(super) fn new(analysis: Analysis) -> Result<Self, SolverError> {
+    fn new(analysis: Analysis) -> Result<Self, SolverError> {
         let supernodes = &analysis.supernodes;
         let (size, count) = (supernodes.nrows(), supernodes.n_supernodes());
         let mut panels: Vec<Panel> = Vec::with_capacity(count);
@@ -142,65 +233,6 @@ impl BlockLu {
             panels,
             analysis: Arc::new(analysis),
         })
-    }
-
-    /// Returns how many numbers the factor has.
-    pub(super) fn entries(&self) -> usize {
-        self.lower.len() + self.upper.len()
-    }
-
-    /// Discards the factor: nothing of it is kept at the next factorisation.
-    pub(super) fn forget(&mut self) {
-        self.is_factor = false;
-    }
-
-    /// Factorises; `false` if a pivot is too small.
-    ///
-    /// A supernode stays as it is, to the last bit, if its own values are those of the last factorisation and nothing that
-    /// it subtracts has changed: that comes from its descendants in the tree of elimination, whose next row is in their
-    /// parent.
-    pub(super) fn factorise(&mut self, values: &[f64]) -> bool {
-        self.set_scales(values);
-        self.queue.heads.fill(NONE);
-        self.queue.passed.fill(0);
-        self.changed.fill(!self.is_factor);
-        self.is_factor = false;
-        self.flops = 0.0;
-        let analysis = Arc::clone(&self.analysis);
-        for index in 0..self.panels.len() {
-            let panel = self.panels[index];
-            let rows = analysis.supernodes.supernode(index).pattern();
-            let changed = self.changed[index] || self.differs(&analysis, panel, values);
-            let mut earlier = std::mem::replace(&mut self.queue.heads[index], NONE);
-            if changed {
-                (panel.start..panel.end()).chain(rows.iter().copied()).zip(0..).for_each(|(row, local)| {
-                    self.local[row] = local;
-                });
-                self.assemble(&analysis, panel, values);
-            }
-            while earlier != NONE {
-                let next = self.queue.next[earlier];
-                let rows = analysis.supernodes.supernode(earlier).pattern();
-                let (begin, shared) = self.pass(earlier, rows, panel);
-                if changed {
-                    self.subtract(earlier, &rows[begin..], (begin, shared), panel);
-                }
-                earlier = next;
-            }
-            if changed {
-                if !self.eliminate(panel) {
-                    return false;
-                }
-                if let Some(&row) = rows.first() {
-                    self.changed[self.queue.owner[row]] = true;
-                }
-            }
-            self.queue.wait(index, rows);
-        }
-        self.values.clear();
-        self.values.extend_from_slice(values);
-        self.is_factor = true;
-        true
     }
 
     /// Returns whether a value of A in a panel is another one than at the last factorisation.
@@ -317,34 +349,6 @@ impl BlockLu {
         let upper = MatMut::from_column_major_slice_mut(upper, panel.below, panel.columns);
         solve_unit_lower_triangular_in_place(block.as_ref(), upper.transpose_mut(), Par::Seq);
         true
-    }
-
-    /// Solves in place.
-    pub(super) fn solve(&mut self, right_side: &mut [f64]) {
-        let Analysis { supernodes, order, .. } = &*self.analysis;
-        let x = &mut self.ordered;
-        x.iter_mut().zip(order).for_each(|(to, &equation)| *to = right_side[equation]);
-        for (index, panel) in self.panels.iter().enumerate() {
-            let (block, below) = panel.lower(&self.lower).split_at_row(panel.columns);
-            let (own, outside) = self.work.split_at_mut(panel.columns);
-            let permutation = &self.permutation[panel.start..panel.end()];
-            own.iter_mut().zip(permutation).for_each(|(own, &row)| *own = x[panel.start + row]);
-            let outside = &mut outside[..panel.below];
-            solve_unit_lower_triangular_in_place(block, column(own), Par::Seq);
-            matmul(column(outside), Accum::Replace, below, column(own).rb(), 1.0, Par::Seq);
-            x[panel.start..panel.end()].copy_from_slice(own);
-            supernodes.supernode(index).pattern().iter().zip(outside).for_each(|(&row, value)| x[row] -= *value);
-        }
-        for (index, panel) in self.panels.iter().enumerate().rev() {
-            let outside = &mut self.work[..panel.below];
-            outside.iter_mut().zip(supernodes.supernode(index).pattern()).for_each(|(value, &row)| *value = x[row]);
-            let own = &mut x[panel.start..panel.end()];
-            let upper = panel.upper(&self.upper).transpose();
-            matmul(column(own), Accum::Add, upper, column(outside).rb(), -1.0, Par::Seq);
-            let block = panel.lower(&self.lower).split_at_row(panel.columns).0;
-            solve_upper_triangular_in_place(block, column(own), Par::Seq);
-        }
-        x.iter().zip(order).for_each(|(from, &equation)| right_side[equation] = *from);
     }
 }
 

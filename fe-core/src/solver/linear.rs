@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::ordering::elimination_order;
-use super::whole::{Whole, get_or_try_insert};
+use super::method::Layout;
+use super::whole::Whole;
 use super::{
     ACCEPTED_RESIDUAL, Blocks, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern, REFINED_RESIDUAL, ROUNDING,
     ROUNDING_MARGIN, SYMMETRIC_BLOCK, SolveReport, SolverError, SolverOptions, Symmetry, SystemMatrix,
@@ -12,13 +12,7 @@ use crate::threads::Threads;
 
 /// Factorises and solves systems over one pattern; see the module's page for how.
 pub struct LinearSolver {
-    pattern: Arc<Pattern>,
-    nodes: Vec<usize>,
-    /// Positions of each equation, if known.
-    positions: Vec<[f64; 2]>,
-    /// Whether the solids alone fill less along cuts: found once, contact changes the pattern too often.
-    is_dissected: Option<bool>,
-    threads: Threads,
+    layout: Layout,
     options: SolverOptions,
     /// Present after the first factorisation.
     whole: Option<Whole>,
@@ -30,32 +24,23 @@ impl LinearSolver {
     /// A solver for matrices over `pattern`. `nodes` has the node of each equation, by any numbering (the graph of the
     /// nodes is ordered).
     pub fn new(pattern: &Arc<Pattern>, nodes: &[usize], options: SolverOptions) -> Self {
-        Self {
-            pattern: Arc::clone(pattern),
-            nodes: nodes.to_vec(),
-            positions: Vec::new(),
-            is_dissected: None,
-            threads: Threads::default(),
-            options,
-            whole: None,
-            factor: None,
-        }
+        Self { layout: Layout::new(pattern, nodes), options, whole: None, factor: None }
     }
 
     /// Makes another solver for the same pattern.
     pub(crate) fn anew(&self) -> Self {
-        let made = Self::new(&self.pattern, &self.nodes, self.options).with_positions(self.positions.clone());
-        Self { threads: self.threads.clone(), is_dissected: self.is_dissected, ..made }
+        Self { layout: self.layout.clone(), options: self.options, whole: None, factor: None }
     }
 
     /// Sets the position of each equation's node, mm: a large definite matrix is then factorised in parts.
-    pub fn with_positions(self, positions: Vec<[f64; 2]>) -> Self {
-        Self { positions, ..self }
+    pub fn with_positions(mut self, positions: Vec<[f64; 2]>) -> Self {
+        self.layout.positions = positions;
+        self
     }
 
     /// The threads that work on the parts. Their number changes no bit of a solution.
     pub fn set_threads(&mut self, threads: &Threads) {
-        self.threads = threads.clone();
+        self.layout.threads = threads.clone();
     }
 
     /// Factorises a matrix, by the first method that can.
@@ -72,7 +57,7 @@ impl LinearSolver {
         }
         let pattern_reused = whole.fill(matrix);
         let (method, was_analysed) = self.factorise_filled(&mut whole, matrix, symmetry)?;
-        let (flops, factor_entries) = whole.size_of(method);
+        let (flops, factor_entries) = whole.size_of(method).unzip();
         self.whole = Some(whole);
         self.factor = Some((method, symmetry));
         Ok(FactorisationReport { method, symbolic_reused: pattern_reused && was_analysed, flops, factor_entries })
@@ -80,31 +65,18 @@ impl LinearSolver {
 
     /// The first method that can, and whether it had been analysed before.
     fn factorise_filled(
-        &mut self,
+        &self,
         whole: &mut Whole,
         matrix: &SystemMatrix,
         symmetry: Symmetry,
     ) -> Result<(Method, bool), SolverError> {
-        let first = self.options.first_method.unwrap_or(Method::Parts);
         let is_symmetric = symmetry == Symmetry::Symmetric && is_symmetric(&matrix.contact);
-        for method in [Method::Parts, Method::BlockLu, Method::GeneralLu] {
-            if method < first || method == Method::Parts && !is_symmetric {
+        for method in Method::ALL {
+            if self.options.first_method.is_some_and(|first| method < first) || !method.applies(is_symmetric) {
                 continue;
             }
             let was_analysed = whole.is_analysed(method);
-            let is_done = match method {
-                Method::Parts => whole.factorise_parts(&self.nodes, &self.positions, &self.threads)?,
-                Method::BlockLu => {
-                    let is_dissected = *get_or_try_insert(&mut self.is_dissected, || {
-                        let (_, follows_cuts) = elimination_order(&self.pattern, &self.nodes, &self.positions, &[])?;
-                        Ok(follows_cuts)
-                    })?;
-                    let positions: &[_] = if is_dissected { &self.positions } else { &[] };
-                    whole.factorise_block_lu(&self.nodes, positions)?
-                }
-                Method::GeneralLu => whole.factorise_general_lu(matrix.norm())?,
-            };
-            if is_done {
+            if whole.factorise(method, &self.layout, matrix)? {
                 return Ok((method, was_analysed));
             }
         }
@@ -127,7 +99,7 @@ impl LinearSolver {
         (symmetry, pattern): &(Option<Symmetry>, Option<Pattern>),
         matrix: &SystemMatrix,
     ) -> Result<(), SolverError> {
-        self.whole = pattern.as_ref().map(|pattern| Whole::over(pattern.clone(), &self.pattern));
+        self.whole = pattern.as_ref().map(|pattern| Whole::over(pattern.clone(), &self.layout.solids));
         symmetry.map_or(Ok(()), |symmetry| self.factorise(matrix, symmetry).map(drop))
     }
 
@@ -185,7 +157,7 @@ impl LinearSolver {
     /// x ← K⁻¹ x by the factor, unchecked.
     fn apply(&mut self, method: Method, x: &mut [f64]) {
         if let Some(whole) = &mut self.whole {
-            whole.solve(method, x, &self.threads);
+            whole.solve(method, x, &self.layout.threads);
         }
     }
 }

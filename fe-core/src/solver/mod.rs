@@ -10,6 +10,7 @@ mod error;
 mod general_lu;
 mod graph;
 mod linear;
+mod method;
 mod ordering;
 mod parts;
 mod pattern;
@@ -17,6 +18,7 @@ mod whole;
 mod zone;
 
 use faer::MatMut;
+use method::{Analysed, Factorisation, Layout, methods};
 
 pub use blocks::Blocks;
 pub use condensation::Superelement;
@@ -65,15 +67,14 @@ pub enum Symmetry {
     Unsymmetric,
 }
 
-/// Methods of factorisation, in the order in which they are tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Method {
+// another one is a file with its `Factorisation`, and a row here
+methods! {
     /// LLᵀ in parts.
-    Parts,
+    Parts = parts::Parts,
     /// LU, pivoting inside supernodes.
-    BlockLu,
+    BlockLu = block_lu::BlockLu,
     /// LU, full partial pivoting.
-    GeneralLu,
+    GeneralLu = general_lu::GeneralLu,
 }
 
 /// A vector as a matrix of one column.

@@ -155,13 +155,13 @@ impl<'m> Analysis<'m> {
     /// Shares the work among threads: elements whose laws may be called by several, and factors of large systems. Results
     /// have the same bits for any number.
     pub fn set_threads(&mut self, threads: Threads) {
-        self.equilibrium.set_threads(threads);
+        self.equilibrium.set_threads(&threads);
     }
 
     /// Ends the run, as if an observer had said so, when another thread sets the flag: before the next iteration. The
     /// increment that is under way is given up.
     pub fn stop_at(&mut self, flag: Arc<AtomicBool>) {
-        self.equilibrium.stop = Some(flag);
+        self.equilibrium.company.stop = Some(flag);
     }
 
     /// Returns whether the flag of [`Self::stop_at`] is set.
@@ -269,7 +269,7 @@ impl<'m> Analysis<'m> {
 
     /// Returns where the time went so far.
     pub fn times(&self) -> Times {
-        self.equilibrium.times
+        self.equilibrium.observed.times
     }
 
     /// The present state.

@@ -177,7 +177,7 @@ impl Analysis<'_> {
 
     /// Keeps the states of the run from here on: two arrays of the displacements' length for each round of iterations.
     pub fn keep_trail(&mut self) {
-        self.equilibrium.keeps_rounds = true;
+        self.equilibrium.company.keeps_rounds = true;
         self.trail = Some(Trail::of(self.model));
     }
 
@@ -196,12 +196,12 @@ impl Analysis<'_> {
         }
         self.repeat_in_own_times(along.trail.recorded.clone(), along.trail.times());
         self.along = Some(Arc::clone(&along.trail)).filter(|trail| trail.fits(self.model));
-        self.equilibrium.turn = along.take_turn().filter(|_| self.along.is_some());
+        self.equilibrium.company.turn = along.take_turn().filter(|_| self.along.is_some());
     }
 
     /// Returns where the attempt that was just made leads.
     pub(super) fn way(&self, run: &StepRun) -> LeadingQuantity {
-        run.way(self.equilibrium.leading_point.map(|(point, _)| [point.pair, point.point]))
+        run.way(self.equilibrium.leading.point.map(|(point, _)| [point.pair, point.point]))
     }
 
     /// Takes down an attempt that was made to learn something of energies.

@@ -31,7 +31,7 @@ pub use lock::Lock;
 pub use names::Kind;
 
 /// File that says what the program wrote.
-pub(crate) const MANIFEST: &str = "manifest.json";
+pub const MANIFEST: &str = "manifest.json";
 /// Name of a file while it is written, next to its final place.
 const PARTIAL: &str = ".pullout.partial";
 /// Largest number of file names in a message.

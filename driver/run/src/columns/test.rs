@@ -6,7 +6,7 @@ fn names<R>(table: &[Column<R>]) -> Vec<&'static str> {
 
 #[test]
 fn names_are_unique_and_begin_with_the_time() {
-    for mut names in [names(&POINT), names(&CONTACT), names(&SPECIMEN)] {
+    for mut names in [names(POINT), names(CONTACT), names(SPECIMEN)] {
         assert_eq!(names[0], "time");
         let count = names.len();
         names.sort_unstable();
@@ -18,7 +18,7 @@ fn names_are_unique_and_begin_with_the_time() {
 /// A study finds a column of a case of kind bridging by its name alone.
 #[test]
 fn names_of_bridging_and_beam_are_unique() {
-    let mut all: Vec<&str> = names(&BRIDGING).into_iter().chain(names(&BEAM)).collect();
+    let mut all: Vec<&str> = names(BRIDGING).into_iter().chain(names(BEAM)).collect();
     let count = all.len();
     all.sort_unstable();
     all.dedup();

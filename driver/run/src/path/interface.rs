@@ -489,7 +489,7 @@ impl Divisible for Runner<'_> {
         let state = &self.committed;
         let derived = self.derived.iter().map(|derived| derived.value(&state.statev));
         let left_out = columns::left_out_of_contact(self.directions);
-        columns::fill(&CONTACT, left_out, state, state.statev.iter().copied().chain(derived), values);
+        columns::fill(CONTACT, left_out, state, state.statev.iter().copied().chain(derived), values);
     }
 
     fn replay(&self, program: &Program, to: f64) -> serde_json::Value {

@@ -827,7 +827,7 @@ impl Divisible for Runner<'_> {
             heat: state.heat,
         };
         let derived = self.derived.iter().map(|derived| derived.value(&state.statev));
-        columns::fill(&POINT, self.left_out, &row, state.statev.iter().copied().chain(derived), values);
+        columns::fill(POINT, self.left_out, &row, state.statev.iter().copied().chain(derived), values);
     }
 
     fn replay(&self, program: &Program, to: f64) -> serde_json::Value {

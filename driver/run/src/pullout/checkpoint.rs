@@ -11,6 +11,7 @@
 
 use super::PulloutProgram;
 use super::recorder::RecorderState;
+use crate::columns;
 use crate::input::{self, Input, hexadecimal};
 use crate::isolation::worker;
 use fe_core::model::{ContactLaw, ContactPair, Model, PluginLaw};
@@ -166,6 +167,8 @@ fn fingerprint(program: &PulloutProgram) -> io::Result<String> {
     let about = &program.about;
     let written = (about.every, about.plots, program.fields_every, &program.pictures_at, program.rupture_strain);
     hash.update(format!("{:?}", (&program.step_untils, &about.until, written)));
+    // what is kept of the rows has the columns of this program
+    hash.update(format!("{:?}", columns::of_specimen(&measured.fibres)));
     for pair in contacts {
         let ContactPair {
             name,

@@ -6,7 +6,7 @@ use super::kernel::Nodal;
 use super::record::{Body, ElementData, Spalled, number_of};
 use super::summary::Counters;
 use crate::assembly::{Location, PointFailure};
-use crate::element::ElementKind;
+use crate::element::WithNodeCount;
 use crate::model::{FieldValues, IncrementContext};
 use umat_abi::host::same_bits;
 use umat_abi::law::Request;
@@ -28,6 +28,19 @@ pub(super) struct Evaluation<'a> {
     pub(super) skip_unchanged: bool,
     /// Version of stiffnesses that are built.
     pub(super) version: u64,
+}
+
+/// Evaluation of an element of a block.
+struct ElementOfBlock<'a, 'e> {
+    block: &'a mut ElementBlock,
+    local: usize,
+    evaluation: &'a Evaluation<'e>,
+}
+
+impl WithNodeCount<Result<(), PointFailure>> for ElementOfBlock<'_, '_> {
+    fn run<const N: usize>(self) -> Result<(), PointFailure> {
+        self.block.evaluate_element::<N>(self.local, self.evaluation)
+    }
 }
 
 /// Some elements of one part.
@@ -98,12 +111,7 @@ impl ElementBlock {
             if !evaluation.active[element] {
                 continue;
             }
-            match kind {
-                ElementKind::T3 => self.evaluate_element::<3>(local, evaluation)?,
-                ElementKind::Q4 => self.evaluate_element::<4>(local, evaluation)?,
-                ElementKind::T6 => self.evaluate_element::<6>(local, evaluation)?,
-                ElementKind::Q8 => self.evaluate_element::<8>(local, evaluation)?,
-            }
+            kind.with_node_count(ElementOfBlock { block: self, local, evaluation })?;
         }
         Ok(())
     }

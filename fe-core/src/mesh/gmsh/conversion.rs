@@ -262,7 +262,8 @@ fn signed_area(corners: &[[f64; 2]]) -> f64 {
 
 /// Turns an element round: the first corner stays the first.
 fn turn_round(kind: ElementKind, nodes: &mut [usize]) {
-    let (corners, middles) = nodes.split_at_mut(kind.corner_count());
+    let (corners, others) = nodes.split_at_mut(kind.corner_count());
     corners[1..].reverse();
-    middles.reverse();
+    let middles = others.len().min(corners.len());
+    others[..middles].reverse();
 }

@@ -19,14 +19,13 @@ impl ElementType {
             "with Mesh.ElementOrder = 2 also set Mesh.SecondOrderIncomplete = 1 (second-order incomplete: 8 nodes)";
         const LOWER: &str = "set Mesh.ElementOrder to 1 or 2";
         const PLANE: &str = "put only surfaces, curves and points into physical groups";
+        if let Some(kind) = ElementKind::ALL.into_iter().find(|kind| kind.gmsh_type() == number) {
+            return Ok(Self::Surface(kind));
+        }
         let (name, remedy) = match number {
             1 => return Ok(Self::Line(2)),
-            2 => return Ok(Self::Surface(ElementKind::T3)),
-            3 => return Ok(Self::Surface(ElementKind::Q4)),
             8 => return Ok(Self::Line(3)),
-            9 => return Ok(Self::Surface(ElementKind::T6)),
             15 => return Ok(Self::Point),
-            16 => return Ok(Self::Surface(ElementKind::Q8)),
             10 => ("9-node quadrilateral", INCOMPLETE),
             4 | 11 => ("tetrahedron", PLANE),
             5 | 12 | 17 => ("hexahedron", PLANE),

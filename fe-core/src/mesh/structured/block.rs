@@ -1,6 +1,6 @@
 //! A block of a structured mesh: a mapped grid of cells.
 
-use crate::element::{EdgeKind, ElementKind};
+use crate::element::ElementKind;
 use crate::mesh::ElementEdge;
 use std::ops::Range;
 
@@ -70,21 +70,21 @@ impl<'a> MeshBlock<'a> {
     /// The places of the nodes of a cell's elements, in the elements' order.
     pub(super) fn cell(&self, column: usize, row: usize) -> Vec<Vec<[usize; 2]>> {
         let [a, b, c, d] = [[0, 0], [2, 0], [2, 2], [0, 2]].map(|[i, j]| [2 * column + i, 2 * row + j]);
-        let mut elements = match (self.kind.corner_count(), (self.diagonal)(column, row)) {
-            (3, Diagonal::Rising) => vec![vec![a, b, c], vec![a, c, d]],
-            (3, Diagonal::Falling) => vec![vec![a, b, d], vec![b, c, d]],
-            _ => vec![vec![a, b, c, d]],
+        let is_triangle = self.kind.corner_count() == 3;
+        // origin and the ends of both axes of each element
+        let elements = match (is_triangle, (self.diagonal)(column, row)) {
+            (true, Diagonal::Rising) => vec![[a, b, c], [a, c, d]],
+            (true, Diagonal::Falling) => vec![[a, b, d], [b, c, d]],
+            (false, _) => vec![[a, b, d]],
         };
-        if self.kind.edge_kind() == EdgeKind::Quadratic {
-            for places in &mut elements {
-                let corners = places.len();
-                for start in 0..corners {
-                    let (p, q) = (places[start], places[(start + 1) % corners]);
-                    places.push([(p[0] + q[0]) / 2, (p[1] + q[1]) / 2]);
-                }
-            }
-        }
-        elements
+        let place = |corners: &[[usize; 2]; 3], reference: &[f64; 2]| {
+            let [xi, eta] = reference.map(|value| if is_triangle { value } else { 0.5 * (value + 1.0) });
+            let [origin, first, second] = corners.map(|corner| corner.map(|index| index as f64));
+            // whole: corners are two apart
+            std::array::from_fn(|k| (origin[k] + xi * (first[k] - origin[k]) + eta * (second[k] - origin[k])) as usize)
+        };
+        let nodes = self.kind.reference_coordinates();
+        elements.iter().map(|corners| nodes.iter().map(|node| place(corners, node)).collect()).collect()
     }
 }
 

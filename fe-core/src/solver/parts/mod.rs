@@ -6,7 +6,8 @@ mod plan;
 
 use faer::MatRef;
 
-use super::{Pattern, SolverError};
+use super::method::{Factorisation, Layout};
+use super::{Pattern, SolverError, SystemMatrix};
 use crate::threads::Threads;
 
 /// Fewer equations are factorised in one piece: a few milliseconds.
@@ -32,7 +33,7 @@ const LEAST_EQUATIONS: usize = 10_000;
 pub(super) struct Parts {
     root: Box<dyn Substructure>,
     /// Multiplications and additions of the last factorisation, without parts that were kept.
-    pub(super) flops: f64,
+    flops: f64,
 }
 
 /// Outcome of the elimination of a part.
@@ -88,43 +89,38 @@ trait Substructure: Send + Sync {
     fn entries(&self) -> usize;
 }
 
-impl Parts {
-    /// Cuts a pattern; `None` if it is small, or cannot be cut where few nodes are. `nodes` and `positions` are those of
-    /// each equation.
-    pub(super) fn new(
-        pattern: &Pattern,
-        nodes: &[usize],
-        positions: &[[f64; 2]],
-        threads: &Threads,
-    ) -> Result<Option<Self>, SolverError> {
+impl Factorisation for Parts {
+    fn applies(is_symmetric: bool) -> bool {
+        is_symmetric
+    }
+
+    /// Cuts a pattern; `None` if it is small, or cannot be cut where few nodes are.
+    fn analyse(pattern: &Pattern, layout: &Layout) -> Result<Option<Self>, SolverError> {
+        let Layout { nodes, positions, threads, .. } = layout;
         if pattern.size() < LEAST_EQUATIONS || positions.len() != pattern.size() {
             return Ok(None);
         }
         Ok(plan::plan(pattern, nodes, positions, threads)?.map(|root| Self { root, flops: 0.0 }))
     }
 
-    /// Discards the factors: no part is kept at the next factorisation.
-    pub(super) fn forget(&mut self) {
-        self.root.forget();
-    }
-
-    /// Factorises; `false` if the matrix is not definite.
-    pub(super) fn factorise(&mut self, values: &[f64], threads: &Threads) -> bool {
+    fn factorise(&mut self, values: &[f64], _: &SystemMatrix, threads: &Threads) -> Result<bool, SolverError> {
         let elimination = self.root.factorise(values, threads);
         self.flops = if let Elimination::Done(flops) = elimination { flops } else { 0.0 };
-        elimination != Elimination::Refused
+        Ok(elimination != Elimination::Refused)
     }
 
-    /// Solves in place.
-    pub(super) fn solve(&mut self, x: &mut [f64], threads: &Threads) {
+    fn solve(&mut self, x: &mut [f64], threads: &Threads) {
         self.root.forward(x, threads);
         // the whole has no border
         self.root.backward(&[], &[], threads);
         self.root.collect(x);
     }
 
-    /// Returns how many numbers the factors have.
-    pub(super) fn entries(&self) -> usize {
-        self.root.entries()
+    fn forget(&mut self) {
+        self.root.forget();
+    }
+
+    fn size(&self) -> Option<(f64, usize)> {
+        Some((self.flops, self.root.entries()))
     }
 }

@@ -82,7 +82,7 @@ impl Equilibrium<'_> {
                     Leader::Dissipation => self.dissipation_progress(attempt, &from_residual, &from_drives)?,
                     Leader::Field => Progress::default(),
                 };
-                let growth = self.parallel.as_ref().map_or(*growth, |parallel| parallel.growth);
+                let growth = self.company.parallel.as_ref().map_or(*growth, |parallel| parallel.growth);
                 let share = (growth - progress.so_far - progress.along_residual) / progress.along_drives;
                 if !share.is_finite() {
                     let reason = "what leads does not follow the drives".into();
@@ -95,8 +95,8 @@ impl Equilibrium<'_> {
 
     fn solve(&mut self, right_side: &mut [f64]) -> Result<(), PointFailure> {
         self.memory.statistics.solutions += 1;
-        let Self { system, times, .. } = self;
-        timed(&mut times.solution, || system.solve(right_side)).map_err(|error| unsolvable(&error))
+        let Self { system, observed, .. } = self;
+        timed(&mut observed.times.solution, || system.solve(right_side)).map_err(|error| unsolvable(&error))
     }
 
     /// Returns how far the leading point has slid; chosen where the increment starts.
@@ -108,14 +108,14 @@ impl Equilibrium<'_> {
         known: Option<PointIndex>,
     ) -> Progress {
         if predicts {
-            let breaking = self.contact.breaking_point().or(self.breaking_point.take());
+            let breaking = self.contact.breaking_point().or(self.leading.breaking.take());
             let leading = breaking.or_else(|| self.contact.fastest_point(&from_drives.displacements));
             let leading = known.filter(|point| self.contact.has(*point)).or(leading);
-            self.leading_point = leading.map(|point| (point, self.contact.slip_of(point)));
+            self.leading.point = leading.map(|point| (point, self.contact.slip_of(point)));
         } else if let Some(point) = self.contact.breaking_point() {
-            self.breaking_point = Some(point);
+            self.leading.breaking = Some(point);
         }
-        self.leading_point.map_or(Progress::default(), |(point, start)| Progress {
+        self.leading.point.map_or(Progress::default(), |(point, start)| Progress {
             so_far: self.contact.slip_of(point) - start,
             along_residual: self.contact.slip_along(point, &from_residual.displacements),
             along_drives: self.contact.slip_along(point, &from_drives.displacements),
@@ -175,8 +175,8 @@ impl Equilibrium<'_> {
             let there = trial.displacements.iter().zip(&along.displacements).map(|(u, du)| u + length * du);
             let there: Vec<f64> = there.collect();
             let mut forces = vec![0.0; there.len()];
-            let Self { solids, field: Some(field), times, memory, .. } = self else { break };
-            timed(&mut times.solids, || solids.evaluate(&there, &context, Request::Stress, &mut forces))?;
+            let Self { solids, field: Some(field), observed, memory, .. } = self else { break };
+            timed(&mut observed.times.solids, || solids.evaluate(&there, &context, Request::Stress, &mut forces))?;
             let response = field.response(correction, length, &trial.drives, &attempt.context, solids);
             let response = response.map_err(|error| unsolvable(&error))?;
             if response.iter().all(|by| *by <= 0.0) {
@@ -197,8 +197,8 @@ impl Equilibrium<'_> {
 
     fn dissipation_at(&mut self, displacements: &[f64], context: IncrementContext) -> Result<f64, PointFailure> {
         let mut forces = vec![0.0; displacements.len()];
-        let Self { solids, times, .. } = self;
-        timed(&mut times.solids, || solids.evaluate(displacements, &context, Request::Stress, &mut forces))?;
+        let Self { solids, observed, .. } = self;
+        timed(&mut observed.times.solids, || solids.evaluate(displacements, &context, Request::Stress, &mut forces))?;
         Ok(self.solids.trial_dissipation())
     }
 
@@ -226,14 +226,14 @@ impl Equilibrium<'_> {
         for (drive, change) in attempt.trial.drives.iter_mut().zip(&direction.drives) {
             *drive += change;
         }
-        if self.parallel.is_none() {
+        if self.company.parallel.is_none() {
             self.contact.predict_gaps(&direction.displacements, predicts);
         }
         direction.place(&from, 1.0, &mut attempt.trial);
         self.evaluate(attempt)?;
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
         let full = largest(&self.memory.residual);
-        let contact_changes = self.contact_changes > 0 && attempt.context().iteration <= BEFORE_HALVING;
+        let contact_changes = self.leading.changes > 0 && attempt.context().iteration <= BEFORE_HALVING;
         if !self.model.controls.line_search || predicts || moves_drives || contact_changes || full <= before {
             return Ok(1.0);
         }

@@ -60,26 +60,26 @@ impl Branches {
 impl Equilibrium<'_> {
     /// Counts flips from now on.
     pub(in crate::stepping) fn watch_flips(&mut self) {
-        self.watch = Some(Box::default());
+        self.observed.watch = Some(Box::default());
     }
 
     /// An attempt begins: its first iteration predicts with the branches of the last increment.
     pub(super) fn begin_flips(&mut self) {
-        if let Some(watch) = &mut self.watch {
+        if let Some(watch) = &mut self.observed.watch {
             watch.last.clone_from(&watch.committed);
         }
     }
 
     /// The last attempt is accepted.
     pub(super) fn commit_flips(&mut self) {
-        if let Some(watch) = &mut self.watch {
+        if let Some(watch) = &mut self.observed.watch {
             watch.committed.clone_from(&watch.last);
         }
     }
 
     /// Returns the flips since the last call; none where nobody watches.
     pub(super) fn flips(&mut self) -> Flips {
-        let Some(watch) = &mut self.watch else { return Flips::default() };
+        let Some(watch) = &mut self.observed.watch else { return Flips::default() };
         let contact = self.contact.points().map(|point| (point.status, point.pressure > 0.0)).collect();
         let after = Branches { contact, solids: self.solids.branches().collect() };
         let flips = watch.last.flips_to(&after);

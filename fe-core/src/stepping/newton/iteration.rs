@@ -29,7 +29,7 @@ impl Equilibrium<'_> {
             // After a settlement the drives are where they should be, and the increment may be in equilibrium already.
             if !predicts && self.is_converged(attempt, residual, scale) {
                 if !self.contact.is_elsewhere() {
-                    return Ok(self.parallel.as_ref().map_or(RoundEnd::Balanced, |parallel| parallel.end));
+                    return Ok(self.company.parallel.as_ref().map_or(RoundEnd::Balanced, |parallel| parallel.end));
                 }
                 // equilibrium with what the laws say elsewhere is none
                 self.contact.end_prediction();
@@ -73,7 +73,7 @@ impl Equilibrium<'_> {
     fn may_update(&self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {
         attempt.iterations.len() > attempt.updated.unwrap_or(1)
             && residual <= NEAR * scale
-            && self.parallel.is_none()
+            && self.company.parallel.is_none()
             && !self.contact.is_elsewhere()
             && self.contact.wants_multipliers()
     }
@@ -81,7 +81,7 @@ impl Equilibrium<'_> {
     fn is_converged(&mut self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {
         let growth = self.growth(attempt);
         let rough = attempt.round().len() == 1 && self.needs_no_tangents();
-        if let Some(parallel) = &mut self.parallel {
+        if let Some(parallel) = &mut self.company.parallel {
             return parallel.is_reached(residual, growth, self.memory.rounding, rough);
         }
         let tolerance = self.tolerance(scale);

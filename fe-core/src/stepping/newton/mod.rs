@@ -41,12 +41,10 @@ use crate::solver::{Blocks, SolverError};
 use crate::stepping::constants::{CUT, FIELD_CUT, LEAST_RELATIVE_SCALE};
 use crate::threads::Threads;
 use correction::Followed;
-use parallel::ParallelRound;
+use parallel::Company;
 use serde::{Deserialize, Serialize};
 use state::Memory;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use turn::Handed;
+use std::sync::atomic::Ordering;
 use umat_abi::law::Request;
 
 /// The state at the end of the last accepted increment.
@@ -224,28 +222,28 @@ pub(super) struct Equilibrium<'m> {
     pub(super) system: System,
     zone: Zone,
     pub(super) memory: Memory,
-    /// The largest coordinate, mm.
-    extent: f64,
-    /// Contact points that opened or closed in the last evaluation.
-    contact_changes: usize,
+    pub(super) leading: Leading,
+    pub(super) company: Company,
+    pub(super) observed: Observed,
+}
+
+/// Contact points on which control depends.
+#[derive(Default)]
+pub(super) struct Leading {
+    /// The point that leads, and its slip at the start of the increment.
+    pub(super) point: Option<(PointIndex, f64)>,
+    /// A point that broke in this attempt: if the attempt fails it leads the next.
+    breaking: Option<PointIndex>,
+    /// Number of points that opened or closed in the last evaluation.
+    changes: usize,
+}
+
+/// What is counted of a run; nothing of it leads back.
+#[derive(Default)]
+pub(super) struct Observed {
+    pub(super) times: Times,
     /// Branches of all points, if flips are counted.
     watch: Option<Box<flips::Watch>>,
-    /// The contact point that leads, and its slip at the start of the increment.
-    pub(super) leading_point: Option<(PointIndex, f64)>,
-    /// A point that broke in this attempt: if the attempt fails it leads the next.
-    breaking_point: Option<PointIndex>,
-    pub(super) times: Times,
-    threads: Threads,
-    /// Flag by which another thread asks for the end ([`super::Analysis::stop_at`]).
-    pub(super) stop: Option<Arc<AtomicBool>>,
-    /// Whether the ways of attempts are kept.
-    pub(super) keeps_rounds: bool,
-    /// The end of the present round in the run parallel to which this one goes.
-    parallel: Option<ParallelRound>,
-    /// Turn of this run among those that share factors.
-    pub(super) turn: Option<Turn>,
-    /// A factor that goes round among them.
-    handed: Option<Handed>,
 }
 
 impl<'m> Equilibrium<'m> {
@@ -273,41 +271,31 @@ impl<'m> Equilibrium<'m> {
             system,
             zone,
             memory: Memory::new(freedoms),
-            extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
-            contact_changes: 0,
-            watch: None,
-            leading_point: None,
-            breaking_point: None,
-            times: Times::default(),
-            threads: Threads::default(),
-            stop: None,
-            keeps_rounds: false,
-            parallel: None,
-            turn: None,
-            handed: None,
+            leading: Leading::default(),
+            company: Company::default(),
+            observed: Observed::default(),
         })
     }
 
     /// Returns whether another thread has asked for the end of the run.
     pub(super) fn is_stopped(&self) -> bool {
-        self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed))
+        self.company.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
     /// Shares the work of elements and factors among threads.
-    pub(super) fn set_threads(&mut self, threads: Threads) {
-        self.solids.set_threads(&threads);
-        self.system.set_threads(&threads);
-        self.threads = threads;
+    pub(super) fn set_threads(&mut self, threads: &Threads) {
+        self.solids.set_threads(threads);
+        self.system.set_threads(threads);
     }
 
     /// Finds equilibrium for a target from the committed state, in rounds of iterations. Multipliers are updated
     /// between rounds, until contact has settled and the far field is elastic.
     pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, PointFailure> {
         self.contact.end_prediction();
-        attempt.kept.zone = self.keeps_rounds.then(|| self.zone.clone());
+        attempt.kept.zone = self.company.keeps_rounds.then(|| self.zone.clone());
         self.begin_field(&attempt);
         self.begin_parallel(&mut attempt, 0)?;
-        if !self.memory.at_committed_state || self.parallel.is_some() {
+        if !self.memory.at_committed_state || self.company.parallel.is_some() {
             self.evaluate(&attempt)?;
         }
         self.memory.at_committed_state = false;
@@ -335,7 +323,7 @@ impl<'m> Equilibrium<'m> {
             self.begin_parallel(&mut attempt, round)?;
             self.evaluate(&attempt)?;
         }
-        self.parallel = None;
+        self.company.parallel = None;
         let Attempt { trial: mut end, iterations, kept: guide, .. } = attempt;
         end.mean_slip = self.contact.mean_slip();
         end.dissipation = self.solids.trial_dissipation();
@@ -361,14 +349,14 @@ impl<'m> Equilibrium<'m> {
     /// increment if it leaves the forces as they were.
     fn field_settles(&mut self, attempt: &mut Attempt<'_>) -> Result<bool, PointFailure> {
         loop {
-            let Self { field: Some(field), solids, times, memory, .. } = self else { return Ok(true) };
+            let Self { field: Some(field), solids, observed, memory, .. } = self else { return Ok(true) };
             // nothing flows in no time
             if field.is_accepted() || attempt.context.time_increment <= 0.0 {
                 return Ok(true);
             }
             memory.statistics.field_passes += 1;
             let (drives, context) = (&attempt.trial.drives, &attempt.context);
-            let correction = timed(&mut times.solution, || field.correction(drives, context, solids));
+            let correction = timed(&mut observed.times.solution, || field.correction(drives, context, solids));
             let mut correction = correction.map_err(|error| unsolvable(&error))?;
             let Followed { share, force } = self.follow_field(attempt, &mut correction)?;
             let Self { field: Some(field), solids, .. } = self else { return Ok(true) };
@@ -410,8 +398,8 @@ impl<'m> Equilibrium<'m> {
         self.system.add_far_forces(&trial.displacements, -1.0, &mut self.memory.internal);
         let far: Vec<bool> = self.zone.active.iter().map(|active| !active).collect();
         self.solids.set_active(&far);
-        let Self { solids, memory, times, .. } = self;
-        let called = timed(&mut times.solids, || {
+        let Self { solids, memory, observed, .. } = self;
+        let called = timed(&mut observed.times.solids, || {
             solids.evaluate_unstabilised(&trial.displacements, &context, Request::Stress, &mut memory.internal)
         });
         self.solids.set_active(&self.zone.active);
@@ -437,11 +425,11 @@ impl<'m> Equilibrium<'m> {
 
     /// Lets other elements iterate; those that are condensed have been elastic so far.
     fn set_zone(&mut self, zone: Zone) -> Result<(), SolverError> {
-        let equations = self.system.equations().clone();
+        let (equations, threads) = (self.system.equations().clone(), self.system.threads().clone());
         self.zone = zone;
         self.system =
             self.zone.system(self.model, equations, &coupled_freedoms(self.model, &self.contact), &self.solids)?;
-        self.system.set_threads(&self.threads);
+        self.system.set_threads(&threads);
         self.solids.set_active(&self.zone.active);
         self.memory.factorised = false;
         Ok(())
@@ -449,7 +437,7 @@ impl<'m> Equilibrium<'m> {
 
     /// Makes the last attempt the committed state.
     pub(super) fn commit(&mut self, start: &Committed, end: &Committed) {
-        self.breaking_point = None;
+        self.leading.breaking = None;
         self.commit_flips();
         // an attempt that diverges has forces of any size: only what is accepted counts
         self.memory.greatest_scale = self.memory.greatest_scale.max(self.force_scale());
@@ -517,11 +505,13 @@ impl<'m> Equilibrium<'m> {
         let request = if self.needs_no_tangents() && !is_led { Request::Stress } else { Request::StressAndTangent };
         let (trial, context) = (&attempt.trial, attempt.context());
         let Model { mesh, fields, steps, .. } = self.model;
-        let Self { solids, contact, system, memory, times, .. } = self;
+        let Self { solids, contact, system, memory, observed, .. } = self;
         memory.statistics.evaluations += 1;
         memory.has_tangents = request.wants_tangent();
         memory.internal.fill(0.0);
-        timed(&mut times.solids, || solids.evaluate(&trial.displacements, &context, request, &mut memory.internal))?;
+        timed(&mut observed.times.solids, || {
+            solids.evaluate(&trial.displacements, &context, request, &mut memory.internal)
+        })?;
         memory.blocks.clear();
         memory.contact_forces.fill(0.0);
         contact.set_drives(&trial.drives);
@@ -530,10 +520,10 @@ impl<'m> Equilibrium<'m> {
             contact.set_fields(&start, &end);
         }
         let Memory { contact_forces, blocks, .. } = memory;
-        let evaluation = timed(&mut times.contact, || {
+        let evaluation = timed(&mut observed.times.contact, || {
             contact.evaluate(&trial.displacements, &context, request, contact_forces, blocks)
         })?;
-        self.contact_changes = evaluation.changes;
+        self.leading.changes = evaluation.changes;
         memory.internal.iter_mut().zip(&memory.contact_forces).for_each(|(sum, force)| *sum += force);
         let moved = |freedom: usize| trial.displacements[freedom] - attempt.start.displacements[freedom];
         let Memory { drag, internal, blocks, .. } = memory;
@@ -544,7 +534,7 @@ impl<'m> Equilibrium<'m> {
         system.add_far_forces(&trial.displacements, 1.0, &mut memory.internal);
         let unbalanced = memory.unbalanced();
         memory.residual = system.reduce(&unbalanced);
-        if let Some(parallel) = &self.parallel {
+        if let Some(parallel) = &self.company.parallel {
             parallel.take_off(&mut memory.residual);
         }
         match unbalanced.iter().position(|force| !force.is_finite()) {

@@ -1,10 +1,13 @@
 //! An attempt parallel to one of another run ([`crate::stepping::Trail`]).
 
+use super::turn::{Handed, Turn};
 use super::{Attempt, Equilibrium, IncrementGoal, Leader, RoundEnd, largest, unsolvable};
 use crate::assembly::PointFailure;
 use crate::model::Model;
 use crate::stepping::constants::{GROWTH_ROUNDING, PARALLEL_NOTHING, PARALLEL_REMAINDER, PARALLEL_ROUGH_REMAINDER};
 use crate::stepping::zone::Zone;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// State at the end of a round of iterations.
 #[derive(Clone, Debug, Default)]
@@ -72,10 +75,25 @@ impl ParallelRound {
     }
 }
 
+/// Other runs and threads that a run has to do with.
+#[derive(Default)]
+pub(in crate::stepping) struct Company {
+    /// Flag by which another thread asks for the end ([`crate::stepping::Analysis::stop_at`]).
+    pub(in crate::stepping) stop: Option<Arc<AtomicBool>>,
+    /// Whether the ways of attempts are kept.
+    pub(in crate::stepping) keeps_rounds: bool,
+    /// The end of the present round in the run parallel to which this one goes.
+    pub(super) parallel: Option<ParallelRound>,
+    /// Turn of this run among those that share factors.
+    pub(in crate::stepping) turn: Option<Turn>,
+    /// A factor that goes round among them.
+    pub(super) handed: Option<Handed>,
+}
+
 impl Equilibrium<'_> {
     /// Takes the end of a round down, if they are kept.
     pub(super) fn keep_round(&self, attempt: &mut Attempt<'_>, end: RoundEnd) {
-        if self.keeps_rounds {
+        if self.company.keeps_rounds {
             let growth = self.growth(attempt);
             attempt.kept.rounds.push(Round {
                 displacements: attempt.trial.displacements.clone(),
@@ -91,7 +109,7 @@ impl Equilibrium<'_> {
     pub(super) fn growth(&self, attempt: &Attempt<'_>) -> f64 {
         match attempt.target {
             IncrementGoal::Led { by: Leader::PointSlip, .. } => {
-                self.leading_point.map_or(0.0, |(point, start)| self.contact.slip_of(point) - start)
+                self.leading.point.map_or(0.0, |(point, start)| self.contact.slip_of(point) - start)
             }
             IncrementGoal::Led { by: Leader::Dissipation, .. } => {
                 self.solids.trial_dissipation() - attempt.start.dissipation
@@ -105,7 +123,7 @@ impl Equilibrium<'_> {
 
     /// Takes an attempt to the beginning of a round parallel to the other run's, if there is one.
     pub(super) fn begin_parallel(&mut self, attempt: &mut Attempt<'_>, round: usize) -> Result<(), PointFailure> {
-        self.parallel = None;
+        self.company.parallel = None;
         let Some(lead) = attempt.lead else { return Ok(()) };
         if round == 0
             && let Some(zone) = lead.guide.zone.as_ref().filter(|zone| **zone != self.zone)
@@ -123,7 +141,7 @@ impl Equilibrium<'_> {
             && let IncrementGoal::Led { by: Leader::PointSlip, point: Some(point), .. } = attempt.target
             && self.contact.has(*point)
         {
-            self.leading_point = Some((*point, self.contact.slip_of(*point)));
+            self.leading.point = Some((*point, self.contact.slip_of(*point)));
         }
         shift(&mut attempt.trial.displacements, &end.displacements, before.map(|round| &*round.displacements));
         shift(&mut attempt.trial.drives, &end.drives, before.map(|round| &*round.drives));
@@ -131,7 +149,7 @@ impl Equilibrium<'_> {
             let largest_drive = largest(&attempt.trial.drives).max(largest(&end.drives));
             attempt.is_off = largest(&attempt.lacking()) > GROWTH_ROUNDING * largest_drive;
         }
-        self.parallel =
+        self.company.parallel =
             Some(ParallelRound { residual: end.residual.clone(), growth: end.growth, end: end.end, first: None });
         // the factor is of another state: with it corrections are many, and leave more than rounding
         self.memory.last_reduction = 1.0;

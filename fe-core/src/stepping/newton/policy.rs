@@ -79,7 +79,7 @@ impl Equilibrium<'_> {
     /// Makes sure that the next increment finds a factor or tangents. Those of the committed state by itself, in which
     /// nothing grows, would be of an unloading solid, and predict badly.
     pub(super) fn prepare_next(&mut self, attempt: &Attempt<'_>) -> Result<(), PointFailure> {
-        if self.memory.has_tangents || self.may_reuse_factor() || self.parallel.is_some() {
+        if self.memory.has_tangents || self.may_reuse_factor() || self.company.parallel.is_some() {
             return Ok(());
         }
         self.evaluate(attempt)
@@ -87,10 +87,10 @@ impl Equilibrium<'_> {
 
     /// Factorises the matrix, of which only what has changed since the last time is done again.
     pub(super) fn factorise(&mut self) -> Result<(), PointFailure> {
-        let Self { model, solids, contact, system, memory, times, extent, .. } = self;
+        let Self { model, solids, contact, system, memory, observed, .. } = self;
         let keep = model.skipping.unchanged_elements && memory.factorised;
         let elements_changed = !keep || solids.latest_version() != memory.assembled_version;
-        timed(&mut times.assembly, || {
+        timed(&mut observed.times.assembly, || {
             if elements_changed {
                 system.assemble_elements(solids);
             }
@@ -100,8 +100,9 @@ impl Equilibrium<'_> {
         memory.assembled_version = solids.latest_version();
         let statistics = &mut memory.statistics;
         *if elements_changed { &mut statistics.factorisations } else { &mut statistics.block_factorisations } += 1;
-        let result = timed(&mut times.factorisation, || system.factorise(symmetry));
-        memory.rounding = POSITION_ROUNDING * *extent * system.largest_diagonal();
+        let result = timed(&mut observed.times.factorisation, || system.factorise(symmetry));
+        let extent = model.mesh.nodes().as_flattened().iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        memory.rounding = POSITION_ROUNDING * extent * system.largest_diagonal();
         memory.factorised = result.is_ok();
         memory.factor_is_elsewhere = contact.is_elsewhere();
         result.map(|_| ()).map_err(|error| unsolvable(&error))

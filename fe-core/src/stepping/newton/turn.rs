@@ -43,14 +43,14 @@ impl Turn {
 impl Equilibrium<'_> {
     /// Waits for the factor of a round that begins, if runs share them.
     pub(super) fn take_turn(&mut self, place: [u32; 3]) {
-        let Some(turn) = &self.turn else { return };
-        let mut handed = self.handed.take();
+        let Some(turn) = &self.company.turn else { return };
+        let mut handed = self.company.handed.take();
         while handed.as_ref().is_none_or(|handed| !turn.is_first && handed.place < place) {
             // those of rounds that this run does not have
             handed.take().into_iter().for_each(|earlier| drop(turn.to.send(earlier)));
             handed = turn.from.recv().ok();
             if handed.is_none() {
-                self.turn = None;
+                self.company.turn = None;
                 return;
             }
         }
@@ -72,12 +72,12 @@ impl Equilibrium<'_> {
                 }
             }
         }
-        self.handed = handed;
+        self.company.handed = handed;
     }
 
     /// Factorises for all at the beginning of a round, if this run is the first. Where that fails, it may not be needed.
     pub(super) fn factorise_for_all(&mut self) {
-        let is_first = self.turn.as_ref().is_some_and(|turn| turn.is_first);
+        let is_first = self.company.turn.as_ref().is_some_and(|turn| turn.is_first);
         if is_first && self.holds_factor() {
             drop(self.factorise());
         }
@@ -85,22 +85,22 @@ impl Equilibrium<'_> {
 
     /// Returns whether the system has the factor of another run.
     pub(super) fn needs_no_tangents(&self) -> bool {
-        self.holds_factor() && self.turn.as_ref().is_some_and(|turn| !turn.is_first)
+        self.holds_factor() && self.company.turn.as_ref().is_some_and(|turn| !turn.is_first)
     }
 
     /// Returns whether the system has a factor that goes round.
     fn holds_factor(&self) -> bool {
-        self.handed.as_ref().is_some_and(|handed| handed.is_in_use)
+        self.company.handed.as_ref().is_some_and(|handed| handed.is_in_use)
     }
 
     /// Hands a factor that goes round on, and takes its own back.
     pub(super) fn hand_on(&mut self) {
-        let Some(mut handed) = self.handed.take_if(|handed| handed.is_in_use) else { return };
+        let Some(mut handed) = self.company.handed.take_if(|handed| handed.is_in_use) else { return };
         handed.factor.iter_mut().for_each(|factor| self.system.exchange(factor));
         (handed.is_factor, handed.is_in_use) = (self.memory.factorised, false);
         handed.rounding = self.memory.rounding;
         self.memory.factorised = false;
-        if let Some(turn) = &self.turn {
+        if let Some(turn) = &self.company.turn {
             // where the next one has ended, nobody needs it
             drop(turn.to.send(handed));
         }

@@ -77,6 +77,12 @@ fn patch(variant: Variant, model: PlaneModel, radius: f64, curvature: f64) -> Me
                 }));
             }
         }
+        if element.len() < variant.kind.node_count() {
+            let corners = element[..count].iter().map(|&node| nodes[node]);
+            let centre = corners.fold([0.0; 2], |sum, [x, y]| [sum[0] + x / count as f64, sum[1] + y / count as f64]);
+            element.push(nodes.len());
+            nodes.push(centre);
+        }
         elements.push(ElementDefinition { kind: variant.kind, part: 0, nodes: element });
     }
     mesh(nodes, variant, model, elements)
