@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 
 pub use pullout_run::arguments::{ContactArguments, UmatArguments};
 pub mod bridging;
+mod given;
+pub use given::Given;
 mod point;
 pub use point::*;
 mod interface;
