@@ -1,6 +1,6 @@
 //! Kind "bridging".
 
-use super::{CommonCaseEntries, ConcreteStrength, Given, Material, Plots, Positive, Whole};
+use super::{CommonCaseEntries, ConcreteStrength, Material, Plots, Positive, Whole, WithDefaults};
 use pullout_bridging::{BondLaw, Closed, Fibre, Inclination, NotchedBeam, Orientation, Scatter, Sides, Softening};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -130,10 +130,10 @@ impl JsonSchema for LawOfFile {
 pub struct ClosedFibre {
     /// The fibre.
     #[serde(flatten)]
-    pub fibre: Given<Fibre>,
+    pub fibre: WithDefaults<Fibre>,
     /// Its bond.
     #[serde(flatten)]
-    pub bond: Given<Closed>,
+    pub bond: WithDefaults<Closed>,
     /// Effect of the inclination angle (default exp with f = 0.35).
     pub inclination: Option<Inclination>,
 }
@@ -144,7 +144,7 @@ pub struct ClosedFibre {
 pub struct ShearLagFibre {
     /// The fibre.
     #[serde(flatten)]
-    pub fibre: Given<Fibre>,
+    pub fibre: WithDefaults<Fibre>,
     /// τ(s): points [slip, traction], constant after the last; or a law in the form of contact.law, evaluated
     /// without pressure.
     pub law: LawOfFile,
@@ -158,7 +158,7 @@ pub struct ShearLagFibre {
 pub struct TableFibre {
     /// The fibre.
     #[serde(flatten)]
-    pub fibre: Given<Fibre>,
+    pub fibre: WithDefaults<Fibre>,
     /// CSV file, relative to the case file, with the columns theta_deg, embedded, slip and load. Each pair of angle
     /// and embedded length has a curve with rising slip. The load acts along the crack normal.
     #[schemars(length(min = 1))]
@@ -179,7 +179,7 @@ pub struct TableFibre {
 pub struct FeFibre {
     /// The fibre.
     #[serde(flatten)]
-    pub fibre: Given<Fibre>,
+    pub fibre: WithDefaults<Fibre>,
     /// Case of kind "pullout" with this one fibre, relative to this file.
     #[schemars(length(min = 1))]
     pub base: String,

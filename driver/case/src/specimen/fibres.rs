@@ -4,7 +4,7 @@ use super::boundary::BOTH;
 use super::generated::{X, without_effect};
 use super::mesh::{DefaultSupports, Held, MeshAndSets, thickness};
 use crate::document::pullout::{self as document, FibreShape, SeparationLength, SeparationRule, Thickness};
-use crate::document::{Given, Positive};
+use crate::document::{Positive, WithDefaults};
 use crate::reader::UsedDefaults;
 use fe_core::mesh::specimen::{
     self, Configuration, FINE_DIAMETERS, Fibre, Fibres, ParameterProblem, PerpendicularFibre, Segment, SpecimenError,
@@ -292,7 +292,7 @@ fn fine_length(given: Option<Positive>, slip: f64, diameter: f64, embedded_lengt
 fn around(
     name: &str,
     fibres: Vec<Fibre>,
-    (block, cover): (&Given<Fibres>, Option<bool>),
+    (block, cover): (&WithDefaults<Fibres>, Option<bool>),
     matrix: Option<Thickness>,
     taken: &mut UsedDefaults,
 ) -> Result<MeshAndSets, SpecimenError> {

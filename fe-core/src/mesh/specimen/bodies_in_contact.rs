@@ -1,11 +1,11 @@
 //! Two bodies whose contact is known.
 
 use super::requirement::Requirements;
-use super::schema::{count, positive, two_counts, two_positive};
 use super::{SpecimenError, body, positions, uniform};
 use crate::element::ElementKind;
 use crate::mesh::MeshDefinition;
 use crate::mesh::structured::{Grading, Grid, MeshBlock, Side, capped_through};
+use crate::schema::{count, positive, two_counts, two_positive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

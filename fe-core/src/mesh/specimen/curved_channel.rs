@@ -1,11 +1,11 @@
 //! A fibre that lies on a curved channel.
 
 use super::requirement::Requirements;
-use super::schema::{count, positive};
 use super::{SpecimenError, body, uniform};
 use crate::element::ElementKind;
 use crate::mesh::MeshDefinition;
 use crate::mesh::structured::{MeshBlock, Side};
+use crate::schema::{count, positive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

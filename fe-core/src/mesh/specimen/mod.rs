@@ -10,7 +10,6 @@ mod fibres;
 mod one_body;
 mod perpendicular_fibre;
 mod requirement;
-mod schema;
 mod thickness;
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::requirement::Requirements;
-use super::schema::{count, positive, two_counts};
 use super::{SpecimenError, body, positions, uniform};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::structured::{Grading, MeshBlock, Side};
 use crate::mesh::{MeshDefinition, Part};
+use crate::schema::{count, positive, two_counts};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,6 @@
 
 use super::perpendicular_fibre::fibre_thickness;
 use super::requirement::Requirements;
-use super::schema::positive;
 use crate::element::{ElementKind, MappedPoint};
 use crate::mesh::{MeshDefinition, Part};
 use schemars::JsonSchema;
@@ -33,7 +32,7 @@ pub struct GradedThickness {
     pub slope: f64,
     /// Width of the graded zone on each side of the fibre's axis, along the face (default 2 φ + (t − φ)/2 · (1 + tan
     /// θ/slope)).
-    #[schemars(schema_with = "positive")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub extent: Option<f64>,
 }
 

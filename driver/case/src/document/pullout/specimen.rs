@@ -1,6 +1,6 @@
 //! Meshes: specimens by their parameters, or a file.
 
-use super::super::{Given, Positive};
+use super::super::{Positive, WithDefaults};
 use crate::validation::NAME_PATTERN;
 use fe_core::mesh::specimen::{
     self, Beam, CookMembrane, CurvedChannel, DragOutStrip, Hertz, PlateWithHole, ThickCylinder, TwoBlocks,
@@ -47,21 +47,21 @@ pub enum Specimen {
     /// Fibres of any shape: parts fibre.NAME (in parts also fibre for all of them) and matrix.
     Fibres(Fibres),
     /// A quarter of a plate with a hole: part plate; sets symmetry_x, symmetry_y, right, top, hole.
-    PlateWithHole(Given<PlateWithHole>),
+    PlateWithHole(WithDefaults<PlateWithHole>),
     /// A thick cylinder: part cylinder; sets inner, outer and bottom, top or symmetry_x, symmetry_y.
-    ThickCylinder(Given<ThickCylinder>),
+    ThickCylinder(WithDefaults<ThickCylinder>),
     /// Cook's membrane: part membrane; sets left, right, bottom, top.
-    CookMembrane(Given<CookMembrane>),
+    CookMembrane(WithDefaults<CookMembrane>),
     /// A rectangle about y = 0: part beam; sets left, right, bottom, top.
-    Beam(Given<Beam>),
+    Beam(WithDefaults<Beam>),
     /// Two rectangles upon each other, contact at y = 0: parts lower and upper.
-    TwoBlocks(Given<TwoBlocks>),
+    TwoBlocks(WithDefaults<TwoBlocks>),
     /// Half of a cylinder that is pressed onto a plane: parts cylinder and base.
-    Hertz(Given<Hertz>),
+    Hertz(WithDefaults<Hertz>),
     /// A strip that is pulled out from under a block: parts strip and block.
-    DragOutStrip(Given<DragOutStrip>),
+    DragOutStrip(WithDefaults<DragOutStrip>),
     /// A fibre that lies on a curved channel: parts fibre and channel.
-    CurvedChannel(Given<CurvedChannel>),
+    CurvedChannel(WithDefaults<CurvedChannel>),
 }
 
 /// A fibre perpendicular to the face that it is pulled out of. The defaults are the specimen of chapters 6 and 7.
@@ -76,7 +76,7 @@ pub struct PerpendicularFibre {
     pub equal_sizes: Option<bool>,
     /// Block, fibre and sizes.
     #[serde(flatten)]
-    pub fibre: Given<specimen::PerpendicularFibre>,
+    pub fibre: WithDefaults<specimen::PerpendicularFibre>,
 }
 
 /// A fibre at an angle to the normal of the face that it is pulled out of. The defaults are the specimen of chapter 7.
@@ -110,7 +110,7 @@ pub struct InclinedFibre {
     pub fine_length: Option<Positive>,
     /// The block, and the sizes of the mesh.
     #[serde(flatten)]
-    pub block: Given<specimen::Fibres>,
+    pub block: WithDefaults<specimen::Fibres>,
 }
 
 /// Fibres in a block, pulled out of its upper face.
@@ -128,7 +128,7 @@ pub struct Fibres {
     pub cover: Option<bool>,
     /// The block, and the sizes of the mesh.
     #[serde(flatten)]
-    pub block: Given<specimen::Fibres>,
+    pub block: WithDefaults<specimen::Fibres>,
 }
 
 /// Drives by which several fibres are pulled.

@@ -11,13 +11,13 @@ mod test;
 use std::collections::BTreeSet;
 
 use super::perpendicular_fibre::fibre_thickness;
-use super::schema::{count, positive};
 use super::thickness::{Exit, GradedThickness, Thickness};
 use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::structured::MeshBlock;
 use crate::mesh::{MeshDefinition, Part};
+use crate::schema::{count, positive};
 use divisions::Divisions;
 use outline::Outline;
 use path::Path;

@@ -6,13 +6,13 @@ mod sets;
 
 use std::f64::consts::PI;
 
-use super::schema::{count, positive};
 use super::thickness::{Exit, GradedThickness, Thickness};
 use super::{ContactSurfaces, PulledFibre, Specimen, SpecimenError, SurfaceRole};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::structured::{Diagonal, Grid, MeshBlock};
 use crate::mesh::{MeshDefinition, Part};
+use crate::schema::{count, positive};
 use lines::Lines;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -11,13 +11,13 @@ use std::ops::Deref;
 
 /// Something that runs and has defaults, and which of them a case takes.
 #[derive(Clone, Debug)]
-pub struct Given<T> {
+pub struct WithDefaults<T> {
     value: T,
     /// Dotted names and values.
     defaults: Vec<(String, String)>,
 }
 
-impl<T> Given<T> {
+impl<T> WithDefaults<T> {
     /// Returns whether the case has a member, or leaves it to a default.
     pub fn has(&self, name: &str) -> bool {
         self.defaults.iter().all(|(default, _)| default != name)
@@ -28,9 +28,14 @@ impl<T> Given<T> {
         let noted = self.defaults.iter().filter(|(name, _)| !except.contains(&name.as_str()));
         noted.for_each(|(name, value)| taken.note(name, value));
     }
+
+    /// Notes the defaults that the case takes of a member.
+    pub fn note_of(&self, member: &str, taken: &mut UsedDefaults) {
+        self.defaults.iter().for_each(|(name, value)| taken.note(&format!("{member}.{name}"), value));
+    }
 }
 
-impl<T> Deref for Given<T> {
+impl<T> Deref for WithDefaults<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
@@ -38,7 +43,7 @@ impl<T> Deref for Given<T> {
     }
 }
 
-impl<T: Default + Serialize> Default for Given<T> {
+impl<T: Default + Serialize> Default for WithDefaults<T> {
     fn default() -> Self {
         let value = T::default();
         let defaults = defaults(&value, &Value::Null).unwrap_or_default();
@@ -46,7 +51,7 @@ impl<T: Default + Serialize> Default for Given<T> {
     }
 }
 
-impl<'de, T: DeserializeOwned + Serialize> Deserialize<'de> for Given<T> {
+impl<'de, T: DeserializeOwned + Serialize> Deserialize<'de> for WithDefaults<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let mut given = Value::deserialize(deserializer)?;
         normalise(&mut given);
@@ -55,7 +60,7 @@ impl<'de, T: DeserializeOwned + Serialize> Deserialize<'de> for Given<T> {
     }
 }
 
-impl<T: JsonSchema> JsonSchema for Given<T> {
+impl<T: JsonSchema> JsonSchema for WithDefaults<T> {
     fn inline_schema() -> bool {
         T::inline_schema()
     }
