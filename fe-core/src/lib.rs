@@ -46,6 +46,7 @@ pub mod mesh;
 pub mod model;
 pub mod output;
 mod plane;
+pub mod schema;
 pub mod solver;
 pub mod stepping;
 pub mod threads;

@@ -62,19 +62,18 @@ impl Invalid {
 
 /// A round fibre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct Fibre {
     /// d, mm.
     pub diameter: f64,
-    /// L_f, mm.
+    /// L_f, mm; 5 diameters or more.
     pub length: f64,
     /// Young's modulus, MPa.
     #[serde(rename = "E")]
     pub modulus: f64,
-    /// Tensile strength σ_fu, MPa; none: it does not break.
+    /// Tensile strength σ_fu, MPa (default: it does not break).
     #[serde(default)]
     pub strength: Option<f64>,
-    /// f_r: the strength at an angle is σ_fu e^(−f_r θ).
+    /// f_r: the strength at an angle is σ_fu exp(−f_r θ).
     #[serde(default)]
     pub rupture_f: f64,
 }

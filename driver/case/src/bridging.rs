@@ -8,7 +8,7 @@ use crate::document::bridging::{
 };
 use crate::history;
 use crate::problem::{Place, Problem};
-use crate::reader::{Reader, USUAL_STRENGTH_OF_WIRES};
+use crate::reader::{Reader, USUAL_STRENGTH_OF_WIRES, UsedDefaults};
 use crate::table::CsvFile;
 use pullout_bridging::{
     Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, Matrix, NotchedBeam, Orientation, Scatter, ShearLag,
@@ -310,32 +310,29 @@ fn counted(reader: &mut Reader<'_>, orientation: Orientation) -> Option<Orientat
 /// The fibre, and where its load comes from.
 fn fibre(reader: &mut Reader<'_>, others: &ReferencedCases, given: &FibreOfFile) -> Option<(Fibre, LoadSource)> {
     let before = reader.problems.len();
+    let mut taken = UsedDefaults::default();
     let (fibre, source) = match given {
         FibreOfFile::Closed(closed) => {
-            let bond = Closed {
-                tau: closed.tau,
-                beta: closed.beta.unwrap_or_default(),
-                debonding_energy: closed.debonding_energy.unwrap_or_default(),
-                debonding: closed.debonding.unwrap_or_default(),
-                sliding: closed.sliding.unwrap_or_default(),
-                hook: closed.hook.clone(),
-            };
+            let bond = Closed::clone(&closed.bond);
+            closed.bond.note(&mut taken, &[]);
             let inclination = closed.inclination.unwrap_or_default();
             [bond.check(), inclination.check()].into_iter().for_each(|checked| report_invalid(reader, checked));
-            (closed.fibre(), Some(LoadSource::Bond(Bond::Closed(bond), inclination)))
+            (&closed.fibre, Some(LoadSource::Bond(Bond::Closed(bond), inclination)))
         }
         FibreOfFile::ShearLag(lag) => {
             let law = if lag.law.0.is_array() { points(reader, &lag.law.0) } else { sampled(reader, others, lag) };
             let bond = ShearLag { law: law? };
             let inclination = lag.inclination.unwrap_or_default();
             [bond.check(), inclination.check()].into_iter().for_each(|checked| report_invalid(reader, checked));
-            (lag.fibre(), Some(LoadSource::Bond(Bond::ShearLag(bond), inclination)))
+            (&lag.fibre, Some(LoadSource::Bond(Bond::ShearLag(bond), inclination)))
         }
-        FibreOfFile::Table(table) => (table.fibre(), curves(reader, table)),
-        FibreOfFile::Fe(fe) => (fe.fibre(), simulations(reader, others, fe)),
+        FibreOfFile::Table(table) => (&table.fibre, curves(reader, table)),
+        FibreOfFile::Fe(fe) => (&fe.fibre, simulations(reader, others, fe)),
     };
+    fibre.note(&mut taken, if fibre.strength.is_none() { &["rupture_f"] } else { &[] });
+    reader.note_defaults(&Place::root().key("fibre"), &taken.0);
     report_invalid(reader, fibre.check());
-    (reader.problems.len() == before).then_some((fibre, source?))
+    (reader.problems.len() == before).then_some((**fibre, source?))
 }
 
 /// Points of a law.
@@ -351,7 +348,7 @@ pub fn law_place() -> Place {
 /// Points of a plugin's law: the traction under a slip that grows, at no gap. Slips are added where the law turns, and all
 /// of them asked again, until straight lines between them are the law.
 fn sampled(reader: &mut Reader<'_>, others: &ReferencedCases, lag: &ShearLagFibre) -> Option<BondLaw> {
-    let half = (0.5 * lag.length).max(2.0 * FIRST_SLIP);
+    let half = (0.5 * lag.fibre.length).max(2.0 * FIRST_SLIP);
     let count = ((half / FIRST_SLIP).log10() * SLIPS_PER_DECADE).ceil().max(1.0) as i32;
     let ratio = (half / FIRST_SLIP).powf(1.0 / f64::from(count));
     let mut slips: Vec<f64> = (0..=count).map(|k| FIRST_SLIP * ratio.powi(k)).collect();
@@ -361,7 +358,7 @@ fn sampled(reader: &mut Reader<'_>, others: &ReferencedCases, lag: &ShearLagFibr
     loop {
         let middles: Vec<f64> = points
             .windows(2)
-            .filter(|ends| is_among(&open, ends[1][0]) && ends[1][0] - ends[0][0] > LEAST_INTERVAL * lag.length)
+            .filter(|ends| is_among(&open, ends[1][0]) && ends[1][0] - ends[0][0] > LEAST_INTERVAL * lag.fibre.length)
             .map(|ends| 0.5 * (ends[0][0] + ends[1][0]))
             .collect();
         if middles.is_empty() {
@@ -476,7 +473,7 @@ fn simulations(reader: &mut Reader<'_>, others: &ReferencedCases, fe: &FeFibre) 
         reader.problem(&place.key("base"), "is a pipe or a device: each run reads its case from a file");
         return None;
     }
-    let lengths: Vec<f64> = parts.iter().map(|part| 0.5 * part * fe.length).collect();
+    let lengths: Vec<f64> = parts.iter().map(|part| 0.5 * part * fe.fibre.length).collect();
     let of_several = (others.document)(&base).is_some_and(|base| base["mesh"]["specimen"]["type"] == "fibres");
     let [usual_angle, usual_length] = if of_several { KEYS_OF_PATH } else { KEYS };
     let keys = [fe.angle_key.as_deref().unwrap_or(usual_angle), fe.length_key.as_deref().unwrap_or(usual_length)];
@@ -485,7 +482,7 @@ fn simulations(reader: &mut Reader<'_>, others: &ReferencedCases, fe: &FeFibre) 
     let mut runs = Vec::new();
     for &angle_deg in &angles {
         // a fibre that is embedded by less than that is all corner
-        let is_run = |length: &f64| length * angle_deg.to_radians().cos() >= LEAST_DEPTH * fe.diameter;
+        let is_run = |length: &f64| length * angle_deg.to_radians().cos() >= LEAST_DEPTH * fe.fibre.diameter;
         for &embedded in lengths.iter().filter(|length| is_run(length)) {
             let mut overrides = always.clone();
             // a specimen without an angle is at 0
@@ -539,7 +536,7 @@ fn check_simulation(
     [angle_key, length_key]: [&str; 2],
 ) -> Result<Option<FibreAxis>, Problem> {
     let place = Place::root().key("fibre");
-    let (diameter, embedded) = (fe.diameter, run.embedded);
+    let (diameter, embedded) = (fe.fibre.diameter, run.embedded);
     let program =
         (others.specimen)(reader, base, &run.overrides).map_err(|WrongSpecimen { place: wrong, message }| {
             let of = |key: &str| Place::of_setting(key);

@@ -3,7 +3,7 @@
 //!
 //! Whatever its schema accepts, serde reads.
 
-use pullout_run::program;
+use pullout_run::program::{self, Caption};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 
 pub use pullout_run::arguments::{ContactArguments, UmatArguments};
 pub mod bridging;
+mod with_defaults;
+pub use with_defaults::WithDefaults;
 mod point;
 pub use point::*;
 mod interface;
@@ -165,7 +167,7 @@ pub struct Path<S> {
     /// Settings of the output.
     pub output: Option<Output>,
     /// Iteration limits.
-    pub controls: Option<Controls>,
+    pub controls: Option<WithDefaults<program::Controls>>,
 }
 
 /// Conditions at the end of a step of any kind.
@@ -430,28 +432,12 @@ pub enum Plots {
     Captions(BTreeMap<String, Caption>),
 }
 
-/// Words of a picture.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Caption {
-    /// Its title.
-    pub title: Option<String>,
-    /// Names of its lines in the legend, by the columns that they show along y.
-    pub legend: Option<BTreeMap<String, String>>,
-}
-
 impl Plots {
     /// Returns whether plots are drawn (by default they are), and the words of some.
-    pub fn of(given: Option<&Self>) -> (bool, BTreeMap<String, program::Caption>) {
-        let caption = |given: &Caption| program::Caption {
-            title: given.title.clone(),
-            legend: given.legend.clone().unwrap_or_default(),
-        };
+    pub fn of(given: Option<&Self>) -> (bool, BTreeMap<String, Caption>) {
         match given {
             Some(Self::Switch(is_drawn)) => (*is_drawn, BTreeMap::new()),
-            Some(Self::Captions(all)) => {
-                (true, all.iter().map(|(name, given)| (name.clone(), caption(given))).collect())
-            }
+            Some(Self::Captions(all)) => (true, all.clone()),
             None => (true, BTreeMap::new()),
         }
     }
@@ -478,16 +464,6 @@ pub struct Output {
 pub struct RunIncrements {
     /// The increments.json that --record-increments wrote: its path, relative to the case file, or its content.
     pub recorded: serde_json::Value,
-}
-
-/// Iteration limits.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Controls {
-    /// Newton iterations per increment (default 25).
-    pub max_iterations: Option<Whole<1, 10_000>>,
-    /// Most cut-backs in a row (default 12). The shortest piece of an increment is 2^(−max_cutbacks) of it.
-    pub max_cutbacks: Option<Whole<0, 60>>,
 }
 
 /// The value of a component at the end of a step, or "hold".

@@ -382,9 +382,6 @@ fn finish<S>(
     if output.heat.is_some() && matches!(resolved.kind, program::Kind::Interface(_)) {
         reader.warn_no_effect(&root.key("output").key("heat"), "a contact law returns none of it");
     }
-    let limits = given.controls.clone().unwrap_or_default();
-    let default = program::Controls::default();
-    let limit = |given: Option<usize>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
     let (plugin, kind) = (resolved.plugin?, resolved.kind);
     let most: Vec<Option<u64>> = pullout_run::path::increments_of_steps(&kind).into_iter().map(Some).collect();
     let (plots, captions) = Plots::of(output.plots.as_ref());
@@ -404,9 +401,6 @@ fn finish<S>(
         plugin,
         kind,
         characteristic_length: resolved.characteristic_length,
-        controls: program::Controls {
-            max_iterations: limit(limits.max_iterations.map(|n| n.0), default.max_iterations),
-            max_cutbacks: limit(limits.max_cutbacks.map(|n| n.0), default.max_cutbacks),
-        },
+        controls: *given.controls.clone().unwrap_or_default(),
     })))
 }

@@ -191,14 +191,6 @@ impl UsedDefaults {
         }
         given.map_or(default, Into::into)
     }
-
-    /// Returns two given values, or else the default ones.
-    pub fn two<T: Copy + Display>(&mut self, name: &str, given: Option<[impl Into<T>; 2]>, default: [T; 2]) -> [T; 2] {
-        if given.is_none() {
-            self.note(name, format!("[{}, {}]", default[0], default[1]));
-        }
-        given.map_or(default, |values| values.map(Into::into))
-    }
 }
 
 /// Usual tensile strengths of fibres, MPa.

@@ -8,7 +8,7 @@ use crate::{history, increments, plugin};
 use bearing::Bearings;
 use boundary::{Boundary, Drives};
 use fe_core::mesh::{Element, Mesh};
-use fe_core::model::{ContactLaw, Controls, Model, PluginLaw, Skipping, Spalling};
+use fe_core::model::{ContactLaw, Controls, Model, PluginLaw, Skipping};
 use fe_core::stepping::Analysis;
 use mesh::MeshAndSets;
 use pullout_run::columns;
@@ -33,9 +33,6 @@ mod steps;
 const FIELDS_EVERY: usize = 10;
 /// Elongation over the gauge length beyond which a steel fibre counts as ruptured, unless the case says otherwise (an assumption).
 const RUPTURE_STRAIN: f64 = 0.03;
-/// Slip over which torn matter carries nothing before it is released, and over which its forces fade, mm, if a case
-/// does not give them.
-const USUAL_SLIP: f64 = 0.02;
 
 /// Resolves a case; what is wrong with it goes to the reader.
 pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Option<PulloutProgram> {
@@ -95,7 +92,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         _ => {}
     }
     let stabilises = controls.relaxation_time > 0.0 || parts.laws.iter().any(|law| law.overstress_work().is_some());
-    if controls.max_stabilisation_share.is_finite() && !stabilises {
+    if controls.max_stabilisation_share.is_some() && !stabilises {
         let reason = "nothing is stabilised: there is no relaxation_time, and no law extrapolates";
         reader.warn_no_effect(&root.key("controls").key("max_stabilisation_share"), reason);
     }
@@ -286,61 +283,29 @@ fn no_set<'n, T>(
 }
 
 fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
-    let place = Place::root().key("controls");
     let given = case.controls.clone().unwrap_or_default();
-    let default = Controls::default();
     let mut taken = UsedDefaults::default();
-    let controls = Controls {
-        force_tolerance: taken.real("force_tolerance", given.force_tolerance, default.force_tolerance),
-        displacement_tolerance: taken.real(
-            "displacement_tolerance",
-            given.displacement_tolerance,
-            default.displacement_tolerance,
-        ),
-        max_iterations: taken.or("max_iterations", given.max_iterations, default.max_iterations),
-        max_cutbacks: taken.or("max_cutbacks", given.max_cutbacks, default.max_cutbacks),
-        line_search: taken.or("line_search", given.line_search, default.line_search),
-        locate_peak: taken.or("locate_peak", given.locate_peak, default.locate_peak),
-        relaxation_time: taken.real("relaxation_time", given.relaxation_time, default.relaxation_time),
-        spalling: spalling(reader, case),
-        max_stabilisation_share: given.max_stabilisation_share.map_or(default.max_stabilisation_share, |share| share.0),
-    };
-    reader.note_defaults(&place, &taken.0);
-    controls
-}
-
-fn spalling(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Spalling> {
-    let place = Place::root().key("spalling");
-    let given = case.spalling.as_ref()?;
-    let mut taken = UsedDefaults::default();
-    let spalling = Spalling {
-        opening: given.opening.0,
-        stress: given.stress.0,
-        wait: taken.real("wait", given.wait, USUAL_SLIP),
-        fade: taken.real("fade", given.fade, USUAL_SLIP),
-    };
-    reader.note_defaults(&place, &taken.0);
-    Some(spalling)
+    given.note(&mut taken, &[]);
+    let spalling = case.spalling.as_ref().map(|given| {
+        let mut taken = UsedDefaults::default();
+        given.note(&mut taken, &[]);
+        reader.note_defaults(&Place::root().key("spalling"), &taken.0);
+        **given
+    });
+    reader.note_defaults(&Place::root().key("controls"), &taken.0);
+    Controls { spalling, ..*given }
 }
 
 fn skipping(reader: &mut Reader<'_>, case: &PulloutCase) -> Skipping {
-    let all = Skipping::ALL;
-    let place = Place::root().key("skip");
-    let skip = case.skip.as_ref();
-    if let Some(document::Skip::Items(items)) = skip {
-        let gone = [("unused_tangents", items.unused_tangents), ("symmetric_solver", items.symmetric_solver)];
-        for (name, _) in gone.iter().filter(|(_, given)| given.is_some()) {
-            reader.warn(format!("{}: has no effect any more", place.key(name)));
-        }
-    }
-    match skip {
-        None | Some(document::Skip::Word(document::SkipWord::All)) => all,
+    match &case.skip {
+        None | Some(document::Skip::Word(document::SkipWord::All)) => Skipping::ALL,
         Some(document::Skip::Word(document::SkipWord::None)) => Skipping::NONE,
-        Some(document::Skip::Items(items)) => Skipping {
-            unchanged_elements: items.unchanged_elements.unwrap_or(all.unchanged_elements),
-            elastic_far_field: items.elastic_far_field.unwrap_or(all.elastic_far_field),
-            factor_reuse: items.factor_reuse.unwrap_or(all.factor_reuse),
-            contact_search: items.contact_search.unwrap_or(all.contact_search),
-        },
+        Some(document::Skip::Items(given)) => {
+            let gone = [("unused_tangents", given.unused_tangents), ("symmetric_solver", given.symmetric_solver)];
+            for (name, _) in gone.iter().filter(|(_, given)| given.is_some()) {
+                reader.warn(format!("{}: has no effect any more", Place::root().key("skip").key(name)));
+            }
+            *given.items
+        }
     }
 }

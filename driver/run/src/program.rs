@@ -5,6 +5,7 @@ use crate::arguments::{ContactArguments, UmatArguments};
 use crate::columns;
 use crate::input::folder_of;
 pub use fe_core::model::FieldValues;
+use fe_core::schema::whole;
 use fe_core::stepping::Recorded;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -105,12 +106,13 @@ pub enum Measure {
     Nominal,
 }
 
-/// Words of a picture in place of those that it has by itself.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// Words of a picture.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct Caption {
-    /// Above it.
+    /// Its title.
     pub title: Option<String>,
-    /// Names of its lines, by the columns that they show along y.
+    /// Names of its lines in the legend, by the columns that they show along y.
     #[serde(default)]
     pub legend: BTreeMap<String, String>,
 }
@@ -475,11 +477,14 @@ pub struct Until {
 }
 
 /// Iteration limits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
 pub struct Controls {
     /// Newton iterations per increment.
+    #[schemars(schema_with = "whole::<1, 10_000>")]
     pub max_iterations: u32,
-    /// Most cut-backs in a row; the shortest piece of an increment is `2^(−max_cutbacks)` of it.
+    /// Most cut-backs in a row. The shortest piece of an increment is 2^(−max_cutbacks) of it.
+    #[schemars(schema_with = "whole::<0, 60>")]
     pub max_cutbacks: u32,
 }
 

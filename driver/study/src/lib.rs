@@ -23,7 +23,7 @@ pub use demand::Demand;
 pub use execution::{Execution, RunOutcome, execute};
 pub use fibres::curves_of_fibres;
 pub use progress::{Progress, outcome};
-pub use pullout_case::study::{Columns, NamedQuantity, QuantityOfFile as Quantity};
+pub use pullout_case::study::{Abscissa, Columns, NamedQuantity, QuantityOfFile as Quantity};
 pub use read::{default_curve, read};
 pub use report::write as write_report;
 pub use results::{Results, RunResult};
@@ -93,17 +93,6 @@ impl Study {
         order.sort_by(|&a, &b| x(a).partial_cmp(&x(b)).unwrap_or(Ordering::Equal));
         order
     }
-}
-
-/// Quantity that is varied.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Abscissa {
-    /// Name, in the markup of the pictures.
-    pub name: String,
-    /// Unit; empty for a pure number.
-    pub unit: String,
-    /// Whether its axis is logarithmic.
-    pub logarithmic: bool,
 }
 
 /// One run of each series.

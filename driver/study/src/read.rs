@@ -75,11 +75,7 @@ impl Resolver<'_, '_> {
 
     fn study(mut self, document: &StudyFile, isolated: &mut dyn FnMut(&CaseSource) -> bool) -> Option<Study> {
         let root = JsonPlace::root();
-        let x = document.x.as_ref().map(|x| Abscissa {
-            name: x.name.clone(),
-            unit: x.unit.clone().unwrap_or_default(),
-            logarithmic: x.logarithmic.unwrap_or(false),
-        });
+        let x = document.x.clone();
         let set = document.set.clone().unwrap_or_default();
         let members_of_file = placed(&document.members, &root.key("members"));
         let series_of_file = placed(document.series.as_deref().unwrap_or_default(), &root.key("series"));

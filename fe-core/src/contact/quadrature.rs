@@ -140,7 +140,7 @@ pub(super) fn contact_points(
     if slave.is_empty() {
         return unusable("the slave surface has no edges".to_owned());
     }
-    if let Quadrature::Gauss { points } | Quadrature::Segments { points } = pair.quadrature
+    if let Quadrature::Gauss(points) | Quadrature::Segments(points) = pair.quadrature
         && !(1..=MOST_POINTS).contains(&points)
     {
         return unusable(format!("{points} points per edge, from 1 to {MOST_POINTS} are possible"));
@@ -154,11 +154,11 @@ pub(super) fn contact_points(
     }
     let mut points = Vec::new();
     match pair.quadrature {
-        Quadrature::Gauss { points: count } => {
+        Quadrature::Gauss(count) => {
             let rule = gauss_legendre(count);
             edges.iter().for_each(|edge| edge.add_gauss(&rule, -1.0, 1.0, &mut points));
         }
-        Quadrature::Segments { points: count } => {
+        Quadrature::Segments(count) => {
             let rule = gauss_legendre(count);
             for edge in &edges {
                 let bounds = segment_bounds(mesh, edge, master);

@@ -11,7 +11,7 @@ pub use edge::{EdgeKind, EdgePoint, LinePoint};
 pub use integration::{Integration, IntegrationPoint};
 pub use mapping::{MappedPoint, MappingError, area, characteristic_length};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 #[cfg(test)]
 mod test;
@@ -38,7 +38,7 @@ macro_rules! element_kinds {
     ($($(#[$doc:meta])* $kind:ident = $description:path),+ $(,)?) => {
         /// Kind of elements.
         // the page of this module has the numbering of nodes
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize, JsonSchema)]
         pub enum ElementKind {
             $($(#[$doc])* $kind,)+
         }

@@ -1,5 +1,9 @@
 //! Steps and their increments, tolerances and what may be skipped.
 
+use crate::schema::{fraction, positive, whole};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 /// A stretch of time in which the drives go to new values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
@@ -55,44 +59,68 @@ impl IncrementContext {
 }
 
 /// Tolerances and limits.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(rename = "PulloutControls")]
 pub struct Controls {
-    /// Residual force, relative to the larger of reaction and internal force scale.
+    /// Residual force relative to the force scale.
+    // the larger of reaction and internal forces
+    #[schemars(schema_with = "fraction")]
     pub force_tolerance: f64,
-    /// Correction of displacements, relative to the increment's.
+    /// Correction of displacements relative to the increment's.
+    #[schemars(schema_with = "fraction")]
     pub displacement_tolerance: f64,
     /// Newton iterations of an attempt.
+    #[schemars(schema_with = "whole::<2, 1000>")]
     pub max_iterations: usize,
-    /// Attempts of one increment that may be given up before the run is.
+    /// Most cut-backs of an increment.
+    #[schemars(schema_with = "whole::<0, 1000>")]
     pub max_cutbacks: usize,
-    /// Whether a correction that makes the residual grow is shortened.
+    /// Shorten corrections that make the residual grow.
     pub line_search: bool,
-    /// Whether slips of bonded points limit the increments until the load has peaked, and the peak is located.
+    /// Limit slips until the load has peaked, and locate the peak.
     pub locate_peak: bool,
-    /// Viscous stabilisation of the parts whose law may soften or has an unsymmetric tangent: their stress gets
-    /// η/Δt C Δε, with the virgin moduli C, the time increment Δt and this relaxation time η, s. Elements that fail at
-    /// once do so within a few η. 0: none.
+    /// Relaxation time of viscous stabilisation, s; 0 is none. It acts on parts whose law may soften or has an unsymmetric
+    /// tangent.
+    // their stress gets η/Δt C Δε, with the virgin moduli C, the time increment Δt and this relaxation time η: elements that fail at once do so
+    // within a few η
+    #[schemars(range(min = 0.0))]
     pub relaxation_time: f64,
-    /// The largest part of the work that stabilisation and overstress may have taken when a run ends: beyond it the run
-    /// has failed.
-    pub max_stabilisation_share: f64,
+    /// Largest share of the work that stabilisation may take. A run that exceeds it fails at its end (default: no
+    /// limit, but a warning from 1 %).
+    #[schemars(schema_with = "fraction")]
+    pub max_stabilisation_share: Option<f64>,
     /// Criterion by which torn elements are released; `None`: none are.
+    #[serde(skip)]
     pub spalling: Option<Spalling>,
 }
 
-/// Criterion by which an element of a law with damage counts as torn and is released: its nodal forces fade, and it is no
-/// longer part of its body, nor are elements that are then held by nothing. Since cracks close again under compression, damage
-/// alone does not show that an element carries no load: both conditions must hold at all its points.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Criterion for torn concrete. The forces of a torn element fade and its contact ends, as do those of everything that
+/// it alone attached. Contact moves to the newly exposed surface, with friction but without bond.
+// cracks close again under compression, so that damage alone does not show that an element carries no load: both conditions must hold at all its
+// points
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Spalling {
-    /// Crack opening that must be exceeded: greatest principal strain × CELENT, mm; a softening branch has ended at 10 G_f/f_t.
+    /// Crack opening, mm, that all points of a torn element exceed: largest principal strain times element length. At
+    /// 10 G_f/f_t the softening branch has ended.
+    #[schemars(schema_with = "positive")]
     pub opening: f64,
-    /// Largest magnitude of the principal stresses, MPa.
+    /// Largest magnitude, MPa, of the principal stresses at all points of a torn element. Use about 1 % of f_t.
+    #[schemars(schema_with = "positive")]
     pub stress: f64,
-    /// Growth of the measured slip before it is released, mm.
+    /// Slip, mm, over which both conditions must hold.
+    #[serde(default = "usual_slip")]
+    #[schemars(schema_with = "positive")]
     pub wait: f64,
-    /// Slip over which its forces then fade linearly, mm.
+    /// Slip, mm, over which the forces of a torn element fade.
+    #[serde(default = "usual_slip")]
+    #[schemars(schema_with = "positive")]
     pub fade: f64,
+}
+
+fn usual_slip() -> f64 {
+    0.02
 }
 
 impl Default for Controls {
@@ -105,7 +133,7 @@ impl Default for Controls {
             line_search: true,
             locate_peak: true,
             relaxation_time: 0.0,
-            max_stabilisation_share: f64::INFINITY,
+            max_stabilisation_share: None,
             spalling: None,
         }
     }
@@ -113,13 +141,14 @@ impl Default for Controls {
 
 /// Computations that are skipped if a model does not need them; each item can be switched off, for benchmarks and for checks.
 /// None changes the result by more than the solver's tolerance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
 pub struct Skipping {
-    /// Stiffnesses of elements whose tangents and geometry did not change are kept, and what only they are factorised to.
+    /// Keep the stiffness of elements that did not change.
     pub unchanged_elements: bool,
-    /// Elements that stay elastic are condensed onto the zone that does not.
+    /// Condense elements that stay elastic.
     pub elastic_far_field: bool,
-    /// A factor is used again while it still converges fast.
+    /// Reuse a factorisation while iterations converge fast.
     pub factor_reuse: bool,
     /// Start the search for a contact point's edge at its last edge.
     pub contact_search: bool,
@@ -132,4 +161,10 @@ impl Skipping {
     /// None is skipped.
     pub const NONE: Self =
         Self { unchanged_elements: false, elastic_far_field: false, factor_reuse: false, contact_search: false };
+}
+
+impl Default for Skipping {
+    fn default() -> Self {
+        Self::ALL
+    }
 }

@@ -21,9 +21,7 @@ pub use contact::{
 pub use controls::{Controls, IncrementContext, Skipping, Spalling, Step, StepControl};
 pub use fields::{FieldValues, Fields};
 pub use law::PluginLaw;
-pub use scalar_field::{
-    Coupling as FieldCoupling, CrackSurface, FieldKind, FixedValue, Flux, HeatTransfer, ScalarField,
-};
+pub use scalar_field::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, HeatTransfer, ScalarField};
 
 use crate::mesh::specimen::PulledFibre;
 use crate::mesh::{ElementEdge, Mesh};

@@ -1,6 +1,9 @@
 //! One scalar per node: temperature, or the phase field of a law.
 
 use crate::mesh::ElementEdge;
+use crate::schema::positive;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// A value that nodes of the field have.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,22 +36,29 @@ pub enum FieldKind {
     PhaseField(Option<CrackSurface>),
 }
 
-/// The surface that a phase field represents: ∫ (α/l + l |∇d|²)/π dV, α = 2d − d², and its energy per area.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Energy and length of the cracks of a phase field.
+// ∫ (α/l + l |∇d|²)/π dV with α = 2d − d²
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct CrackSurface {
-    /// G_f, N/mm.
+    /// Fracture energy, N/mm.
+    #[serde(rename = "G_f")]
+    #[schemars(schema_with = "positive")]
     pub fracture_energy: f64,
-    /// l, mm.
+    /// Length of the phase field, mm.
+    #[serde(rename = "l")]
+    #[schemars(schema_with = "positive")]
     pub length: f64,
 }
 
-/// Way in which displacements and field are solved in an increment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Coupling {
+/// How displacements and field are solved in an increment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FieldCoupling {
     /// In turn until neither changes.
     #[default]
     Staggered,
-    /// Once: displacements with the extrapolated field, then the field with them.
+    /// Once each: displacements with the extrapolated field, then the field. Faster; take increments half as large.
     OnePass,
 }
 
@@ -83,7 +93,7 @@ pub struct ScalarField {
     /// Fluxes into the body.
     pub fluxes: Vec<Flux>,
     /// How it is solved.
-    pub coupling: Coupling,
+    pub coupling: FieldCoupling,
     /// Largest change of θ in the last pass of an increment; of a temperature, as a part of its largest magnitude.
     pub tolerance: f64,
 }
@@ -102,7 +112,7 @@ impl ScalarField {
             transfer: None,
             fixed: Vec::new(),
             fluxes: Vec::new(),
-            coupling: Coupling::default(),
+            coupling: FieldCoupling::default(),
             tolerance,
         }
     }
@@ -115,7 +125,7 @@ impl ScalarField {
     /// Returns whether it may lead an increment: cracks that grow, of which no value follows a drive.
     pub(crate) fn may_lead(&self) -> bool {
         self.is_phase_field()
-            && self.coupling == Coupling::Staggered
+            && self.coupling == FieldCoupling::Staggered
             && self.fixed.iter().all(|fixed| fixed.drive.is_none())
             && self.fluxes.iter().all(|flux| flux.drive.is_none())
     }

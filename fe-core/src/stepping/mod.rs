@@ -238,7 +238,8 @@ impl<'m> Analysis<'m> {
 
     /// Refuses the end of a step that what helps over instabilities has governed.
     fn check_stabilisation(&self, step: u32, increment: u32, progress: f64) -> Result<(), RunError> {
-        let (share, limit) = (self.stabilisation_share(), self.model.controls.max_stabilisation_share);
+        let share = self.stabilisation_share();
+        let limit = self.model.controls.max_stabilisation_share.unwrap_or(f64::INFINITY);
         if share <= limit {
             return Ok(());
         }

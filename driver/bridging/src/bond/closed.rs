@@ -86,7 +86,6 @@ impl Hook {
 
 /// Friction along a straight fibre, and a hook.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct Closed {
     /// Friction τ, MPa.
     pub tau: f64,
@@ -96,13 +95,13 @@ pub struct Closed {
     /// Energy of debonding G_d, N/mm.
     #[serde(default)]
     pub debonding_energy: f64,
-    /// Course of the load up to the end of debonding.
+    /// Debonding, until the fibre slides as a whole.
     #[serde(default)]
     pub debonding: Debonding,
-    /// Branch after debonding: sliding.
+    /// Sliding of the fibre as a whole.
     #[serde(default)]
     pub sliding: Sliding,
-    /// Hooks at both ends of the fibre.
+    /// Hooks at both ends (default none).
     #[serde(default)]
     pub hook: Option<Hook>,
 }

@@ -1,9 +1,7 @@
 //! Kind "bridging".
 
-use super::{CommonCaseEntries, ConcreteStrength, Material, Plots, Positive, Whole};
-use pullout_bridging::{
-    BondLaw, Debonding, Hook, Inclination, NotchedBeam, Orientation, Scatter, Sides, Sliding, Softening,
-};
+use super::{CommonCaseEntries, ConcreteStrength, Material, Plots, Positive, Whole, WithDefaults};
+use pullout_bridging::{BondLaw, Closed, Fibre, Inclination, NotchedBeam, Orientation, Scatter, Sides, Softening};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -111,42 +109,6 @@ pub enum FibreOfFile {
     Fe(FeFibre),
 }
 
-/// Defines a fibre with the properties common to all models.
-macro_rules! fibre_of_file {
-    ($(#[$of_struct:meta])* $name:ident { $($(#[$of_field:meta])* $field:ident: $type:ty,)* }) => {
-        $(#[$of_struct])*
-        #[derive(Clone, Debug, Deserialize, JsonSchema)]
-        #[serde(deny_unknown_fields)]
-        pub struct $name {
-            /// d, mm.
-            pub diameter: f64,
-            /// L_f, mm; 5 diameters or more.
-            pub length: f64,
-            /// Young's modulus, MPa.
-            #[serde(rename = "E")]
-            pub modulus: f64,
-            /// Tensile strength σ_fu, MPa (default: it does not break).
-            pub strength: Option<f64>,
-            /// f_r: the strength at an angle is σ_fu exp(−f_r θ) (default 0).
-            pub rupture_f: Option<f64>,
-            $($(#[$of_field])* pub $field: $type,)*
-        }
-
-        impl $name {
-            /// The fibre alone.
-            pub fn fibre(&self) -> pullout_bridging::Fibre {
-                pullout_bridging::Fibre {
-                    diameter: self.diameter,
-                    length: self.length,
-                    modulus: self.modulus,
-                    strength: self.strength,
-                    rupture_f: self.rupture_f.unwrap_or_default(),
-                }
-            }
-        }
-    };
-}
-
 /// A bond law: points, or a plugin with its parameters.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(transparent)]
@@ -162,77 +124,80 @@ impl JsonSchema for LawOfFile {
     }
 }
 
-fibre_of_file! {
-    /// A fibre with constant friction.
-    ClosedFibre {
-        /// Friction τ, MPa.
-        tau: f64,
-        /// Slip hardening β (default 0).
-        beta: Option<f64>,
-        /// Energy of debonding G_d, N/mm (default 0).
-        debonding_energy: Option<f64>,
-        /// Debonding, until the fibre slides as a whole (default elastic).
-        debonding: Option<Debonding>,
-        /// Sliding of the fibre as a whole (default shortening).
-        sliding: Option<Sliding>,
-        /// Hooks at both ends (default none).
-        hook: Option<Hook>,
-        /// Effect of the inclination angle (default exp with f = 0.35).
-        inclination: Option<Inclination>,
-    }
+/// A fibre with constant friction.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct ClosedFibre {
+    /// The fibre.
+    #[serde(flatten)]
+    pub fibre: WithDefaults<Fibre>,
+    /// Its bond.
+    #[serde(flatten)]
+    pub bond: WithDefaults<Closed>,
+    /// Effect of the inclination angle (default exp with f = 0.35).
+    pub inclination: Option<Inclination>,
 }
 
-fibre_of_file! {
-    /// A fibre with a bond law.
-    ShearLagFibre {
-        /// τ(s): points [slip, traction], constant after the last; or a law in the form of contact.law, evaluated
-        /// without pressure.
-        law: LawOfFile,
-        /// Effect of the inclination angle (default exp with f = 0.35).
-        inclination: Option<Inclination>,
-    }
+/// A fibre with a bond law.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct ShearLagFibre {
+    /// The fibre.
+    #[serde(flatten)]
+    pub fibre: WithDefaults<Fibre>,
+    /// τ(s): points [slip, traction], constant after the last; or a law in the form of contact.law, evaluated
+    /// without pressure.
+    pub law: LawOfFile,
+    /// Effect of the inclination angle (default exp with f = 0.35).
+    pub inclination: Option<Inclination>,
 }
 
-fibre_of_file! {
-    /// A fibre whose curves were measured.
-    TableFibre {
-        /// CSV file, relative to the case file, with the columns theta_deg, embedded, slip and load. Each pair of angle
-        /// and embedded length has a curve with rising slip. The load acts along the crack normal.
-        #[schemars(length(min = 1))]
-        file: String,
-        /// Angle, degrees, above which fibres carry nothing (default 80, or the largest angle of the curves if that is
-        /// more; with inclination 90). Between the largest angle of the curves and this one, the load is that at the
-        /// largest angle.
-        cut_deg: Option<f64>,
-        /// Effect of the inclination angle, of curves at 0° alone (default: the load is the same at all angles).
-        inclination: Option<Inclination>,
-        /// Factor on all loads, which `fit beam` seeks (default 1).
-        scale: Option<Positive>,
-    }
+/// A fibre whose curves were measured.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct TableFibre {
+    /// The fibre.
+    #[serde(flatten)]
+    pub fibre: WithDefaults<Fibre>,
+    /// CSV file, relative to the case file, with the columns theta_deg, embedded, slip and load. Each pair of angle
+    /// and embedded length has a curve with rising slip. The load acts along the crack normal.
+    #[schemars(length(min = 1))]
+    pub file: String,
+    /// Angle, degrees, above which fibres carry nothing (default 80, or the largest angle of the curves if that is
+    /// more; with inclination 90). Between the largest angle of the curves and this one, the load is that at the
+    /// largest angle.
+    pub cut_deg: Option<f64>,
+    /// Effect of the inclination angle, of curves at 0° alone (default: the load is the same at all angles).
+    pub inclination: Option<Inclination>,
+    /// Factor on all loads, which `fit beam` seeks (default 1).
+    pub scale: Option<Positive>,
 }
 
-fibre_of_file! {
-    /// A fibre whose curves are runs of a specimen, kept for later use.
-    FeFibre {
-        /// Case of kind "pullout" with this one fibre, relative to this file.
-        #[schemars(length(min = 1))]
-        base: String,
-        /// Entries of the base to set in all runs, by dotted path.
-        set: Option<serde_json::Map<String, serde_json::Value>>,
-        /// Angles, degrees (default 0, 15, 30, 45, 60, 75).
-        angles_deg: Option<Vec<f64>>,
-        /// Embedded lengths as fractions of half the fibre's length; the last is 1 (default 0.125, 0.25, 0.5, 0.75, 1).
-        lengths: Option<Vec<f64>>,
-        /// Entry of the base that sets the angle (default mesh.specimen.angle_deg, of a fibre with a path
-        /// mesh.specimen.fibres.0.rotate_deg; a specimen without one is at 0°).
-        angle_key: Option<String>,
-        /// Entry of the base that sets the embedded length (default mesh.specimen.embedded_length, of a fibre with a path
-        /// mesh.specimen.fibres.0.embedded).
-        length_key: Option<String>,
-        /// Angle, degrees, above which fibres carry nothing (default 80, or the largest angle of the runs if that is
-        /// more). Between the largest angle of the runs and this one, the load is that at the largest angle.
-        cut_deg: Option<f64>,
-        /// Folder that keeps the runs, relative to the current folder (default out/fibres).
-        cache: Option<String>,
-    }
+/// A fibre whose curves are runs of a specimen, kept for later use.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct FeFibre {
+    /// The fibre.
+    #[serde(flatten)]
+    pub fibre: WithDefaults<Fibre>,
+    /// Case of kind "pullout" with this one fibre, relative to this file.
+    #[schemars(length(min = 1))]
+    pub base: String,
+    /// Entries of the base to set in all runs, by dotted path.
+    pub set: Option<serde_json::Map<String, serde_json::Value>>,
+    /// Angles, degrees (default 0, 15, 30, 45, 60, 75).
+    pub angles_deg: Option<Vec<f64>>,
+    /// Embedded lengths as fractions of half the fibre's length; the last is 1 (default 0.125, 0.25, 0.5, 0.75, 1).
+    pub lengths: Option<Vec<f64>>,
+    /// Entry of the base that sets the angle (default mesh.specimen.angle_deg, of a fibre with a path
+    /// mesh.specimen.fibres.0.rotate_deg; a specimen without one is at 0°).
+    pub angle_key: Option<String>,
+    /// Entry of the base that sets the embedded length (default mesh.specimen.embedded_length, of a fibre with a path
+    /// mesh.specimen.fibres.0.embedded).
+    pub length_key: Option<String>,
+    /// Angle, degrees, above which fibres carry nothing (default 80, or the largest angle of the runs if that is
+    /// more). Between the largest angle of the runs and this one, the load is that at the largest angle.
+    pub cut_deg: Option<f64>,
+    /// Folder that keeps the runs, relative to the current folder (default out/fibres).
+    pub cache: Option<String>,
 }

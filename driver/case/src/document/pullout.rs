@@ -2,10 +2,11 @@
 
 use super::{
     CommonCaseEntries, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Plots, Positive, StepEnd,
-    Whole,
+    WithDefaults,
 };
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
+use fe_core::model::{Controls, Skipping, Spalling};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -51,7 +52,7 @@ pub struct PulloutCase {
     /// A scalar at every node: a temperature, or the phase field of a law such as concrete_phase_field (default: none).
     pub field: Option<ScalarField>,
     /// Release of torn concrete, for laws with damage (default: none is released).
-    pub spalling: Option<Spalling>,
+    pub spalling: Option<WithDefaults<Spalling>>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
     pub course: Course,
@@ -63,26 +64,10 @@ pub struct PulloutCase {
     /// Settings of the output.
     pub output: Option<PulloutOutput>,
     /// Tolerances and limits.
-    pub controls: Option<PulloutControls>,
+    pub controls: Option<WithDefaults<Controls>>,
     /// Work that the solver omits where the specimen does not need it (default "all"). Results agree within the
     /// tolerance of equilibrium.
     pub skip: Option<Skip>,
-}
-
-/// Criterion for torn concrete. The forces of a torn element fade and its contact ends, as do those of everything that
-/// it alone attached. Contact moves to the newly exposed surface, with friction but without bond.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Spalling {
-    /// Crack opening, mm, that all points of a torn element exceed: largest principal strain times element length. At
-    /// 10 G_f/f_t the softening branch has ended.
-    pub opening: Positive,
-    /// Largest magnitude, MPa, of the principal stresses at all points of a torn element. Use about 1 % of f_t.
-    pub stress: Positive,
-    /// Slip, mm, over which both conditions must hold (default 0.02).
-    pub wait: Option<Positive>,
-    /// Slip, mm, over which the forces of a torn element fade (default 0.02).
-    pub fade: Option<Positive>,
 }
 
 /// One body of the specimen.
@@ -253,33 +238,8 @@ pub enum Vtu {
     Every(Increments),
 }
 
-/// Tolerances and limits.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PulloutControls {
-    /// Residual force relative to the force scale (default 1e-6).
-    pub force_tolerance: Option<Fraction>,
-    /// Correction of displacements relative to the increment's (default 1e-5).
-    pub displacement_tolerance: Option<Fraction>,
-    /// Newton iterations of an attempt (default 20).
-    pub max_iterations: Option<Whole<2, 1000>>,
-    /// Most cut-backs of an increment (default 30).
-    pub max_cutbacks: Option<Whole<0, 1000>>,
-    /// Shorten corrections that make the residual grow (default true).
-    pub line_search: Option<bool>,
-    /// Limit slips until the load has peaked, and locate the peak (default true).
-    pub locate_peak: Option<bool>,
-    /// Relaxation time of viscous stabilisation, s (default 0: none). It acts on parts whose law may soften or has an
-    /// unsymmetric tangent.
-    #[schemars(range(min = 0.0))]
-    pub relaxation_time: Option<f64>,
-    /// Largest share of the work that stabilisation may take. A run that exceeds it fails at its end (default: no
-    /// limit, but a warning from 1 %).
-    pub max_stabilisation_share: Option<Fraction>,
-}
-
 /// Work that is omitted: everything, nothing, or everything except the items set to false.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Skip {
     /// "all" or "none".
@@ -298,18 +258,13 @@ pub enum SkipWord {
     None,
 }
 
-/// Work that is omitted, item by item (each true by default).
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+/// Work that is omitted, item by item.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub struct SkipItems {
-    /// Keep the stiffness of elements that did not change.
-    pub unchanged_elements: Option<bool>,
-    /// Condense elements that stay elastic.
-    pub elastic_far_field: Option<bool>,
-    /// Reuse a factorisation while iterations converge fast.
-    pub factor_reuse: Option<bool>,
-    /// Start the search for a contact point's edge at its last edge.
-    pub contact_search: Option<bool>,
+    /// Each of them.
+    #[serde(flatten)]
+    pub items: WithDefaults<Skipping>,
     /// No longer has an effect: tangents are always requested.
     pub unused_tangents: Option<bool>,
     /// No longer has an effect: the solver chooses.

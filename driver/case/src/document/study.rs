@@ -41,16 +41,18 @@ pub struct StudyFile {
 }
 
 /// Quantity that is varied.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Abscissa {
     /// Name for axes and tables; `_{0}` is an index.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// Unit (default: a pure number).
-    pub unit: Option<String>,
-    /// Logarithmic axis (default false).
-    pub logarithmic: Option<bool>,
+    /// Unit; none of a pure number.
+    #[serde(default)]
+    pub unit: String,
+    /// Logarithmic axis.
+    #[serde(default)]
+    pub logarithmic: bool,
 }
 
 /// One run of each series.

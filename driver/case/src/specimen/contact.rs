@@ -11,27 +11,17 @@ use crate::problem::{Place, hint};
 use crate::reader::{Reader, UsedDefaults};
 use fe_core::mesh::specimen::{ContactSurfaces, SurfaceRole};
 use fe_core::mesh::{ElementEdge, Mesh};
-use fe_core::model::{
-    ContactLaw, ContactPair, Enforcement, Fit, HardLaw, Interference, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width,
-};
+use fe_core::model::{ContactLaw, ContactPair, Enforcement, Fit, Interference, NormalLaw, PluginLaw, Width};
 use indexmap::IndexMap;
 use pullout_run::number::rounded;
 use std::collections::BTreeMap;
 
-/// Gauss points on each slave edge.
-const POINTS: usize = 2;
 /// Factor of the penalty.
 const PENALTY_FACTOR: f64 = 100.0;
-/// Greatest gap of a closed point after updates of the multiplier, mm.
-const UZAWA_TOLERANCE: f64 = 1e-6;
-/// Updates of the multiplier in an increment.
-const UZAWA_UPDATES: usize = 4;
 /// Tension that a bonded surface carries where it separates at the exit, MPa (6.27).
 const SEPARATION_TENSION: f64 = 2.0;
 /// The law's parameter for it.
 const SEPARATION_PARAMETER: &str = "p_0";
-/// Stiffness of a perturbed multiplier over the penalty.
-const PERTURBATION: f64 = 1e4;
 
 /// All pairs; `None` if any is unusable.
 pub fn resolve(
@@ -274,15 +264,8 @@ fn one_pair(
     let law = law(reader, pair, place);
     let width = width(pair, default);
     let mut taken = UsedDefaults::default();
-    let quadrature = match &pair.quadrature {
-        None => {
-            taken.note("quadrature.gauss", POINTS);
-            Quadrature::Gauss { points: POINTS }
-        }
-        Some(document::Quadrature::Gauss(points)) => Quadrature::Gauss { points: points.0 },
-        Some(document::Quadrature::Segments(points)) => Quadrature::Segments { points: points.0 },
-        Some(document::Quadrature::Nodes) => Quadrature::Nodes,
-    };
+    let quadrature = pair.quadrature.clone().unwrap_or_default();
+    quadrature.note_of("quadrature", &mut taken);
     // what a soft normal law has no use for
     let mut unused = UsedDefaults::default();
     let mut of_hard = &mut taken;
@@ -313,7 +296,7 @@ fn one_pair(
         slave,
         master,
         law: law?,
-        quadrature,
+        quadrature: *quadrature,
         width,
         penalty_factor,
         enforcement,
@@ -436,7 +419,7 @@ fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<
         reader.problem(&place_of_law.key("statev0"), "the states of contact start from 0: leave it out");
     }
     let place = place.key("normal");
-    let normal = pair.normal.map(normal_law);
+    let normal = pair.normal;
     let beside = normal.filter(|_| entry == EntryPoint::Fric).map(|normal| (normal, place.clone()));
     let (length, initial_temperature) = (Length::Unknown, 0.0);
     let purpose = Use { level: Level::Specimen, entry, mode: None, length, initial_temperature, normal: beside };
@@ -456,15 +439,6 @@ fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<
     }
 }
 
-fn normal_law(normal: document::Normal) -> NormalLaw {
-    match normal {
-        document::Normal::Hard(hard) => {
-            NormalLaw::Hard(HardLaw { p_0: hard.p_0.unwrap_or(0.0), delta_n: hard.delta_n.unwrap_or(0.0) })
-        }
-        document::Normal::Soft(soft) => NormalLaw::Soft(SoftLaw { p_0: soft.p_0.0, g_0: soft.g_0.0 }),
-    }
-}
-
 fn width(pair: &document::Pair, default: Option<&ContactSurfaces>) -> Width {
     match &pair.width {
         Some(document::Width::Given(width)) => Width::Given(width.0),
@@ -480,18 +454,8 @@ fn normal_direction(pair: &document::Pair, is_crushed: bool, taken: &mut UsedDef
         taken.note("enforcement", "penalty");
         return (bearing::PENALTY_FACTOR, Enforcement::Penalty);
     }
-    (taken.real("penalty_factor", pair.penalty_factor, PENALTY_FACTOR), enforcement(pair, taken))
-}
-
-fn enforcement(pair: &document::Pair, taken: &mut UsedDefaults) -> Enforcement {
-    match pair.enforcement.unwrap_or(document::Enforcement::Uzawa(document::Uzawa::default())) {
-        document::Enforcement::Uzawa(given) => Enforcement::Uzawa {
-            tolerance: taken.real("enforcement.uzawa.tolerance", given.tolerance, UZAWA_TOLERANCE),
-            max_updates: taken.or("enforcement.uzawa.max_updates", given.max_updates, UZAWA_UPDATES),
-        },
-        document::Enforcement::Penalty => Enforcement::Penalty,
-        document::Enforcement::PerturbedLagrangian(given) => Enforcement::PerturbedLagrangian {
-            ratio: taken.real("enforcement.perturbed_lagrangian.ratio", given.ratio, PERTURBATION),
-        },
-    }
+    let penalty_factor = taken.real("penalty_factor", pair.penalty_factor, PENALTY_FACTOR);
+    let enforcement = pair.enforcement.clone().unwrap_or_default();
+    enforcement.note_of("enforcement", taken);
+    (penalty_factor, *enforcement)
 }

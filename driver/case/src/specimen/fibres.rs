@@ -3,18 +3,12 @@
 use super::boundary::BOTH;
 use super::generated::{X, without_effect};
 use super::mesh::{DefaultSupports, Held, MeshAndSets, thickness};
-use crate::document::Positive;
 use crate::document::pullout::{self as document, FibreShape, SeparationLength, SeparationRule, Thickness};
+use crate::document::{Positive, WithDefaults};
 use crate::reader::UsedDefaults;
-use fe_core::element::ElementKind;
 use fe_core::mesh::specimen::{
-    self, Configuration, FINE_DIAMETERS, Fibre, FibreMesh, Fibres, FibresMesh, GradedThickness, ParameterProblem,
-    PerpendicularFibre, Segment, SpecimenError,
+    self, Configuration, FINE_DIAMETERS, Fibre, Fibres, ParameterProblem, PerpendicularFibre, Segment, SpecimenError,
 };
-
-/// Default slope of a graded thickness: the stiffness of the fibre in its block is within 14 % of that in space at 0 and 45°, along and across
-/// it, in blocks of 3 and 13 mm (`tests/reference/inclined_fibre`).
-const SLOPE: f64 = 1.0;
 
 /// Inclination of a fibre, degrees.
 const ANGLE: f64 = 45.0;
@@ -35,65 +29,38 @@ pub(super) fn perpendicular_fibre(
     matrix: Option<Thickness>,
     taken: &mut UsedDefaults,
 ) -> Result<MeshAndSets, SpecimenError> {
+    let fibre = &given.fibre;
     let axisymmetric = taken.or("axisymmetric", given.axisymmetric, false);
+    let matrix = matrix.filter(|_| !axisymmetric);
     let has_radius = given.outer_radius.is_some();
+    let has_equal_sizes = given.equal_sizes == Some(true);
+    const WITH_RADIUS: &str = "a body of revolution with an outer_radius";
     without_effect(&[
         ("outer_radius", has_radius && !axisymmetric, "a plane slice"),
-        ("width", given.width.is_some() && has_radius && axisymmetric, "a body of revolution with an outer_radius"),
-        (
-            "matrix_thickness",
-            given.matrix_thickness.is_some() && has_radius && axisymmetric,
-            "a body of revolution with an outer_radius",
-        ),
-        matrix_thickness_twice(matrix.filter(|_| !axisymmetric), given.matrix_thickness),
+        ("width", fibre.has("width") && has_radius && axisymmetric, WITH_RADIUS),
+        ("matrix_thickness", fibre.has("matrix_thickness") && has_radius && axisymmetric, WITH_RADIUS),
+        matrix_thickness_twice(matrix, fibre.has("matrix_thickness")),
         (
             "equal_sizes",
-            given.equal_sizes == Some(true) && given.exit_size.is_some(),
+            has_equal_sizes && fibre.has("exit_size"),
             "a specimen with an exit_size, from which the sizes grow",
         ),
     ])?;
-    let default = PerpendicularFibre::default();
-    let fibre_diameter = taken.real("fibre_diameter", given.fibre_diameter, default.fibre_diameter);
-    let sizes = FibreMesh::default();
-    let exit_size = sizes.exit_size.filter(|_| given.equal_sizes != Some(true));
-    let exit_size = exit_size.map(|size| taken.real("exit_size", given.exit_size, size));
-    let parameters = PerpendicularFibre {
-        configuration: if axisymmetric {
-            Configuration::Axisymmetric { outer_radius: given.outer_radius.map(|radius| radius.0) }
-        } else {
-            Configuration::Plane
-        },
-        // an outer radius that is not given follows from width and thickness
-        width: if has_radius { default.width } else { taken.real("width", given.width, default.width) },
-        depth: taken.real("depth", given.depth, default.depth),
-        matrix_thickness: if has_radius {
-            default.matrix_thickness
-        } else {
-            let of_part = matrix.filter(|_| !axisymmetric);
-            matrix_thickness(of_part, given.matrix_thickness, fibre_diameter, default.matrix_thickness, taken)
-        },
-        cover: taken.or("cover", given.cover, default.cover),
-        graded_thickness: given.graded_thickness.map(graded),
-        fibre_diameter,
-        embedded_length: taken.real("embedded_length", given.embedded_length, default.embedded_length),
-        free_length: taken.real("free_length", given.free_length, default.free_length),
-        tail_gap: taken.real("tail_gap", given.tail_gap, default.tail_gap),
-        fibre_element: taken.or("fibre_element", given.fibre_element, ElementKind::Q8),
-        matrix_element: taken.or("matrix_element", given.matrix_element, ElementKind::Q8),
-        mesh: FibreMesh {
-            embedded_elements: taken.or("embedded_elements", given.embedded_elements, sizes.embedded_elements),
-            exit_size,
-            elements_across: taken.or("elements_across", given.elements_across, sizes.elements_across),
-            slave_edges_per_master: taken.or(
-                "slave_edges_per_master",
-                given.slave_edges_per_master,
-                sizes.slave_edges_per_master,
-            ),
-            interface_size: taken.real("interface_size", given.interface_size, sizes.interface_size),
-            growth: taken.real("growth", given.growth, sizes.growth),
-            largest_size: taken.real("largest_size", given.largest_size, sizes.largest_size),
-        },
-    };
+    let decided =
+        [("width", has_radius), ("matrix_thickness", has_radius || matrix.is_some()), ("exit_size", has_equal_sizes)];
+    let decided: Vec<&str> = decided.into_iter().filter(|(_, is)| *is).map(|(name, _)| name).collect();
+    fibre.note(taken, &decided);
+    let mut parameters = PerpendicularFibre::clone(fibre);
+    if axisymmetric {
+        // one that is not given follows from width and thickness
+        let outer_radius = given.outer_radius.map(|radius| radius.0);
+        parameters.configuration = Configuration::Axisymmetric { outer_radius };
+    }
+    if has_equal_sizes {
+        parameters.mesh.exit_size = None;
+    }
+    let fibre_diameter = fibre.fibre_diameter;
+    parameters.matrix_thickness = matrix_thickness(matrix, fibre_diameter).unwrap_or(parameters.matrix_thickness);
     let lengths = [("fibre_diameter", fibre_diameter), ("embedded_length", parameters.embedded_length)];
     check_unit(None, lengths)?;
     let made = specimen::perpendicular_fibre(&parameters)?;
@@ -113,7 +80,7 @@ pub(super) fn inclined_fibre(
     let is_straight = given.shape == Some(FibreShape::Straight);
     without_effect(&[
         ("bend_radius", is_straight && given.bend_radius.is_some(), "a straight fibre"),
-        matrix_thickness_twice(matrix, given.matrix_thickness),
+        matrix_thickness_twice(matrix, given.block.has("matrix_thickness")),
     ])?;
     let default = Fibre::new(angle, Vec::new());
     let diameter = taken.real("fibre_diameter", given.fibre_diameter, default.diameter);
@@ -145,24 +112,7 @@ pub(super) fn inclined_fibre(
         fine_length: fine_length(given.fine_length, slip, diameter, embedded_length),
         ..default
     };
-    let block = document::Fibres {
-        fibres: Vec::new(),
-        grips: None,
-        width: given.width,
-        depth: given.depth,
-        matrix_thickness: given.matrix_thickness,
-        cover: given.cover,
-        graded_thickness: given.graded_thickness,
-        fibre_element: given.fibre_element,
-        matrix_element: given.matrix_element,
-        mesh_size: given.mesh_size,
-        elements_across: given.elements_across,
-        exit_size: given.exit_size,
-        largest_fibre_size: given.largest_fibre_size,
-        growth_rate: given.growth_rate,
-        largest_size: given.largest_size,
-    };
-    around("inclined_fibre", vec![fibre], &block, matrix, taken)
+    around("inclined_fibre", vec![fibre], (&given.block, given.cover), matrix, taken)
 }
 
 pub(super) fn fibres(
@@ -200,7 +150,7 @@ pub(super) fn fibres(
             ..default
         });
     }
-    let mut ground = around("fibres", made, given, matrix, taken)?;
+    let mut ground = around("fibres", made, (&given.block, given.cover), matrix, taken)?;
     ground.grips_each = given.grips == Some(document::Grips::Each);
     Ok(ground)
 }
@@ -338,35 +288,20 @@ fn fine_length(given: Option<Positive>, slip: f64, diameter: f64, embedded_lengt
     given.map(|length| length.0).or(slides_out)
 }
 
-/// A specimen of fibres in the block that a case describes; its own list of fibres is not looked at.
+/// A specimen of fibres in the block that a case describes, with a cover if it says so.
 fn around(
     name: &str,
     fibres: Vec<Fibre>,
-    block: &document::Fibres,
+    (block, cover): (&WithDefaults<Fibres>, Option<bool>),
     matrix: Option<Thickness>,
     taken: &mut UsedDefaults,
 ) -> Result<MeshAndSets, SpecimenError> {
-    let (default, sizes) = (Fibres::default(), FibresMesh::default());
     let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
-    let matrix_thickness = matrix_thickness(matrix, block.matrix_thickness, thickest, default.matrix_thickness, taken);
-    let parameters = Fibres {
-        width: taken.real("width", block.width, default.width),
-        depth: taken.real("depth", block.depth, default.depth),
-        matrix_thickness,
-        cover: taken.or("cover", block.cover, matrix_thickness > thickest),
-        graded_thickness: block.graded_thickness.map(graded),
-        fibres,
-        fibre_element: taken.or("fibre_element", block.fibre_element, ElementKind::Q8),
-        matrix_element: taken.or("matrix_element", block.matrix_element, default.matrix_element),
-        mesh: FibresMesh {
-            size: taken.real("mesh_size", block.mesh_size, sizes.size),
-            elements_across: taken.or("elements_across", block.elements_across, sizes.elements_across),
-            exit_size: block.exit_size.map(|size| size.0),
-            largest_fibre_size: taken.real("largest_fibre_size", block.largest_fibre_size, sizes.largest_fibre_size),
-            growth_rate: taken.real("growth_rate", block.growth_rate, sizes.growth_rate),
-            largest_size: taken.real("largest_size", block.largest_size, sizes.largest_size),
-        },
-    };
+    let of_part = matrix_thickness(matrix, thickest);
+    block.note(taken, if of_part.is_some() { &["matrix_thickness"] } else { &[] });
+    let matrix_thickness = of_part.unwrap_or(block.matrix_thickness);
+    let cover = taken.or("cover", cover, matrix_thickness > thickest);
+    let parameters = Fibres { matrix_thickness, cover, fibres, ..Fibres::clone(block) };
     let made = specimen::fibres(&parameters)?;
     let ways = ["sides", "face_near", "face_away", "bottom"];
     Ok(pulled_fibre(name, made, &ways, &[]))
@@ -378,26 +313,14 @@ fn thesis_separation_length(diameter: f64, angle: f64) -> f64 {
     if angle.to_degrees() < 15.0 { 0.0 } else { diameter * (tangent + 0.5 / tangent) }
 }
 
-/// The thickness of a block around a fibre, mm: what the case says of the part, or else of the specimen.
-fn matrix_thickness(
-    of_part: Option<Thickness>,
-    given: Option<Positive>,
-    diameter: f64,
-    default: f64,
-    taken: &mut UsedDefaults,
-) -> f64 {
-    let of_part = of_part.and_then(|of_part| thickness(of_part, Some(diameter)).ok());
-    of_part.unwrap_or_else(|| taken.real("matrix_thickness", given, default))
+/// The thickness that the case gives the part around a fibre, mm.
+fn matrix_thickness(of_part: Option<Thickness>, diameter: f64) -> Option<f64> {
+    of_part.and_then(|of_part| thickness(of_part, Some(diameter)).ok())
 }
 
 /// Returns what is wrong if the block's thickness is given in addition to that of its part, which counts.
-fn matrix_thickness_twice(of_part: Option<Thickness>, given: Option<Positive>) -> (&'static str, bool, &'static str) {
-    let is_twice = of_part.is_some() && given.is_some();
-    ("matrix_thickness", is_twice, "a specimen whose parts.matrix has a thickness")
-}
-
-fn graded(given: document::GradedThickness) -> GradedThickness {
-    GradedThickness { slope: given.slope.unwrap_or(SLOPE), extent: given.extent.map(|extent| extent.0) }
+fn matrix_thickness_twice(of_part: Option<Thickness>, is_given: bool) -> (&'static str, bool, &'static str) {
+    ("matrix_thickness", of_part.is_some() && is_given, "a specimen whose parts.matrix has a thickness")
 }
 
 /// A specimen that is held by one of some node sets, and by what holds it in any case.

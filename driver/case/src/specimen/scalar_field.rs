@@ -8,7 +8,7 @@ use crate::document::pullout as document;
 use crate::document::pullout::{HeatRoutine, MeshSource};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField};
+use fe_core::model::{CrackSurface, FieldKind, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField};
 use umat_abi::host::Library;
 
 /// The field of a case, without the cracks of the laws ([`with_cracks_of`]).
@@ -20,10 +20,8 @@ pub fn resolve(
 ) -> Option<ScalarField> {
     let place = Place::root().key("field");
     let given = case.field.as_ref()?;
-    let crack =
-        given.crack.map(|crack| CrackSurface { fracture_energy: crack.fracture_energy.0, length: crack.length.0 });
     let kind = match given.kind {
-        document::FieldKind::PhaseField => FieldKind::PhaseField(crack),
+        document::FieldKind::PhaseField => FieldKind::PhaseField(given.crack),
         document::FieldKind::Temperature => {
             if given.crack.is_some() {
                 reader.problem(&place.key("crack"), "a temperature has no cracks: \"kind\": \"phase_field\" has");
@@ -52,10 +50,6 @@ pub fn resolve(
     let tolerance = given.tolerance.map_or(default.tolerance, Into::into);
     let is_specimen = matches!(case.mesh, MeshSource::Specimen(_));
     let parts = parts(reader, given, scene, &place, is_specimen).unwrap_or(default.parts);
-    let coupling = match given.coupling {
-        Some(document::FieldCoupling::OnePass) => FieldCoupling::OnePass,
-        Some(document::FieldCoupling::Staggered) | None => FieldCoupling::Staggered,
-    };
     let initial = given.initial.unwrap_or(default.initial);
     if case.course.temperature.is_some() {
         reader.warn_no_effect(&Place::root().key("temperature"), "parts of the field have its values");
@@ -75,7 +69,7 @@ pub fn resolve(
         transfer: Some(transfer),
         fixed,
         fluxes,
-        coupling,
+        coupling: given.coupling.unwrap_or_default(),
         tolerance,
     })
 }

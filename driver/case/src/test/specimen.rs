@@ -169,7 +169,7 @@ fn a_file_and_its_groups_become_a_model() {
     assert_eq!(model.laws.iter().map(|law| law.props[0]).collect::<Vec<_>>(), [210e3, 23700.0]);
     let [pair] = &model.contacts[..] else { panic!("one pair") };
     assert_eq!((pair.name.as_str(), pair.slave.len(), pair.master.len()), ("contact 1", 4, 4));
-    assert_eq!((pair.width, pair.quadrature), (Width::Given(0.6), Quadrature::Gauss { points: 2 }));
+    assert_eq!((pair.width, pair.quadrature), (Width::Given(0.6), Quadrature::Gauss(2)));
     assert_eq!(pair.enforcement, Enforcement::Uzawa { tolerance: 1e-6, max_updates: 4 });
     assert!(matches!(&pair.law, ContactLaw::Uinter(law) if law.props[3] == 0.0), "the penalty is the pair's to fill");
     assert_eq!(model.drives, ["slip"]);
@@ -268,7 +268,7 @@ fn contact_in_all_its_forms() {
         "contact.release=false",
         "contact.name=seam",
     ]);
-    assert_eq!((other[0].quadrature, other[0].width), (Quadrature::Segments { points: 3 }, Width::OfPart));
+    assert_eq!((other[0].quadrature, other[0].width), (Quadrature::Segments(3), Width::OfPart));
     assert_eq!((other[0].penalty_factor, other[0].release, other[0].name.as_str()), (7.0, false, "seam"));
     assert_eq!(other[0].enforcement, Enforcement::PerturbedLagrangian { ratio: 2e4 });
     assert_eq!(other[0].fit, Fit::default());
@@ -1704,4 +1704,14 @@ fn all_that_a_plate_takes_by_default_is_listed() {
     let overrides = ["mesh.specimen.element=Q4", "parts.plate.integration=full", "nlgeom=true"];
     let defaults = accepted(&case, &overrides).about.defaults;
     assert_eq!(defaults[1], "parts.plate: model = plane_strain, thickness = 1, average_dilatation = true");
+}
+
+#[test]
+fn a_key_with_a_default_takes_null_and_whole_numbers_with_a_point() {
+    let given = json!({ "type": "plate_with_hole", "cells": 8.0, "width": null, "grading": 5 });
+    let case = specimen_case(given, &["plate"]);
+    let defaults = accepted(&case, &["controls={\"max_iterations\": 30.0, \"max_cutbacks\": null}"]).about.defaults;
+    assert_eq!(defaults[0], "mesh.specimen: width = 10, height = 10, radius = 1, element = Q8");
+    let controls = defaults.iter().find(|line| line.starts_with("controls: ")).expect("controls");
+    assert!(controls.contains("max_cutbacks = 30") && !controls.contains("max_iterations"), "{controls}");
 }

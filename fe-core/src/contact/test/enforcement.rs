@@ -126,7 +126,7 @@ fn surfaces_that_touch_are_stiff_and_open_as_they_part() {
 #[test]
 fn a_tenth_of_the_points_over_the_cap_open_at_a_time() {
     let scene = Scene::straight(Q8);
-    let pair = ContactPair { quadrature: Quadrature::Gauss { points: 10 }, ..scene.pair(hard(4.0, 0.0, &[])) };
+    let pair = ContactPair { quadrature: Quadrature::Gauss(10), ..scene.pair(hard(4.0, 0.0, &[])) };
     let mut contact = scene.contact(pair);
     let displacements = scene.moved(1, |[x, _]| [0.0, 0.01 * x]);
     forces(&mut contact, &displacements);

@@ -70,7 +70,7 @@ impl Scene {
             slave: self.slave.clone(),
             master: self.master.clone(),
             law,
-            quadrature: Quadrature::Gauss { points: 2 },
+            quadrature: Quadrature::Gauss(2),
             width: Width::Given(30.0),
             penalty_factor: 100.0,
             enforcement: Enforcement::Penalty,

@@ -30,17 +30,17 @@ fn error_of_uniform_pressure(kind: ElementKind, quadrature: Quadrature) -> f64 {
 
 #[test]
 fn segments_are_exact_where_fixed_points_are_not() {
-    assert!(error_of_uniform_pressure(Q4, Segments { points: 1 }) < 1e-12);
-    assert!(error_of_uniform_pressure(Q8, Segments { points: 2 }) < 1e-12);
-    assert!(error_of_uniform_pressure(Q8, Segments { points: 3 }) < 1e-12);
-    let [few, more, many] = [2, 3, 10].map(|points| error_of_uniform_pressure(Q8, Gauss { points }));
+    assert!(error_of_uniform_pressure(Q4, Segments(1)) < 1e-12);
+    assert!(error_of_uniform_pressure(Q8, Segments(2)) < 1e-12);
+    assert!(error_of_uniform_pressure(Q8, Segments(3)) < 1e-12);
+    let [few, more, many] = [2, 3, 10].map(|points| error_of_uniform_pressure(Q8, Gauss(points)));
     println!("Gauss, 5 against 7 quadratic edges: {few:.3} with 2, {more:.3} with 3, {many:.3} with 10 points");
     assert!(few > many && many > 1e-3);
 }
 
 #[test]
 fn areas_and_lengths_add_up() {
-    for quadrature in [Gauss { points: 2 }, Nodes, Segments { points: 3 }] {
+    for quadrature in [Gauss(2), Nodes, Segments(3)] {
         let scene = Scene::rows(Q8, |_| 0.0, PlaneModel::Axisymmetric);
         let sum = |width: Width| {
             let pair = ContactPair { quadrature, width, ..scene.pair(uinter(&[])) };
@@ -64,7 +64,7 @@ fn areas_and_lengths_add_up() {
 fn what_is_left_of_the_contact_falls_linearly_to_nothing() {
     let row = |count| Row { kind: Q8, from: 0.0, to: 3.0, count };
     let scene = Scene::new(row(4), row(5), |_| 0.0, PlaneModel::PlaneStrain);
-    for quadrature in [Gauss { points: 2 }, Gauss { points: 3 }, Nodes, Segments { points: 2 }] {
+    for quadrature in [Gauss(2), Gauss(3), Nodes, Segments(2)] {
         for direction in [1.0, -1.0] {
             let pair = ContactPair { quadrature, release: true, width: Width::Given(1.0), ..scene.pair(uinter(&[])) };
             let mut contact = scene.contact(pair);
@@ -92,7 +92,7 @@ fn what_is_left_of_the_contact_falls_linearly_to_nothing() {
 #[test]
 fn numbers_of_points_out_of_range_are_refused() {
     let scene = Scene::straight(Q4);
-    for quadrature in [Gauss { points: 0 }, Segments { points: 11 }] {
+    for quadrature in [Gauss(0), Segments(11)] {
         let pair = ContactPair { quadrature, ..scene.pair(uinter(&[])) };
         let error = Contact::new(&scene.mesh, &[pair], &[1.0, 1.0], true, &FieldValues::default()).unwrap_err();
         assert!(error.to_string().contains("from 1 to 10 are possible"), "{error}");

@@ -164,7 +164,7 @@ fn axial_symmetry_and_all_quadratures() {
     for kind in [Q4, Q8] {
         for model in [PlaneModel::Axisymmetric, PlaneModel::PlaneStrain] {
             let scene = Scene::rows(kind, if kind == Q8 { parabola } else { |_| 0.0 }, model);
-            for quadrature in [Gauss { points: 3 }, Nodes, Segments { points: 2 }] {
+            for quadrature in [Gauss(3), Nodes, Segments(2)] {
                 for width in [Width::OfPart, Width::Given(3.0)] {
                     let pair =
                         ContactPair { quadrature, width, penalty_factor: 3.0, ..scene.pair(uinter(&[("mu", 0.2)])) };

@@ -6,7 +6,7 @@ use crate::mesh::{ElementDefinition, MeshDefinition, Part};
 
 /// Two blocks 1 mm high and wide upon each other.
 fn blocks(kind: ElementKind) -> Mesh {
-    let parameters = TwoBlocks { width: 1.0, heights: [1.0; 2], edges: [4, 3], rows: [2; 2], elements: [kind; 2] };
+    let parameters = TwoBlocks { width: 1.0, heights: [1.0; 2], edges: [4, 3], rows: [2; 2], element: kind };
     Mesh::new(two_blocks(&parameters).unwrap()).unwrap()
 }
 

@@ -5,20 +5,34 @@ use super::{SpecimenError, body, positions, uniform};
 use crate::element::ElementKind;
 use crate::mesh::MeshDefinition;
 use crate::mesh::structured::{Grading, Grid, MeshBlock, Side, capped_through};
+use crate::schema::{count, positive, two_counts, two_positive};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// Two rectangles upon each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Two rectangles upon each other; values are of the lower and the upper one.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
 pub struct TwoBlocks {
     /// Width of both.
+    #[schemars(schema_with = "positive")]
     pub width: f64,
-    /// Heights of the lower and the upper one.
+    /// Heights.
+    #[schemars(schema_with = "two_positive")]
     pub heights: [f64; 2],
-    /// Edges on the contact of the lower and the upper one.
+    /// Edges on the contact.
+    #[schemars(schema_with = "two_counts")]
     pub edges: [usize; 2],
-    /// Rows of cells of the lower and the upper one.
+    /// Rows of elements.
+    #[schemars(schema_with = "two_counts")]
     pub rows: [usize; 2],
-    /// Elements of the lower and the upper one.
-    pub elements: [ElementKind; 2],
+    /// Kind of elements.
+    pub element: ElementKind,
+}
+
+impl Default for TwoBlocks {
+    fn default() -> Self {
+        Self { width: 1.0, heights: [1.0; 2], edges: [4, 3], rows: [2; 2], element: ElementKind::Q8 }
+    }
 }
 
 /// Two rectangles 0 ≤ x ≤ width, the lower one below y = 0, for contact patch tests.
@@ -26,7 +40,7 @@ pub struct TwoBlocks {
 /// Parts `lower`, `upper`; node sets `bottom`, `top`, `lower_left`, `lower_right`, `upper_left`, `upper_right`; edge
 /// sets `lower_contact`, `upper_contact`, `top`.
 pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenError> {
-    let TwoBlocks { width, heights, edges, rows, elements } = *parameters;
+    let TwoBlocks { width, heights, edges, rows, element } = *parameters;
     let mut required = Requirements::default();
     required.positive([("width", width)]);
     required.positive(heights.map(|height| ("heights", height)));
@@ -42,7 +56,7 @@ pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenErro
         let part = mesh.add_part(body(name));
         let shift = if index == 0 { -heights[0] } else { 0.0 };
         let map = |[x, y]: [f64; 2]| [x, y + shift];
-        grids.push(mesh.block(&MeshBlock::new(part, elements[index], &x, &y).mapped(&map))?);
+        grids.push(mesh.block(&MeshBlock::new(part, element, &x, &y).mapped(&map))?);
     }
     mesh.node_set("bottom", grids[0].side_nodes(Side::Bottom));
     mesh.node_set("top", grids[1].side_nodes(Side::Top));
@@ -56,25 +70,48 @@ pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenErro
     Ok(mesh)
 }
 
-/// A cylinder that is pressed onto a plane: the half right of its symmetry line, near the contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CylinderOnPlane {
+/// Half of a cylinder that is pressed onto a plane.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Hertz {
     /// Radius of the cylinder.
+    #[schemars(schema_with = "positive")]
     pub radius: f64,
-    /// Extent of both bodies from the symmetry line; less than the radius.
+    /// Extent of both bodies from the symmetry line.
+    #[schemars(schema_with = "positive")]
     pub half_width: f64,
-    /// Height of the cylinder's flat top above the contact; more than the arc rises over the half width.
+    /// Height of the cylinder's flat top above the contact.
+    #[schemars(schema_with = "positive")]
     pub height: f64,
     /// Depth of the base.
+    #[schemars(schema_with = "positive")]
     pub depth: f64,
-    /// Half width of the zone of equal, small edges: more than the contact will have.
+    /// Half width of the zone of small edges.
+    #[schemars(schema_with = "positive")]
     pub contact_zone: f64,
-    /// Edges in this zone, on both bodies.
+    /// Edges in this zone.
+    #[schemars(schema_with = "count")]
     pub contact_edges: usize,
-    /// Each size over the one before it, away from the contact.
+    /// Each size over the one before it.
+    #[schemars(schema_with = "positive")]
     pub growth: f64,
-    /// Kind of the elements.
+    /// Kind of elements.
     pub element: ElementKind,
+}
+
+impl Default for Hertz {
+    fn default() -> Self {
+        Self {
+            radius: 10.0,
+            half_width: 5.0,
+            height: 5.0,
+            depth: 5.0,
+            contact_zone: 0.5,
+            contact_edges: 20,
+            growth: 1.3,
+            element: ElementKind::Q8,
+        }
+    }
 }
 
 /// A cylinder on a plane, for Hertz's solution. They touch at the origin; the base is below y = 0. Node pairs lie above
@@ -82,9 +119,8 @@ pub struct CylinderOnPlane {
 ///
 /// Parts `cylinder`, `base`; node sets `symmetry` (x = 0 of both), `top`, `bottom`, `base_side`; edge sets
 /// `cylinder_contact` (the arc), `base_contact`, `top`.
-pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition, SpecimenError> {
-    let CylinderOnPlane { radius, half_width, height, depth, contact_zone, contact_edges, growth, element } =
-        *parameters;
+pub fn hertz(parameters: &Hertz) -> Result<MeshDefinition, SpecimenError> {
+    let Hertz { radius, half_width, height, depth, contact_zone, contact_edges, growth, element } = *parameters;
     let mut required = Requirements::default();
     required.positive([("radius", radius), ("half_width", half_width), ("height", height), ("depth", depth)]);
     required.positive([("contact_zone", contact_zone)]);
@@ -135,30 +171,41 @@ pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition,
     Ok(mesh)
 }
 
-/// An elastic strip that is pulled out from under a block; both are the upper half of something symmetric about y = 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A strip that is pulled out from under a block.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
 pub struct DragOutStrip {
-    /// Length of the strip: 0 ≤ x ≤ 12 mm.
+    /// Length of the strip.
+    #[schemars(schema_with = "positive")]
     pub strip_length: f64,
-    /// Half of its thickness, 0.25 mm.
+    /// Half of its thickness.
+    #[schemars(schema_with = "positive")]
     pub strip_height: f64,
-    /// Distance of the block's start from that of the strip, 2 mm: both end together.
+    /// Position on the strip at which the block starts.
+    #[schemars(schema_with = "positive")]
     pub block_start: f64,
-    /// Length of the block, 10 mm.
+    /// Length of the block.
+    #[schemars(schema_with = "positive")]
     pub block_length: f64,
-    /// Height of the block, 5 mm.
+    /// Height of the block.
+    #[schemars(schema_with = "positive")]
     pub block_height: f64,
-    /// Edges of the strip along its length.
+    /// Edges of the strip.
+    #[schemars(schema_with = "count")]
     pub strip_edges: usize,
-    /// Cells across the strip.
+    /// Elements across the strip.
+    #[schemars(schema_with = "count")]
     pub strip_rows: usize,
-    /// Edges of the block along the strip.
+    /// Edges of the block on the strip.
+    #[schemars(schema_with = "count")]
     pub block_edges: usize,
-    /// Size of the block's cells at the strip; away from it they grow by `growth`.
+    /// Size of the block's elements at the strip.
+    #[schemars(schema_with = "positive")]
     pub block_size: f64,
-    /// Each size over the one before it, away from the strip.
+    /// Each size over the one before it.
+    #[schemars(schema_with = "positive")]
     pub growth: f64,
-    /// Kind of the elements.
+    /// Kind of elements.
     pub element: ElementKind,
 }
 
@@ -180,7 +227,7 @@ impl Default for DragOutStrip {
     }
 }
 
-/// A strip under a block, for frictional drag-out: pulled along +x by `sliding_end`, the block keeps its whole length on
+/// A strip under a block, the upper half of both, for frictional drag-out: pulled along +x by `sliding_end`, the block keeps its whole length on
 /// it for `block_start` of sliding.
 ///
 /// Parts `strip`, `block`; node sets `sliding_end`, `tail`, `symmetry` (the strip's lower side), `block_left`,

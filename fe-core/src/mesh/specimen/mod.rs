@@ -1,8 +1,8 @@
 //! Meshes of specimens and of problems with known solutions, by parameters.
 //!
 //! [`perpendicular_fibre`] and [`fibres`] make a pull-out specimen with everything that a run must know of it, a
-//! [`Specimen`]. The others ([`plate_with_hole`], [`thick_cylinder`], [`cook_membrane`], [`timoshenko_beam`], [`two_blocks`],
-//! [`cylinder_on_plane`], [`drag_out_strip`], [`curved_channel`]) make a [`MeshDefinition`] with named sets. Lengths in mm.
+//! [`Specimen`]. The others ([`plate_with_hole`], [`thick_cylinder`], [`cook_membrane`], [`beam`], [`two_blocks`],
+//! [`hertz`], [`drag_out_strip`], [`curved_channel`]) make a [`MeshDefinition`] with named sets. Lengths in mm.
 
 mod bodies_in_contact;
 mod curved_channel;

@@ -8,22 +8,37 @@ use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::structured::{Grading, MeshBlock, Side};
 use crate::mesh::{MeshDefinition, Part};
+use crate::schema::{count, positive, two_counts};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// A quarter of a plate with a hole in its centre.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A quarter of a plate with a hole.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
 pub struct PlateWithHole {
-    /// Half of the plate's width.
+    /// Half of the width.
+    #[schemars(schema_with = "positive")]
     pub width: f64,
-    /// Half of its height.
+    /// Half of the height.
+    #[schemars(schema_with = "positive")]
     pub height: f64,
     /// Radius of the hole.
+    #[schemars(schema_with = "positive")]
     pub radius: f64,
-    /// Approximate number of cells; two equal blocks of n × n are made.
+    /// About how many elements: two equal blocks of n × n.
+    #[schemars(schema_with = "count")]
     pub cells: usize,
     /// Size at the outside over size at the hole.
+    #[schemars(schema_with = "positive")]
     pub grading: f64,
-    /// Kind of the elements.
+    /// Kind of elements.
     pub element: ElementKind,
+}
+
+impl Default for PlateWithHole {
+    fn default() -> Self {
+        Self { width: 10.0, height: 10.0, radius: 1.0, cells: 200, grading: 10.0, element: ElementKind::Q8 }
+    }
 }
 
 /// The quarter 0 ≤ x ≤ width, 0 ≤ y ≤ height of a plate whose hole is about the origin.
@@ -78,44 +93,55 @@ pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, Spe
     Ok(mesh)
 }
 
-/// Plane section of a thick cylinder.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CylinderSection {
-    /// A body of revolution of this height: x is the radius, 0 ≤ y ≤ height. Sets `inner`, `outer`, `bottom`, `top`.
-    Axisymmetric {
-        /// Height.
-        height: f64,
-        /// Cells upon each other.
-        cells: usize,
-    },
-    /// A quarter of its cross-section about the origin. Sets `inner`, `outer`, `symmetry_y` (y = 0), `symmetry_x`
-    /// (x = 0).
-    Quarter {
-        /// Cells around.
-        cells: usize,
-    },
-}
-
 /// A thick cylinder.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
 pub struct ThickCylinder {
+    /// A body of revolution instead of a quarter of the cross-section.
+    pub axisymmetric: bool,
     /// Inner radius.
+    #[schemars(schema_with = "positive")]
     pub inner_radius: f64,
     /// Outer radius.
+    #[schemars(schema_with = "positive")]
     pub outer_radius: f64,
-    /// Cells from the inner to the outer radius.
+    /// Elements from the inner to the outer radius.
+    #[schemars(schema_with = "count")]
     pub radial_cells: usize,
+    /// Elements around, or along the height.
+    #[schemars(schema_with = "count")]
+    pub other_cells: usize,
+    /// Height of the body of revolution.
+    #[schemars(schema_with = "positive")]
+    pub height: f64,
     /// Size at the outer radius over size at the inner one.
+    #[schemars(schema_with = "positive")]
     pub grading: f64,
-    /// Section that is meshed.
-    pub section: CylinderSection,
-    /// Kind of the elements.
+    /// Kind of elements.
     pub element: ElementKind,
 }
 
-/// A thick cylinder, for Lamé's solution; node and edge sets of [`CylinderSection`], part `cylinder`.
+impl Default for ThickCylinder {
+    fn default() -> Self {
+        Self {
+            axisymmetric: false,
+            inner_radius: 1.0,
+            outer_radius: 2.0,
+            radial_cells: 10,
+            other_cells: 10,
+            height: 1.0,
+            grading: 2.0,
+            element: ElementKind::Q8,
+        }
+    }
+}
+
+/// A thick cylinder, for Lamé's solution; part `cylinder`, node and edge sets `inner` and `outer`. Of the body of
+/// revolution x is the radius, 0 ≤ y ≤ height, with `bottom` and `top`; of the quarter about the origin `symmetry_y`
+/// (y = 0) and `symmetry_x` (x = 0).
 pub fn thick_cylinder(parameters: &ThickCylinder) -> Result<MeshDefinition, SpecimenError> {
-    let ThickCylinder { inner_radius, outer_radius, radial_cells, grading, section, element } = *parameters;
+    let ThickCylinder { axisymmetric, inner_radius, outer_radius, radial_cells, other_cells, height, grading, element } =
+        *parameters;
     let mut required = Requirements::default();
     required.positive([("inner_radius", inner_radius), ("grading", grading)]);
     required.that(
@@ -125,35 +151,51 @@ pub fn thick_cylinder(parameters: &ThickCylinder) -> Result<MeshDefinition, Spec
         format!("more than the inner_radius {inner_radius}"),
     );
     required.count([("radial_cells", radial_cells)]);
-    let (length, cells, part) = match section {
-        CylinderSection::Axisymmetric { height, cells } => {
-            required.positive([("height", height)]);
-            (height, cells, Part::new("cylinder", PlaneModel::Axisymmetric, 1.0))
-        }
-        CylinderSection::Quarter { cells } => (FRAC_PI_2, cells, body("cylinder")),
-    };
-    required.count([("cells", cells)]);
+    required.positive([("height", height)]);
+    required.count([("other_cells", other_cells)]);
     required.check()?;
+    let (length, part) = match axisymmetric {
+        true => (height, Part::new("cylinder", PlaneModel::Axisymmetric, 1.0)),
+        false => (FRAC_PI_2, body("cylinder")),
+    };
 
     let outwards = Grading::Ratio { count: radial_cells, ratio: grading };
     let radii = positions(outer_radius - inner_radius, outwards, "radial_cells")?;
-    let along = uniform(length, cells, "cells")?;
+    let along = uniform(length, other_cells, "other_cells")?;
     let straight = |[s, y]: [f64; 2]| [inner_radius + s, y];
     let round = |[s, angle]: [f64; 2]| {
         let radius = inner_radius + s;
         // cos 90° is not 0.
         [if angle == FRAC_PI_2 { 0.0 } else { radius * angle.cos() }, radius * angle.sin()]
     };
-    let (map, names): (&dyn Fn([f64; 2]) -> [f64; 2], _) = match section {
-        CylinderSection::Axisymmetric { .. } => (&straight, ["bottom", "outer", "top", "inner"]),
-        CylinderSection::Quarter { .. } => (&round, ["symmetry_y", "outer", "symmetry_x", "inner"]),
+    let (map, names): (&dyn Fn([f64; 2]) -> [f64; 2], _) = match axisymmetric {
+        true => (&straight, ["bottom", "outer", "top", "inner"]),
+        false => (&round, ["symmetry_y", "outer", "symmetry_x", "inner"]),
     };
     one_block(part, element, [&radii, &along], map, names)
 }
 
+/// Cook's membrane.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct CookMembrane {
+    /// Elements along each side.
+    #[schemars(schema_with = "count")]
+    pub cells: usize,
+    /// Kind of elements.
+    pub element: ElementKind,
+}
+
+impl Default for CookMembrane {
+    fn default() -> Self {
+        Self { cells: 8, element: ElementKind::Q8 }
+    }
+}
+
 /// Cook's membrane: (0, 0), (48, 44), (48, 60), (0, 44) in `cells` × `cells` cells; node and edge sets `left` (held),
 /// `right` (loaded), `bottom`, `top`; part `membrane`.
-pub fn cook_membrane(cells: usize, element: ElementKind) -> Result<MeshDefinition, SpecimenError> {
+pub fn cook_membrane(parameters: &CookMembrane) -> Result<MeshDefinition, SpecimenError> {
+    let CookMembrane { cells, element } = *parameters;
     let mut required = Requirements::default();
     required.count([("cells", cells)]);
     required.check()?;
@@ -165,23 +207,33 @@ pub fn cook_membrane(cells: usize, element: ElementKind) -> Result<MeshDefinitio
     one_block(body("membrane"), element, [&line, &line], &map, ["bottom", "right", "top", "left"])
 }
 
-/// A beam: 0 ≤ x ≤ length, −height/2 ≤ y ≤ height/2.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TimoshenkoBeam {
-    /// Length.
+/// A rectangle about y = 0.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Beam {
+    /// Along x.
+    #[schemars(schema_with = "positive")]
     pub length: f64,
-    /// Height.
+    /// Along y.
+    #[schemars(schema_with = "positive")]
     pub height: f64,
-    /// Cells along it and across it.
+    /// Elements along x and y.
+    #[schemars(schema_with = "two_counts")]
     pub cells: [usize; 2],
-    /// Kind of the elements.
+    /// Kind of elements.
     pub element: ElementKind,
 }
 
-/// A rectangle for Timoshenko's beam and for patch tests; node and edge sets `left`, `right`, `bottom`, `top`; part
+impl Default for Beam {
+    fn default() -> Self {
+        Self { length: 10.0, height: 1.0, cells: [20, 2], element: ElementKind::Q8 }
+    }
+}
+
+/// The rectangle 0 ≤ x ≤ length, −height/2 ≤ y ≤ height/2, for Timoshenko's beam and for patch tests; node and edge sets `left`, `right`, `bottom`, `top`; part
 /// `beam`.
-pub fn timoshenko_beam(parameters: &TimoshenkoBeam) -> Result<MeshDefinition, SpecimenError> {
-    let TimoshenkoBeam { length, height, cells, element } = *parameters;
+pub fn beam(parameters: &Beam) -> Result<MeshDefinition, SpecimenError> {
+    let Beam { length, height, cells, element } = *parameters;
     let mut required = Requirements::default();
     required.positive([("length", length), ("height", height)]);
     required.count(cells.map(|count| ("cells", count)));

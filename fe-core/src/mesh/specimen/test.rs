@@ -434,8 +434,9 @@ fn thick_cylinders_have_their_area_and_sides() {
             outer_radius: 9.0,
             radial_cells: 6,
             grading: 2.0,
-            section: CylinderSection::Quarter { cells: 12 },
+            other_cells: 12,
             element: kind,
+            ..ThickCylinder::default()
         };
         let quarter = sound(thick_cylinder(&parameters).unwrap());
         let error = if kind.edge_kind() == EdgeKind::Quadratic { 1e-5 } else { 5e-3 };
@@ -443,8 +444,8 @@ fn thick_cylinders_have_their_area_and_sides() {
         assert!(positions(&quarter, "inner").iter().all(|[x, y]| (x.hypot(*y) - 5.0).abs() < 1e-12));
         assert_eq!(quarter.node_set("symmetry_x").unwrap(), nodes_where(&quarter, 0, |[x, _]| x == 0.0));
         assert_eq!(quarter.node_set("symmetry_y").unwrap(), nodes_where(&quarter, 0, |[_, y]| y == 0.0));
-        let section = CylinderSection::Axisymmetric { height: 2.0, cells: 3 };
-        let ring = sound(thick_cylinder(&ThickCylinder { section, ..parameters }).unwrap());
+        let ring = ThickCylinder { axisymmetric: true, height: 2.0, other_cells: 3, ..parameters };
+        let ring = sound(thick_cylinder(&ring).unwrap());
         approx::assert_relative_eq!(part_area(&ring, "cylinder"), 8.0, max_relative = 1e-13);
         assert_eq!(ring.parts()[0].model, Axisymmetric);
         assert_eq!(ring.node_set("inner").unwrap(), nodes_where(&ring, 0, |[x, _]| x == 5.0));
@@ -456,13 +457,13 @@ fn thick_cylinders_have_their_area_and_sides() {
 #[test]
 fn cooks_membrane_and_the_beam_have_their_area_and_sides() {
     for kind in ElementKind::ALL {
-        let membrane = sound(cook_membrane(4, kind).unwrap());
+        let membrane = sound(cook_membrane(&CookMembrane { cells: 4, element: kind }).unwrap());
         approx::assert_relative_eq!(part_area(&membrane, "membrane"), 48.0 * (44.0 + 16.0) / 2.0, max_relative = 1e-13);
         assert_eq!(membrane.node_set("left").unwrap(), nodes_where(&membrane, 0, |[x, _]| x == 0.0));
         let right = chain(&membrane, "right");
         assert_eq!([right[0][0], right[3][1]], [[48.0, 44.0], [48.0, 60.0]]);
-        let parameters = TimoshenkoBeam { length: 48.0, height: 12.0, cells: [8, 3], element: kind };
-        let beam = sound(timoshenko_beam(&parameters).unwrap());
+        let parameters = Beam { length: 48.0, height: 12.0, cells: [8, 3], element: kind };
+        let beam = sound(beam(&parameters).unwrap());
         approx::assert_relative_eq!(part_area(&beam, "beam"), 576.0, max_relative = 1e-13);
         assert_eq!(
             chain(&beam, "right"),
@@ -473,8 +474,8 @@ fn cooks_membrane_and_the_beam_have_their_area_and_sides() {
 
 #[test]
 fn two_blocks_touch_with_any_edges() {
-    for kinds in [[Q4, Q8], [T6, T3], [Q8, Q8]] {
-        let parameters = TwoBlocks { width: 4.0, heights: [2.0, 1.0], edges: [5, 7], rows: [2, 1], elements: kinds };
+    for element in [Q4, T3, T6, Q8] {
+        let parameters = TwoBlocks { width: 4.0, heights: [2.0, 1.0], edges: [5, 7], rows: [2, 1], element };
         let mesh = sound(two_blocks(&parameters).unwrap());
         assert_eq!(preflight::bodies(&mesh).len(), 2);
         let (lower, upper) = (chain(&mesh, "lower_contact"), chain(&mesh, "upper_contact"));
@@ -487,8 +488,8 @@ fn two_blocks_touch_with_any_edges() {
     }
 }
 
-fn cylinder(kind: ElementKind) -> CylinderOnPlane {
-    CylinderOnPlane {
+fn cylinder(kind: ElementKind) -> Hertz {
+    Hertz {
         radius: 10.0,
         half_width: 4.0,
         height: 4.0,
@@ -503,7 +504,7 @@ fn cylinder(kind: ElementKind) -> CylinderOnPlane {
 #[test]
 fn a_cylinder_touches_its_plane_in_one_point() {
     for kind in ElementKind::ALL {
-        let mesh = sound(cylinder_on_plane(&cylinder(kind)).unwrap());
+        let mesh = sound(hertz(&cylinder(kind)).unwrap());
         let (arc, plane) = (chain(&mesh, "cylinder_contact"), chain(&mesh, "base_contact"));
         assert_eq!(arc[0][0], [0.0, 0.0]);
         assert_eq!(arc.len(), plane.len());
@@ -561,26 +562,27 @@ fn wrong_parameters_of_the_other_specimens_are_reported() {
         outer_radius: 1.0,
         radial_cells: 0,
         grading: 1.0,
-        section: CylinderSection::Quarter { cells: 1 },
+        other_cells: 1,
         element: Q4,
+        ..ThickCylinder::default()
     };
     assert_eq!(
         message(thick_cylinder(&thick)),
         "outer_radius is 1, it must be more than the inner_radius 2; radial_cells is 0, it must be at least 1"
     );
-    assert_eq!(message(cook_membrane(0, Q4)), "cells is 0, it must be at least 1");
-    let beam = TimoshenkoBeam { length: 0.0, height: 1.0, cells: [1, 0], element: Q4 };
-    assert_eq!(message(timoshenko_beam(&beam)), "length is 0, it must be positive; cells is 0, it must be at least 1");
-    let blocks = TwoBlocks { width: 1.0, heights: [1.0, -1.0], edges: [0, 1], rows: [1, 1], elements: [Q4; 2] };
+    assert_eq!(message(cook_membrane(&CookMembrane { cells: 0, element: Q4 })), "cells is 0, it must be at least 1");
+    let beam = Beam { length: 0.0, height: 1.0, cells: [1, 0], element: Q4 };
+    assert_eq!(message(beam(&beam)), "length is 0, it must be positive; cells is 0, it must be at least 1");
+    let blocks = TwoBlocks { width: 1.0, heights: [1.0, -1.0], edges: [0, 1], rows: [1, 1], element: Q4 };
     assert_eq!(message(two_blocks(&blocks)), "heights is -1, it must be positive; edges is 0, it must be at least 1");
-    let high = CylinderOnPlane { height: 0.5, contact_zone: 5.0, ..cylinder(Q4) };
+    let high = Hertz { height: 0.5, contact_zone: 5.0, ..cylinder(Q4) };
     assert!(
-        message(cylinder_on_plane(&high)).starts_with(
+        message(hertz(&high)).starts_with(
             "contact_zone is 5, it must be less than the half_width 4; height is 0.5, it must be more than the arc rises over the half_width, 0.83"
         )
     );
     assert_eq!(
-        message(cylinder_on_plane(&CylinderOnPlane { half_width: 11.0, ..cylinder(Q4) })),
+        message(hertz(&Hertz { half_width: 11.0, ..cylinder(Q4) })),
         "half_width is 11, it must be less than the radius 10"
     );
     let strip = DragOutStrip { block_start: 3.0, strip_rows: 0, growth: 0.5, ..DragOutStrip::default() };

@@ -50,7 +50,7 @@ fn pulled(specimen: Specimen, tension: f64, slip: f64) -> Vec<Record> {
         slave: edges(&pair.slave),
         master: edges(&pair.master),
         law: bond(pair.role == SurfaceRole::Exit),
-        quadrature: Quadrature::Gauss { points: 2 },
+        quadrature: Quadrature::Gauss(2),
         width: pair.width.map_or(Width::OfPart, Width::Given),
         penalty_factor: 100.0,
         // updates that end by a tolerance end elsewhere in the mirror image

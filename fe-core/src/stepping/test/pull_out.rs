@@ -109,7 +109,7 @@ pub(super) fn fibre(
             slave: mesh.edge_set(&pair.slave).unwrap().to_vec(),
             master: mesh.edge_set(&pair.master).unwrap().to_vec(),
             law: ContactLaw::Uinter(bond.clone()),
-            quadrature: Quadrature::Gauss { points: 2 },
+            quadrature: Quadrature::Gauss(2),
             width: pair.width.map_or(Width::OfPart, Width::Given),
             penalty_factor: 100.0,
             enforcement: Enforcement::Uzawa { tolerance: 1e-6, max_updates: 4 },

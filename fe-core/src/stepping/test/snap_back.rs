@@ -125,7 +125,7 @@ fn stabilisation_passes_a_snap_back_without_turning_and_books_what_it_takes() {
     assert!(records.iter().all(|record| record.energy_error.abs() < 1e-2));
     let share = last.energies.stabilisation / last.energies.external_work;
     for (limit, passes) in [(1.01 * share, true), (0.99 * share, false)] {
-        model.controls.max_stabilisation_share = limit;
+        model.controls.max_stabilisation_share = Some(limit);
         let mut keeper = Keeper::default();
         let ended = Analysis::new(&model).unwrap().run(&mut keeper);
         assert_eq!(keeper.0.last().unwrap().energies, last.energies, "all increments are kept");

@@ -167,7 +167,7 @@ fn bonded_bar() -> Model {
         slave: [3, 7].map(|element| ElementEdge { element, edge: 1 }).to_vec(),
         master: vec![ElementEdge { element: 8, edge: 3 }],
         law: ContactLaw::Uinter(bond),
-        quadrature: Quadrature::Gauss { points: 2 },
+        quadrature: Quadrature::Gauss(2),
         width: Width::OfPart,
         penalty_factor: 100.0,
         enforcement: Enforcement::Penalty,

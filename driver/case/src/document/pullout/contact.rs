@@ -1,6 +1,7 @@
 //! Contact pairs.
 
-use super::super::{Material, Positive, PropValue, Whole};
+use super::super::{Material, Positive, PropValue, WithDefaults};
+use fe_core::model::{Enforcement, NormalLaw, Quadrature};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -39,9 +40,9 @@ pub struct Pair {
     pub separation: Option<OtherProps>,
     /// Normal law that pullout uses with a FRIC plugin, even if the law has parameters for one (normal_law and p_0 of
     /// bond_slip).
-    pub normal: Option<Normal>,
+    pub normal: Option<NormalLaw>,
     /// Position of the contact points (default 2 Gauss points on each slave edge).
-    pub quadrature: Option<Quadrature>,
+    pub quadrature: Option<WithDefaults<Quadrature>>,
     /// Contact area per length of the slave edge: mm, or "part" for the thickness of the slave's part; default: the
     /// specimen's, else "part".
     pub width: Option<Width>,
@@ -55,7 +56,7 @@ pub struct Pair {
     /// that law has a strength, else "rigid").
     pub bearing: Option<Bearing>,
     /// Enforcement of the hard normal law (default uzawa).
-    pub enforcement: Option<Enforcement>,
+    pub enforcement: Option<WithDefaults<Enforcement>>,
     /// Slip, mm, up to which the bond is elastic. It limits increments until the load has peaked (default: from the
     /// law).
     pub critical_slip: Option<Positive>,
@@ -112,54 +113,6 @@ pub struct Interference {
 /// Parameters of the pair's law by name; those not named are the law's own.
 pub type OtherProps = BTreeMap<String, PropValue>;
 
-/// The host's normal law.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Normal {
-    /// Penalty, bilateral up to a tension.
-    Hard(Hard),
-    /// Soft exponential.
-    Soft(Soft),
-}
-
-/// Penalty, bilateral up to a tension.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Hard {
-    /// Tension that opens a point for good, MPa (default 0: unilateral).
-    #[schemars(range(min = 0.0))]
-    pub p_0: Option<f64>,
-    /// Opening over which the tension falls to 0, mm (default 0: at once).
-    #[serde(rename = "delta_N")]
-    #[schemars(range(min = 0.0))]
-    pub delta_n: Option<f64>,
-}
-
-/// Soft exponential.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Soft {
-    /// Pressure at gap 0, MPa.
-    pub p_0: Positive,
-    /// Gap at which the pressure is 0, mm.
-    pub g_0: Positive,
-}
-
-/// Number of points.
-pub type Points = Whole<1, 10>;
-
-/// Position of the contact points.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Quadrature {
-    /// The slave nodes.
-    Nodes,
-    /// Number of Gauss points on each slave edge.
-    Gauss(Points),
-    /// Number of Gauss points on each segment between slave nodes and projected master nodes.
-    Segments(Points),
-}
-
 /// Contact area per length of the slave edge.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
@@ -196,36 +149,4 @@ pub enum BearingWord {
 pub enum PartWord {
     /// The thickness of the slave's part; 2πr in axial symmetry.
     Part,
-}
-
-/// Enforcement of the hard normal law.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Enforcement {
-    /// The penalty alone.
-    Penalty,
-    /// Penalty with multiplier updates.
-    Uzawa(Uzawa),
-    /// Multiplier condensed locally, in one loop. For comparisons only: where points open and close it is 10 to 300
-    /// times slower than uzawa, and at ratios of 30 000 and more it often does not end.
-    PerturbedLagrangian(Perturbed),
-}
-
-/// Penalty with multiplier updates.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Uzawa {
-    /// Largest gap or penetration of a closed point, mm (default 1e-6).
-    pub tolerance: Option<Positive>,
-    /// Largest number of updates in an increment (default 4).
-    pub max_updates: Option<Whole<1, 100>>,
-}
-
-/// Multiplier condensed locally.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Perturbed {
-    /// Stiffness of the multiplier over the penalty (default 1e4).
-    #[schemars(range(min = 1e4))]
-    pub ratio: Option<f64>,
 }

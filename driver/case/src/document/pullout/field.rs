@@ -1,6 +1,7 @@
 //! A scalar per node.
 
 use super::super::Positive;
+use fe_core::model::{CrackSurface, FieldCoupling};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -48,16 +49,6 @@ pub enum FieldKind {
     PhaseField,
 }
 
-/// How displacements and field are solved in an increment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum FieldCoupling {
-    /// In turn until neither changes.
-    Staggered,
-    /// Once each: displacements with the extrapolated field, then the field. Faster; take increments half as large.
-    OnePass,
-}
-
 /// A routine of heat in the library of a UMAT.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -100,16 +91,4 @@ pub struct Flux {
     pub flux: f64,
     /// Drive that multiplies it (default: it is constant).
     pub drive: Option<String>,
-}
-
-/// Energy and length of the cracks of a phase field.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CrackSurface {
-    /// Fracture energy, N/mm.
-    #[serde(rename = "G_f")]
-    pub fracture_energy: Positive,
-    /// Length of the phase field, mm.
-    #[serde(rename = "l")]
-    pub length: Positive,
 }

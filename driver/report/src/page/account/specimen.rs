@@ -70,8 +70,8 @@ fn settings(program: &PulloutProgram, columns: &[String]) -> Vec<(String, String
 
 fn contact(pair: &ContactPair, model: &Model) -> String {
     let points = match pair.quadrature {
-        Quadrature::Gauss { points } => format!("{} on each slave edge", count(points, "Gauss point")),
-        Quadrature::Segments { points } => format!("{} on each segment", count(points, "Gauss point")),
+        Quadrature::Gauss(points) => format!("{} on each slave edge", count(points, "Gauss point")),
+        Quadrature::Segments(points) => format!("{} on each segment", count(points, "Gauss point")),
         Quadrature::Nodes => "points at the slave nodes".to_owned(),
     };
     let width = match pair.width {

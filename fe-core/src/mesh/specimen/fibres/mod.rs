@@ -17,9 +17,12 @@ use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::structured::MeshBlock;
 use crate::mesh::{MeshDefinition, Part};
+use crate::schema::{count, positive};
 use divisions::Divisions;
 use outline::Outline;
 use path::Path;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 pub use path::Segment;
 
@@ -31,25 +34,33 @@ const TURN: f64 = 0.35;
 const BETWEEN: f64 = 3.0;
 
 /// Round fibres in a block, for [`fibres`]. Its defaults are the block of chapter 7 without fibres.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
 pub struct Fibres {
-    /// Width of the block, 25.4 mm.
+    /// Width of the block.
+    #[schemars(schema_with = "positive")]
     pub width: f64,
-    /// Depth of the block, 12.7 mm.
+    /// Depth of the block.
+    #[schemars(schema_with = "positive")]
     pub depth: f64,
-    /// Thickness of the block, 3.26 mm: the share of one fibre.
+    /// Thickness of the block.
+    #[schemars(schema_with = "positive")]
     pub matrix_thickness: f64,
-    /// Whether there is concrete on both faces of the fibres, out of plane; no by default.
+    /// Whether there is concrete on both faces of the fibres, out of plane.
+    #[serde(skip)]
     pub cover: bool,
-    /// Growth of the thickness around the exits; none by default.
+    /// Make the block as thick as the fibres at the exit face, and thicker with the depth below it: min(t, φ + 2 slope ·
+    /// depth), as a cone around each fibre would be (default: the same thickness everywhere).
     pub graded_thickness: Option<GradedThickness>,
     /// The fibres: in any order, with different names.
+    #[serde(skip)]
     pub fibres: Vec<Fibre>,
-    /// Kind of the fibres' elements, Q8.
+    /// Elements of the fibres.
     pub fibre_element: ElementKind,
-    /// Kind of the matrix's elements, T6 or T3; T6.
+    /// Elements of the matrix, T6 or T3.
     pub matrix_element: ElementKind,
     /// Sizes.
+    #[serde(flatten)]
     pub mesh: FibresMesh,
 }
 
@@ -83,19 +94,27 @@ pub struct Fibre {
 }
 
 /// Sizes of the mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
 pub struct FibresMesh {
-    /// All sizes are multiplied by this, 1.
+    /// Factor on all sizes.
+    #[serde(rename = "mesh_size")]
+    #[schemars(schema_with = "positive")]
     pub size: f64,
-    /// Elements across a fibre, 2; not multiplied.
+    /// Elements across each fibre.
+    #[schemars(schema_with = "count")]
     pub elements_across: usize,
-    /// Size along a fibre where it crosses the exit, mm; `None`: φ/4.
+    /// Size along the fibres where they cross the exit (default a quarter of the diameter).
+    #[schemars(schema_with = "positive")]
     pub exit_size: Option<f64>,
-    /// Largest size along a fibre, 0.5 mm.
+    /// Largest size along the fibres.
+    #[schemars(schema_with = "positive")]
     pub largest_fibre_size: f64,
-    /// Growth of the elements' size per length along a fibre and away from it, 0.3.
+    /// Growth of the elements' size per length.
+    #[schemars(schema_with = "positive")]
     pub growth_rate: f64,
-    /// Largest size, 2 mm.
+    /// Largest size.
+    #[schemars(schema_with = "positive")]
     pub largest_size: f64,
 }
 

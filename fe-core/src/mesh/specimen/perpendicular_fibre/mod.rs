@@ -12,7 +12,10 @@ use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::structured::{Diagonal, Grid, MeshBlock};
 use crate::mesh::{MeshDefinition, Part};
+use crate::schema::{count, positive};
 use lines::Lines;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Distance from the fibre to the start of support (b), in diameters.
 pub(crate) const NEAR_CLEARANCE: f64 = 2.0;
@@ -22,41 +25,54 @@ pub(crate) const AWAY_LENGTH: f64 = 3.0;
 
 /// A round fibre in a block, perpendicular to its exit face, for [`perpendicular_fibre`]. The default is the specimen of
 /// chapters 6 and 7.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
 pub struct PerpendicularFibre {
     /// Plane or axisymmetric.
+    #[serde(skip)]
     pub configuration: Configuration,
-    /// Width of the block, 25.4 mm.
+    /// Width of the block.
+    #[schemars(schema_with = "positive")]
     pub width: f64,
-    /// Depth of the block along the fibre, 12.7 mm.
+    /// Depth of the block along the fibre.
+    #[schemars(schema_with = "positive")]
     pub depth: f64,
-    /// Thickness of the block, 3.26 mm: the share of one fibre.
+    /// Thickness of the block.
+    #[schemars(schema_with = "positive")]
     pub matrix_thickness: f64,
-    /// Whether there is concrete on both faces of the fibre, out of plane; no by default; plane only.
+    /// Matrix concrete on both faces of the fibre, out of plane. It joins both halves of the block: part cover (plane
+    /// only).
     pub cover: bool,
-    /// Growth of the thickness around the exit; none by default; plane only.
+    /// Make the block as thick as the fibre at the exit face, and thicker with the depth below it: min(t, φ + 2 slope ·
+    /// depth), as a cone around the fibre would be (default: the same thickness everywhere; plane only).
     pub graded_thickness: Option<GradedThickness>,
-    /// Diameter φ of the fibre, 0.406 mm.
+    /// Diameter of the fibre.
+    #[schemars(schema_with = "positive")]
     pub fibre_diameter: f64,
-    /// Embedded length, 12.2 mm.
+    /// Embedded length.
+    #[schemars(schema_with = "positive")]
     pub embedded_length: f64,
-    /// Length outside the block, up to the grip, 3 mm.
+    /// Length outside the block, up to the grip.
+    #[schemars(schema_with = "positive")]
     pub free_length: f64,
-    /// Length by which the hole is longer than the fibre, 0 mm.
+    /// Length by which the hole exceeds the fibre.
+    #[schemars(range(min = 0.0))]
     pub tail_gap: f64,
-    /// Kind of the fibre's elements, Q8.
+    /// Elements of the fibre.
     pub fibre_element: ElementKind,
-    /// Kind of the matrix's elements, Q8.
+    /// Elements of the matrix.
     pub matrix_element: ElementKind,
     /// Sizes.
+    #[serde(flatten)]
     pub mesh: FibreMesh,
 }
 
 /// Plane model of the specimen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Configuration {
     /// A slice with two contact lines and the true area of the fibre: the fibre in plane stress, as in plane strain its axial
     /// stiffness would be 1/(1 − ν²) of the true one, the matrix in plane strain.
+    #[default]
     Plane,
     /// A body of revolution about the fibre's axis.
     Axisymmetric {
@@ -71,21 +87,30 @@ pub(super) fn fibre_thickness(diameter: f64) -> f64 {
 }
 
 /// Sizes of the mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
 pub struct FibreMesh {
-    /// Elements of the fibre along its embedded length, 40.
+    /// Elements of the fibre along its embedded length.
+    #[schemars(schema_with = "count")]
     pub embedded_elements: usize,
-    /// Size at the exit face, 0.15 mm; `None`: all equal.
+    /// Size at the exit face.
+    // `None`: all are equal
+    #[schemars(schema_with = "positive")]
     pub exit_size: Option<f64>,
-    /// Elements across the fibre (across its radius in axial symmetry), 2.
+    /// Elements across the fibre, or across its radius in axial symmetry.
+    #[schemars(schema_with = "count")]
     pub elements_across: usize,
-    /// Edges of the hole on each edge of the fibre, 1.
+    /// Edges of the hole on each edge of the fibre.
+    #[schemars(schema_with = "count")]
     pub slave_edges_per_master: usize,
-    /// Size across the matrix at the hole, 0.1 mm.
+    /// Size across the matrix at the hole.
+    #[schemars(schema_with = "positive")]
     pub interface_size: f64,
-    /// Each size over the one before it, away from the hole, 1.3.
+    /// Ratio of each size to the one before it, away from the hole.
+    #[schemars(schema_with = "positive")]
     pub growth: f64,
-    /// Largest size, 2 mm.
+    /// Largest size.
+    #[schemars(schema_with = "positive")]
     pub largest_size: f64,
 }
 
