@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// CMOD of f_R1 … f_R4, mm (EN 14651).
 pub const RESIDUAL_CMOD: [f64; 4] = [0.5, 1.5, 2.5, 3.5];
 /// CMOD up to which f_L is the greatest, mm (EN 14651).
-const LIMIT_CMOD: f64 = 0.05;
+pub(crate) const LIMIT_CMOD: f64 = 0.05;
 /// Parts of it that are looked at.
 const LIMIT_PARTS: usize = 25;
 /// δ = 0.85 CMOD + 0.04 (EN 14651).

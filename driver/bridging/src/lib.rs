@@ -27,7 +27,7 @@ pub use inverse::{
     BridgingFit, Estimate, Fitted, IDENTIFIABLE, Measured, OPENINGS, Shape, SoughtBond, bond_from_bridging,
     bond_from_strengths, differences, estimates, fast_inverse, full_inverse,
 };
-pub use model_code::{Concrete, ModelCode2010, StrengthClass};
+pub use model_code::{Concrete, EurocodeClass, ModelCode2010, StrengthClass};
 pub use orientation::{Directions, Faces, Orientation, wall_zones};
 pub use scatter::{Beams, Scatter, quantile, scatter};
 pub use table::{Curve, Table};

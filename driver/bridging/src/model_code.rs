@@ -1,4 +1,4 @@
-//! Strengths and classes of the fib Model Code 2010 (5.6) from residual strengths.
+//! Strengths and classes of the fib Model Code 2010 (5.6), and classes of EN 1992-1-1:2023, from residual strengths.
 
 /// CMOD of f_R3, to which the linear model's ultimate opening is referred, mm.
 const CMOD_3: f64 = 2.5;
@@ -6,6 +6,22 @@ const CMOD_3: f64 = 2.5;
 const CLASSES: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 /// Least f_R3k/f_R1k of the letters.
 const LETTERS: [(f64, char); 5] = [(0.5, 'a'), (0.7, 'b'), (0.9, 'c'), (1.1, 'd'), (1.3, 'e')];
+/// Least f_R1k of the strength classes of EN 1992-1-1:2023 with steel fibres, and least f_R3k of their ductility classes a to e, MPa:
+/// table L.2, as the open-source program pycivil quotes it. Its strengths are multiples of 0.5, 0.7, 0.9, 1.1 and 1.3, rounded to 0.1 from 3.5 on.
+const EUROCODE: [(f64, [f64; 5]); 12] = [
+    (1.0, [0.5, 0.7, 0.9, 1.1, 1.3]),
+    (1.5, [0.75, 1.05, 1.35, 1.65, 1.95]),
+    (2.0, [1.0, 1.4, 1.8, 2.2, 2.6]),
+    (2.5, [1.25, 1.75, 2.25, 2.75, 3.25]),
+    (3.0, [1.5, 2.1, 2.7, 3.3, 3.9]),
+    (3.5, [1.8, 2.5, 3.2, 3.9, 4.6]),
+    (4.0, [2.0, 2.8, 3.6, 4.4, 5.2]),
+    (4.5, [2.3, 3.2, 4.1, 5.0, 5.9]),
+    (5.0, [2.5, 3.5, 4.5, 5.5, 6.5]),
+    (6.0, [3.0, 4.2, 5.4, 6.6, 7.8]),
+    (7.0, [3.5, 4.9, 6.3, 7.7, 9.1]),
+    (8.0, [4.0, 5.6, 7.2, 8.8, 10.4]),
+];
 /// f_R1k/f_Lk must exceed this for fibres to replace bars;
 const LEAST_LIMIT_RATIO: f64 = 0.4;
 /// and f_R3k/f_R1k.
@@ -57,6 +73,33 @@ impl StrengthClass {
 impl std::fmt::Display for StrengthClass {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(formatter, "{}{}", self.strength, self.letter)
+    }
+}
+
+/// Class of EN 1992-1-1:2023, annex L, by characteristic values, as "3.5b". Unlike that of the Model Code, its letter compares f_R3k with the
+/// least f_R1k of the class, not with f_R1k.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EurocodeClass {
+    /// Least f_R1k, MPa.
+    pub strength: f64,
+    /// The ductility class.
+    pub letter: char,
+}
+
+impl EurocodeClass {
+    /// Returns the class of greatest f_R1k whose f_R1k and f_R3k a concrete reaches; `None` below all classes.
+    pub fn new(f_r1: f64, f_r3: f64) -> Option<Self> {
+        let letter = |least: [f64; 5]| {
+            least.into_iter().zip(LETTERS.map(|(_, letter)| letter)).rev().find(|(least, _)| f_r3 >= *least)
+        };
+        let mut reached = EUROCODE.into_iter().rev().filter(|(strength, _)| f_r1 >= *strength);
+        reached.find_map(|(strength, least)| Some(Self { strength, letter: letter(least)?.1 }))
+    }
+}
+
+impl std::fmt::Display for EurocodeClass {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{:.1}{}", self.strength, self.letter)
     }
 }
 

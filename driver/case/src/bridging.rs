@@ -14,7 +14,7 @@ use pullout_bridging::{
     Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, Matrix, NotchedBeam, Orientation, Scatter, ShearLag,
     Softening,
 };
-use pullout_run::bridging::{BridgingProgram, Curves, LoadSource, OPENINGS, Simulation, Simulations};
+use pullout_run::bridging::{BridgingProgram, Curves, ForeignTables, LoadSource, OPENINGS, Simulation, Simulations};
 use pullout_run::columns::{self, LEADING};
 use pullout_run::input::is_stream;
 use pullout_run::number::significant;
@@ -113,6 +113,7 @@ pub fn resolve(
         warn_of_effect(reader, fibre.as_ref(), &matrix, scatter, beam.is_some());
         warn_of_units(reader, fibre.as_ref(), &matrix, beam.as_ref());
     }
+    let output = case.output.clone().unwrap_or_default();
     let program = fibre.zip(orientation).map(|((fibre, source), orientation)| {
         let composite = fibre.modulus * volume_fraction / (matrix.modulus * (1.0 - volume_fraction));
         BridgingProgram {
@@ -128,12 +129,16 @@ pub fn resolve(
             openings: openings(case.openings.unwrap_or_default()),
             beam,
             scatter,
+            tables: ForeignTables {
+                abaqus: output.abaqus.unwrap_or(false),
+                crack_band: output.crack_band.map(|width| width.0),
+            },
         }
     });
     let columns = program.as_ref().map(BridgingProgram::columns);
     let about = history::about(reader, path, &case.head, None, columns.as_deref());
     check_tables(reader, &about, columns.as_deref().unwrap_or_default());
-    let (plots, captions) = Plots::of(case.output.as_ref().and_then(|output| output.plots.as_ref()));
+    let (plots, captions) = Plots::of(output.plots.as_ref());
     let about = About {
         every: 1,
         plots,
@@ -223,6 +228,10 @@ fn warn_of_units(
         if let LoadSource::Bond(bond, inclination) = source {
             if let Bond::Closed(closed) = bond {
                 given.push(("fibre.tau", closed.tau, "MPa", [1e-3, 100.0]));
+                let yield_stress = closed.hook.as_ref().and_then(|hook| hook.yield_stress);
+                given.extend(
+                    yield_stress.map(|stress| ("fibre.hook.yield_stress", stress, "MPa", USUAL_STRENGTH_OF_WIRES)),
+                );
             }
             match *inclination {
                 Inclination::Exp { f } | Inclination::ExpCos { f, .. } | Inclination::Hinge { f, .. } => {

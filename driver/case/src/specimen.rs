@@ -28,6 +28,7 @@ mod parts;
 mod preflight;
 mod scalar_field;
 mod steps;
+mod uniaxial;
 
 /// Increments between two written fields, unless the case says otherwise.
 const FIELDS_EVERY: usize = 10;
@@ -79,7 +80,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         fibre.lines = own.map(|(line, _)| line).collect();
     }
     measured.interface_lines = lines.into_values().collect();
-    measured.wires = parts::wires(reader, case, &mesh, &ground.specimen.fibres);
+    measured.wires = parts::wires(reader, case, &mesh, &ground.specimen.fibres, &parts.laws);
     measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter());
     let place = root.key("output");
     let is_open = measured.wires.iter().any(|wire| !wire.has_limits());

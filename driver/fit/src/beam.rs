@@ -11,7 +11,7 @@ use pullout_bridging::{
     full_inverse,
 };
 use pullout_case::CsvFile;
-use pullout_run::bridging::{BridgingProgram, Curves, LoadSource};
+use pullout_run::bridging::{BridgingProgram, Curves, ForeignTables, LoadSource};
 use std::path::Path;
 
 mod output;
@@ -80,6 +80,10 @@ pub struct BeamFit {
     pub predicted: Polyline,
     /// The bond; or why it was not sought.
     pub bond: Result<FittedBond, String>,
+    /// f_L and f_R1 … f_R4 of the test, if it goes so far.
+    pub tested: Option<Residual>,
+    /// Tables of σ(w) for other programs that the case asks for.
+    pub tables: ForeignTables,
 }
 
 /// Names of quantities with their units.
@@ -149,7 +153,8 @@ impl BeamFit {
             };
             found.map(|fitted| FittedBond { names, fitted }).map_err(|error| error.to_string())
         });
-        Ok(Self { geometry, fast, full, predicted, bond })
+        let tested = test.strengths(&geometry);
+        Ok(Self { geometry, fast, full, predicted, bond, tested, tables: program.tables })
     }
 
     /// Warns of data in other units, and of a σ(w) that misses them.

@@ -7,8 +7,9 @@ use crate::page::Account;
 use crate::plots::figure::{Figure, Line, Style};
 use crate::plots::quantity::Quantity;
 use crate::plots::{self, Drawings, Spec};
+use crate::softening::SofteningTable;
 use crate::summary::{Status, Summary};
-use pullout_bridging::{Composite, Curve};
+use pullout_bridging::{Average, Composite, Curve, Softening};
 use pullout_case::Case;
 use pullout_run::bridging::{BridgingProgram, Results};
 use pullout_run::columns::{self, BEAM, BRIDGING, Column, Group, SCATTER};
@@ -40,7 +41,8 @@ pub fn conclude(
     [wall_time_s, cpu_time_s]: [f64; 2],
     draws: bool,
 ) -> io::Result<(Summary, io::Result<()>)> {
-    if let Ok((program, _, results)) = &done {
+    let mut refused = None;
+    if let Ok((program, composite, results)) = &done {
         if !results.curves.is_empty() {
             directory.write("fibres.csv", curves(&results.curves))?;
         }
@@ -52,6 +54,11 @@ pub fn conclude(
         if !results.scatter.is_empty() {
             write_table(directory, "scatter.csv", SCATTER, &[], &results.scatter)?;
         }
+        let strength = if program.matrix.softening == Softening::None { program.matrix.ft } else { 0.0 };
+        let fibres: Vec<Average> = results.rows.iter().map(|row| row.fibres).collect();
+        let last = program.openings.last().copied().unwrap_or_default();
+        let table = SofteningTable::new(&composite.law(&fibres), strength, program.matrix.modulus, last);
+        refused = table.write(directory, program.tables)?;
     }
     let results = done.as_ref().ok().map(|(.., results)| *results);
     let own = case.about().warnings.iter();
@@ -66,7 +73,11 @@ pub fn conclude(
         wall_time_s,
         cpu_time_s: Some(cpu_time_s),
         bridging: results.map(|results| results.findings.clone()),
-        warnings: own.chain(results.into_iter().flat_map(|results| &results.warnings)).cloned().collect(),
+        warnings: own
+            .chain(results.into_iter().flat_map(|results| &results.warnings))
+            .chain(&refused)
+            .cloned()
+            .collect(),
         notes: case.about().notes.clone(),
         ..Summary::default()
     };

@@ -18,6 +18,7 @@ mod pictures;
 pub mod plots;
 pub mod progress;
 pub mod record;
+pub mod softening;
 pub mod summary;
 pub mod viewer;
 

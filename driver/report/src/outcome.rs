@@ -76,8 +76,13 @@ fn of_bridging(summary: &Summary) -> String {
     }
     if let Some(scatter) = &findings.scatter {
         let residual = scatter.residual.map(|spread| number(spread.characteristic)).join(", ");
-        let class = scatter.class.as_deref().unwrap_or("none");
-        let _ = writeln!(text, "  of {} beams: f_R1k–4k {residual} MPa, class {class}", scatter.beams);
+        let [class, eurocode] =
+            [&scatter.class, &scatter.class_en_1992_2023].map(|class| class.as_deref().unwrap_or("none"));
+        let _ = writeln!(
+            text,
+            "  of {} beams: f_R1k–4k {residual} MPa, class {class} (Model Code 2010), {eurocode} (EN 1992-1-1:2023)",
+            scatter.beams
+        );
     }
     text
 }

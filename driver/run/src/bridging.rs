@@ -6,9 +6,9 @@ use crate::number::significant;
 use crate::program::About;
 use crate::signals::{self, Interrupt};
 use pullout_bridging::{
-    Average, Beam, Beams, Bond, BridgingFibre, Composite, Curve, Fibre, Inclination, Invalid, Load, Matrix,
-    ModelCode2010, NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides, StrengthClass, Table,
-    averages, averages_with_shares, quantile, scatter, wall_zones,
+    Average, Beam, Beams, Bond, BridgingFibre, Composite, Curve, EurocodeClass, Fibre, Inclination, Invalid, Load,
+    Matrix, ModelCode2010, NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides,
+    StrengthClass, Table, averages, averages_with_shares, quantile, scatter, wall_zones,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -64,6 +64,17 @@ pub struct BridgingProgram {
     pub beam: Option<NotchedBeam>,
     /// Beams made at random.
     pub scatter: Option<Scatter>,
+    /// Tables of σ(w) for other programs.
+    pub tables: ForeignTables,
+}
+
+/// Tables of σ(w) for other programs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ForeignTables {
+    /// Whether ABAQUS's is written.
+    pub abaqus: bool,
+    /// Width of the elements that a smeared crack localises in, mm, if its strains are written.
+    pub crack_band: Option<f64>,
 }
 
 /// Source of a fibre's load.
@@ -373,6 +384,9 @@ pub struct ScatterFindings {
     pub residual: [Spread; 4],
     /// Class of the fib Model Code 2010 by the characteristic values; none below all of them.
     pub class: Option<String>,
+    /// Class of EN 1992-1-1:2023, annex L, by the characteristic values; none below all of them.
+    #[serde(default)]
+    pub class_en_1992_2023: Option<String>,
     /// Whether fibres may replace bars: f_R1k/f_Lk > 0.4, f_R3k/f_R1k > 0.5.
     pub structural: bool,
 }
@@ -608,13 +622,15 @@ fn scatter_findings(beams: &Beams) -> ScatterFindings {
     let of = |value: &dyn Fn(&Residual) -> f64| Spread::of(&beams.residual.iter().map(value).collect::<Vec<_>>());
     let limit = of(&|beam| beam.limit);
     let residual = [0, 1, 2, 3].map(|k| of(&|beam| beam.residual[k]));
-    let class = StrengthClass::new(limit.characteristic, residual[0].characteristic, residual[2].characteristic);
+    let [f_r1, f_r3] = [0, 2].map(|k: usize| residual[k].characteristic);
+    let class = StrengthClass::new(limit.characteristic, f_r1, f_r3);
     ScatterFindings {
         beams: beams.residual.len(),
         fibres: Spread::of(&beams.fibres.iter().map(|&count| count as f64).collect::<Vec<_>>()),
         limit,
         residual,
         class: class.map(|class| class.to_string()),
+        class_en_1992_2023: EurocodeClass::new(f_r1, f_r3).map(|class| class.to_string()),
         structural: class.is_some_and(|class| class.structural),
     }
 }

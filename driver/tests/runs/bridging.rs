@@ -104,6 +104,51 @@ fn a_beam_has_the_strengths_of_its_curve() {
     assert!(!run.folder.join("scatter.csv").exists());
 }
 
+/// Reads the lines of numbers of a file.
+fn rows_of(path: &Path) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let numbers = |line: &str| line.split(',').map(|number| number.trim().parse().ok()).collect::<Option<Vec<f64>>>();
+    text.lines().filter_map(numbers).collect()
+}
+
+/// σ of rows of w and σ, w rising, by straight lines.
+fn between(rows: &[[f64; 2]], w: f64) -> f64 {
+    let right = rows.partition_point(|row| row[0] < w).clamp(1, rows.len() - 1);
+    let [[from, below], [to, above]] = [rows[right - 1], rows[right]];
+    below + (above - below) * (w - from) / (to - from)
+}
+
+/// ABAQUS's table and that of a crack band, read back, are the σ(w) of the run at all its openings; the first is the only one asked for, then
+/// both, then neither; a band in which strains would fall is refused with the widest.
+#[test]
+fn tables_for_other_programs_have_the_law_of_the_run() {
+    let desk = Desk::new();
+    let run = Results::of(&desk, "beam.json", &["output.abaqus=true", "output.crack_band=20"], "out");
+    let text = std::fs::read_to_string(run.folder.join("abaqus.inp")).expect("a table");
+    assert!(text.contains("\n*CONCRETE TENSION STIFFENING, TYPE=DISPLACEMENT\n"), "{text}");
+    let abaqus: Vec<[f64; 2]> = rows_of(&run.folder.join("abaqus.inp")).iter().map(|row| [row[1], row[0]]).collect();
+    let band = rows_of(&run.folder.join("crack_band.csv"));
+    let of_band: Vec<[f64; 2]> = band.iter().map(|row| [20.0 * row[0], row[2]]).collect();
+    let columns = ["w", "sigma"].map(|name| run.bridging.column(name));
+    for table in [&abaqus, &of_band] {
+        assert_eq!(table[0][0], 0.0);
+        assert!(table.windows(2).all(|pair| pair[1][0] > pair[0][0]));
+        assert!(table.iter().all(|row| row[1] >= 0.0));
+        for (w, sigma) in columns[0].iter().zip(&columns[1]).skip(1) {
+            assert!((between(table, *w) - sigma).abs() < 1e-9, "{w}: {} for {sigma}", between(table, *w));
+        }
+    }
+    assert!(band.windows(2).all(|pair| pair[1][1] > pair[0][1]), "strains rise");
+    let plain = Results::of(&desk, "beam.json", &[], "plain");
+    assert!(!plain.folder.join("abaqus.inp").exists() && !plain.folder.join("crack_band.csv").exists());
+
+    let case = cases().join("bridging/beam.json");
+    let wide = ["run", "--quiet", "--out", "wide", "--set", "output.crack_band=900", case.to_str().expect("UTF-8")];
+    let warning = desk.pullout(wide).expect(0).stderr;
+    assert!(warning.contains("output.crack_band") && warning.contains("give less than"), "{warning}");
+    assert!(!desk.path("wide/crack_band.csv").exists());
+}
+
 /// And with any number of threads the same beams.
 #[test]
 fn beams_at_random_are_the_same_for_any_number_of_threads() {
@@ -187,6 +232,7 @@ fn strengths_lead_back_to_the_bond() {
     let outcome = fit(&["out/scatter.csv"], 0);
     assert!(outcome.stdout.contains("NOT IDENTIFIABLE"), "five numbers do not determine E: {}", outcome.stdout);
     let found = json(&desk.path("fit/fit.json"));
+    assert_eq!(found["strengths"]["class"].as_str().map(str::len), Some(2), "{}", found["strengths"]);
     let tau = found["numbers"]["tau"]["value"].as_f64().expect("a friction");
     assert!((tau / 4.0 - 1.0).abs() < 0.1, "{tau}");
     // the matrix that is left is small there: σ is the fibres'
@@ -228,18 +274,29 @@ fn strengths_of_a_case_give_its_law_and_its_friction() {
     write("none.csv", &[row(1.0), "5,4,0,4,4\n".into()]);
     std::fs::write(desk.path("curve.csv"), "cmod,load\n0.1,1\n0.2,2\n0.15,3\n").expect("a file");
     let fit = |more: &[&str], code: i32| desk.pullout([&["fit", "beam", "--case", case], more].concat()).expect(code);
-    fit(&["own.csv", "--out", "own"], 0);
+    fit(&["own.csv", "--out", "own", "--set", "output.abaqus=true"], 0);
     let found = json(&desk.path("own/fit.json"));
     let tau = found["numbers"]["tau"]["value"].as_f64().expect("a friction");
     assert!((tau / 4.0 - 1.0).abs() < 5e-3, "{tau}");
     let sigma = Table::read(&desk.path("own/sigma.csv"));
+    let abaqus: Vec<[f64; 2]> = rows_of(&desk.path("own/abaqus.inp")).iter().map(|row| [row[1], row[0]]).collect();
     for (w, total) in sigma.column("w").iter().zip(sigma.column("sigma_total")) {
+        assert!((between(&abaqus, *w) - total).abs() < 1e-9, "what was found, for ABAQUS: {w}");
         if *w >= 0.4 {
             let at = run.bridging.column("w").iter().position(|other| other >= w).expect("an opening");
             let right = run.bridging.column("sigma")[at];
             assert!((total / right - 1.0).abs() < 0.03, "{w}: {total} for {right}");
         }
     }
+    // from the load–CMOD curve of the same beam
+    fit(&["out/beam.csv", "--out", "of-curve"], 0);
+    let of_curve = json(&desk.path("of-curve/fit.json"));
+    for (k, strength) in strengths.iter().enumerate() {
+        let measured = of_curve["strengths"]["f_R"][k].as_f64().expect("a strength");
+        assert!((measured - strength).abs() < 1e-9, "f_R{}: {measured}", k + 1);
+    }
+    assert_eq!(of_curve["strengths"]["class"], found["strengths"]["class"]);
+    assert_eq!(of_curve["strengths"]["class_en_1992_2023"], found["strengths"]["class_en_1992_2023"]);
     fit(&["three.csv", "--out", "three", "--shape", "bilinear"], 0);
     let sigma = Table::read(&desk.path("three/sigma.csv"));
     let columns = ["sigma_05", "sigma", "sigma_95"].map(|name| sigma.column(name));

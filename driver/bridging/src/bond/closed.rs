@@ -51,6 +51,8 @@ pub struct Hook {
 
 /// More bends than this has no fibre.
 const MOST_BENDS: usize = 8;
+/// Least angle of a bend, degrees: a hook of one that is smaller is none, and the number may be one in radians.
+const LEAST_ANGLE: f64 = 5.0;
 /// A curvature below this part of the load is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -68,14 +70,26 @@ impl Hook {
         }
         let within = self.lengths.iter().sum::<f64>() < 0.5 * fibre.length;
         Invalid::unless(within, place("lengths"), "must be shorter than half the fibre together")?;
-        let bent = self.angle_deg > 0.0 && self.angle_deg < 90.0;
-        Invalid::unless(bent, place("angle_deg"), "must lie between 0 and 90 degrees")?;
-        Invalid::unless_positive(self.radius, place("radius"))?;
+        let bent = self.angle_deg >= LEAST_ANGLE && self.angle_deg < 90.0;
+        Invalid::unless(bent, place("angle_deg"), "must lie between 5 and 90 degrees")?;
+        let round = self.radius >= 0.5 * fibre.diameter && self.radius.is_finite();
+        Invalid::unless(round, place("radius"), "must be at least half of the fibre's diameter")?;
+        for (k, &length) in self.lengths.iter().enumerate() {
+            let taken = Self::taken_by_bends(k, self.angle_deg.to_radians(), self.radius);
+            let rule = format!("must be more than {taken:.4} mm, which its bends take, or radius or angle smaller");
+            Invalid::unless(length > taken, format!("fibre.hook.lengths[{k}]"), &rule)?;
+        }
         let slides = self.friction >= 0.0 && self.pulley() < 1.0;
         Invalid::unless(slides, place("friction"), "must not be below 0, nor so high that the bends lock")?;
         let known = self.yield_stress.or(fibre.strength).is_some();
         Invalid::unless(known, place("yield_stress"), "is needed where the fibre has no strength")?;
         Invalid::unless_positive(self.yield_stress.or(fibre.strength).unwrap_or(0.0), place("yield_stress"))
+    }
+
+    /// Returns what the arcs of the bends take of a piece of a hook, counted from the tip, mm: the tip has one bend, others two.
+    pub fn taken_by_bends(piece: usize, angle: f64, radius: f64) -> f64 {
+        let cut = radius * (0.5 * angle).tan();
+        if piece == 0 { cut } else { 2.0 * cut }
     }
 
     /// μ cos β with β = (π − θ)/2, the angle between wire and reaction in a bend.

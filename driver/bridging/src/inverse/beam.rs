@@ -3,7 +3,7 @@
 use super::strengths::{Shape, inverse_of_strengths};
 use super::{Fitted, LeastSquares, least_squares};
 use crate::Invalid;
-use crate::beam::{Beam, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
+use crate::beam::{Beam, LIMIT_CMOD, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
 use crate::composite::Matrix;
 use crate::interpolation::{Polyline, monotone_slopes};
 use nalgebra::{Matrix3, Vector3};
@@ -53,6 +53,22 @@ impl Measured {
         let some = compared(rows).count() > OPENINGS.len() + 2;
         Invalid::unless(some, "test".into(), "must have more than 12 points from CMOD 0.01 mm on")?;
         Invalid::unless(rows.iter().any(|row| row[1] > 0.0), "test".into(), "must have a force above 0")
+    }
+
+    /// Returns f_L and f_R1 … f_R4, MPa, by EN 14651: of several beams the means. `None`: the curve ends before the CMOD of f_R4.
+    pub fn strengths(&self, geometry: &NotchedBeam) -> Option<Residual> {
+        let rows = match self {
+            Self::Curve(rows) => rows,
+            Self::Strengths(beams) => return Some(Residual::mean(beams)),
+        };
+        let curve = Polyline::new(rows.iter().map(|row| (row[0], row[1])));
+        let reaches = |cmod: &f64| rows.last().is_some_and(|row| row[0] >= *cmod);
+        let early = rows.iter().filter(|row| row[0] <= LIMIT_CMOD).map(|row| row[1]);
+        let greatest = early.fold(curve.at(LIMIT_CMOD), f64::max);
+        RESIDUAL_CMOD.iter().all(reaches).then(|| Residual {
+            limit: geometry.flexural_strength(greatest),
+            residual: RESIDUAL_CMOD.map(|cmod| geometry.flexural_strength(curve.at(cmod))),
+        })
     }
 
     /// The greatest flexural strength, MPa.

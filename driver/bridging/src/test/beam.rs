@@ -129,6 +129,32 @@ fn model_code_next_to_the_law_it_represents() {
     assert!(!StrengthClass::new(8.0, 3.0, 3.0).expect("a class").structural);
 }
 
+/// Table L.2 of EN 1992-1-1:2023, as the program pycivil quotes it: a class between those of the Model Code, and f_R3k compared with the
+/// table's, not with f_R1k.
+#[test]
+fn classes_of_the_eurocode_lie_between_those_of_the_model_code() {
+    let classes = |f_r1, f_r3| {
+        let [model_code, eurocode] = [
+            StrengthClass::new(4.0, f_r1, f_r3).map(|class| class.to_string()),
+            EurocodeClass::new(f_r1, f_r3).map(|class| class.to_string()),
+        ];
+        (model_code.unwrap_or_default(), eurocode.unwrap_or_default())
+    };
+    let of = |model_code: &str, eurocode: &str| (model_code.to_owned(), eurocode.to_owned());
+    assert_eq!(classes(3.2, 2.5), of("3b", "3.0b"));
+    assert_eq!(classes(3.7, 3.4), of("3c", "3.5c"));
+    // 1.66/3.4 is below 0.5, 1.66/3 is not
+    assert_eq!(classes(3.4, 1.66), of("", "3.0a"));
+    // 0.7 · 4.5 = 3.15 is 3.2 in the table
+    assert_eq!(classes(4.5, 3.16), of("4b", "4.5a"));
+    assert_eq!(classes(4.5, 3.2), of("4b", "4.5b"));
+    // below 3.5a, which wants 1.8
+    assert_eq!(classes(3.6, 1.77), of("", "3.0a"));
+    assert_eq!(classes(12.0, 14.0), of("8d", "8.0e"));
+    assert_eq!(classes(0.9, 0.9), of("", ""));
+    assert_eq!(classes(2.0, 0.45), of("", ""));
+}
+
 /// A CMOD beyond that of cracking by rounding has its force.
 #[test]
 fn cracking_is_no_jump() {

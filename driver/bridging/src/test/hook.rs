@@ -155,6 +155,12 @@ fn hooks_without_sense_are_refused() {
     assert_eq!(place(Hook { lengths: vec![20.0, 20.0], ..hook.clone() }), "fibre.hook.lengths");
     assert_eq!(place(Hook { angle_deg: 90.0, ..hook.clone() }), "fibre.hook.angle_deg");
     assert_eq!(place(Hook { radius: 0.0, ..hook.clone() }), "fibre.hook.radius");
+    // radians, metres, a radius of less than half of the wire, and bends that overlap
+    assert_eq!(place(Hook { angle_deg: 0.785, ..hook.clone() }), "fibre.hook.angle_deg");
+    assert_eq!(place(Hook { lengths: vec![0.002_12, 0.002_95], radius: 0.0018, ..hook.clone() }), "fibre.hook.radius");
+    assert_eq!(place(Hook { radius: 0.44, ..hook.clone() }), "fibre.hook.radius");
+    assert_eq!(place(Hook { lengths: vec![2.12, 1.4], radius: 1.8, ..hook.clone() }), "fibre.hook.lengths[1]");
+    assert_eq!(place(Hook { lengths: vec![0.7, 2.95], radius: 1.8, ..hook.clone() }), "fibre.hook.lengths[0]");
     assert_eq!(place(Hook { friction: 3.0, ..hook.clone() }), "fibre.hook.friction");
     assert_eq!(place(Hook { yield_stress: None, ..hook }), "fibre.hook.yield_stress");
 }

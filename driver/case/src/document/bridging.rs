@@ -70,6 +70,12 @@ pub struct MatrixOfFile {
 pub struct BridgingOutput {
     /// Draw plots (default true), or draw them with these titles and legends.
     pub plots: Option<Plots>,
+    /// Write σ(w) as `*CONCRETE TENSION STIFFENING, TYPE=DISPLACEMENT` of ABAQUS's concrete damaged plasticity, abaqus.inp
+    /// (default false).
+    pub abaqus: Option<bool>,
+    /// Width h of the elements that a crack localises in, mm. If given, σ is written over the crack strain w/h and over
+    /// the strain w/h + σ/E, crack_band.csv, for programs with smeared cracks (default none).
+    pub crack_band: Option<Positive>,
 }
 
 /// Openings at which σ is evaluated.

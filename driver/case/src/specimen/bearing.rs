@@ -2,6 +2,7 @@
 
 use super::KnownMesh;
 use super::mesh::MATRIX;
+use super::uniaxial;
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::document::pullout::BearingWord;
@@ -13,9 +14,6 @@ use fe_core::model::{Bearing, PluginLaw, Width};
 use pullout_run::number::rounded;
 use std::cell::OnceCell;
 use std::f64::consts::PI;
-use umat_abi::host::CallOutcome;
-use umat_abi::law::{Request, StressState};
-use umat_abi::metadata::stress_states;
 
 /// Bearing strength of concrete under a thin bar over its uniaxial strength, on the diameter: the dowel formula of Model Code 1990,
 /// F = 1.3 φ² √(f_c f_y) = φ² √(k f_c f_y/3), has 5.07 (`tests/reference/bearing`).
@@ -23,9 +21,6 @@ const FACTOR: f64 = 5.07;
 /// The largest strain of the compression test, and its increments.
 const LARGEST_STRAIN: f64 = 0.01;
 const INCREMENTS: usize = 400;
-/// Iterations for the lateral strain, and the lateral stress that may be left, as a part of the axial one.
-const ITERATIONS: usize = 30;
-const LATERAL_TOLERANCE: f64 = 1e-6;
 /// A law whose slope at the largest strain is more than this part of the first one has no strength.
 const STILL_RISING: f64 = 0.02;
 
@@ -139,54 +134,11 @@ struct Concrete {
     modulus: f64,
 }
 
-/// Compresses a cube of the law along 1 with free sides, where an isotropic law carries nothing; `None`: it has no
-/// strength, or cannot be asked.
+/// Compresses a cube of the law along 1; `None`: it has no strength, or cannot be asked.
 fn compressed(law: &PluginLaw, mesh: &Mesh, part: usize) -> Option<Concrete> {
-    let description = law.plugin.law.as_ref().filter(|_| law.plugin.frame.is_none())?;
-    if description.stress_states & stress_states::THREE_D == 0 {
-        return None;
-    }
-    let mut call = law.plugin.plain_umat(StressState::ThreeD).ok()?;
-    let element = (0..mesh.elements().len()).find(|&element| mesh.elements()[element].part() == part)?;
-    call.celent = mesh.characteristic_length(element);
-    let mut statev = law.statev0.clone().unwrap_or_else(|| vec![0.0; law.plugin.nstatv]);
-    let (mut strain, mut stress, mut energies) = ([0.0; 6], [0.0; 6], [0.0; 3]);
     let step = LARGEST_STRAIN / INCREMENTS as f64;
-    // of the lateral strain to the axial one
-    let mut ratio = -0.2;
-    let mut curve = Vec::with_capacity(INCREMENTS);
-    for _ in 0..INCREMENTS {
-        let mut last: Option<[f64; 2]> = None;
-        let mut is_found = false;
-        for _ in 0..ITERATIONS {
-            let [axial, lateral] = [-step, -step * ratio];
-            let increment = [axial, lateral, lateral, 0.0, 0.0, 0.0];
-            call.set_point([&strain, &increment, &stress], &statev, energies);
-            let is_done = matches!(call.call(Request::Stress), Ok(CallOutcome::Done));
-            let [s11, s22] = [call.stress()[0], call.stress()[1]];
-            if !is_done || !s11.is_finite() || !s22.is_finite() {
-                return None;
-            }
-            if s22.abs() <= LATERAL_TOLERANCE * s11.abs() {
-                is_found = true;
-                break;
-            }
-            let next = match last {
-                Some([before, was]) if s22 != was => ratio - s22 * (ratio - before) / (s22 - was),
-                _ => ratio - 0.1,
-            };
-            last = Some([ratio, s22]);
-            ratio = next;
-        }
-        if !is_found {
-            break;
-        }
-        stress.copy_from_slice(call.stress());
-        statev.copy_from_slice(call.statev());
-        energies = call.energies;
-        strain = [strain[0] - step, strain[1] - step * ratio, strain[2] - step * ratio, 0.0, 0.0, 0.0];
-        curve.push(-stress[0]);
-    }
+    let curve: Vec<f64> =
+        uniaxial::states(law, mesh, part, -step, INCREMENTS)?.iter().map(|state| -state.stress).collect();
     let modulus = curve.first()? / step;
     let strength = curve.iter().copied().fold(0.0, f64::max);
     let last = curve.len().checked_sub(2)?;

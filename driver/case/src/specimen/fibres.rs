@@ -9,6 +9,7 @@ use crate::reader::UsedDefaults;
 use fe_core::mesh::specimen::{
     self, Configuration, FINE_DIAMETERS, Fibre, Fibres, ParameterProblem, PerpendicularFibre, Segment, SpecimenError,
 };
+use pullout_bridging::Hook;
 
 /// Inclination of a fibre, degrees.
 const ANGLE: f64 = 45.0;
@@ -129,8 +130,10 @@ pub(super) fn fibres(
         let embedded_length = taken.real(&of("embedded"), given.embedded, default.embedded_length);
         check_unit(Some(made.len()), [("diameter", diameter), ("embedded", embedded_length)])?;
         let rotation = given.rotate_deg.unwrap_or(0.0).to_radians();
-        let (lean, path) = match &given.path {
-            document::FibrePath::Pieces(pieces) => pieces_of_path(pieces, rotation, embedded_length),
+        let (lean, path, hook_length) = match &given.path {
+            document::FibrePath::Pieces(pieces) => {
+                pieces_of_path(pieces, rotation, embedded_length).map(|(lean, path)| (lean, path, 0.0))
+            }
             document::FibrePath::Hooked(hooked) => {
                 hooked_path(hooked, rotation, [diameter, embedded_length], &of, taken)
             }
@@ -147,6 +150,7 @@ pub(super) fn fibres(
             exit_radius: given.exit_radius.map(|radius| radius.0),
             separation_length: taken.real(&of("separation_length"), given.separation_length, default.separation_length),
             fine_length: fine_length(given.fine_length, slip, diameter, embedded_length),
+            hook_length: if given.fine_length.is_none() { hook_length } else { 0.0 },
             ..default
         });
     }
@@ -226,14 +230,14 @@ fn pieces_of_path(
     Ok((lean, path))
 }
 
-/// The lean and the segments of a shaft with a hooked end.
+/// The lean and the segments of a shaft with a hooked end, and the length of the hook.
 fn hooked_path(
     given: &document::HookedPath,
     rotation: f64,
     [diameter, embedded_length]: [f64; 2],
     of: &dyn Fn(&str) -> String,
     taken: &mut UsedDefaults,
-) -> Result<(f64, Vec<Segment>), PathProblem> {
+) -> Result<(f64, Vec<Segment>, f64), PathProblem> {
     let count = given.hook.len();
     if let Some(bends) = given.bends.filter(|bends| *bends != count) {
         return Err((
@@ -244,20 +248,19 @@ fn hooked_path(
     let angle = taken.real(&of("path.angle_deg"), given.angle_deg, HOOK_ANGLE).to_radians();
     let radius = taken.real(&of("path.radius"), given.radius, HOOK_RADIUS * diameter);
     let free_length = taken.real(&of("path.free_length"), given.free_length, FREE_LENGTH_AFTER_BEND);
-    // what an arc takes of the lines on both sides of its corner
-    let cut = radius * (0.5 * angle).tan();
     // from the shaft: oblique, along it, oblique to the other side, along it
     let lean = |from_shaft: usize| rotation + [0.0, angle, 0.0, -angle][from_shaft % 4];
     let mut path = Vec::new();
     let mut hook_length = 0.0;
     for (index, piece) in given.hook.iter().enumerate() {
-        // the tip has one bend
-        let straight = piece.0 - if index == 0 { cut } else { 2.0 * cut };
+        let taken_by_bends = Hook::taken_by_bends(index, angle, radius);
+        let straight = piece.0 - taken_by_bends;
         if straight <= 0.0 {
-            let least = piece.0 - straight;
             return Err((
                 format!("a hook whose piece {} is {} mm long", index + 1, piece.0),
-                format!("one whose bends have room: more than {least:.4} mm there, or a smaller radius or angle"),
+                format!(
+                    "one whose bends have room: more than {taken_by_bends:.4} mm there, or a smaller radius or angle"
+                ),
             ));
         }
         path.push(Segment::Straight { length: straight });
@@ -279,10 +282,11 @@ fn hooked_path(
         path.push(Segment::Arc { radius: bend_radius, to: 0.0 });
         path.push(Segment::Straight { length: free_length });
     }
-    Ok((lean(count), path))
+    Ok((lean(count), path, hook_length))
 }
 
-/// Returns the length that is meshed finely. What slides out is: coarse elements that bend over the exit's edge make the load a saw.
+/// Returns the length that is meshed finely. What slides out is: coarse elements that bend over the exit's edge make the load a saw. A hook is
+/// not: its mesh decides the curve, which would depend on how far the fibre is pulled.
 fn fine_length(given: Option<Positive>, slip: f64, diameter: f64, embedded_length: f64) -> Option<f64> {
     let slides_out = (slip > FINE_DIAMETERS * diameter).then(|| slip.min(embedded_length));
     given.map(|length| length.0).or(slides_out)

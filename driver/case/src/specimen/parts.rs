@@ -2,6 +2,7 @@
 
 use super::KnownMesh;
 use super::mesh::called;
+use super::uniaxial;
 use crate::document::pullout as document;
 use crate::document::{EntryPoint, PulloutCase};
 use crate::plugin::{self, Length, Level, Use};
@@ -70,8 +71,44 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>
 /// Usual elongations of wires: 1 is 100 %.
 const USUAL_ELONGATION: [f64; 2] = [1e-3, 1.0];
 
+/// The tension test of a wire's law: increments of strain, and their number.
+const STRETCH: f64 = 5e-4;
+const STRETCHES: usize = 1000;
+/// A slope below this part of the first one is that of a wire that yields.
+const YIELDING: f64 = 0.5;
+/// Stresses of a wire that differ by less than this part are the same: that of the increments of the test.
+const SAME_STRESS: f64 = 5e-3;
+
+/// Warns of a strength that the law of a wire does not reach, or reaches before it yields.
+fn warn_of_strength(reader: &mut Reader<'_>, key: &str, strength: f64, law: &PluginLaw, mesh: &Mesh, part: usize) {
+    let Some(states) = uniaxial::states(law, mesh, part, STRETCH, STRETCHES) else { return };
+    // on the first section
+    let nominal: Vec<f64> = states.iter().map(|state| state.stress * (2.0 * state.strain[1]).exp()).collect();
+    let (Some(first), Some(last)) = (nominal.first(), nominal.last()) else { return };
+    let greatest = nominal.iter().copied().fold(0.0, f64::max);
+    let yields = nominal.windows(2).find(|pair| pair[1] - pair[0] < YIELDING * first).map(|pair| pair[0]);
+    let necks = *last < greatest;
+    let message = match yields {
+        _ if necks && strength > (1.0 + SAME_STRESS) * greatest => format!(
+            "the law of the wire carries at most {} MPa on its first section: it necks and never breaks by its strength",
+            rounded(greatest.round())
+        ),
+        Some(yields) if strength < (1.0 - SAME_STRESS) * yields => {
+            format!("the law of the wire yields at {} MPa only: it breaks while it is elastic", rounded(yields.round()))
+        }
+        _ => return,
+    };
+    reader.warn(format!("{key} = {} MPa: {message}", rounded(strength)));
+}
+
 /// The wires of fibres, with what the case says of their strength.
-pub fn wires(reader: &mut Reader<'_>, case: &PulloutCase, mesh: &Mesh, fibres: &[PulledFibre]) -> Vec<Wire> {
+pub fn wires(
+    reader: &mut Reader<'_>,
+    case: &PulloutCase,
+    mesh: &Mesh,
+    fibres: &[PulledFibre],
+    laws: &[PluginLaw],
+) -> Vec<Wire> {
     let root = Place::root().key("parts");
     let given = &case.parts;
     let names: Vec<&str> =
@@ -94,6 +131,10 @@ pub fn wires(reader: &mut Reader<'_>, case: &PulloutCase, mesh: &Mesh, fibres: &
                 if let Some(limit) = limit.filter(|limit| !(usual[0]..=usual[1]).contains(limit)) {
                     reader.warn_unusual(&format!("parts.{name}.{key}"), limit, unit, usual);
                 }
+            }
+            if let Some(strength) = wire.strength {
+                let key = format!("parts.{name}.strength");
+                warn_of_strength(reader, &key, strength, &laws[fibre.part], mesh, fibre.part);
             }
         }
         wire

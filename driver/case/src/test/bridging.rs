@@ -345,6 +345,10 @@ fn numbers_that_are_hardly_meant_are_warned_of() {
         ("fibre.diameter=0.001", "fibre.diameter = 0.001 mm"),
         ("fibre.length=300", "fibre.length = 300 mm"),
         ("fibre.tau=3e6", "fibre.tau = "),
+        (
+            r#"fibre.hook={"lengths": [2.1, 2.9], "angle_deg": 45, "radius": 1, "friction": 0.2, "yield_stress": 1.16}"#,
+            "fibre.hook.yield_stress = 1.16 MPa",
+        ),
         ("matrix.E=30", "matrix.E = 30 MPa"),
         ("matrix.ft=3e6", "matrix.ft = "),
         ("matrix.Gf=140", "matrix.Gf = 140 N/mm"),
@@ -353,15 +357,15 @@ fn numbers_that_are_hardly_meant_are_warned_of() {
             r#"beam={"span": 0.5, "height": 0.15, "width": 0.15, "notch": 0.025}"#,
             "beam.height = 0.15 mm is outside the usual range, 10 to 3000 mm",
         ),
-        (
-            r#"fibre.inclination={"type": "exp", "f": 20}"#,
-            "fibre.inclination.f = 20 is outside the usual range, 0 to 2: is",
-        ),
     ] {
         let messages = warnings(&[entry]);
         let [warning] = &messages[..] else { panic!("{entry}: {messages:?}") };
         assert!(warning.starts_with(what) && warning.ends_with("is it in units of N, mm, MPa?"), "{warning}");
     }
+    assert_eq!(
+        warnings(&[r#"fibre.inclination={"type": "exp", "f": 20}"#]),
+        ["fibre.inclination.f = 20 is outside the usual range, 0 to 2, of this number without a unit"]
+    );
 }
 
 /// Numbers that nothing asks for.

@@ -4,12 +4,13 @@ use super::{BeamFit, FittedBond, POINTS, measured_points};
 use crate::output::{MOST_MARKS, rows_of, standard_error, table};
 use crate::regression::thinned;
 use maud::html;
-use pullout_bridging::{Estimate, IDENTIFIABLE, Measured, Polyline};
+use pullout_bridging::{Estimate, EurocodeClass, IDENTIFIABLE, Matrix, Measured, Polyline, Residual, StrengthClass};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page;
 use pullout_report::plots;
 use pullout_report::plots::figure::{Figure, Line, Marks};
 use pullout_report::plots::quantity::Quantity;
+use pullout_report::softening::SofteningTable;
 use pullout_run::number::significant;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -46,6 +47,9 @@ pub fn write(
         }
     };
     directory.write("sigma.csv", sigma)?;
+    let last = fit.full.openings.last().copied().unwrap_or_default();
+    let Matrix { ft, modulus, .. } = fit.full.matrix;
+    warnings.extend(SofteningTable::new(&fit.full.law, ft, modulus, last).write(directory, fit.tables)?);
     directory.write("fit.json", format!("{:#}\n", summary(source, fit, &warnings)))?;
     if let Some(case) = with_bond(case, fit) {
         directory.write("bond-case.json", format!("{case:#}\n"))?;
@@ -73,6 +77,7 @@ pub fn write(
                 }
             } }
             @if let Err(message) = &fit.bond { p { "The bond: " (message) "." } }
+            @if let Some(tested) = fit.tested { p { (strengths(tested)) "." } }
             p { "Errors are standard errors to first order. A number whose standard error is above "
                 (significant(100.0 * IDENTIFIABLE, 2)) " % of its value is not identifiable: the test does not determine it." }
         },
@@ -83,6 +88,26 @@ pub fn write(
 
 fn percent(part: f64) -> String {
     format!("{} %", significant(100.0 * part, 2))
+}
+
+/// The classes that a test's strengths would give as characteristic values: of the Model Code 2010, and of EN 1992-1-1:2023.
+fn classes(Residual { limit, residual: [f_r1, _, f_r3, _] }: Residual) -> [Option<String>; 2] {
+    [
+        StrengthClass::new(limit, f_r1, f_r3).map(|class| class.to_string()),
+        EurocodeClass::new(f_r1, f_r3).map(|class| class.to_string()),
+    ]
+}
+
+/// Strengths of the test with their classes, as a sentence.
+fn strengths(tested: Residual) -> String {
+    let number = |value: f64| significant(value, 4);
+    let [model_code, eurocode] = classes(tested).map(|class| class.unwrap_or_else(|| "none".into()));
+    format!(
+        "test: f_L {} MPa, f_R1–4 {} MPa; as characteristic values these would be class {model_code} (Model Code 2010), {eurocode} (EN \
+         1992-1-1:2023)",
+        number(tested.limit),
+        tested.residual.map(number).join(", ")
+    )
 }
 
 /// The fit in a few lines for the terminal.
@@ -101,6 +126,9 @@ pub fn describe(fit: &BeamFit) -> String {
     if let Err(message) = &fit.bond {
         let _ = writeln!(text, "  bond: {message}");
     }
+    if let Some(tested) = fit.tested {
+        let _ = writeln!(text, "  {}", strengths(tested));
+    }
     text
 }
 
@@ -116,6 +144,12 @@ fn summary(source: &str, fit: &BeamFit, warnings: &[String]) -> Value {
     let numbers: serde_json::Map<String, Value> = numbers.collect();
     json!({
         "test": source,
+        "strengths": fit.tested.map(|tested| {
+            let [class, class_en_1992_2023] = classes(tested);
+            json!({
+                "f_L": tested.limit, "f_R": tested.residual, "class": class, "class_en_1992_2023": class_en_1992_2023,
+            })
+        }),
         "rms_of_greatest": fit.full.fitted.rms,
         "warnings": warnings,
         "penalty_weight": fit.full.weight,

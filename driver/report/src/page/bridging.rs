@@ -50,10 +50,12 @@ fn numbers(findings: &Findings) -> Vec<Row> {
         let rows = residual.map(|(k, strength)| row(&format!("f_{{R{}}}", k + 1), strength, "MPa"));
         return std::iter::once(row("f_{L}", beam.limit, "MPa")).chain(rows).collect();
     };
-    let class = scatter.class.clone().unwrap_or_else(|| "none".to_owned());
+    let [class, eurocode] =
+        [&scatter.class, &scatter.class_en_1992_2023].map(|class| class.as_deref().unwrap_or("none"));
     let [f_r1k, _, f_r3k, _] = &scatter.residual;
     vec![
-        ("Class".to_owned(), class, "fib Model Code 2010".to_owned()),
+        ("Class".to_owned(), class.to_owned(), "fib Model Code 2010".to_owned()),
+        ("Class".to_owned(), eurocode.to_owned(), "EN 1992-1-1:2023, annex L".to_owned()),
         row("f_{R1k}, characteristic", f_r1k.characteristic, "MPa"),
         row("f_{R3k}, characteristic", f_r3k.characteristic, "MPa"),
         row("f_{R1}, mean", f_r1, "MPa"),
@@ -117,7 +119,8 @@ fn strengths(beam: &BeamFindings, scatter: Option<&ScatterFindings>) -> Markup {
             p {
                 (scatter.beams) " beams with " (significant(scatter.fibres.mean, 4)) " fibres across the ligament on average (coefficient of variation "
                 (significant(100.0 * scatter.fibres.cv, 3)) " %). Class of the fib Model Code 2010: "
-                (scatter.class.as_deref().unwrap_or("none")) ". "
+                (scatter.class.as_deref().unwrap_or("none")) "; of EN 1992-1-1:2023, annex L: "
+                (scatter.class_en_1992_2023.as_deref().unwrap_or("none")) ". "
                 @if scatter.structural { "Fibres may replace bars." } @else { "Fibres may not replace bars." }
             }
         }

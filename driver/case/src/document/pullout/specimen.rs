@@ -173,7 +173,7 @@ pub struct Fibre {
     #[schemars(range(min = 0.0))]
     pub separation_length: Option<f64>,
     /// Embedded length with elements of exit_size (default 5 diameters, or the length that the steps pull out if that
-    /// is more).
+    /// is more; by default the hook of a hooked path is not refined, however far it is pulled).
     pub fine_length: Option<Positive>,
 }
 

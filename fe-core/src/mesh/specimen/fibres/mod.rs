@@ -91,6 +91,9 @@ pub struct Fibre {
     pub separation_length: f64,
     /// Length of the fibre inside the block that has the size of the exit, mm; `None`: [`FINE_DIAMETERS`] φ.
     pub fine_length: Option<f64>,
+    /// Length at the embedded end whose sizes do not follow [`Self::fine_length`], mm: that of a hook, so that a longer pull has the same
+    /// curve.
+    pub hook_length: f64,
 }
 
 /// Sizes of the mesh.
@@ -162,6 +165,7 @@ impl Fibre {
             exit_radius: None,
             separation_length: 0.0,
             fine_length: None,
+            hook_length: 0.0,
         }
     }
 
@@ -207,7 +211,11 @@ impl Fibre {
     }
 
     fn fine_length(&self) -> f64 {
-        self.fine_length.unwrap_or((FINE_DIAMETERS * self.diameter).min(self.embedded_length))
+        self.fine_length.unwrap_or_else(|| self.usual_fine_length())
+    }
+
+    fn usual_fine_length(&self) -> f64 {
+        (FINE_DIAMETERS * self.diameter).min(self.embedded_length)
     }
 
     /// Half of the width at an arc length of the axis from the exit, mm.
@@ -383,13 +391,24 @@ impl Fibres {
         // past the exit, the curve ends where the rest of the fibre is straight
         let curved_end = path.curves().map(|([_, to], _)| to).fold(0.0, f64::max);
         let fine_end = curved_end + 2.0 * fibre.diameter;
-        let beyond = (-fibre.fine_length() - s).max(s - fine_end).max(0.0);
-        let mut size = self.exit_size(fibre) + growth * beyond;
+        let largest = self.mesh.size * self.mesh.largest_fibre_size;
+        let grown = |fine_length: f64, s: f64| {
+            let beyond = (-fine_length - s).max(s - fine_end).max(0.0);
+            (self.exit_size(fibre) + growth * beyond).min(largest)
+        };
+        let usual = |s: f64| grown(fibre.usual_fine_length(), s);
+        let hook_end = fibre.hook_length - fibre.embedded_length;
+        // in a hook, and from there on as fast as sizes may change
+        let kept = if s > hook_end { usual(hook_end) - growth * (s - hook_end) } else { usual(s) };
+        let mut size = grown(fibre.fine_length(), s);
+        if fibre.hook_length > 0.0 {
+            size = size.max(kept);
+        }
         for ([from, to], radius) in path.curves().filter(|([from, _], _)| *from < -0.5 * fibre.diameter) {
             let away = (from - s).max(s - to).max(0.0);
             size = size.min(self.mesh.size * TURN * radius + growth * away);
         }
-        size.min(laid.gap(s) / BETWEEN).min(self.mesh.size * self.mesh.largest_fibre_size)
+        size.min(laid.gap(s) / BETWEEN).min(largest)
     }
 
     /// Size in the block at a point, mm.
