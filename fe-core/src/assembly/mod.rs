@@ -15,5 +15,5 @@ pub(crate) use loads::loaded_freedoms;
 pub use solids::{GreatestInPart, Solids};
 pub(crate) use system::Factor;
 pub use system::{Condensation, System, SystemState};
-pub(crate) use trouble::Setback;
 pub use trouble::{Location, PointFailure};
+pub(crate) use trouble::{Setback, USUAL_FRACTION};

@@ -74,6 +74,9 @@ impl fmt::Display for Location {
     }
 }
 
+/// The fraction of the increment to repeat with where what fails asks for none.
+pub(crate) const USUAL_FRACTION: f64 = 0.5;
+
 /// Reason why an attempt of an increment cannot go on, at a location that is known to the caller.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Setback {

@@ -2,7 +2,7 @@
 
 use super::history::PointState;
 use super::law::{PointLaw, Situation, Tangent};
-use crate::assembly::Setback;
+use crate::assembly::{Setback, USUAL_FRACTION};
 use crate::model::Bearing;
 
 /// First crushing as a part of p_b: where plastic flow begins in front of a cylinder in Drucker–Prager concrete
@@ -12,8 +12,6 @@ const FIRST_CRUSHING: f64 = 0.4;
 const TOLERANCE: f64 = 1e-11;
 /// Iterations for the depth: Newton's method on a convex function.
 const ITERATIONS: usize = 30;
-/// Fraction of the increment to repeat with, where the depth is not found.
-const FRACTION: f64 = 0.5;
 
 impl Bearing {
     /// Returns the pressure that a surface crushed by u_b carries, p_b √(a² + (1 − a²) min(u_b/δ_b, 1)), and its
@@ -66,5 +64,5 @@ pub(super) fn advance(
         let moved = Situation { gap: situation.gap + end.crushing, ..*situation };
         tangent = law.advance(&moved, end, statev)?;
     }
-    Err(Setback { reason: "no crushed depth carries the pressure".to_owned(), fraction: Some(FRACTION) })
+    Err(Setback { reason: "no crushed depth carries the pressure".to_owned(), fraction: Some(USUAL_FRACTION) })
 }

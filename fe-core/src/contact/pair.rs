@@ -10,7 +10,7 @@ use super::patch::Scratch;
 use super::prediction::GapPrediction;
 use super::projection::Projection;
 use super::quadrature::ContactPoint;
-use crate::assembly::{Location, PointFailure, Setback};
+use crate::assembly::{Location, PointFailure, Setback, USUAL_FRACTION};
 use crate::mesh::ElementEdge;
 use crate::model::{Bearing, Enforcement, Fit, IncrementContext};
 use crate::solver::Blocks;
@@ -20,8 +20,6 @@ use umat_abi::law::Request;
 
 /// A weight nearer to 1 than this is 1: the last point of a slave edge that ends with the master.
 const WEIGHT_ROUNDING: f64 = 1e-9;
-/// Fraction of the increment that is tried next after a point lost the master.
-const FRACTION_AFTER_LOSS: f64 = 0.5;
 /// Part of an edge's length to which a point may lie in the master where it comes over an end: what is deeper met the end's face, or
 /// another side of the body.
 const ENTERS: f64 = 0.5;
@@ -226,7 +224,7 @@ impl Pair {
         at: [f64; 2],
         position: &impl Fn(usize) -> [f64; 2],
     ) -> Result<(Kinematics, Foot, bool), Setback> {
-        let lost = |reason: &str| Setback { reason: reason.to_owned(), fraction: Some(FRACTION_AFTER_LOSS) };
+        let lost = |reason: &str| Setback { reason: reason.to_owned(), fraction: Some(USUAL_FRACTION) };
         let projection = Projection { chain: &self.chain, position };
         let of = |foot: Foot| Kinematics::new(&self.chain, &self.points[index].slave, foot, position);
         let last = self.state.committed.points[index].foot;

@@ -1,16 +1,23 @@
 //! The constants by which increments and iterations are governed, each with its reason.
 
-use crate::assembly::solids::TangentChoice;
-
 // Iterations: when they end.
 
-/// A residual so far below its tolerance needs no small correction to prove convergence: linear problems end at once.
-pub(super) const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
+/// Part of a force that is negligible next to it. A residual so far below its tolerance needs no small correction to prove convergence:
+/// linear problems end at once. So much of the largest force scale is the least one, as a fibre that has left carries nothing. So much
+/// of what there is to correct along another run may be left.
+pub(super) const NEGLIGIBLE: f64 = 1e-4;
 /// Corrections are compared with the increment's displacements, or with this part of all so far: a tiny increment
 /// after many cuts needs no finer ones than the state that it starts from.
 pub(super) const LEAST_RELATIVE_MOVE: f64 = 1e-2;
-/// An iteration has diverged when its residual has grown this often in a row, after as many iterations.
-pub(super) const DIVERGENCE: usize = 4;
+/// After so many of a kind in a row another way is taken: an attempt whose residual grew in as many iterations is given up; tangents are
+/// put in doubt after as many that converge slowly; no more parts of a correction are tried, from a half on; after as many failures
+/// something else leads; overstress cuts increments no more.
+pub(super) const PATIENCE: u32 = 4;
+/// Iterations in which an increment should have converged. Up to then a correction with which contact opens or closes is applied in full:
+/// the residual of what has closed is large, and the next correction knows of it; later ones may go to and fro. Then elements out of
+/// balance whose law may soften get their stiffness at frozen damage, and after twice as many the elastic one (doc.md). That of plastic
+/// ones is safe, and the elastic one far too stiff where flow spreads. Old factors are used after increments that needed no more.
+pub(super) const USUAL_ITERATIONS: usize = 6;
 /// Multipliers are updated before the next iteration once the residual is below this part of the force scale. Further off, pressures are not
 /// yet those of the increment: with 1 a fibre at 45° with a cover takes 16 % more iterations. With 0 (after convergence alone) a hook takes
 /// twice as many.
@@ -18,19 +25,12 @@ pub(super) const NEAR: f64 = 1e-2;
 
 // Tangents and factors.
 
-/// Iterations after which a safer stiffness is used for damaging elements out of balance (doc.md). That of plastic ones
-/// is safe, and the elastic one far too stiff where flow spreads.
-pub(super) const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
 /// Ratio of successive residuals below which no safer stiffness is needed.
 pub(super) const SLOW_REDUCTION: f64 = 0.5;
-/// Iterations that still converge as slowly as this after as many put tangents in doubt: Newton's method squares what is
-/// left.
+/// Iterations that still converge as slowly as this put tangents in doubt: Newton's method squares what is left.
 pub(super) const LINEAR_REDUCTION: f64 = 0.1;
-pub(super) const BEFORE_DOUBT: usize = 4;
 /// Ratio of successive residuals below which an old factor is used again, and the next correction is that part of the last one.
 pub(super) const FAST_REDUCTION: f64 = 0.05;
-/// Most iterations of the last increment with which old factors are used.
-pub(super) const EASY_WITH_OLD_FACTORS: usize = 6;
 /// Positions are known to a few units of their last place.
 pub(super) const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
@@ -42,33 +42,25 @@ pub(super) const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
 pub(super) const WORK_REDUCTION: f64 = 0.8;
 /// Part of the work of the unbalanced forces along a correction, of that at its start, at which the energy is at its minimum along it.
 pub(super) const MINIMUM_REACHED: f64 = 0.2;
-/// Most secants in the search of that minimum.
-pub(super) const MAX_SECANTS: usize = 10;
+/// Most trials of a search: of secants for that minimum, of steps of the differences below.
+pub(super) const MOST_TRIALS: usize = 10;
 /// A secant ends not nearer to the shorter correction than this part of the bracket: beyond a kink the work may be 10⁵ times
 /// as large.
 pub(super) const LEAST_OF_BRACKET: f64 = 0.1;
-/// Up to this iteration a correction with which contact opens or closes is applied in full: the residual of what has closed is
-/// large, and the next correction knows of it. Later ones may go to and fro.
-pub(super) const BEFORE_HALVING: u32 = 7;
-/// Number of parts of a correction that are tried where the whole one was not good, from a half on.
-pub(super) const PARTS: u32 = 4;
 /// Step of the differences for derivatives of the dissipation, as part of the last increment.
 pub(super) const PROBE: f64 = 1e-4;
 /// Least step of these differences, as part of the displacements, which are rounded.
 pub(super) const LEAST_PROBE: f64 = 1e-8;
-/// Factor by which a step is longer where nothing loads with it, and number of them.
-pub(super) const LARGER_PROBE: f64 = 10.0;
-pub(super) const MOST_PROBES: usize = 8;
+/// Factor by which such a step is longer where nothing loads with it, and drag thicker where an increment goes back on the way of the one
+/// before.
+pub(super) const LARGER: f64 = 10.0;
 
 // Attempts.
 
-/// The force scale does not fall below this part of the largest so far: a fibre that has left carries nothing.
-pub(super) const LEAST_RELATIVE_SCALE: f64 = 1e-4;
 /// Fraction of its increment with which an attempt that did not converge is repeated: an attempt of a whole system is dear, and one
-/// half as long seldom converges where this one did not. A material point, whose calls cost little, halves its increments.
+/// half as long seldom converges where this one did not. A material point, whose calls cost little, halves its increments. The
+/// drives go so much further before drag leads where the next equilibrium was no better.
 pub(super) const CUT: f64 = 0.25;
-/// The same where the field did not settle.
-pub(super) const FIELD_CUT: f64 = 0.5;
 
 // Sizes of increments.
 
@@ -88,8 +80,6 @@ pub(super) const SUMMED: f64 = 1e-9;
 
 // What leads.
 
-/// Number of failures in a row after which something else leads.
-pub(super) const FAILURES_BEFORE_CHANGE: u32 = 4;
 /// Part of the usual increment to which increments under the drives are cut where they creep towards a limit point: something else
 /// leads then.
 pub(super) const CREEPING: f64 = 1e-2;
@@ -103,14 +93,14 @@ pub(super) const FIRST_LED: f64 = 0.5;
 /// Least increment of a lead, as part of its first one.
 pub(super) const LEAST_LED: f64 = 1e-6;
 /// An increment led by dissipation grows while the load changes by less than this part of the greatest so far, and
-/// shrinks when it changes by twice as much: the path is curved, and its energies are trapezoidal sums.
+/// shrinks when it changes by twice as much: the path is curved, and its energies are trapezoidal sums. At a load no greater than that
+/// the drives lead again after a phase field: a crack that is open grows no more.
 pub(super) const LOAD_CHANGE: f64 = 0.02;
 /// Usual growth of a phase field, from 0 to 1, in an increment that it leads.
 pub(super) const FIELD_GROWTH: f64 = 0.1;
-/// and the greatest.
-pub(super) const GREATEST_FIELD_GROWTH: f64 = 0.5;
-/// Part of the greatest load below which the drives lead again: a crack that is open grows no more.
-pub(super) const LEAST_LED_LOAD: f64 = 0.02;
+/// Greatest part of a whole in an increment under another lead than the drives: of a phase field, from 0 to 1; of the time left, as the
+/// drives lead to the end of a step; of the way left.
+pub(super) const LARGEST_PART: f64 = 0.5;
 /// After as many increments in a row under another lead in which the drives advanced, they lead again.
 pub(super) const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
 /// Where displacements grow so many times faster with the drives than they did in the step, and no equilibrium is found further on, the
@@ -118,27 +108,21 @@ pub(super) const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
 pub(super) const LIMIT_POINT: f64 = 10.0;
 /// Part of the greatest increment below which increments under the drives have no equilibrium near.
 pub(super) const CRAWLING: f64 = 1e-5;
-/// Part of the usual increment that the drives go before drag leads, and by which it is more where the next equilibrium was no
-/// better.
-pub(super) const NUDGE: f64 = 0.1;
-pub(super) const LARGER_NUDGE: f64 = 4.0;
-/// First resistance of drag, as part of the load over the nudge: with some hundred freedoms of contact, drag adds a hundredth to the
+/// Part by which an increment through drag changes things: the drives go this part of the usual increment before drag leads, and the load
+/// changes by this part of itself at most, or of the same part of the greatest load: what is dissipated is a trapezoidal sum over the way.
+/// Where it falls by more, drag becomes thicker; where it rises, the drives go a shorter way.
+pub(super) const THROUGH_DRAG: f64 = 0.1;
+/// First resistance of drag, as part of the load over that way of the drives: with some hundred freedoms of contact, drag adds a hundredth to the
 /// load.
 pub(super) const RESISTANCE: f64 = 1e-5;
 /// Greatest resistance, as a multiple of the first.
 pub(super) const GREATEST_RESISTANCE: f64 = 1e8;
 /// Factor by which the resistance falls after an easy increment.
 pub(super) const EASING: f64 = 0.4;
-/// and after another accepted one.
-pub(super) const SLOW_EASING: f64 = 0.7;
-/// Factor by which the resistance grows where an increment goes back on the way of the one before.
-pub(super) const THICKENING_WHERE_TURNING: f64 = 10.0;
 /// Most increments through drag in a row.
 pub(super) const MOST_THROUGH: u32 = 1000;
 /// After so many turns drag has come as near to equilibrium as it can: between two states to and fro, in neither of which forces balance.
 pub(super) const MOST_TURNS: u32 = 20;
-/// An increment under another lead takes at most this part of the time left: the drives lead to the end of a step.
-pub(super) const LARGEST_PART_OF_TIME: f64 = 0.5;
 
 // Which increments stand.
 
@@ -154,13 +138,9 @@ pub const ENERGY_BUDGET: f64 = 1e-3;
 pub const STABILISATION_BUDGET: f64 = 1e-2;
 /// Least imbalance or overstress that an increment may always add, as part of its usual share.
 pub(super) const LEAST_SHARE: f64 = 0.05;
-/// Greatest part of an increment that a repeated one has where its energies miss the work.
-pub(super) const ENERGY_MARGIN: f64 = 0.7;
-/// Least order of the energies' error in the size of an increment. The error of trapezoidal sums falls with the square of the size at
-/// least; one that falls more slowly has another cause: contact that opens in the first increment.
-pub(super) const LEAST_ORDER: f64 = 0.5;
-/// Overstress cuts increments to this part of the greatest.
-pub(super) const LEAST_FOR_OVERSTRESS: f64 = 1.0 / 256.0;
+/// Greatest part of an increment that a repeated one has where its energies miss the work, and to which the resistance of drag falls after
+/// an increment that was accepted but not easy.
+pub(super) const CAUTIOUS: f64 = 0.7;
 /// Equal increments are not refused for their energies. So many of a step are looked at in smaller ones.
 pub(super) const MAX_ENERGY_LOOKS: u32 = 3;
 /// The load of neighbours of the peak differs by less than this part of it.
@@ -178,14 +158,12 @@ pub(super) const MAX_REFUSALS: u32 = 12;
 pub(super) const SMALLER: f64 = 0.3;
 /// The part of what an increment may do, in slip or in energies missed, that the next one aims at.
 pub(super) const AIM: f64 = 0.9;
-/// Through drag the load changes by this part of it in an increment at most, or this part of the greatest load: what is dissipated is
-/// a trapezoidal sum over the way. Where it falls by more, drag becomes thicker; where it rises, the drives go a shorter way.
-pub(super) const THROUGH_DRAG: f64 = 0.1;
-pub(super) const LEAST_THROUGH_DRAG: f64 = 0.01;
 /// Least part of the energy that the drives take back which an increment dissipates: less is elastic unloading.
 pub(super) const LEAST_DISSIPATION: f64 = 1e-2;
-/// The energy error is relative to at least this many times the rounding of the work: rounding is no error.
-pub(super) const LEAST_ROUNDINGS: f64 = 1e3;
+/// The energy error is relative to at least this many times the rounding of the work: rounding is no error. Along another run, a
+/// residual so many times smaller than rounding may make it has nothing to correct: so small a difference has been left by the sums of the
+/// displacements.
+pub(super) const ROUNDINGS: f64 = 1e3;
 
 // The far field.
 
@@ -198,14 +176,9 @@ pub(super) const LEAST_FAR_FIELD: f64 = 0.3;
 
 // Along another run.
 
-/// The part of what there is to correct at the start of a round that may be left at its end.
-pub(super) const PARALLEL_REMAINDER: f64 = 1e-4;
 /// Residual that a first correction by the factor of another run may leave: as a part of what there was to correct, since an
 /// error of first order adds up where matter softens, and of what rounding may make of a residual, which mostly makes less.
 pub(super) const PARALLEL_ROUGH_REMAINDER: [f64; 2] = [1e-6, 0.1];
-/// The part of what rounding may make of a residual at which there is nothing to correct: a difference so small has been left by the
-/// sums of the displacements.
-pub(super) const PARALLEL_NOTHING: f64 = 1e-3;
 /// The part of its growth to which the leading quantity is known.
 pub(super) const GROWTH_ROUNDING: f64 = 1e-11;
 /// Number of factors that go round: as many runs work at a time.

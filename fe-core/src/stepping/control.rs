@@ -17,10 +17,9 @@ use super::size::IncrementSize;
 use crate::assembly::PointFailure;
 use crate::model::{Model, ScalarField, Step};
 use crate::stepping::constants::{
-    ADVANCES_BEFORE_DRIVE_CONTROL, AIM, CRAWLING, CREEPING, EASING, EASY, FADING, FAILURES_BEFORE_CHANGE, FIELD_GROWTH,
-    FIRST_LED, GREATEST_FIELD_GROWTH, GREATEST_RESISTANCE, GROWTH, LARGER_NUDGE, LARGEST_PART_OF_TIME, LEADS,
-    LEAST_LED, LEAST_LED_LOAD, LIMIT_POINT, LOAD_CHANGE, MOST_THROUGH, MOST_TURNS, NUDGE, RESISTANCE, SLOW_EASING,
-    THICKENING_WHERE_TURNING,
+    ADVANCES_BEFORE_DRIVE_CONTROL, AIM, CAUTIOUS, CRAWLING, CREEPING, CUT, EASING, EASY, FADING, FIELD_GROWTH,
+    FIRST_LED, GREATEST_RESISTANCE, GROWTH, LARGER, LARGEST_PART, LEADS, LEAST_LED, LIMIT_POINT, LOAD_CHANGE,
+    MOST_THROUGH, MOST_TURNS, PATIENCE, RESISTANCE, THROUGH_DRAG,
 };
 use serde::{Deserialize, Serialize};
 
@@ -209,7 +208,7 @@ impl StepRun {
         let part = match self.lead {
             Lead::Drives => self.attempted / left,
             Lead::Other(_) | Lead::Drag(_) => {
-                (self.last_progress.abs().max(self.size.minimum) / left).min(LARGEST_PART_OF_TIME)
+                (self.last_progress.abs().max(self.size.minimum) / left).min(LARGEST_PART)
             }
         };
         part * (self.duration - step_time)
@@ -247,9 +246,9 @@ impl StepRun {
             // between two states to and fro, it was too thin to be led by what is out of balance
             dragged.turns += u32::from(converged.turns);
             dragged.resistance *= match converged.turns {
-                true => THICKENING_WHERE_TURNING,
+                true => LARGER,
                 false if iterations <= EASY => EASING,
-                false => SLOW_EASING,
+                false => CAUTIOUS,
             };
             let is_there = converged.drag <= 1.0 || dragged.turns >= MOST_TURNS;
             self.progress = self.aim();
@@ -323,7 +322,7 @@ impl StepRun {
                 if load_change > 2.0 * LOAD_CHANGE {
                     led.increment *= LOAD_CHANGE / load_change;
                 }
-                let largest = if led.by == Leader::Field { GREATEST_FIELD_GROWTH } else { f64::INFINITY };
+                let largest = if led.by == Leader::Field { LARGEST_PART } else { f64::INFINITY };
                 (iterations <= EASY && load_change < LOAD_CHANGE, largest, true)
             }
         };
@@ -332,7 +331,7 @@ impl StepRun {
         }
         led.easy = was_easy;
         led.advances = if self.last_progress > 0.0 { led.advances + 1 } else { 0 };
-        let is_broken = led.by == Leader::Field && loads[1] <= LEAST_LED_LOAD;
+        let is_broken = led.by == Leader::Field && loads[1] <= LOAD_CHANGE;
         if (led.advances >= ADVANCES_BEFORE_DRIVE_CONTROL && recovered) || is_broken {
             self.drives_lead_again();
         }
@@ -370,7 +369,7 @@ impl StepRun {
                 return if possible { Advance::Repeated } else { Advance::Failed };
             }
         };
-        if self.failures < FAILURES_BEFORE_CHANGE && possible && !creeps && !crawls {
+        if self.failures < PATIENCE && possible && !creeps && !crawls {
             return Advance::Repeated;
         }
         let next = self.next_lead();
@@ -393,11 +392,12 @@ impl StepRun {
 
     /// Returns drag as what leads: no equilibrium is near.
     fn drag(&mut self) -> Option<Lead> {
-        let nudge = NUDGE * LARGER_NUDGE.powi(self.nudges.min(10).cast_signed());
+        let nudge = THROUGH_DRAG * CUT.powi(-self.nudges.min(10).cast_signed());
         let resistance = RESISTANCE * self.usual_stiffness / nudge;
         let may_lead = self.follows_slip && self.usual_progress > 0.0 && resistance > 0.0 && resistance.is_finite();
         may_lead.then(|| {
-            self.attempted = (nudge * self.usual_progress).max(self.size.minimum).min(0.5 * (1.0 - self.progress));
+            self.attempted =
+                (nudge * self.usual_progress).max(self.size.minimum).min(LARGEST_PART * (1.0 - self.progress));
             Lead::Drag(Dragged { resistance, greatest: GREATEST_RESISTANCE * resistance, increments: 0, turns: 0 })
         })
     }

@@ -4,7 +4,7 @@ use super::control::Findings;
 use super::newton::{Committed, Converged, Equilibrium, largest};
 use super::{Analysis, Energies, Snapshot};
 use crate::field::Field;
-use crate::stepping::constants::{LEAST_DISSIPATION, LEAST_ROUNDINGS};
+use crate::stepping::constants::{LEAST_DISSIPATION, ROUNDINGS};
 
 impl Analysis<'_> {
     /// Returns the quantities that a converged increment is judged by.
@@ -99,6 +99,6 @@ impl Analysis<'_> {
     /// energy back passes through 0.
     pub(super) fn work_reference(&self, external_work: f64, state: &Committed) -> f64 {
         let rounding = self.equilibrium.memory.rounding * largest(&state.displacements);
-        external_work.abs().max(self.present.greatest_work).max(LEAST_ROUNDINGS * rounding)
+        external_work.abs().max(self.present.greatest_work).max(ROUNDINGS * rounding)
     }
 }

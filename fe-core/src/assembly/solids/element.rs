@@ -1,10 +1,10 @@
 //! One element: from end displacements to internal forces and stiffness.
 
 use super::kernel::{Nodal, PointShape, add_product, mirror};
-use super::points::{PointIncrement, Points, USUAL_FRACTION, is_symmetric};
+use super::points::{PointIncrement, Points, is_symmetric};
 use super::record::number_of;
 use super::{LEAST_VOLUME_RATIO, TangentChoice};
-use crate::assembly::Setback;
+use crate::assembly::{Setback, USUAL_FRACTION};
 use crate::element::MAX_NODES;
 use crate::kinematics::finite::{
     AverageRates, Components, FiniteIncrement, GRADIENT_COMPONENTS, Gradient, IDENTITY, Moduli, NominalTangent, mean,

@@ -2,7 +2,7 @@
 
 use super::TangentChoice;
 use super::heat::{PointHeat, ReturnedHeat};
-use crate::assembly::Setback;
+use crate::assembly::{Setback, USUAL_FRACTION};
 use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::{ModelError, PluginLaw};
@@ -12,9 +12,6 @@ use umat_abi::host::{
     CallOutcome, FOLLOWS_GRADIENT, FreeStrain, NotFinite, Overrun, TangentSource, Transfer, UmatCall, judge, same_bits,
 };
 use umat_abi::law::{Request, StressState};
-
-/// The fraction of the increment to repeat with by default.
-pub(super) const USUAL_FRACTION: f64 = 0.5;
 
 /// DDSDDE that differs from its transpose by less than this share of its greatest entry is symmetric: a symmetric tangent
 /// computed in another order differs by some 1e-16 of it (measured: 1.2e-16).

@@ -3,9 +3,8 @@
 use super::{Dragged, Lead, Led, LoadHistory, StepRun};
 use crate::assembly::{Location, PointFailure, Setback};
 use crate::stepping::constants::{
-    AIM, ENERGY_BUDGET, ENERGY_MARGIN, ENERGY_TOLERANCE, LARGEST_FALL, LARGEST_TURN, LEAST_FOR_OVERSTRESS, LEAST_ORDER,
-    LEAST_SHARE, LEAST_THROUGH_DRAG, MAX_ENERGY_LOOKS, MAX_REFUSALS, PEAK_RESOLUTION, SMALLER, STABILISATION_BUDGET,
-    THROUGH_DRAG,
+    AIM, CAUTIOUS, CUT, ENERGY_BUDGET, ENERGY_TOLERANCE, LARGEST_FALL, LARGEST_TURN, LEAST_SHARE, MAX_ENERGY_LOOKS,
+    MAX_REFUSALS, PATIENCE, PEAK_RESOLUTION, SMALLER, STABILISATION_BUDGET, THROUGH_DRAG,
 };
 use crate::stepping::newton::{Converged, Leader};
 
@@ -104,13 +103,15 @@ impl StepRun {
         if self.refuses_energies(&findings).is_some() {
             let excess = self.energy_excess(&findings);
             match self.missed {
-                Some([size, missed]) if excess > missed * (self.attempted / size).powf(LEAST_ORDER) => {
+                // the error of trapezoidal sums falls with the square of the size at least; one that falls more slowly than
+                // with the root has another cause: contact that opens in the first increment
+                Some([size, missed]) if excess > missed * (self.attempted / size).sqrt() => {
                     self.size.restart(size);
                 }
                 _ => {
                     self.energy_refused += 1;
                     self.missed = Some([self.attempted, excess]);
-                    let fraction = excess.recip().sqrt().min(ENERGY_MARGIN);
+                    let fraction = excess.recip().sqrt().min(CAUTIOUS);
                     return Err(repeat("the energies of the increment do not balance", self.allowed(fraction)));
                 }
             }
@@ -132,7 +133,7 @@ impl StepRun {
 
     /// Whether a converged increment through drag may stand.
     fn judge_through_drag(&mut self, load: LoadHistory, findings: &Findings) -> Result<(), Judgement> {
-        let limit = (THROUGH_DRAG * load.last).max(LEAST_THROUGH_DRAG * load.greatest);
+        let limit = THROUGH_DRAG * load.last.max(THROUGH_DRAG * load.greatest);
         // what the drives pull through the drag adds to the load
         if findings.load - load.last > limit && self.attempted > self.size.minimum {
             self.attempted = (SMALLER * self.attempted).max(self.size.minimum);
@@ -163,7 +164,8 @@ impl StepRun {
     /// Returns how much an increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it may.
     /// A snap-back costs its overstress in increments of any size; so it cuts them to some size only.
     fn energy_excess(&self, findings: &Findings) -> f64 {
-        let cuts = matches!(self.lead, Lead::Drives) && self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum;
+        let cuts =
+            matches!(self.lead, Lead::Drives) && self.attempted > CUT.powi(PATIENCE.cast_signed()) * self.size.maximum;
         let overstress = if cuts { findings.overstress_excess() } else { 0.0 };
         findings.imbalance_excess().max(overstress)
     }

@@ -6,8 +6,8 @@ use crate::contact::PointIndex;
 use crate::field::Correction;
 use crate::model::IncrementContext;
 use crate::stepping::constants::{
-    BEFORE_HALVING, CUT, LARGER_PROBE, LEAST_OF_BRACKET, LEAST_PROBE, MAX_SECANTS, MINIMUM_REACHED, MOST_PROBES, PARTS,
-    PROBE, WORK_REDUCTION,
+    CUT, LARGER, LEAST_OF_BRACKET, LEAST_PROBE, MINIMUM_REACHED, MOST_TRIALS, PATIENCE, PROBE, USUAL_ITERATIONS,
+    WORK_REDUCTION,
 };
 use crate::stepping::line_search;
 use crate::stepping::times::timed;
@@ -133,7 +133,7 @@ impl Equilibrium<'_> {
         let (trial, context) = (&attempt.trial, attempt.context());
         // the last evaluation was of this trial state
         let now = self.solids.trial_dissipation();
-        let probe = (PROBE * self.memory.last_move).max(LEAST_PROBE * largest(&trial.displacements));
+        let probe = self.probe(trial);
         let mut slope = |along: &Direction| -> Result<f64, PointFailure> {
             let greatest = largest(&along.displacements);
             if greatest == 0.0 {
@@ -169,9 +169,8 @@ impl Equilibrium<'_> {
         let mut along = self.drive_force(attempt.start, direction);
         self.solve(&mut along)?;
         let along = self.as_direction(&along, direction.clone());
-        let probe = (PROBE * self.memory.last_move).max(LEAST_PROBE * largest(&trial.displacements));
-        let mut length = probe / largest(&along.displacements);
-        for _ in 0..MOST_PROBES {
+        let mut length = self.probe(trial) / largest(&along.displacements);
+        for _ in 0..MOST_TRIALS {
             let there = trial.displacements.iter().zip(&along.displacements).map(|(u, du)| u + length * du);
             let there: Vec<f64> = there.collect();
             let mut forces = vec![0.0; there.len()];
@@ -181,7 +180,7 @@ impl Equilibrium<'_> {
             let response = response.map_err(|error| unsolvable(&error))?;
             if response.iter().all(|by| *by <= 0.0) {
                 // nothing loads so near: it has unloaded, or does not crack yet
-                length *= LARGER_PROBE;
+                length *= LARGER;
                 continue;
             }
             let share = field.lead(correction, &response);
@@ -193,6 +192,11 @@ impl Equilibrium<'_> {
             break;
         }
         Err(trouble(Location::System, "no crack follows the drives".into(), CUT))
+    }
+
+    /// Returns the greatest displacement in a step of differences at a trial state, mm.
+    fn probe(&self, trial: &Committed) -> f64 {
+        (PROBE * self.memory.last_move).max(LEAST_PROBE * largest(&trial.displacements))
     }
 
     fn dissipation_at(&mut self, displacements: &[f64], context: IncrementContext) -> Result<f64, PointFailure> {
@@ -233,7 +237,7 @@ impl Equilibrium<'_> {
         self.evaluate(attempt)?;
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
         let full = largest(&self.memory.residual);
-        let contact_changes = self.leading.changes > 0 && attempt.context().iteration <= BEFORE_HALVING;
+        let contact_changes = self.leading.changes > 0 && attempt.iterations.len() <= USUAL_ITERATIONS;
         if !self.model.controls.line_search || predicts || moves_drives || contact_changes || full <= before {
             return Ok(1.0);
         }
@@ -247,7 +251,7 @@ impl Equilibrium<'_> {
         }
         let mut best = (full, 1.0);
         let mut last = 1.0;
-        line_search::halved(0.5, PARTS, |length| {
+        line_search::halved(0.5, PATIENCE, |length| {
             self.place(attempt, direction, &from, length)?;
             let residual = largest(&self.memory.residual);
             if residual < best.0 {
@@ -288,7 +292,7 @@ impl Equilibrium<'_> {
         // regula falsi in Illinois' form
         let (mut low, mut high) = ((0.0, work_before), (1.0, self.work_along(direction)));
         let mut length = 1.0;
-        for _ in 0..MAX_SECANTS {
+        for _ in 0..MOST_TRIALS {
             if high.1 * work_before >= 0.0 || high.1.abs() <= MINIMUM_REACHED * work_before.abs() {
                 break;
             }

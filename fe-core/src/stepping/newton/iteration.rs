@@ -3,7 +3,7 @@
 use super::{Attempt, Equilibrium, Iteration, RoundEnd, largest, largest_difference, trouble};
 use crate::assembly::solids::TangentChoice;
 use crate::assembly::{Location, PointFailure};
-use crate::stepping::constants::{CUT, DIVERGENCE, FAST_REDUCTION, LEAST_RELATIVE_MOVE, NEAR, NEGLIGIBLE_RESIDUAL};
+use crate::stepping::constants::{CUT, FAST_REDUCTION, LEAST_RELATIVE_MOVE, NEAR, NEGLIGIBLE, PATIENCE};
 
 /// Returns how many iterations the round that took most of them has: how hard an increment was. The rounds in which contact settles say
 /// nothing of its size, which would shrink without end where each increment needs some of them.
@@ -40,7 +40,7 @@ impl Equilibrium<'_> {
                 attempt.updated = Some(attempt.iterations.len());
                 return Ok(RoundEnd::Near);
             }
-            if attempt.round().len() >= self.model.controls.max_iterations || growing >= DIVERGENCE {
+            if attempt.round().len() >= self.model.controls.max_iterations || growing >= PATIENCE {
                 return Err(self.not_converged(attempt, residual, scale));
             }
             self.memory.statistics.iterations += 1;
@@ -93,7 +93,7 @@ impl Equilibrium<'_> {
         // through drag, where nothing but drag may hold the specimen, small residuals leave more to correct than that
         let left = if reduction < FAST_REDUCTION && attempt.resistance() == 0.0 { reduction } else { 1.0 };
         let is_small = |last: &Iteration| left * last.correction <= self.model.controls.displacement_tolerance * moved;
-        residual <= (NEGLIGIBLE_RESIDUAL * tolerance).max(self.memory.rounding)
+        residual <= (NEGLIGIBLE * tolerance).max(self.memory.rounding)
             || (residual <= tolerance && attempt.round().last().is_none_or(is_small))
     }
 

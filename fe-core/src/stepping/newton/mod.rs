@@ -33,12 +33,14 @@ use super::zone::Zone;
 use super::{Counts, Energies, Times};
 use crate::assembly::loads::{Bearers, Shares};
 use crate::assembly::solids::SolidEnergies;
-use crate::assembly::{Equations, Location, PointFailure, Setback, Solids, System, loaded_freedoms, loads};
+use crate::assembly::{
+    Equations, Location, PointFailure, Setback, Solids, System, USUAL_FRACTION, loaded_freedoms, loads,
+};
 use crate::contact::{self, Contact, PointIndex, PointStatus};
 use crate::field::{FORCE_CHANGE, Field, Pass};
 use crate::model::{IncrementContext, Model, ModelError};
 use crate::solver::{Blocks, SolverError};
-use crate::stepping::constants::{CUT, FIELD_CUT, LEAST_RELATIVE_SCALE};
+use crate::stepping::constants::{CUT, NEGLIGIBLE};
 use crate::threads::Threads;
 use correction::Followed;
 use parallel::Company;
@@ -380,7 +382,8 @@ impl<'m> Equilibrium<'m> {
                 Pass::Again => self.evaluate(attempt)?,
                 Pass::Back => return self.evaluate(attempt).map(|()| true),
                 Pass::GivenUp => {
-                    return Err(trouble(Location::System, "field and displacements do not settle".into(), FIELD_CUT));
+                    let reason = "field and displacements do not settle".into();
+                    return Err(trouble(Location::System, reason, USUAL_FRACTION));
                 }
             }
         }
@@ -496,7 +499,7 @@ impl<'m> Equilibrium<'m> {
         let reactions = self.memory.internal.iter().zip(&self.memory.external).enumerate();
         let reaction = reactions.filter(|(f, _)| held(*f)).map(|(_, (i, e))| (i - e).abs()).fold(0.0, f64::max);
         let scale = reaction.max(largest(&self.memory.external)).max(largest(&self.memory.contact_forces));
-        scale.max(LEAST_RELATIVE_SCALE * self.memory.greatest_scale)
+        scale.max(NEGLIGIBLE * self.memory.greatest_scale)
     }
 
     /// Evaluates forces, residual and tangents at the trial state.

@@ -4,7 +4,7 @@ use super::turn::{Handed, Turn};
 use super::{Attempt, Equilibrium, IncrementGoal, Leader, RoundEnd, largest, unsolvable};
 use crate::assembly::PointFailure;
 use crate::model::Model;
-use crate::stepping::constants::{GROWTH_ROUNDING, PARALLEL_NOTHING, PARALLEL_REMAINDER, PARALLEL_ROUGH_REMAINDER};
+use crate::stepping::constants::{GROWTH_ROUNDING, NEGLIGIBLE, PARALLEL_ROUGH_REMAINDER, ROUNDINGS};
 use crate::stepping::zone::Zone;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -65,13 +65,13 @@ impl ParallelRound {
     pub(super) fn is_reached(&mut self, residual: f64, growth: f64, rounding: f64, rough: bool) -> bool {
         let missing = (self.growth - growth).abs();
         let [left, least] = match self.first {
-            None => [PARALLEL_REMAINDER, PARALLEL_NOTHING],
+            None => [NEGLIGIBLE, 1.0 / ROUNDINGS],
             Some(_) if rough => PARALLEL_ROUGH_REMAINDER,
-            Some(_) => [PARALLEL_REMAINDER, 1.0],
+            Some(_) => [NEGLIGIBLE, 1.0],
         };
         let first = self.first.get_or_insert([residual, missing]);
         residual <= (left * first[0]).max(least * rounding)
-            && missing <= (PARALLEL_REMAINDER * first[1]).max(GROWTH_ROUNDING * self.growth.abs())
+            && missing <= (NEGLIGIBLE * first[1]).max(GROWTH_ROUNDING * self.growth.abs())
     }
 }
 

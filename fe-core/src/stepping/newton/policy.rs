@@ -5,7 +5,7 @@ use crate::assembly::solids::TangentChoice;
 use crate::assembly::{PointFailure, touching};
 use crate::solver::Symmetry;
 use crate::stepping::constants::{
-    BEFORE_DOUBT, EASY_WITH_OLD_FACTORS, FALLBACKS, FAST_REDUCTION, LINEAR_REDUCTION, POSITION_ROUNDING, SLOW_REDUCTION,
+    FAST_REDUCTION, LINEAR_REDUCTION, PATIENCE, POSITION_ROUNDING, SLOW_REDUCTION, USUAL_ITERATIONS,
 };
 use crate::stepping::times::timed;
 
@@ -15,11 +15,12 @@ impl Equilibrium<'_> {
     pub(super) fn prepare_factor(&mut self, attempt: &Attempt<'_>) -> Result<(), PointFailure> {
         let done = attempt.round().len();
         let is_slow = self.memory.last_reduction > SLOW_REDUCTION;
-        if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| is_slow && *after == done) {
-            self.choose_tangents(*choice);
+        let fallbacks = [(USUAL_ITERATIONS, TangentChoice::Frozen), (2 * USUAL_ITERATIONS, TangentChoice::Elastic)];
+        if let Some((_, choice)) = fallbacks.into_iter().find(|(after, _)| is_slow && *after == done) {
+            self.choose_tangents(choice);
         }
         let is_linear = self.memory.last_reduction > LINEAR_REDUCTION;
-        if done == BEFORE_DOUBT && is_linear && self.solids.doubts_tangents() {
+        if done == PATIENCE as usize && is_linear && self.solids.doubts_tangents() {
             self.judge_tangents(attempt)?;
         }
         if self.may_reuse_factor() {
@@ -70,7 +71,7 @@ impl Equilibrium<'_> {
     /// Returns whether an old factor may be used. After a hard increment it would make the next one harder, because
     /// cracks change the stiffness. A factor of contact laws that were evaluated away from their gaps is used once.
     fn may_reuse_factor(&self) -> bool {
-        let was_easy = self.memory.last_iterations <= EASY_WITH_OLD_FACTORS;
+        let was_easy = self.memory.last_iterations <= USUAL_ITERATIONS;
         let is_known = self.memory.factorised && !self.memory.factor_is_elsewhere;
         let converges_fast = self.memory.last_reduction < FAST_REDUCTION;
         self.model.skipping.factor_reuse && was_easy && is_known && converges_fast
