@@ -95,8 +95,9 @@ fn admit_null(member: &mut Map<String, Value>) {
 fn normalise(value: &mut Value) {
     match value {
         Value::Number(number) => {
-            let whole = number.as_f64().filter(|number| number.fract() == 0.0 && (1.0..1e15).contains(number));
-            if let (true, Some(whole)) = (number.is_f64(), whole) {
+            // not of −0, whose sign counts
+            let is_whole = |real: &f64| real.fract() == 0.0 && real.is_sign_positive() && *real < 1e15;
+            if let Some(whole) = number.as_f64().filter(|real| number.is_f64() && is_whole(real)) {
                 *value = Value::from(whole as u64);
             }
         }

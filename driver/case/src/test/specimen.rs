@@ -1776,8 +1776,9 @@ fn all_that_a_plate_takes_by_default_is_listed() {
 fn a_key_with_a_default_takes_null_and_whole_numbers_with_a_point() {
     let given = json!({ "type": "plate_with_hole", "cells": 8.0, "width": null, "grading": 5 });
     let case = specimen_case(given, &["plate"]);
-    let defaults = accepted(&case, &["controls={\"max_iterations\": 30.0, \"max_cutbacks\": null}"]).about.defaults;
-    assert_eq!(defaults[0], "mesh.specimen: width = 10, height = 10, radius = 1, element = Q8");
-    let controls = defaults.iter().find(|line| line.starts_with("controls: ")).expect("controls");
-    assert!(controls.contains("max_cutbacks = 30") && !controls.contains("max_iterations"), "{controls}");
+    let program = accepted(&case, &["controls={\"max_iterations\": null, \"max_cutbacks\": 0.0}"]);
+    assert_eq!(program.about.defaults[0], "mesh.specimen: width = 10, height = 10, radius = 1, element = Q8");
+    let controls = program.about.defaults.iter().find(|line| line.starts_with("controls: ")).expect("controls");
+    assert!(controls.contains("max_iterations = 20") && !controls.contains("max_cutbacks"), "{controls}");
+    assert_eq!(program.model.controls.max_cutbacks, 0);
 }

@@ -571,8 +571,8 @@ fn wrong_parameters_of_the_other_specimens_are_reported() {
         "outer_radius is 1, it must be more than the inner_radius 2; radial_cells is 0, it must be at least 1"
     );
     assert_eq!(message(cook_membrane(&CookMembrane { cells: 0, element: Q4 })), "cells is 0, it must be at least 1");
-    let beam = Beam { length: 0.0, height: 1.0, cells: [1, 0], element: Q4 };
-    assert_eq!(message(beam(&beam)), "length is 0, it must be positive; cells is 0, it must be at least 1");
+    let none = Beam { length: 0.0, height: 1.0, cells: [1, 0], element: Q4 };
+    assert_eq!(message(beam(&none)), "length is 0, it must be positive; cells is 0, it must be at least 1");
     let blocks = TwoBlocks { width: 1.0, heights: [1.0, -1.0], edges: [0, 1], rows: [1, 1], element: Q4 };
     assert_eq!(message(two_blocks(&blocks)), "heights is -1, it must be positive; edges is 0, it must be at least 1");
     let high = Hertz { height: 0.5, contact_zone: 5.0, ..cylinder(Q4) };
