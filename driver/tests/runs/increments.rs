@@ -2,7 +2,7 @@
 
 use crate::program::{self, Desk, cases};
 use end_to_end_tests::worst;
-use pullout_engine::{CaseSource, Outcome, Settings, set_program};
+use pullout_engine::{CaseSource, INCREMENTS, Outcome, Settings, set_program};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
@@ -30,11 +30,11 @@ fn bits(outcome: &Outcome) -> Vec<Vec<u64>> {
 fn repeats(case: &Value) -> Value {
     let base = run(with(case, &[], None), true);
     assert!(base.is_done(), "{:?}", base.summary.message);
-    let increments = base.increments.clone().unwrap();
+    let increments = base.documents[INCREMENTS].clone();
     let again = run(with(case, &[], Some(&increments)), true);
     assert!(again.is_done(), "{:?}", again.summary.message);
     assert!(bits(&again) == bits(&base));
-    assert_eq!(again.increments.unwrap(), increments);
+    assert_eq!(again.documents[INCREMENTS], increments);
     increments
 }
 
@@ -89,7 +89,7 @@ fn a_run_that_was_not_at_its_end_leaves_no_increments() {
         "output": { "plots": false },
     });
     let failed = run(with(&bar, &[], None), true);
-    assert!(!failed.is_done() && failed.increments.is_none());
+    assert!(!failed.is_done() && !failed.documents.contains_key(INCREMENTS));
     let desk = Desk::new();
     let folder = desk.path("out");
     let file = desk.case("bar.json", &bar);
@@ -121,7 +121,7 @@ fn gradients_of_a_pull_out_curve() {
     const SLIPS: [f64; 5] = [0.004, 0.012, 0.02, 0.03, 0.04];
     let case = fibre(0.045);
     let base = run(with(&case, &[], None), true);
-    let (increments, trail) = (base.increments.clone().unwrap(), base.trail.clone().unwrap());
+    let (increments, trail) = (base.documents[INCREMENTS].clone(), base.trail.clone().unwrap());
     assert!(refused(&increments) > 0);
     let value = |path: &str| path.split('.').fold(&case, |value, key| &value[key]).as_f64().unwrap();
     let loads = |outcome: &Outcome| -> Vec<f64> {

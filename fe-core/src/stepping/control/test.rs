@@ -52,7 +52,7 @@ fn with_stabilisation_slip_leads_where_the_drives_fail_again_and_again() {
     let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
     (run.follows_slip, run.usual_slip, run.usual_dissipation) = (true, 0.01, 1.0);
     let trouble = repeat("no equilibrium", 0.25).trouble;
-    for _ in 1..FAILURES_BEFORE_CHANGE {
+    for _ in 1..PATIENCE {
         assert_eq!(run.reject(&trouble, true), Advance::Repeated);
         assert_eq!(run.lead, Lead::Drives);
     }
