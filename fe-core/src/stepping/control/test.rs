@@ -10,7 +10,7 @@ use crate::stepping::test::strip;
 impl StepRun {
     /// Returns the step, led by drag in its first half.
     pub(in crate::stepping) fn through_drag(mut self, stiffness: f64) -> Self {
-        (self.usual_progress, self.usual_stiffness) = (0.5 / NUDGE, stiffness);
+        (self.usual_progress, self.usual_stiffness) = (0.5 / THROUGH_DRAG, stiffness);
         self.lead = self.drag().expect("there is contact");
         self
     }
