@@ -54,6 +54,7 @@ pub fn resolve(
     let parts = parts(reader, given, scene, &place, is_specimen).unwrap_or(default.parts);
     let coupling = match given.coupling {
         Some(document::FieldCoupling::OnePass) => FieldCoupling::OnePass,
+        Some(document::FieldCoupling::Full) => FieldCoupling::Full,
         Some(document::FieldCoupling::Staggered) | None => FieldCoupling::Staggered,
     };
     let initial = given.initial.unwrap_or(default.initial);

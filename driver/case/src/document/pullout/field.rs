@@ -4,7 +4,7 @@ use super::super::Positive;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A scalar θ at every node, which the laws get as temperature: c ∂θ/∂t = k ∇²θ + RPL. Displacements and θ are found in turn.
+/// A scalar θ at every node, which the laws get as temperature: c ∂θ/∂t = k ∇²θ + RPL. Displacements and θ are found in turn by default.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScalarField {
@@ -56,6 +56,8 @@ pub enum FieldCoupling {
     Staggered,
     /// Once each: displacements with the extrapolated field, then the field. Faster; take increments half as large.
     OnePass,
+    /// Together, by Newton's method with DDSDDT and DRPLDE of the laws.
+    Full,
 }
 
 /// A routine of heat in the library of a UMAT.
