@@ -129,6 +129,26 @@ fn inclined() -> Vec<Family> {
     families
 }
 
+/// Returns the variations of a strip that cracks by a phase field.
+fn cracking() -> Vec<Family> {
+    let of_law = |name: &str| {
+        let name = name.to_owned();
+        move |value: &str| vec![format!("parts.beam.material.props.{name}={value}")]
+    };
+    vec![
+        increments("increment / step", 3),
+        family("length of the field [mm]", ["0.5", "1", "2", "4"], of_law("l")),
+        family("G_f [N/mm]", ["0.01", "0.03", "0.3", "3"], of_law("G_f")),
+        family("f_t [MPa]", ["0.3", "1", "6"], of_law("f_t")),
+        family("ν", ["0", "0.4", "0.49"], of_law("nu")),
+        family("element", ["T3", "Q4", "T6"], key("mesh.specimen.element")),
+        family("elements along and across", ["[5,1]", "[20,2]", "[41,3]"], key("mesh.specimen.cells")),
+        family("plane model", ["plane_stress"], key("parts.beam.model")),
+        family("tolerance", ["1e-1", "1e-2", "1e-5", "1e-8"], key("field.tolerance")),
+        family("coupling", ["one_pass", "full"], key("field.coupling")),
+    ]
+}
+
 /// Reason why the stiffest penalties fail: the part that all have in common, and the measurement at one specimen.
 macro_rules! stiff_penalties {
     ($measured:literal) => {
@@ -222,6 +242,12 @@ pub(super) fn bases() -> Vec<Base> {
                 family("edges of the strip", [6, 12, 24, 47, 48, 49], key("mesh.specimen.strip_edges")),
                 family("increments", [1, 2, 5, 20, 200], key("steps.1.increments")),
             ],
+        },
+        Base {
+            name: "strip with a phase field",
+            case: include_str!("strip-phase-field.json"),
+            set: &[],
+            families: cracking(),
         },
     ]
 }

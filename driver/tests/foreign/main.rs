@@ -12,6 +12,7 @@ mod field;
 mod finite_strain;
 mod first_errors;
 mod frame;
+mod full;
 mod habits;
 mod heat;
 mod held;

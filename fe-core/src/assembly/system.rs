@@ -167,6 +167,17 @@ impl System {
         self.equation_of_row.len()
     }
 
+    /// The matrix, without what is condensed of it.
+    pub(crate) fn matrix(&self) -> &SystemMatrix {
+        &self.matrix
+    }
+
+    /// The rows of a freedom with their coefficients, where nothing is condensed.
+    pub(crate) fn rows_of_freedom(&self, freedom: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let terms = self.equations.equations_of(freedom).iter();
+        terms.map(|&(equation, coefficient)| (self.row_of_equation[equation] as usize, coefficient))
+    }
+
     /// The node of a row.
     pub(crate) fn node_of_row(&self, row: usize) -> usize {
         self.equations.freedoms()[self.equation_of_row[row]] / 2

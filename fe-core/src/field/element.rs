@@ -73,7 +73,7 @@ impl FieldElement {
         let count = self.nodes.len();
         let Medium { conductivity, capacity_rate, density_rate } = medium;
         let (mut residual, mut matrix) = (vec![0.0; count], vec![0.0; count * count]);
-        for (point, ReturnedHeat { source: [rpl, drpldt], transfer }) in self.points.iter().zip(heat) {
+        for (point, ReturnedHeat { source: [rpl, drpldt], transfer, .. }) in self.points.iter().zip(heat) {
             let FieldPoint { values, gradients, volume } = point;
             if let Some(transfer) = transfer {
                 self.add_transfer(point, transfer, [*rpl, *drpldt], density_rate, (&mut residual, &mut matrix));

@@ -26,13 +26,15 @@
 //! ```
 
 mod element;
+mod full;
 
 use crate::assembly::Solids;
 use crate::assembly::loads::{Bearers, external};
 use crate::mesh::Mesh;
-use crate::model::{CrackSurface, FieldCoupling, FieldKind, IncrementContext, LoadKind, ScalarField};
+use crate::model::{CrackSurface, FieldCoupling, FieldKind, Flux, IncrementContext, LoadKind, ScalarField};
 use crate::solver::{LinearSolver, Pattern, SolverError, SolverOptions, Symmetry, SystemMatrix};
 use element::FieldElement;
+use full::FullSystem;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -133,6 +135,8 @@ pub(crate) struct Field {
     leading: Option<Leading>,
     /// The correction of the pass before, of slow ones; empty: none.
     last_correction: Vec<f64>,
+    /// The system of both, once it has been needed.
+    full: Option<Box<FullSystem>>,
 }
 
 impl std::fmt::Debug for Field {
@@ -185,6 +189,7 @@ impl Field {
             is_fast: true,
             leading: None,
             last_correction: Vec::new(),
+            full: None,
             has_field,
             equations,
             time: 0.0,
@@ -215,7 +220,8 @@ impl Field {
         self.hand_over(solids);
     }
 
-    /// Begins an attempt at an increment: the field that the laws are given first. `growth`: that of its leading node, if it leads.
+    /// Begins an attempt at an increment with drives at its end: the field that the laws are given first. `growth`: that of its leading
+    /// node, if it leads.
     pub(crate) fn begin(
         &mut self,
         drives: &[f64],
@@ -225,10 +231,11 @@ impl Field {
     ) {
         let FieldState { values, earlier, time, .. } = &self.committed;
         let is_one_pass = self.definition.coupling == FieldCoupling::OnePass;
-        let share = match (self.definition.is_phase_field(), is_one_pass) {
-            (false, false) => 0.0,
-            (true, false) => PREDICTION,
-            (_, true) => 1.0,
+        let share = match self.definition.coupling {
+            FieldCoupling::Staggered if self.definition.is_phase_field() => PREDICTION,
+            // the first iteration predicts both
+            FieldCoupling::Staggered | FieldCoupling::Full => 0.0,
+            FieldCoupling::OnePass => 1.0,
         };
         let ratio = match growth {
             Some(growth) => {
@@ -244,13 +251,10 @@ impl Field {
             // what cracks does not heal
             now + if is_one_pass && self.definition.is_phase_field() { change.max(0.0) } else { change }
         }));
-        if context.time_increment > 0.0 {
-            for fixed in &self.definition.fixed {
-                let value = fixed.value * fixed.drive.map_or(1.0, |drive| drives[drive]);
-                fixed.nodes.iter().for_each(|&node| self.trial[node] = value);
-            }
-        }
         self.time = context.time_increment;
+        if self.time > 0.0 {
+            self.definition.fixed.iter().for_each(|fixed| fixed.set(drives, &mut self.trial));
+        }
         self.leading = growth.map(|growth| Leading { growth, node: None });
         (self.passes, self.last_change) = (0, f64::INFINITY);
         self.is_fast = self.definition.is_phase_field() && growth.is_none();
@@ -281,11 +285,7 @@ impl Field {
     ) -> (Pass, f64) {
         self.passes += 1;
         let change = correction.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        let scale = match self.definition.kind {
-            FieldKind::PhaseField(_) => 1.0,
-            FieldKind::Temperature => self.next.iter().fold(0.0_f64, |most, value| most.max(value.abs())),
-        };
-        let is_small = change <= self.definition.tolerance * scale;
+        let is_small = change <= self.definition.tolerance * self.scale();
         if self.definition.coupling == FieldCoupling::OnePass {
             self.apply(&correction, 1.0);
             let goes_on = !is_small && self.passes < FIELD_CORRECTIONS;
@@ -330,13 +330,20 @@ impl Field {
         correction: &Correction,
         length: f64,
         drives: &[f64],
-        context: &IncrementContext,
         solids: &Solids,
     ) -> Result<Vec<f64>, SolverError> {
-        let mut change = self.equations_at(drives, context, solids, None);
+        let mut change = self.equations_at(drives, solids, None);
         change.iter_mut().zip(&correction.residual).for_each(|(there, here)| *there = (*there - here) / length);
         self.solve(&mut change)?;
         Ok(change)
+    }
+
+    /// What the tolerance is relative to.
+    fn scale(&self) -> f64 {
+        match self.definition.kind {
+            FieldKind::PhaseField(_) => 1.0,
+            FieldKind::Temperature => self.next.iter().fold(0.0_f64, |most, value| most.max(value.abs())),
+        }
     }
 
     /// Returns whether corrections of a phase field have grown in this increment: passes leave a state that is unstable.
@@ -383,15 +390,12 @@ impl Field {
     /// # Errors
     ///
     /// The equations have no solution.
-    pub(crate) fn correction(
-        &mut self,
-        drives: &[f64],
-        context: &IncrementContext,
-        solids: &Solids,
-    ) -> Result<Correction, SolverError> {
+    pub(crate) fn correction(&mut self, drives: &[f64], solids: &Solids) -> Result<Correction, SolverError> {
+        // drives that something leads have moved
+        self.definition.fixed.iter().for_each(|fixed| fixed.set(drives, &mut self.next));
         let mut symmetry = Symmetry::Symmetric;
         let mut values = std::mem::take(&mut self.matrix.values);
-        let residual = self.equations_at(drives, context, solids, Some((&mut values, &mut symmetry)));
+        let residual = self.equations_at(drives, solids, Some((&mut values, &mut symmetry)));
         self.matrix.values = values;
         if !residual.is_empty() {
             self.solver.factorise(&self.matrix, symmetry)?;
@@ -413,25 +417,23 @@ impl Field {
     fn equations_at(
         &self,
         drives: &[f64],
-        context: &IncrementContext,
         solids: &Solids,
-        mut matrix: Option<(&mut Vec<f64>, &mut Symmetry)>,
+        matrix: Option<(&mut Vec<f64>, &mut Symmetry)>,
     ) -> Vec<f64> {
+        let mut residual = vec![0.0; self.matrix.pattern().size()];
+        self.add_fluxes(|flux| flux.drive.map_or(1.0, |drive| drives[drive]), &mut residual);
+        self.add_elements(solids, &mut residual, matrix);
+        residual
+    }
+
+    /// Adds R of the elements, and gives K and its symmetry if they are asked for.
+    fn add_elements(&self, solids: &Solids, residual: &mut [f64], mut matrix: Option<(&mut Vec<f64>, &mut Symmetry)>) {
         let density = self.definition.transfer.as_ref().map_or(0.0, |transfer| transfer.density);
         let medium = element::Medium {
             conductivity: self.definition.conductivity,
-            capacity_rate: self.definition.capacity / context.time_increment,
-            density_rate: density / context.time_increment,
+            capacity_rate: self.definition.capacity / self.time,
+            density_rate: density / self.time,
         };
-        let mut residual = vec![0.0; self.matrix.pattern().size()];
-        for (flux, nodal) in self.definition.fluxes.iter().zip(&self.fluxes) {
-            let factor = flux.drive.map_or(1.0, |drive| drives[drive]);
-            for (value, &equation) in nodal.iter().zip(&self.equations) {
-                if equation != NONE {
-                    residual[equation] += factor * value;
-                }
-            }
-        }
         if let Some((values, _)) = &mut matrix {
             values.fill(0.0);
         }
@@ -462,7 +464,18 @@ impl Field {
                 }
             }
         }
-        residual
+    }
+
+    /// Adds the nodal fluxes, each times a factor.
+    fn add_fluxes(&self, factor: impl Fn(&Flux) -> f64, residual: &mut [f64]) {
+        for (flux, nodal) in self.definition.fluxes.iter().zip(&self.fluxes) {
+            let factor = factor(flux);
+            for (value, &equation) in nodal.iter().zip(&self.equations) {
+                if equation != NONE {
+                    residual[equation] += factor * value;
+                }
+            }
+        }
     }
 
     /// Makes the last attempt the committed state.

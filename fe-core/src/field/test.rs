@@ -5,8 +5,8 @@ use crate::kinematics::PlaneModel;
 use crate::mesh::structured::{Grading, MeshBlock};
 use crate::mesh::{ElementEdge, Mesh, MeshDefinition, Part};
 use crate::model::{
-    Controls, FieldKind, FixedValue, Flux, Measured, Model, PluginLaw, ScalarField, Skipping, Step, StepControl,
-    Support,
+    Controls, FieldCoupling, FieldKind, FixedValue, Flux, Measured, Model, PluginLaw, ScalarField, Skipping, Step,
+    StepControl, Support,
 };
 use crate::stepping::{Analysis, Directive, Observer, Record, Snapshot};
 use std::f64::consts::PI;
@@ -65,6 +65,19 @@ impl Plate {
 
     /// θ at the nodes after a time.
     fn solve(&self, field: impl FnOnce(&Mesh) -> ScalarField, time: f64, increments: usize) -> (Mesh, Vec<f64>) {
+        let (model, values) = self.run(field, time, increments, 0, &mut Silent);
+        (model.mesh, values)
+    }
+
+    /// The same with so many drives that go to 1, and an observer of the increments.
+    fn run(
+        &self,
+        field: impl FnOnce(&Mesh) -> ScalarField,
+        time: f64,
+        increments: usize,
+        drives: usize,
+        observer: &mut impl Observer,
+    ) -> (Model, Vec<f64>) {
         let mesh = self.mesh();
         let support = |direction| Support {
             name: "all".into(),
@@ -79,21 +92,22 @@ impl Plate {
             average_dilatation: vec![false],
             nlgeom: vec![false],
             contacts: Vec::new(),
-            drives: Vec::new(),
+            drives: vec!["drive".into(); drives],
             initial_drives: Vec::new(),
             supports: vec![support([1.0, 0.0]), support([0.0, 1.0])],
             couplings: Vec::new(),
             loads: Vec::new(),
             measured: Measured::default(),
-            steps: vec![Step { time, targets: Vec::new(), control: StepControl::Fixed { increments } }],
+            steps: vec![Step { time, targets: vec![Some(1.0); drives], control: StepControl::Fixed { increments } }],
             controls: Controls::default(),
             skipping: Skipping::ALL,
             mesh,
         };
         let mut analysis = Analysis::new(&model).unwrap();
-        analysis.run(&mut Silent).unwrap();
+        analysis.run(observer).unwrap();
         let values = analysis.snapshot().field().unwrap();
-        (model.mesh, values)
+        drop(analysis);
+        (model, values)
     }
 }
 
@@ -136,6 +150,36 @@ fn a_flux_makes_a_gradient_of_flux_over_conductivity() {
         };
         let error = error(&plate.solve(field, 1.0, 1), |[x, _]| 1.0 + 7.0 / 2.5 * x);
         assert!(error < 1e-9, "{kind}: {error:e}");
+    }
+}
+
+/// A value that follows a drive is that of the end of each increment, not of its start; so in any way to solve it.
+#[test]
+fn fixed_values_follow_their_drive_in_the_same_increment() {
+    struct Largest(Vec<f64>);
+    impl Observer for Largest {
+        fn increment(&mut self, record: &Record, _: &Snapshot<'_>) -> io::Result<Directive> {
+            self.0.push(record.largest_field);
+            Ok(Directive::GoOn)
+        }
+    }
+    for coupling in [FieldCoupling::Staggered, FieldCoupling::OnePass, FieldCoupling::Full] {
+        let plate = Plate::bar(ElementKind::Q8, 4);
+        let field = |mesh: &Mesh| ScalarField {
+            fixed: vec![
+                fixed(plate.end(mesh, false), 0.0),
+                FixedValue { drive: Some(0), ..fixed(plate.end(mesh, true), 100.0) },
+            ],
+            coupling,
+            ..heat()
+        };
+        let mut seen = Largest(Vec::new());
+        let (model, values) = plate.run(field, 1.0, 4, 1, &mut seen);
+        let error = error(&(model.mesh, values), |[x, _]| 100.0 * x / 4.0);
+        let expected: Vec<f64> = (0..=4).map(|k| 25.0 * f64::from(k)).collect();
+        let largest =
+            seen.0.iter().zip(&expected).map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max);
+        assert!(seen.0.len() == 5 && error < 1e-8 && largest < 1e-8, "{coupling:?}: {error:e}, {:?}", seen.0);
     }
 }
 

@@ -16,6 +16,14 @@ pub struct FixedValue {
     pub drive: Option<usize>,
 }
 
+impl FixedValue {
+    /// Sets the value at its nodes, of values at all nodes of the mesh.
+    pub(crate) fn set(&self, drives: &[f64], values: &mut [f64]) {
+        let value = self.value * self.drive.map_or(1.0, |drive| drives[drive]);
+        self.nodes.iter().for_each(|&node| values[node] = value);
+    }
+}
+
 /// A flux into the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flux {
@@ -60,6 +68,8 @@ pub enum FieldCoupling {
     Staggered,
     /// Once each: displacements with the extrapolated field, then the field. Faster; take increments half as large.
     OnePass,
+    /// Together, by Newton's method: forces follow the field by DDSDDT, its sources the strains by DRPLDE.
+    Full,
 }
 
 /// UMATHT of the laws' libraries, which takes the place of conductivity and capacity where a library has it.

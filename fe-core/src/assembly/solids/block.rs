@@ -1,7 +1,10 @@
 //! A block: some elements of one part with everything that is known of them, so that one thread can evaluate it while
 //! others have their own.
 
-use super::element::{Motions, Task, advance_finite, advance_small, stiffness_finite, stiffness_small};
+use super::element::{
+    Motions, Task, advance_finite, advance_small, coupling, motions, stiffness_finite, stiffness_small,
+};
+use super::heat::ElementCoupling;
 use super::kernel::Nodal;
 use super::record::{Body, ElementData, Spalled, number_of};
 use super::summary::Counters;
@@ -216,6 +219,30 @@ impl ElementBlock {
         record.built.moduli_changed = false;
         record.built.version = evaluation.version;
         self.counters.stiffness_builds += 1;
+    }
+
+    /// How forces and sources of an element depend on the field and on displacements, at its last evaluation.
+    pub(super) fn coupling(&self, local: usize) -> ElementCoupling {
+        match self.records[local].kind {
+            ElementKind::T3 => self.coupling_of::<3>(local),
+            ElementKind::Q4 => self.coupling_of::<4>(local),
+            ElementKind::T6 => self.coupling_of::<6>(local),
+            ElementKind::Q8 => self.coupling_of::<8>(local),
+        }
+    }
+
+    fn coupling_of<const N: usize>(&self, local: usize) -> ElementCoupling {
+        let record = &self.records[local];
+        if record.built.spalled.is_some() {
+            let none = vec![0.0; 2 * N * N];
+            return ElementCoupling { force_by_field: none.clone(), source_by_displacement: none };
+        }
+        let shape = self.body.reference::<N>(record);
+        let [start, end] =
+            [&self.committed, &self.evaluated].map(|all| &all[record.nodal.clone()].as_chunks::<N>().0[0]);
+        // an element that cannot move so has been refused
+        let motions = if self.body.part.nlgeom { motions(&shape, [start, end]).ok() } else { None };
+        coupling(&shape, &self.body.points, motions.as_ref().map(|(motions, _)| motions))
     }
 
     /// Releases an element after an increment that was accepted.

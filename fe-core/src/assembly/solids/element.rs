@@ -1,5 +1,6 @@
 //! One element: from end displacements to internal forces and stiffness.
 
+use super::heat::ElementCoupling;
 use super::kernel::{Nodal, PointShape, add_product, mirror};
 use super::points::{PointIncrement, Points, is_symmetric};
 use super::record::number_of;
@@ -168,16 +169,7 @@ pub(super) fn advance_finite<const N: usize>(
     forces: &mut Nodal<N>,
     changed: &mut bool,
 ) -> Result<Motions, ElementTrouble> {
-    let mut motions = [FiniteIncrement::REST; MAX_POINTS];
-    let mut gradients = [[IDENTITY; 2]; MAX_POINTS];
-    for point in shape.points() {
-        let at = shape.at(point);
-        gradients[point] = [start, end].map(|displacements| {
-            let h = at.gradient(displacements);
-            std::array::from_fn(|k| IDENTITY[k] + h[k])
-        });
-        motions[point] = motion(&gradients[point]).map_err(|trouble| (point, trouble))?;
-    }
+    let (motions, gradients) = motions(shape, [start, end])?;
     let dilatation = mean_dilatation(shape, &motions);
     for point in shape.points() {
         let mut strain = motions[point].strain_increment();
@@ -199,6 +191,24 @@ pub(super) fn advance_finite<const N: usize>(
         shape.at(point).add_conjugate(&motions[point].nominal_stress(&stress), shape.volumes[point], forces);
     }
     Ok(motions)
+}
+
+/// The motions of the points, and F at the start and at the end.
+pub(super) fn motions<const N: usize>(
+    shape: &ReferenceElement<'_, N>,
+    ends: [&Nodal<N>; 2],
+) -> Result<(Motions, [[Gradient; 2]; MAX_POINTS]), ElementTrouble> {
+    let mut motions = [FiniteIncrement::REST; MAX_POINTS];
+    let mut gradients = [[IDENTITY; 2]; MAX_POINTS];
+    for point in shape.points() {
+        let at = shape.at(point);
+        gradients[point] = ends.map(|displacements| {
+            let h = at.gradient(displacements);
+            std::array::from_fn(|k| IDENTITY[k] + h[k])
+        });
+        motions[point] = motion(&gradients[point]).map_err(|trouble| (point, trouble))?;
+    }
+    Ok((motions, gradients))
 }
 
 fn motion([start, end]: &[Gradient; 2]) -> Result<FiniteIncrement, Setback> {
@@ -253,6 +263,44 @@ pub(super) fn stiffness_finite<const N: usize>(
     if let Some(average) = &average {
         average.add_to(stiffness);
     }
+}
+
+/// ∫ ∂N/∂X · ∂P/∂θ N_j dV, and ∫ N_i ∂r/∂ε ∂ε/∂u dV: exact but for the changes with θ of a thickness, and with u of the weights by
+/// which the dilatation is averaged under large displacements.
+pub(super) fn coupling<const N: usize>(
+    shape: &ReferenceElement<'_, N>,
+    points: &Points,
+    motions: Option<&Motions>,
+) -> ElementCoupling {
+    let [mut force_by_field, mut source_by_displacement] = [[[[0.0; 2]; N]; N]; 2];
+    let ratio = |point: usize| motions.map_or(1.0, |motions| motions[point].volume_ratio);
+    let middle_ratio = |point: usize| motions.map_or(1.0, |motions| motions[point].middle_volume_ratio);
+    for node in 0..N {
+        let rates = |point: usize| {
+            let value = shape.values[point][node];
+            points.coupling(shape.first_point + point).map(|rates| rates.map(|rate| value * rate))
+        };
+        let means = shape.average.then(|| {
+            let pressure = shape.integral(|point| mean(&rates(point)[0]) * ratio(point)) / shape.integral(ratio);
+            (pressure, shape.integral(|point| mean(&rates(point)[1])) / shape.integral(middle_ratio))
+        });
+        for point in shape.points() {
+            let [mut stress, mut source] = rates(point);
+            if let Some((pressure, of_dilatation)) = means {
+                stress = with_mean(&stress, pressure);
+                source = with_mean(&source, of_dilatation * middle_ratio(point));
+            }
+            let [force, by_displacement] = match motions {
+                None => [symmetric_gradient(&stress), symmetric_gradient(&source)],
+                Some(motions) => [motions[point].nominal_stress(&stress), motions[point].strain_conjugate(&source)],
+            };
+            let (at, volume) = (shape.at(point), shape.volumes[point]);
+            at.add_conjugate(&force, volume, &mut force_by_field[node]);
+            at.add_conjugate(&by_displacement, volume, &mut source_by_displacement[node]);
+        }
+    }
+    let flat = |nodal: [Nodal<N>; N]| nodal.as_flattened().as_flattened().to_vec();
+    ElementCoupling { force_by_field: flat(force_by_field), source_by_displacement: flat(source_by_displacement) }
 }
 
 /// Contribution of the means over an element to its stiffness: (∂f/∂θ̄) ⊗ ∂θ̄/∂u + (∂f/∂p̄) ⊗ ∂p̄/∂u.

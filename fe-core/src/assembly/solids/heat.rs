@@ -2,6 +2,7 @@
 
 use super::Solids;
 use super::block::BlockPlace;
+use crate::kinematics::finite::Components;
 use crate::model::ScalarField;
 use umat_abi::host::{GRADIENTS, Transfer, same_bits};
 
@@ -21,6 +22,17 @@ pub(crate) struct ReturnedHeat {
     pub(crate) source: [f64; 2],
     /// The answer of UMATHT, if there is one, with the increment of U in the place of U.
     pub(crate) transfer: Option<Transfer>,
+    /// DDSDDT, and DRPLDE.
+    pub(super) coupling: [Components; 2],
+}
+
+/// Derivatives of an element's nodal forces and sources.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ElementCoupling {
+    /// ∂f/∂θ: the two forces of each node, for one node of the field after the other.
+    pub(crate) force_by_field: Vec<f64>,
+    /// ∂(∫ N_i r dV)/∂u: by the two displacements of each node, for one N_i after the other.
+    pub(crate) source_by_displacement: Vec<f64>,
 }
 
 /// Temperature of the points of a block, and heat: nothing without a field.
@@ -42,6 +54,12 @@ impl PointHeat {
     #[inline]
     pub(super) fn note(&mut self, point: usize, returned: ReturnedHeat) {
         self.returned[point] = returned;
+    }
+
+    /// DDSDDT and DRPLDE of the last call at a point.
+    #[inline]
+    pub(super) fn coupling(&self, point: usize) -> [Components; 2] {
+        self.returned[point].coupling
     }
 }
 
@@ -90,5 +108,10 @@ impl Solids {
     /// What the laws at the points of an element returned at its last evaluation.
     pub(crate) fn heat(&self, element: usize) -> &[ReturnedHeat] {
         &self.block(element).body.points.heat.returned[self.record(element).points.clone()]
+    }
+
+    /// How forces and sources of an element depend on the field and on displacements, by DDSDDT and DRPLDE at its last evaluation.
+    pub(crate) fn coupling(&self, element: usize) -> ElementCoupling {
+        self.block(element).coupling(self.places[element].local)
     }
 }

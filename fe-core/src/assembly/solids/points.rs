@@ -392,6 +392,13 @@ impl Points {
         })
     }
 
+    /// The derivative of the acting stress by the field at a fixed thickness, and that of RPL by the strain.
+    pub(super) fn coupling(&self, point: usize) -> [Components; 2] {
+        let [stress, source] = self.heat.coupling(point);
+        let ratio = self.thickness.get(point).map_or(1.0, |thickness| thickness.ratio);
+        [stress.map(|component| ratio * component), source]
+    }
+
     /// A UMAT's energies are per present volume; `volume_ratios`: J at the end of a motion and half-way.
     fn book_energies(&mut self, point: usize, volume_ratios: Option<[f64; 2]>) {
         let energies = self.call.energies;
@@ -480,7 +487,11 @@ impl Points {
             });
         }
         let heat = self.call.heat();
-        self.heat.note(point, ReturnedHeat { source: [heat.rpl, heat.drpldt], transfer });
+        let mut coupling = [[0.0; MAX_COMPONENTS]; 2];
+        for (own, law) in coupling.iter_mut().zip([&heat.ddsddt, &heat.drplde]) {
+            law.iter().zip(self.components).for_each(|(source, &target)| own[target] = *source);
+        }
+        self.heat.note(point, ReturnedHeat { source: [heat.rpl, heat.drpldt], transfer, coupling });
         Ok(())
     }
 

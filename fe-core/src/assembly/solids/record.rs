@@ -181,19 +181,33 @@ pub(super) struct Body {
     pub(super) positions: Vec<[f64; 2]>,
 }
 
+/// An element's reference configuration, of what its body has of all elements.
+fn reference<'a, const N: usize>(
+    part: &'a PartData,
+    (gradients, volumes, positions): (&'a [[f64; 2]], &'a [f64], &'a [[f64; 2]]),
+    record: &ElementData,
+) -> ReferenceElement<'a, N> {
+    ReferenceElement {
+        gradients: gradients[record.gradients.clone()].as_chunks::<N>().0,
+        values: &part.values[record.kind as usize],
+        volumes: &volumes[record.points.clone()],
+        positions: &positions[record.points.clone()],
+        axisymmetric: part.axisymmetric,
+        average: part.average && record.kind == ElementKind::Q4,
+        first_point: record.points.start,
+    }
+}
+
 impl Body {
     /// An element's reference configuration, and the points.
     pub(super) fn split<const N: usize>(&mut self, record: &ElementData) -> (ReferenceElement<'_, N>, &mut Points) {
-        let shape = ReferenceElement {
-            gradients: self.gradients[record.gradients.clone()].as_chunks::<N>().0,
-            values: &self.part.values[record.kind as usize],
-            volumes: &self.volumes[record.points.clone()],
-            positions: &self.positions[record.points.clone()],
-            axisymmetric: self.part.axisymmetric,
-            average: self.part.average && record.kind == ElementKind::Q4,
-            first_point: record.points.start,
-        };
-        (shape, &mut self.points)
+        let Self { part, points, gradients, volumes, positions, .. } = self;
+        (reference(part, (gradients, volumes, positions), record), points)
+    }
+
+    /// An element's reference configuration.
+    pub(super) fn reference<const N: usize>(&self, record: &ElementData) -> ReferenceElement<'_, N> {
+        reference(&self.part, (&self.gradients, &self.volumes, &self.positions), record)
     }
 
     /// Returns whether a point's law has a damage that has grown, or has none and has dissipated.

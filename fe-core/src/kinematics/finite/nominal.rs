@@ -55,6 +55,12 @@ impl FiniteIncrement {
         (strain, angle)
     }
 
+    /// Σ a_k ∂Δε_k/∂F, of factors a of the components of the strain increment.
+    pub(crate) fn strain_conjugate(&self, factors: &Components) -> Gradient {
+        let (strain, _) = self.strain_derivatives();
+        std::array::from_fn(|l| factors.iter().zip(&strain).map(|(factor, rates)| factor * rates[l]).sum())
+    }
+
     /// s = ∂σ/∂φ of an isotropic law.
     fn stress_by_angle(&self, stress: &Components, moduli: &Moduli) -> Components {
         let [e11, e22, _, e12] = self.strain_increment();

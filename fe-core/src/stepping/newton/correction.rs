@@ -33,6 +33,8 @@ pub(super) struct Followed {
 pub(super) struct Direction {
     pub(super) displacements: Vec<f64>,
     pub(super) drives: Vec<f64>,
+    /// That of the field, if it is solved together with the displacements.
+    field: Vec<f64>,
 }
 
 impl Direction {
@@ -46,6 +48,7 @@ impl Direction {
     fn plus(mut self, factor: f64, other: &Self) -> Self {
         self.displacements.iter_mut().zip(&other.displacements).for_each(|(a, b)| *a += factor * b);
         self.drives.iter_mut().zip(&other.drives).for_each(|(a, b)| *a += factor * b);
+        self.field.iter_mut().zip(&other.field).for_each(|(a, b)| *a += factor * b);
         self
     }
 }
@@ -55,6 +58,7 @@ impl Equilibrium<'_> {
     pub(super) fn direction(&mut self, attempt: &Attempt<'_>) -> Result<Direction, PointFailure> {
         let &Attempt { start, target, ref trial, .. } = attempt;
         let mut correction = self.memory.residual.clone();
+        correction.extend(self.field_residual(&trial.drives));
         let predicts = attempt.predicts();
         let leads = matches!(target, IncrementGoal::Led { by: Leader::PointSlip | Leader::Dissipation, .. });
         let may_lack = !leads || (predicts && attempt.is_off);
@@ -93,10 +97,20 @@ impl Equilibrium<'_> {
         }
     }
 
-    fn solve(&mut self, right_side: &mut [f64]) -> Result<(), PointFailure> {
+    pub(super) fn solve(&mut self, right_side: &mut [f64]) -> Result<(), PointFailure> {
         self.memory.statistics.solutions += 1;
-        let Self { system, observed, .. } = self;
-        timed(&mut observed.times.solution, || system.solve(right_side)).map_err(|error| unsolvable(&error))
+        let Self { system, field, observed, .. } = self;
+        let solved = timed(&mut observed.times.solution, || match field {
+            Some(field) if field.is_full() => field.solve_full(right_side),
+            _ => system.solve(right_side),
+        });
+        solved.map_err(|error| unsolvable(&error))
+    }
+
+    /// Residual of a field that is solved together with the displacements; empty without one.
+    pub(super) fn field_residual(&self, drives: &[f64]) -> Vec<f64> {
+        let field = self.field.as_ref().filter(|field| field.is_full());
+        field.map_or_else(Vec::new, |field| field.residual(drives, &self.solids))
     }
 
     /// Returns how far the leading point has slid; chosen where the increment starts.
@@ -176,7 +190,7 @@ impl Equilibrium<'_> {
             let mut forces = vec![0.0; there.len()];
             let Self { solids, field: Some(field), observed, memory, .. } = self else { break };
             timed(&mut observed.times.solids, || solids.evaluate(&there, &context, Request::Stress, &mut forces))?;
-            let response = field.response(correction, length, &trial.drives, &attempt.context, solids);
+            let response = field.response(correction, length, &trial.drives, solids);
             let response = response.map_err(|error| unsolvable(&error))?;
             if response.iter().all(|by| *by <= 0.0) {
                 // nothing loads so near: it has unloaded, or does not crack yet
@@ -206,7 +220,8 @@ impl Equilibrium<'_> {
         Ok(self.solids.trial_dissipation())
     }
 
-    /// Tᵀ(∂f_ext/∂a − ∂f_int/∂a − K S) d, with loads where the increment starts; interferences alone press by their drives.
+    /// Tᵀ(∂f_ext/∂a − ∂f_int/∂a − K S) d, with loads where the increment starts; interferences alone press by their drives. The same of a
+    /// field that is solved together with the displacements follows.
     pub(super) fn drive_force(&self, start: &Committed, drives: &[f64]) -> Vec<f64> {
         let mut forces = self.system.drive_stiffness(&self.solids, drives);
         forces.iter_mut().for_each(|force| *force = -*force);
@@ -215,11 +230,16 @@ impl Equilibrium<'_> {
         self.contact.add_drive_forces(drives, &mut external);
         let reduced = self.system.reduce(&external);
         forces.iter_mut().zip(&reduced).for_each(|(force, load)| *force += load);
+        if let Some(field) = self.field.as_ref().filter(|field| field.is_full()) {
+            let held = self.system.displacements(&vec![0.0; forces.len()], drives);
+            forces.extend(field.drive_residual(drives, &held, &self.solids));
+        }
         forces
     }
 
     fn as_direction(&self, unknowns: &[f64], drives: Vec<f64>) -> Direction {
-        Direction { displacements: self.system.displacements(unknowns, &drives), drives }
+        let (rows, field) = unknowns.split_at(self.system.row_count());
+        Direction { displacements: self.system.displacements(rows, &drives), drives, field: field.to_vec() }
     }
 
     /// Applies a correction and evaluates; a shorter one if the residual grows. Returns which part of it was applied.
@@ -234,11 +254,16 @@ impl Equilibrium<'_> {
             self.contact.predict_gaps(&direction.displacements, predicts);
         }
         direction.place(&from, 1.0, &mut attempt.trial);
+        let is_full = self.is_full();
+        if let Some(field) = self.field.as_mut().filter(|_| is_full) {
+            field.advance_full(&direction.field, &attempt.trial.drives, &mut self.solids);
+        }
         self.evaluate(attempt)?;
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
         let full = largest(&self.memory.residual);
         let contact_changes = self.leading.changes > 0 && attempt.iterations.len() <= USUAL_ITERATIONS;
-        if !self.model.controls.line_search || predicts || moves_drives || contact_changes || full <= before {
+        if !self.model.controls.line_search || is_full || predicts || moves_drives || contact_changes || full <= before
+        {
             return Ok(1.0);
         }
         let spreads = if self.model.contacts.is_empty() { WORK_REDUCTION } else { 0.0 };

@@ -48,12 +48,14 @@ impl Equilibrium<'_> {
             let direction = self.direction(attempt)?;
             let step_length = self.advance(attempt, &direction)?;
             let after = largest(&self.memory.residual);
+            let field_after = largest(&self.field_residual(&attempt.trial.drives));
             let (begins_round, flips) = (attempt.round().is_empty(), self.flips());
             self.memory.last_reduction = if predicts { 1.0 } else { after / residual };
             growing = if !predicts && after > residual { growing + 1 } else { 0 };
             attempt.follows = false;
             attempt.iterations.push(Iteration {
                 residual: after,
+                field_residual: field_after,
                 scale: self.force_scale(),
                 correction: step_length * largest(&direction.displacements),
                 step_length,
@@ -93,8 +95,19 @@ impl Equilibrium<'_> {
         // through drag, where nothing but drag may hold the specimen, small residuals leave more to correct than that
         let left = if reduction < FAST_REDUCTION && attempt.resistance() == 0.0 { reduction } else { 1.0 };
         let is_small = |last: &Iteration| left * last.correction <= self.model.controls.displacement_tolerance * moved;
-        residual <= (NEGLIGIBLE * tolerance).max(self.memory.rounding)
-            || (residual <= tolerance && attempt.round().last().is_none_or(is_small))
+        let is_balanced = residual <= (NEGLIGIBLE * tolerance).max(self.memory.rounding)
+            || (residual <= tolerance && attempt.round().last().is_none_or(is_small));
+        is_balanced && (!self.is_full() || self.field_holds(attempt))
+    }
+
+    /// Returns whether the last factor makes no correction of a field, solved together with the displacements, of what is left. After a
+    /// prediction by the tangents of another state its last correction says nothing.
+    fn field_holds(&mut self, attempt: &Attempt<'_>) -> bool {
+        let mut left = self.memory.residual.clone();
+        let rows = left.len();
+        left.extend(self.field_residual(&attempt.trial.drives));
+        let is_solved = self.solve(&mut left).is_ok();
+        is_solved && self.field.as_ref().is_none_or(|field| field.tolerates(&left[rows..]))
     }
 
     /// Names the node with the largest residual.

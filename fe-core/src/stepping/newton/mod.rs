@@ -96,6 +96,8 @@ pub struct Iteration {
     pub scale: f64,
     /// Largest correction of a displacement, mm.
     pub correction: f64,
+    /// Largest residual of a field that is solved together with the displacements; otherwise 0.
+    pub field_residual: f64,
     /// Part of the correction that was applied (line search).
     pub step_length: f64,
     /// Whether a round of iterations begins with it: the increment's first, or after contact has settled or the far field shrunk.
@@ -336,6 +338,11 @@ impl<'m> Equilibrium<'m> {
         Ok(Converged { end, iterations, drag, turns: self.memory.drag.turns(), guide })
     }
 
+    /// Returns whether displacements and field are solved together.
+    pub(super) fn is_full(&self) -> bool {
+        self.field.as_ref().is_some_and(Field::is_full)
+    }
+
     /// Predicts the field.
     fn begin_field(&mut self, attempt: &Attempt<'_>) {
         let Some(field) = &mut self.field else { return };
@@ -343,7 +350,8 @@ impl<'m> Equilibrium<'m> {
             IncrementGoal::Led { by: Leader::Field, growth, .. } => Some(*growth),
             _ => None,
         };
-        field.begin(&attempt.trial.drives, &attempt.context, growth, &mut self.solids);
+        let goal = attempt.trial.drives.iter().zip(attempt.lacking()).map(|(drive, lacking)| drive + lacking);
+        field.begin(&goal.collect::<Vec<f64>>(), &attempt.context, growth, &mut self.solids);
         self.memory.at_committed_state = false;
     }
 
@@ -353,12 +361,11 @@ impl<'m> Equilibrium<'m> {
         loop {
             let Self { field: Some(field), solids, observed, memory, .. } = self else { return Ok(true) };
             // nothing flows in no time
-            if field.is_accepted() || attempt.context.time_increment <= 0.0 {
+            if field.is_accepted() || field.is_full() || attempt.context.time_increment <= 0.0 {
                 return Ok(true);
             }
             memory.statistics.field_passes += 1;
-            let (drives, context) = (&attempt.trial.drives, &attempt.context);
-            let correction = timed(&mut observed.times.solution, || field.correction(drives, context, solids));
+            let correction = timed(&mut observed.times.solution, || field.correction(&attempt.trial.drives, solids));
             let mut correction = correction.map_err(|error| unsolvable(&error))?;
             let Followed { share, force } = self.follow_field(attempt, &mut correction)?;
             let Self { field: Some(field), solids, .. } = self else { return Ok(true) };

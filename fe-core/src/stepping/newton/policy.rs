@@ -3,6 +3,7 @@
 use super::{Attempt, Equilibrium, unsolvable};
 use crate::assembly::solids::TangentChoice;
 use crate::assembly::{PointFailure, touching};
+use crate::field::Field;
 use crate::solver::Symmetry;
 use crate::stepping::constants::{
     FAST_REDUCTION, LINEAR_REDUCTION, PATIENCE, POSITION_ROUNDING, SLOW_REDUCTION, USUAL_ITERATIONS,
@@ -14,7 +15,8 @@ impl Equilibrium<'_> {
     /// tangents, or of others where those did not help.
     pub(super) fn prepare_factor(&mut self, attempt: &Attempt<'_>) -> Result<(), PointFailure> {
         let done = attempt.round().len();
-        let is_slow = self.memory.last_reduction > SLOW_REDUCTION;
+        // a safer stiffness of displacements alone leaves them out of step with the field
+        let is_slow = self.memory.last_reduction > SLOW_REDUCTION && !self.is_full();
         let fallbacks = [(USUAL_ITERATIONS, TangentChoice::Frozen), (2 * USUAL_ITERATIONS, TangentChoice::Elastic)];
         if let Some((_, choice)) = fallbacks.into_iter().find(|(after, _)| is_slow && *after == done) {
             self.choose_tangents(choice);
@@ -74,7 +76,7 @@ impl Equilibrium<'_> {
         let was_easy = self.memory.last_iterations <= USUAL_ITERATIONS;
         let is_known = self.memory.factorised && !self.memory.factor_is_elsewhere;
         let converges_fast = self.memory.last_reduction < FAST_REDUCTION;
-        self.model.skipping.factor_reuse && was_easy && is_known && converges_fast
+        self.model.skipping.factor_reuse && was_easy && is_known && converges_fast && !self.is_full()
     }
 
     /// Makes sure that the next increment finds a factor or tangents. Those of the committed state by itself, in which
@@ -88,7 +90,7 @@ impl Equilibrium<'_> {
 
     /// Factorises the matrix, of which only what has changed since the last time is done again.
     pub(super) fn factorise(&mut self) -> Result<(), PointFailure> {
-        let Self { model, solids, contact, system, memory, observed, .. } = self;
+        let Self { model, solids, contact, field, system, memory, observed, .. } = self;
         let keep = model.skipping.unchanged_elements && memory.factorised;
         let elements_changed = !keep || solids.latest_version() != memory.assembled_version;
         timed(&mut observed.times.assembly, || {
@@ -101,11 +103,15 @@ impl Equilibrium<'_> {
         memory.assembled_version = solids.latest_version();
         let statistics = &mut memory.statistics;
         *if elements_changed { &mut statistics.factorisations } else { &mut statistics.block_factorisations } += 1;
-        let result = timed(&mut observed.times.factorisation, || system.factorise(symmetry));
+        let result = timed(&mut observed.times.factorisation, || match field {
+            Some(field) if field.is_full() => field.factorise_full(system, solids, &model.mesh),
+            _ => system.factorise(symmetry).map(drop),
+        });
         let extent = model.mesh.nodes().as_flattened().iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
         memory.rounding = POSITION_ROUNDING * extent * system.largest_diagonal();
-        memory.factorised = result.is_ok();
+        // without time the factor of displacements alone is needed
+        memory.factorised = result.is_ok() && !field.as_ref().is_some_and(Field::is_full);
         memory.factor_is_elsewhere = contact.is_elsewhere();
-        result.map(|_| ()).map_err(|error| unsolvable(&error))
+        result.map_err(|error| unsolvable(&error))
     }
 }

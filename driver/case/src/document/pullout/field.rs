@@ -5,7 +5,7 @@ use fe_core::model::{CrackSurface, FieldCoupling};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A scalar θ at every node, which the laws get as temperature: c ∂θ/∂t = k ∇²θ + RPL. Displacements and θ are found in turn.
+/// A scalar θ at every node, which the laws get as temperature: c ∂θ/∂t = k ∇²θ + RPL. Displacements and θ are found in turn by default.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScalarField {
