@@ -165,7 +165,8 @@ impl BeamFit {
             let last = rows.iter().map(|row| row[0]).fold(0.0, f64::max);
             data.push(("greatest CMOD", last, "mm", [0.1, 50.0]));
         }
-        let mut doubts = doubts(&data, [("", self.full.fitted.rms)]);
+        let bond = self.bond.as_ref().ok().map(|bond| ("bond", bond.fitted.rms));
+        let mut doubts = doubts(&data, [("", self.full.fitted.rms)].into_iter().chain(bond));
         let searches =
             [("σ(w)", Some(&self.full.fitted)), ("the bond", self.bond.as_ref().ok().map(|bond| &bond.fitted))];
         let unfinished = searches.into_iter().filter(|(_, fitted)| fitted.is_some_and(|fitted| !fitted.reached));

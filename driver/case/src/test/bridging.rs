@@ -115,7 +115,7 @@ const MALFORMED: &[Sample] = &[
         ByMeaning,
     ),
     (&[TABLE, "fibre.scale=0"], "$.fibre.scale", "must be > 0", BySchema),
-    (&[HOOK, "fibre.hook.radius=0"], "$.fibre.hook.radius", "must be above 0", ByMeaning),
+    (&[HOOK, "fibre.hook.radius=0"], "$.fibre.hook.radius", "at least half of the", ByMeaning),
     (&[HOOK, "fibre.hook.friction=-1"], "$.fibre.hook.friction", "must not be below 0", ByMeaning),
     (&[HOOK, "fibre.hook.lengths=[]"], "$.fibre.hook.lengths", "one for each bend", ByMeaning),
     (&[HOOK, "fibre.hook.yield_stress=null"], "$.fibre.hook.yield_stress", "no strength", ByMeaning),

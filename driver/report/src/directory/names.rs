@@ -39,13 +39,15 @@ const GROWING: [&str; 13] = [
     "increments.json",
 ];
 /// Other files that would be replaced, or taken for results.
-const RUN: [&str; 9] = [
+const RUN: [&str; 11] = [
     "summary.json",
     "report.html",
     "bridging.csv",
     "beam.csv",
     "scatter.csv",
     "fibres.csv",
+    "abaqus.inp",
+    "crack_band.csv",
     "fields/*.vtu",
     "plots/*.svg",
     "plots/spec.json",
@@ -53,7 +55,7 @@ const RUN: [&str; 9] = [
 /// Files that a study writes into the directory of a run.
 const MEMBER: [&str; 2] = ["run.json", "output.txt"];
 const STUDY: [&str; 5] = ["study.csv", "study.json", "report.html", "plots/*.svg", "plots/*.png"];
-const FIT: [&str; 16] = [
+const FIT: [&str; 18] = [
     "curve.csv",
     "fit.json",
     "report.html",
@@ -70,6 +72,8 @@ const FIT: [&str; 16] = [
     "fitted-curve-#.csv",
     "sigma.csv",
     "bond-case.json",
+    "abaqus.inp",
+    "crack_band.csv",
     "plots/*.svg",
 ];
 
