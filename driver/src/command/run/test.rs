@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 
 /// Options of `pullout run`, each with a value: they are passed to the worker.
-const FORWARDED: [(&str, &str); 12] = [
+const FORWARDED: &[(&str, &str)] = &[
     ("out", "--out=elsewhere"),
     ("overrides", "--set=steps.0.increments=5"),
     ("plugin_paths", "--plugin-path=plugins"),
@@ -45,7 +45,7 @@ fn each_option_is_passed_to_another_process() {
     let listed: BTreeSet<&str> = FORWARDED.iter().map(|(name, _)| *name).chain(NOT_FORWARDED).collect();
     assert_eq!(known, listed, "a new option is forwarded, or deliberately not");
     let plain = handed_over(&[]);
-    for (name, option) in FORWARDED {
+    for &(name, option) in FORWARDED {
         assert_ne!(handed_over(&[option]), plain, "{name}");
     }
     assert_eq!(handed_over(&["--in-process"]), plain);
