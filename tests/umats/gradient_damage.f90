@@ -1,7 +1,7 @@
 ! Implicit gradient damage (Peerlings et al. 1996): stress = (1 - D) C strain, D by the largest nonlocal strain T so far, T the temperature:
 !   T - c div grad T = e,   e = sqrt(strain C strain/E),   D = 1 - K0/K (1 - A + A exp(-B (K - K0))),   K = max(K0, T)
 ! The flux -c grad T is that of UMATHT, the source e - T is RPL. All derivatives are exact.
-! PROPS: E, nu, K0, A, B, which error: 0 none, 1 DDSDDT not set, 2 DRPLDE not set. STATEV: K, D.
+! PROPS: E, nu, K0, A, B. STATEV: K, D.
 ! PROPS of UMATHT: c.
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
     predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
@@ -13,8 +13,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
       drpldt, stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(*), dpred(*), props(nprops), coords(3), &
       drot(3, 3), pnewdt, celent, dfgrd0(3, 3), dfgrd1(3, 3)
   double precision :: mu, lambda, nonlocal, local, before, largest, decay, strain(ntens), sound(ntens)
-  integer :: i, error
-  error = nint(props(6))
+  integer :: i
   mu = props(1) / (2 * (1 + props(2)))
   lambda = 2 * mu * props(2) / (1 - 2 * props(2))
   ddsdde = 0
@@ -32,7 +31,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   statev(1) = largest
   statev(2) = 1 - props(3) / largest * (1 - props(4) + props(4) * decay)
   ddsddt = 0
-  if (nonlocal >= before .and. error /= 1) then
+  if (nonlocal >= before) then
     ddsddt = -(props(3) / largest**2 * (1 - props(4) + props(4) * decay) + props(3) / largest * props(4) * props(5) * decay) * sound
   end if
   stress = (1 - statev(2)) * sound
@@ -41,7 +40,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   rpl = local - nonlocal
   drpldt = -1
   drplde = 0
-  if (local > 0 .and. error /= 2) drplde = sound / (props(1) * local)
+  if (local > 0) drplde = sound / (props(1) * local)
 end subroutine
 
 subroutine umatht(u, dudt, dudg, flux, dfdt, dfdg, statev, temp, dtemp, dtemdx, time, dtime, predef, dpred, cmname, ntgrd, &
