@@ -13,9 +13,6 @@ const LARGEST_CORRELATION: f64 = 0.9999;
 const PATIENCE: usize = 12;
 /// A quantity is sought up to this factor from its start: beyond it nothing is a fibre's.
 const LARGEST_FACTOR: f64 = 20.0;
-/// Factors on the start of the first quantity at which differences are looked at. Where fibres break, a weak bond and a strong one may both be
-/// better than those between: the search begins at each least difference among them.
-const PLACES: [f64; 7] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
 /// Differences where nothing is a fibre's: so large that the search turns back.
 const NO_FIBRE: f64 = 10.0;
 /// Openings from which the strengths of a beam are computed, to the last, mm, closer at the beginning.
@@ -46,16 +43,7 @@ impl SoughtBond<'_> {
         };
         let quantities = |parameters: &[f64]| parameters.iter().map(|x| x.exp()).collect();
         let problem = LeastSquares { residuals: &residuals, quantities: &quantities, data: rows, patience: PATIENCE };
-        let places = PLACES.map(|factor| begin[0] + factor.ln());
-        let misfits =
-            places.map(|place| residuals(&[place]).iter().map(|difference| difference * difference).sum::<f64>());
-        let is_least = |k: &usize| {
-            let neighbours = [k.checked_sub(1), Some(k + 1)].map(|other| other.and_then(|other| misfits.get(other)));
-            neighbours.into_iter().flatten().all(|other| misfits[*k] <= *other)
-        };
-        let minima = (0..PLACES.len()).filter(is_least).map(|k| least_squares(&problem, &places[k..=k]));
-        let alone = minima.min_by(|a, b| a.rms.total_cmp(&b.rms));
-        let alone = alone.unwrap_or_else(|| least_squares(&problem, &begin[..1]));
+        let alone = least_squares(&problem, &begin[..1]);
         let Some(second) = begin.get(1) else { return Ok(alone) };
         let begin = vec![alone.parameters[0], *second];
         if !alone.reached || assess(&problem, begin.clone()).correlation[(0, 1)].abs() > LARGEST_CORRELATION {

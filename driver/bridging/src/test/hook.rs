@@ -145,31 +145,6 @@ fn rough_means_are_as_close_as_they_say() {
     }
 }
 
-/// Strengths that fall, of hooked fibres that break: a friction of 1.6 MPa, with which few break, and one of 6 MPa, with which many do, both
-/// have smaller differences than those between, 24 and 16 % of the greatest strength. The better one is found from any start: the search
-/// from 1 MPa used to end at 1.6.
-#[test]
-fn the_friction_of_hooked_fibres_does_not_depend_on_where_its_search_begins() {
-    let fibre = Fibre { diameter: 0.75, length: 60.0, modulus: 200_000.0, strength: Some(1225.0), rupture_f: 0.0 };
-    let hook =
-        Hook { lengths: vec![2.12, 2.95], angle_deg: 45.0, radius: 1.8, friction: 0.2, yield_stress: Some(1160.0) };
-    let matrix =
-        Matrix { modulus: 32_000.0, ft: 2.9, softening: Softening::Hordijk, fracture_energy: 0.14, fc: Some(38.0) };
-    let composite = |sought: &[f64]| {
-        let bond =
-            Closed { tau: sought[0], hook: Some(hook.clone()), ..friction(Debonding::Elastic, Sliding::Shortening) };
-        let fibre = BridgingFibre::new(fibre, &Bond::Closed(bond), Inclination::Exp { f: 0.35 }, Sides::Two, 0.0)?;
-        Composite::new(fibre, 0.0051, &Orientation::Random3d, matrix, 0.0)
-    };
-    let tested = [Residual { limit: 5.2, residual: [4.13, 4.0, 3.87, 3.67] }];
-    let [weak, strong] = [1.0, 4.0].map(|tau| {
-        let sought = SoughtBond { composite: &composite, start: &[tau] };
-        bond_from_strengths(&sought, &NotchedBeam::default(), &tested).expect("a bond")
-    });
-    assert!(strong.rms < 0.2 && strong.estimates[0].value > 4.0, "{strong:?}");
-    assert_relative_eq!(weak.estimates[0].value, strong.estimates[0].value, max_relative = 0.01);
-}
-
 #[test]
 fn hooks_without_sense_are_refused() {
     let (fibre, bond) = hooked(0.9, 1160.0, 0.2);
