@@ -8,7 +8,7 @@ use crate::document::pullout as document;
 use crate::document::pullout::{HeatRoutine, MeshSource};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use fe_core::model::{CrackSurface, FieldKind, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField};
+use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField};
 use umat_abi::host::Library;
 
 /// The field of a case, without the cracks of the laws ([`with_cracks_of`]).
@@ -54,6 +54,13 @@ pub fn resolve(
     if case.course.temperature.is_some() {
         reader.warn_no_effect(&Place::root().key("temperature"), "parts of the field have its values");
     }
+    let coupling = given.coupling.unwrap_or_default();
+    if coupling == FieldCoupling::Full && matches!(kind, FieldKind::PhaseField(_)) {
+        reader.warn(format!(
+            "{}: a phase field in full coupling may stay on a state without a crack that is no longer stable, above the strength: compare the peak with that of \"staggered\"",
+            place.key("coupling")
+        ));
+    }
     let umatht = given.umatht.clone().unwrap_or_default();
     let transfer = HeatTransfer {
         props: umatht.props.unwrap_or_default(),
@@ -69,7 +76,7 @@ pub fn resolve(
         transfer: Some(transfer),
         fixed,
         fluxes,
-        coupling: given.coupling.unwrap_or_default(),
+        coupling,
         tolerance,
     })
 }

@@ -974,6 +974,17 @@ fn a_field_takes_its_defaults_and_the_cracks_of_its_law() {
 }
 
 #[test]
+fn a_phase_field_in_full_coupling_is_warned_of() {
+    let warnings = |field: &str| {
+        let all = accepted(&inclined_case(), &[&format!("field={field}")]).about.warnings;
+        all.into_iter().filter(|warning| warning.contains("$.field.coupling")).count()
+    };
+    assert_eq!(warnings(r#"{"kind": "phase_field", "parts": ["matrix"], "coupling": "full"}"#), 1);
+    assert_eq!(warnings(r#"{"kind": "phase_field", "parts": ["matrix"]}"#), 0);
+    assert_eq!(warnings(r#"{"kind": "temperature", "coupling": "full"}"#), 0);
+}
+
+#[test]
 fn a_cover_has_the_phase_field_of_the_matrix() {
     let case = inclined_case();
     let parts = |field: &str| {

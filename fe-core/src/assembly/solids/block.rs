@@ -46,6 +46,18 @@ impl WithNodeCount<Result<(), PointFailure>> for ElementOfBlock<'_, '_> {
     }
 }
 
+/// An element of a block whose coupling with a field is wanted.
+struct CouplingOfElement<'b> {
+    block: &'b ElementBlock,
+    local: usize,
+}
+
+impl WithNodeCount<ElementCoupling> for CouplingOfElement<'_> {
+    fn run<const N: usize>(self) -> ElementCoupling {
+        self.block.coupling_of::<N>(self.local)
+    }
+}
+
 /// Some elements of one part.
 #[derive(Debug)]
 pub(super) struct ElementBlock {
@@ -223,12 +235,7 @@ impl ElementBlock {
 
     /// How forces and sources of an element depend on the field and on displacements, at its last evaluation.
     pub(super) fn coupling(&self, local: usize) -> ElementCoupling {
-        match self.records[local].kind {
-            ElementKind::T3 => self.coupling_of::<3>(local),
-            ElementKind::Q4 => self.coupling_of::<4>(local),
-            ElementKind::T6 => self.coupling_of::<6>(local),
-            ElementKind::Q8 => self.coupling_of::<8>(local),
-        }
+        self.records[local].kind.with_node_count(CouplingOfElement { block: self, local })
     }
 
     fn coupling_of<const N: usize>(&self, local: usize) -> ElementCoupling {
