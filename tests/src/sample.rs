@@ -19,8 +19,11 @@ pub struct Sample {
     pub inadmissible: (usize, f64),
 }
 
-/// Parameters of laws whose defaults show too little; a size of strains; an index of PROPS and a value beyond its bound.
-const CHOSEN: &[(&str, &[f64], f64, (usize, f64))] = &[
+/// A law's name, PROPS, size of strains, and an index of PROPS with a value beyond its bound.
+type Chosen = (&'static str, &'static [f64], f64, (usize, f64));
+
+/// Laws whose defaults show too little.
+const CHOSEN: &[Chosen] = &[
     ("linear_elastic", &[31800.0, 0.18], 1e-3, (1, 0.5)),
     ("pure_damage", &[31800.0, 0.18, 5000.0, 1.3, 2e-4], 4e-4, (2, 0.0)),
     ("inelastic_damage", &[31800.0, 0.2, 4e-3, 1.2, 3.35e-2, 1000.0, 1.0, 0.0], 0.1, (7, 0.5)),
