@@ -481,7 +481,7 @@ def read(folder: str | os.PathLike[str]) -> Run:
     columns: dict[str, NDArray[np.float64]] = {}
     try:
         documents = [folder / "summary.json", *folder.glob("*.json")]
-        texts = {file.stem: file.read_text(encoding="utf-8") for file in documents}
+        texts = {file.stem: file.read_text(encoding="utf-8", errors="replace") for file in documents}
         printed = [folder / name for name in ("umat.log", "umat.msg")]
         texts["prints"] = "".join(file.read_text(encoding="utf-8", errors="replace") for file in printed if file.is_file())
         for table in others or [folder / "history.csv"]:

@@ -83,8 +83,8 @@ pub struct Settings {
     pub fields: Option<PathBuf>,
 }
 
-/// JSON that a run made besides rows and summary, by the name of its file in a result folder, without ".json": whoever runs a case, here
-/// or in a child, gets what is put in here.
+/// JSON that a run makes in addition to rows and summary, by the name of its file in a result folder, without ".json". A run in a child
+/// has the same as one in this process.
 pub type Documents = BTreeMap<String, Value>;
 
 /// A case that repeats the increment that failed, or the call that ended the child.

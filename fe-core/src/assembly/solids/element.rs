@@ -265,8 +265,8 @@ pub(super) fn stiffness_finite<const N: usize>(
     }
 }
 
-/// ∫ ∂N/∂X · ∂P/∂θ N_j dV, and ∫ N_i ∂r/∂ε ∂ε/∂u dV: exact but for the changes with θ of a thickness, and with u of the weights by
-/// which the dilatation is averaged under large displacements.
+/// ∫ ∂N/∂X · ∂P/∂θ N_j dV, and ∫ N_i ∂r/∂ε ∂ε/∂u dV. Two changes are left out: of a thickness with θ, and of the weights by which the
+/// dilatation is averaged under large displacements with u.
 pub(super) fn coupling<const N: usize>(
     shape: &ReferenceElement<'_, N>,
     points: &Points,
