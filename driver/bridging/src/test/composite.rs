@@ -43,7 +43,6 @@ fn inputs_are_read_as_a_case_writes_them() {
     let read: NotchedBeam = serde_json::from_str(r#"{"hinge_length": 62.5}"#).expect("a beam");
     assert_eq!(read.hinge(), NotchedBeam::default().hinge());
     let refused = [
-        serde_json::from_str::<Bond>(r#"{"model": "closed", "tau": 3, "tua": 3}"#).map(drop),
         serde_json::from_str::<Inclination>(r#"{"type": "exp", "g": 3}"#).map(drop),
         serde_json::from_str::<Matrix>(r#"{"E": 30000, "ft": 3, "fct": 3}"#).map(drop),
         serde_json::from_str::<Orientation>(r#"{"type": "beta", "r": 1}"#).map(drop),
