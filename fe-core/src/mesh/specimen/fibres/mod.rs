@@ -91,7 +91,7 @@ pub struct Fibre {
     pub separation_length: f64,
     /// Length of the fibre inside the block that has the size of the exit, mm; `None`: [`FINE_DIAMETERS`] φ.
     pub fine_length: Option<f64>,
-    /// Length at the embedded end whose sizes do not follow [`Self::fine_length`], mm: that of a hook, so that a longer pull has the same
+    /// Length at the embedded end whose sizes do not follow `fine_length`, mm: that of a hook, so that a longer pull has the same
     /// curve.
     pub hook_length: f64,
 }
