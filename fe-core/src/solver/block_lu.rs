@@ -188,6 +188,7 @@ impl Factorisation for BlockLu {
         }
         x.iter().zip(order).for_each(|(from, &equation)| right_side[equation] = *from);
     }
+
     fn forget(&mut self) {
         self.is_factor = false;
     }

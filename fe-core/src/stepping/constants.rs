@@ -11,7 +11,7 @@ pub(super) const NEGLIGIBLE: f64 = 1e-4;
 pub(super) const LEAST_RELATIVE_MOVE: f64 = 1e-2;
 /// After so many of a kind in a row another way is taken: an attempt whose residual grew in as many iterations is given up; tangents are
 /// put in doubt after as many that converge slowly; no more parts of a correction are tried, from a half on; after as many failures
-/// something else leads; overstress cuts increments no more.
+/// something else leads.
 pub(super) const PATIENCE: u32 = 4;
 /// Iterations in which an increment should have converged. Up to then a correction with which contact opens or closes is applied in full:
 /// the residual of what has closed is large, and the next correction knows of it; later ones may go to and fro. Then elements out of
@@ -58,8 +58,7 @@ pub(super) const LARGER: f64 = 10.0;
 // Attempts.
 
 /// Fraction of its increment with which an attempt that did not converge is repeated: an attempt of a whole system is dear, and one
-/// half as long seldom converges where this one did not. A material point, whose calls cost little, halves its increments. The
-/// drives go so much further before drag leads where the next equilibrium was no better.
+/// half as long seldom converges where this one did not. A material point, whose calls cost little, halves its increments.
 pub(super) const CUT: f64 = 0.25;
 
 // Sizes of increments.
@@ -112,6 +111,8 @@ pub(super) const CRAWLING: f64 = 1e-5;
 /// changes by this part of itself at most, or of the same part of the greatest load: what is dissipated is a trapezoidal sum over the way.
 /// Where it falls by more, drag becomes thicker; where it rises, the drives go a shorter way.
 pub(super) const THROUGH_DRAG: f64 = 0.1;
+/// Factor by which the drives go further before drag leads where the next equilibrium was no better.
+pub(super) const LARGER_NUDGE: f64 = 4.0;
 /// First resistance of drag, as part of the load over that way of the drives: with some hundred freedoms of contact, drag adds a hundredth to the
 /// load.
 pub(super) const RESISTANCE: f64 = 1e-5;
@@ -141,6 +142,8 @@ pub(super) const LEAST_SHARE: f64 = 0.05;
 /// Greatest part of an increment that a repeated one has where its energies miss the work, and to which the resistance of drag falls after
 /// an increment that was accepted but not easy.
 pub(super) const CAUTIOUS: f64 = 0.7;
+/// Overstress cuts increments to this part of the greatest.
+pub(super) const LEAST_FOR_OVERSTRESS: f64 = 1.0 / 256.0;
 /// Equal increments are not refused for their energies. So many of a step are looked at in smaller ones.
 pub(super) const MAX_ENERGY_LOOKS: u32 = 3;
 /// The load of neighbours of the peak differs by less than this part of it.

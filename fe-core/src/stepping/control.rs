@@ -17,8 +17,8 @@ use super::size::IncrementSize;
 use crate::assembly::PointFailure;
 use crate::model::{Model, ScalarField, Step};
 use crate::stepping::constants::{
-    ADVANCES_BEFORE_DRIVE_CONTROL, AIM, CAUTIOUS, CRAWLING, CREEPING, CUT, EASING, EASY, FADING, FIELD_GROWTH,
-    FIRST_LED, GREATEST_RESISTANCE, GROWTH, LARGER, LARGEST_PART, LEADS, LEAST_LED, LIMIT_POINT, LOAD_CHANGE,
+    ADVANCES_BEFORE_DRIVE_CONTROL, AIM, CAUTIOUS, CRAWLING, CREEPING, EASING, EASY, FADING, FIELD_GROWTH, FIRST_LED,
+    GREATEST_RESISTANCE, GROWTH, LARGER, LARGER_NUDGE, LARGEST_PART, LEADS, LEAST_LED, LIMIT_POINT, LOAD_CHANGE,
     MOST_THROUGH, MOST_TURNS, PATIENCE, RESISTANCE, THROUGH_DRAG,
 };
 use serde::{Deserialize, Serialize};
@@ -392,7 +392,7 @@ impl StepRun {
 
     /// Returns drag as what leads: no equilibrium is near.
     fn drag(&mut self) -> Option<Lead> {
-        let nudge = THROUGH_DRAG * CUT.powi(-self.nudges.min(10).cast_signed());
+        let nudge = THROUGH_DRAG * LARGER_NUDGE.powi(self.nudges.min(10).cast_signed());
         let resistance = RESISTANCE * self.usual_stiffness / nudge;
         let may_lead = self.follows_slip && self.usual_progress > 0.0 && resistance > 0.0 && resistance.is_finite();
         may_lead.then(|| {

@@ -3,8 +3,8 @@
 use super::{Dragged, Lead, Led, LoadHistory, StepRun};
 use crate::assembly::{Location, PointFailure, Setback};
 use crate::stepping::constants::{
-    AIM, CAUTIOUS, CUT, ENERGY_BUDGET, ENERGY_TOLERANCE, LARGEST_FALL, LARGEST_TURN, LEAST_SHARE, MAX_ENERGY_LOOKS,
-    MAX_REFUSALS, PATIENCE, PEAK_RESOLUTION, SMALLER, STABILISATION_BUDGET, THROUGH_DRAG,
+    AIM, CAUTIOUS, ENERGY_BUDGET, ENERGY_TOLERANCE, LARGEST_FALL, LARGEST_TURN, LEAST_FOR_OVERSTRESS, LEAST_SHARE,
+    MAX_ENERGY_LOOKS, MAX_REFUSALS, PEAK_RESOLUTION, SMALLER, STABILISATION_BUDGET, THROUGH_DRAG,
 };
 use crate::stepping::newton::{Converged, Leader};
 
@@ -164,8 +164,7 @@ impl StepRun {
     /// Returns how much an increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it may.
     /// A snap-back costs its overstress in increments of any size; so it cuts them to some size only.
     fn energy_excess(&self, findings: &Findings) -> f64 {
-        let cuts =
-            matches!(self.lead, Lead::Drives) && self.attempted > CUT.powi(PATIENCE.cast_signed()) * self.size.maximum;
+        let cuts = matches!(self.lead, Lead::Drives) && self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum;
         let overstress = if cuts { findings.overstress_excess() } else { 0.0 };
         findings.imbalance_excess().max(overstress)
     }
