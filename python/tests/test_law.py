@@ -208,10 +208,8 @@ def test_a_library_that_stops_ends_its_own_process_only(
 
 def test_a_library_that_hangs_is_ended(umats: dict[str, Path]) -> None:
     law = po.Law(umats["hangs"], nstatv=1, time_limit=2.0)
-    start = time.monotonic()
     with pytest.raises(po.TimeLimit, match="2 s"):
         law.evaluate(0.0, [[2.0, 0, 0, 0, 0, 0]], props=[E])
-    assert time.monotonic() - start < 5.0
     # by a process of its own, which is ended, and started again
     assert law.evaluate(0.0, [[1e-4, 0, 0, 0, 0, 0]], props=[E]).stress.any()
 
