@@ -87,6 +87,12 @@ impl PointState {
         self.weight == 0.0 && !self.apart && !self.gone
     }
 
+    /// Status by which it is counted: past an end of the master it is released, even if an attempt brought it back over the end, which
+    /// takes its bond and leaves it open.
+    pub fn counted_status(&self) -> PointStatus {
+        if self.is_beyond() { PointStatus::Released } else { self.status }
+    }
+
     /// The state that the next increment starts from: what was crushed is gone, and gaps are measured from what is left.
     pub fn crushed_for_good(self) -> Self {
         let Self { gap, own_gap, crushed, crushing, turned, turning, .. } = self;

@@ -229,13 +229,17 @@ impl Contact {
 
     /// Returns how many points have a status after the last evaluation.
     pub fn count(&self, status: PointStatus) -> usize {
-        self.pairs.iter().flat_map(|pair| &pair.state.trial.points).filter(|state| state.status == status).count()
+        self.pairs
+            .iter()
+            .flat_map(|pair| &pair.state.trial.points)
+            .filter(|state| state.counted_status() == status)
+            .count()
     }
 
     /// Returns how much of the reference length of these pairs is open after the last evaluation, mm.
     pub(crate) fn open_length(&self, pairs: &[usize]) -> f64 {
         let points = pairs.iter().flat_map(|&pair| self.pairs[pair].own_points());
-        let open = points.filter(|(_, state)| state.status == PointStatus::Open);
+        let open = points.filter(|(_, state)| state.counted_status() == PointStatus::Open);
         // the sum of nothing would be -0
         open.fold(0.0, |sum, (point, _)| sum + point.length)
     }
@@ -283,7 +287,7 @@ impl Contact {
                 shear: state.shear,
                 area: point.area,
                 weight: state.weight,
-                status: state.status,
+                status: state.counted_status(),
                 latched: state.normal.latched,
                 statev: &trial.statev[index * count..(index + 1) * count],
             })

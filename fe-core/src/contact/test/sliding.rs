@@ -603,6 +603,32 @@ fn what_starts_beyond_an_end_has_no_bond() {
     }
 }
 
+/// An iteration may bring a point back over the end that it has passed: it is past the end all the same, neither open nor part of the
+/// open length.
+#[test]
+fn what_only_an_iteration_brings_back_is_past_the_end() {
+    let scene = Scene::straight(Q4);
+    let mut contact = scene.contact(ContactPair { release: true, ..scene.pair(uinter(&[("mu", 0.3)])) });
+    let slid = |slide: f64| scene.moved(1, move |_| [slide, 1e-3]);
+    let beyond = |contact: &Contact| contact.points().filter(|point| point.weight == 0.0).count();
+    let way = (1..60).map(|step| 0.1 * f64::from(step));
+    let mut seen = 0;
+    for slide in way {
+        forces(&mut contact, &slid(slide));
+        contact.commit();
+        let gone = beyond(&contact);
+        // an attempt goes back by two elements, and is given up for one that stays
+        forces(&mut contact, &slid((slide - 2.0).max(0.0)));
+        forces(&mut contact, &slid(slide));
+        assert_eq!(contact.count(PointStatus::Released), gone, "at {slide}");
+        let open: f64 =
+            contact.points().filter(|point| point.status == PointStatus::Open).map(|point| point.area).sum();
+        assert!((contact.open_length(&[0]) - open).abs() < 1e-12, "at {slide}");
+        seen = seen.max(gone);
+    }
+    assert!(seen > 2);
+}
+
 /// The surface of torn matter does not come back.
 #[test]
 fn points_on_matter_that_is_gone_stay_out() {
