@@ -310,6 +310,8 @@
   // ---- runs: one at a time, the newest next -----------------------------------------------------------------------------------
 
   const ask = (what, body) => fetch(what, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ page, ...body }) });
+  // nothing is computed for a page that is closed
+  window.addEventListener("pagehide", () => navigator.sendBeacon("end", JSON.stringify({ page })));
   let isRunning = false, isWaiting = false, verdictTimer = 0;
   const changed = async () => {
     const document = caseNow();

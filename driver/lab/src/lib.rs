@@ -204,6 +204,10 @@ impl Shared {
             "/run" => Response::json(&self.work.run(&self.subject, &wanted)),
             "/fit" => Response::json(&self.work.fit(&self.subject, &wanted)),
             "/check" => Response::json(&self.work.check(&self.subject, &wanted)),
+            "/end" => {
+                self.work.end(&wanted.page);
+                Response::json(&json!({}))
+            }
             "/csv" => text(self.work.csv(&self.subject, &wanted)),
             "/abaqus" => text(self.work.abaqus(&self.subject, &wanted)),
             _ => Response::refusal(404, "there is nothing here"),

@@ -33,8 +33,9 @@ const STATES: usize = 20;
 #[serde(deny_unknown_fields)]
 pub(crate) struct Wanted {
     /// Page that sent the request: a newer request of the page ends the older one.
-    page: String,
+    pub page: String,
     /// Case.
+    #[serde(default)]
     document: Value,
     /// Earlier settings that are drawn with it.
     #[serde(default)]
@@ -81,7 +82,8 @@ enum ExaminationMessage {
 #[derive(Default)]
 pub(crate) struct Work {
     kept: Mutex<Vec<(String, Arc<Done>)>>,
-    pages: Mutex<Vec<(String, Arc<AtomicBool>)>>,
+    /// By what is wanted and the page: ends it.
+    pages: Mutex<Vec<((&'static str, String), Arc<AtomicBool>)>>,
     /// Held by the check that goes on: of those that wait, the newest of a page is the next.
     checking: Mutex<()>,
 }
@@ -237,9 +239,20 @@ impl Work {
         Ok(text)
     }
 
+    /// Ends what a page that is closed has asked for.
+    pub fn end(&self, page: &str) {
+        let mut pages = self.pages.lock().unwrap_or_else(PoisonError::into_inner);
+        for ((_, of), stop) in pages.iter() {
+            if of == page {
+                stop.store(true, Ordering::Relaxed);
+            }
+        }
+        pages.retain(|((_, of), _)| of != page);
+    }
+
     /// Ends the older request of a page for the same; the flag of the newest.
-    fn newest(&self, (what, page): (&str, &str)) -> Arc<AtomicBool> {
-        let page = format!("{what} {page}");
+    fn newest(&self, (what, page): (&'static str, &str)) -> Arc<AtomicBool> {
+        let page = (what, page.to_owned());
         let mut pages = self.pages.lock().unwrap_or_else(PoisonError::into_inner);
         let stop = Arc::new(AtomicBool::new(false));
         if let Some(place) = pages.iter().position(|(name, _)| *name == page) {

@@ -416,3 +416,26 @@ fn of_checks_that_wait_only_the_newest_is_made() {
     assert!(answers[1]["status"] == "superseded" && answers[2]["status"] == "superseded", "{answers:?}");
     lab.end();
 }
+
+#[test]
+fn a_page_that_is_closed_ends_what_it_asked_for() {
+    let desk = Desk::new();
+    let lab = Lab::open(&desk.path(""), &["linear_elastic"]);
+    // takes minutes
+    let long = json!([{ "increments": 100_000_000, "target": { "e11": 1e-3 } }]);
+    let long = point(json!({ "plugin": "linear_elastic" }), "3d", long);
+    let answer = std::thread::scope(|scope| {
+        let asked = scope.spawn(|| lab.run(&long));
+        // the page is closed when the lab has the request, which may be later than now
+        for _ in 0..1000 {
+            if asked.is_finished() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(20));
+            lab.post("/end", &Value::Null);
+        }
+        asked.join().expect("an answer")
+    });
+    assert_eq!(answer["status"], "superseded", "{answer}");
+    lab.end();
+}
