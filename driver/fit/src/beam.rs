@@ -12,6 +12,7 @@ use pullout_bridging::{
 };
 use pullout_case::CsvFile;
 use pullout_run::bridging::{BridgingProgram, Curves, ForeignTables, LoadSource};
+use pullout_run::number::rounded;
 use std::path::Path;
 
 mod output;
@@ -185,7 +186,7 @@ impl BeamFit {
 
     /// Name, unit and estimate of each number: E, f_t, σ at openings, those of the bond.
     fn numbers(&self) -> Vec<(String, &'static str, Estimate)> {
-        let stresses = self.full.openings.iter().map(|opening| (format!("sigma({opening})"), "MPa"));
+        let stresses = self.full.openings.iter().map(|opening| (format!("sigma({})", rounded(*opening)), "MPa"));
         let names = [("E".to_owned(), "MPa"), ("f_t".to_owned(), "MPa")].into_iter().chain(stresses);
         let of_law = names.zip(&self.full.fitted.estimates);
         let of_bond =

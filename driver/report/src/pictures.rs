@@ -203,12 +203,10 @@ impl<'a> Album<'a> {
     /// The fibre's axial stress along its axis.
     fn axial_stress(&mut self, moments: &[Moment<'_>]) -> io::Result<()> {
         let Some(fibre) = &self.fibre else { return Ok(()) };
-        let elements = self.mesh.elements().iter().filter(|element| element.part() == fibre.part).count();
         let mut lines = Vec::new();
         for (k, moment) in moments.iter().enumerate() {
-            let sections = elements.min(MOST_SECTIONS);
             let points =
-                axial_stress(self.mesh, &moment.state.fields, fibre.part, &fibre.axis, sections).map_err(unfit)?;
+                axial_stress(self.mesh, &moment.state.fields, fibre.part, &fibre.axis, MOST_SECTIONS).map_err(unfit)?;
             let columns = ("arc".to_owned(), moment.suffix.clone());
             lines.push(Line {
                 label: moment.title("").trim_start_matches(", ").into(),

@@ -301,6 +301,9 @@ fn strengths_of_a_case_give_its_law_and_its_friction() {
     let sigma = Table::read(&desk.path("three/sigma.csv"));
     let columns = ["sigma_05", "sigma", "sigma_95"].map(|name| sigma.column(name));
     assert_eq!(columns[0].len(), 3, "where it begins, turns and ends");
+    let three = json(&desk.path("three/fit.json"));
+    let mut names = three["numbers"].as_object().expect("numbers").keys();
+    assert!(names.all(|name| name.len() <= "sigma(0.12345)".len()), "openings with five digits: {}", three["numbers"]);
     assert!((0..3).all(|k| columns[0][k] < columns[1][k] && columns[1][k] < columns[2][k]), "{columns:?}");
     for (more, message) in [
         (&["none.csv"][..], "none.csv, line 3: f_R2 is 0: strengths are above 0"),

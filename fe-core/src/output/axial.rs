@@ -3,15 +3,15 @@
 use super::fields::{Fields, FieldsError};
 use crate::element::MappedPoint;
 use crate::mesh::Mesh;
-use crate::plane::{distance, dot, minus};
+use crate::plane::{dot, minus};
 
 /// Mean axial stress of a part's cross-sections along its axis: pairs of arc length, mm, and stress, MPa.
 ///
-/// `axis` is a polyline through reference positions. Its length is cut into `sections` equal pieces; each integration
-/// point of the part counts, with its area (its volume in axial symmetry), for the piece that holds the point of the axis nearest to it. The stress is
-/// t·σt with t the axis's direction, turned with the body by the deformation gradient; the arc length is the mean of the
-/// piece's points. A stress that is linear along a straight axis is reproduced; times the cross-section it is the axial
-/// force. Pieces without points are left out, and there are none along an axis of one place.
+/// `axis` is a polyline through reference positions. Elements that lie side by side along it form a cross-section, and where there are more than
+/// `sections` of them, neighbours are taken together. The stress is t·σt with t the axis's direction, turned with the body by the deformation
+/// gradient. Each integration point counts with its area across the axis: in a bend, where the outer side is longer, both sides count alike,
+/// so that bending has no part in the mean. A stress that is linear along a straight axis is reproduced; times the cross-section it is the
+/// axial force. There are no sections along an axis of one place.
 pub fn axial_stress(
     mesh: &Mesh,
     fields: &Fields,
@@ -20,29 +20,71 @@ pub fn axial_stress(
     sections: usize,
 ) -> Result<Vec<(f64, f64)>, FieldsError> {
     fields.check(mesh)?;
-    let length: f64 = axis.windows(2).map(|ends| distance(ends[1], ends[0])).sum();
-    // volume, its first moment along the axis, and the stress's integral
-    let mut sums = vec![[0.0; 3]; sections];
+    let mut places = Vec::new();
     let mut stresses = fields.stresses.iter();
     for (index, element) in mesh.elements().iter().enumerate() {
         let (positions, count) = mesh.element_positions(index);
+        let place = (element.part() == part).then(|| Place::new(axis, &positions[..count])).flatten();
+        let mut sums = [0.0; 3];
         for (point, &[s11, s22, _, s12]) in mesh.integration_points(index).iter().zip(stresses.by_ref()) {
+            let Some(place) = &place else { continue };
             let Ok(mapped) = MappedPoint::new(element.kind(), &positions[..count], point.coordinates) else { continue };
-            let Some((arc, direction)) = projected(axis, mapped.position).filter(|_| element.part() == part) else {
-                continue;
-            };
+            let Some((arc, direction)) = projected(axis, mapped.position) else { continue };
             let [x, y] = turned(fields, element.nodes(), &mapped, direction);
             let depth = mesh.parts()[part].model.depth(mapped.position[0], element.thickness());
-            let weight = point.weight * mapped.determinant * depth;
-            let section = (arc / length * sections as f64) as usize;
-            if let Some(sum) = sums.get_mut(section.min(sections.saturating_sub(1))) {
-                let stress = s11 * x * x + 2.0 * s12 * x * y + s22 * y * y;
-                *sum = [sum[0] + weight, sum[1] + weight * arc, sum[2] + weight * stress];
-            }
+            let area = point.weight * mapped.determinant * depth / place.length;
+            let stress = s11 * x * x + 2.0 * s12 * x * y + s22 * y * y;
+            sums = add(sums, [area, area * arc, area * stress]);
+        }
+        places.extend(place.map(|place| (place, sums)));
+    }
+    places.sort_by(|a, b| a.0.middle.total_cmp(&b.0.middle));
+    // the middle of a section's first element, and sums of area, its moment along the axis and the stress's integral
+    let mut columns: Vec<(f64, [f64; 3])> = Vec::new();
+    for (place, sums) in places {
+        match columns.last_mut() {
+            Some((first, column)) if place.middle - *first <= 0.5 * place.extent => *column = add(*column, sums),
+            _ => columns.push((place.middle, sums)),
         }
     }
-    let filled = sums.into_iter().filter(|[volume, ..]| *volume > 0.0);
-    Ok(filled.map(|[volume, moment, integral]| (moment / volume, integral / volume)).collect())
+    let count = sections.min(columns.len());
+    let mut sums = vec![[0.0; 3]; count];
+    for (index, (_, column)) in columns.iter().enumerate() {
+        if let Some(sum) = sums.get_mut(index * count / columns.len()) {
+            *sum = add(*sum, *column);
+        }
+    }
+    let filled = sums.into_iter().filter(|[area, ..]| *area > 0.0);
+    Ok(filled.map(|[area, moment, integral]| (moment / area, integral / area)).collect())
+}
+
+/// Where an element lies along an axis.
+struct Place {
+    /// Arc length of its middle, mm.
+    middle: f64,
+    /// Difference of its nodes' arc lengths, mm.
+    extent: f64,
+    /// How long it is itself, mm: on the outer side of a bend it is longer than its piece of the axis.
+    length: f64,
+}
+
+impl Place {
+    fn new(axis: &[[f64; 2]], nodes: &[[f64; 2]]) -> Option<Self> {
+        let centre = nodes.iter().fold([0.0; 2], |[x, y], node| [x + node[0], y + node[1]]);
+        let (_, direction) = projected(axis, centre.map(|sum| sum / nodes.len() as f64))?;
+        let arcs = nodes.iter().filter_map(|&node| projected(axis, node)).map(|(arc, _)| arc);
+        let [from, to] = range(arcs);
+        let [start, end] = range(nodes.iter().map(|&node| dot(node, direction)));
+        Some(Self { middle: 0.5 * (from + to), extent: to - from, length: end - start })
+    }
+}
+
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, greatest], value| [least.min(value), greatest.max(value)])
+}
+
+fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| a[k] + b[k])
 }
 
 /// Arc length and direction of a polyline at its point nearest to a position.
