@@ -255,10 +255,90 @@ fn a_bimetal_bends_as_timoshenko_says() {
     let mut conducts = case.clone();
     conducts["steps"][0] = json!({ "increments": 1 });
     conducts["field"] = json!({ "kind": "temperature", "fixed": [{ "nodes": "left", "value": heat }] });
-    for (name, case) in [("bimetal", case), ("conducts", conducts)] {
-        let found = run(&desk, name, &case).history.last("slip_exit");
+    let mut together = conducts.clone();
+    together["field"]["coupling"] = json!("full");
+    for (name, case) in [("bimetal", case), ("conducts", conducts), ("together", together)] {
+        let run = run(&desk, name, &case);
+        let found = run.history.last("slip_exit");
         // the free end is disturbed over about a height
         assert!((found / deflection - 1.0).abs() < 0.01, "{name}: {found} instead of {deflection}");
+        // linear, also in the heat that expands: one iteration for both together, in turn one each
+        let most = if name == "together" { 1.0 } else { 2.0 };
+        assert!(worst(run.history.column("iterations")) <= most, "{name}: {:?}", run.history.column("iterations"));
+    }
+}
+
+/// What expands counts: DDSDDT, and DRPLDT of heat that follows the strain, are the derivatives at a given strain of the case.
+#[test]
+fn derivatives_by_the_temperature_are_those_of_a_material_that_expands() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "heated.f90", &[]) else { return };
+    let mut material =
+        json!({ "plugin": library, "props": [200e3, 0.3, 0.0, 250.0, 1e-3, 2e3, 0.9, 20.0, 0], "nstatv": 7 });
+    material["orientation"] = json!(30.0);
+    material["expansion"] = json!({ "alpha": [[1e-5, 2e-5, 2e-5], [3e-5, 4e-5, 2e-5]], "temperatures": [0, 100] });
+    for mode in ["3d", "plane_strain", "plane_stress"] {
+        let mut material = material.clone();
+        if mode == "plane_stress" {
+            material["as"] = json!("3d");
+        }
+        let end = |temperature: f64| {
+            let mut target = json!({ "e11": 0.006, "e22": 0.001, "g12": 0.004 });
+            if mode == "3d" {
+                ["e33", "g13", "g23"].iter().for_each(|name| target[*name] = json!(0.0));
+            }
+            let steps = json!([{ "increments": 1, "time": 2.0, "temperature": temperature, "target": target }]);
+            let mut case = point(material.clone(), mode, steps);
+            (case["temperature"], case["output"]) = (json!(20.0), json!({ "heat": true }));
+            run(&desk, "end", &case).history
+        };
+        let [below, here, above] = [49.9, 50.0, 50.1].map(end);
+        assert!(here.last("rpl") > 0.1, "it yields");
+        for (derivative, of) in [("ddsddt11", "s11"), ("ddsddt22", "s22"), ("ddsddt12", "s12"), ("drpldt", "rpl")] {
+            let (found, difference) = (here.last(derivative), 5.0 * (above.last(of) - below.last(of)));
+            assert!((found - difference).abs() < 1e-4 * difference.abs(), "{mode}: {derivative} {found} {difference}");
+        }
+    }
+}
+
+/// A plate between walls whose faces are cooled at once: σ = Eα (T₀ − T), with T by Fourier's series, so that the force is
+/// E α h (T₀ − T_f) (1 − Σ 8/(nπ)² exp(−k/c (nπ/h)² t)) for odd n. The order in time is the first.
+#[test]
+fn a_quenched_plate_is_stressed_as_fourier_says() {
+    let desk = Desk::new();
+    let (height, hot, time): (f64, f64, f64) = (4.0, 100.0, 0.5);
+    let (conductivity, capacity) = (2.0, 0.5);
+    let mean: f64 = (0..100)
+        .map(|k| f64::from(2 * k + 1) * std::f64::consts::PI)
+        .map(|wave| 8.0 / (wave * wave) * (-conductivity / capacity * (wave / height).powi(2) * time).exp())
+        .sum();
+    let exact = E * ALPHA * height * hot * (1.0 - mean);
+    for coupling in ["staggered", "full"] {
+        let errors = [25, 50, 100].map(|increments| {
+            let mut material = concrete();
+            material["expansion"] = json!({ "alpha": ALPHA, "initial_temperature": hot });
+            let case = json!({
+                "kind": "pullout", "title": "Quenched plate",
+                "mesh": { "specimen": { "type": "beam", "length": 1, "height": height, "cells": [1, 16], "element": "Q8" } },
+                "parts": { "beam": { "model": "plane_stress", "thickness": 1, "material": material } },
+                "field": {
+                    "kind": "temperature", "coupling": coupling, "initial": hot, "conductivity": conductivity,
+                    "capacity": capacity,
+                    "fixed": [{ "nodes": "bottom", "value": 0 }, { "nodes": "top", "value": 0 }],
+                },
+                "grip": { "nodes": "right", "direction": "x", "lateral": "free" },
+                "supports": { "left": { "direction": "x" }, "bottom": { "direction": "y" } },
+                "steps": [{ "slip": 0, "increments": increments, "time": time }],
+                "output": { "plots": false, "vtu": false },
+            });
+            let run = run(&desk, "quenched", &case);
+            (run.history.last("load") / exact - 1.0).abs()
+        });
+        let orders = [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()];
+        assert!(
+            orders.iter().all(|order| (0.9..1.1).contains(order)) && errors[2] < 5e-3,
+            "{coupling}: {orders:?} {errors:?}"
+        );
     }
 }
 
@@ -313,7 +393,10 @@ fn heat_alone_strains_a_hyperelastic_point_without_stress() {
     close(free.last("s11"), 0.0);
     // held: the law sees a compression to exp(−0.1)
     case["steps"][0]["target"] = json!({ "e11": 0, "e22": 0, "e33": 0 });
-    close(run(&desk, "held", &case).history.last("s11"), 500.0 * ((-0.3_f64).exp() - 1.0));
+    case["output"] = json!({ "heat": true });
+    let held = run(&desk, "held", &case).history;
+    close(held.last("s11"), 500.0 * ((-0.3_f64).exp() - 1.0));
+    close(held.last("ddsddt11"), -3.0 * 1e-4 * 500.0 * (-0.3_f64).exp());
     // turned local axes change nothing of an isotropic law
     material["orientation"] = json!([[1, 2, 0], [0, 1, 1]]);
     case["material"] = material;

@@ -54,6 +54,19 @@ impl Course {
         }
     }
 
+    /// The values at a place, and how they change there; at a given place, from it on.
+    fn with_slope(&self, place: f64) -> [[f64; 3]; 2] {
+        let after = self.places.partition_point(|known| *known <= place);
+        let slope = match (after.checked_sub(1), self.places.get(after)) {
+            (Some(before), Some(next)) => {
+                let [from, to] = [before, after].map(|k| self.values[k]);
+                std::array::from_fn(|k| (to[k] - from[k]) / (next - self.places[before]))
+            }
+            _ => [0.0; 3],
+        };
+        [self.at(place), slope]
+    }
+
     /// Returns whether the values are the same along all axes everywhere.
     pub fn is_isotropic(&self) -> bool {
         self.values.iter().all(|[first, others @ ..]| others.iter().all(|other| other == first))
@@ -79,6 +92,12 @@ impl Expansion {
         };
         let (now, initial) = (from_zero(temperature), from_zero(self.initial_temperature));
         std::array::from_fn(|k| now[k] - initial[k])
+    }
+
+    /// The derivative of the thermal strain by the temperature.
+    pub fn rate(&self, temperature: f64) -> [f64; 3] {
+        let [coefficients, slope] = self.coefficients.with_slope(temperature);
+        std::array::from_fn(|k| coefficients[k] + slope[k] * (temperature - self.zero_temperature))
     }
 }
 
@@ -214,6 +233,11 @@ impl UmatCall {
         let result = act(self);
         self.strain_33 += end[THROUGH];
         framed.view.stress = first_six(self.stress());
+        if let Some(expansion) = &framed.frame.expansion
+            && framed.course != FreeStrain::AtStart
+        {
+            self.follow_expansion(expansion.rate(self.temp + self.dtemp), request);
+        }
         self.leave(&outside, request);
         result
     }
@@ -262,6 +286,24 @@ impl UmatCall {
             [self.dfgrd0, self.dfgrd1] = gradients.each_ref().map(transpose);
         }
         Outside { strains, rotation, gradients: columns, turn }
+    }
+
+    /// Makes the derivatives by the temperature those at a given strain of the host: the strain of the law falls by what expands. DDSDDT follows
+    /// where there is DDSDDE, which is that of the Kirchhoff stress under large displacements.
+    fn follow_expansion(&mut self, rate: [f64; 3], request: Request) {
+        let components = self.stress_state().components();
+        let rates: [f64; 6] =
+            std::array::from_fn(|k| components.get(k).filter(|component| **component < 3).map_or(0.0, |&k| rate[k]));
+        let mut heat = self.heat();
+        heat.drpldt -= heat.drplde.iter().zip(&rates).map(|(by, rate)| by * rate).sum::<f64>();
+        if request.wants_tangent() {
+            let dilatation = if self.jstep[2] != 0 { rates.iter().sum() } else { 0.0 };
+            for (row, stress) in self.stress().iter().enumerate() {
+                let lost: f64 = (0..self.ntens()).map(|column| self.tangent(row, column) * rates[column]).sum();
+                heat.ddsddt[row] += dilatation * stress - lost;
+            }
+        }
+        self.set_heat(heat);
     }
 
     /// Sets the host's inputs again, and turns the results into its axes.

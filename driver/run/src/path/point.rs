@@ -163,6 +163,8 @@ struct Runner<'p> {
     components: &'static [usize],
     /// Groups of columns that the history has not.
     left_out: &'static [Group],
+    /// Whether the history has heat and its derivatives.
+    shows_heat: bool,
     controllable: &'static [usize],
     /// `None`: small strain.
     finite: Option<Finite>,
@@ -294,6 +296,7 @@ impl<'p> Runner<'p> {
         let runner = Self {
             components: stress_state.components(),
             left_out: columns::left_out_of_point(point.nlgeom, point.heat),
+            shows_heat: point.heat,
             controllable: point.mode.controllable(),
             finite,
             arguments: &point.arguments,
@@ -481,16 +484,22 @@ impl<'p> Runner<'p> {
         Some(if to == 1.0 { end } else { start + (end - start) * to })
     }
 
+    /// What a call is asked for where strains are given: DDSDDE as well if it is compared, or if DDSDDT of what expands is shown.
+    fn request(&self) -> Request {
+        let compares = self.call.tangent_source() == TangentSource::Compared;
+        let expands = self.call.frame().is_some_and(|frame| frame.expansion.is_some());
+        if compares || (self.shows_heat && expands) { Request::StressAndTangent } else { Request::Stress }
+    }
+
     /// Goes to F at a fraction of the increment.
     fn attempt_deformation(&mut self, to: f64, statistics: &mut Statistics) -> Result<u32, AttemptFailure> {
         let Some(end) = self.gradient_at(to) else { return Ok(0) };
+        let request = self.request();
         let mut point = self.point(statistics);
         let Some(finite) = point.finite.as_mut() else { return Ok(0) };
         let strain = finite.strain_of_case(&end);
         let entry =
             finite.deform(point.committed, &end, point.call).ok_or_else(|| AttemptFailure::Fatal(INVERTED.into()))?;
-        let compares = point.call.tangent_source() == TangentSource::Compared;
-        let request = if compares { Request::StressAndTangent } else { Request::Stress };
         point.call(&entry.strain, &entry.stress, &entry.increment, request)?;
         self.trial.strain = strain;
         self.trial.tangent = None;
@@ -721,12 +730,12 @@ impl Divisible for Runner<'_> {
             self.components.iter().zip(dstran).for_each(|(&i, value)| increment[i] = *value);
         }
         let strain_only = targets.strain_only();
-        let ddsdde = self.arguments.ddsdde == Some(true) || self.call.tangent_source() == TangentSource::Compared;
+        let ddsdde = self.arguments.ddsdde == Some(true);
+        let request = if ddsdde { Request::StressAndTangent } else { self.request() };
         let max_iterations = self.max_iterations;
         let mut point = self.point(statistics);
         let (mut last_tangent, mut moduli_not_finite) = (None, None);
         let solved = if strain_only {
-            let request = if ddsdde { Request::StressAndTangent } else { Request::Stress };
             point.evaluate(&increment, || targets.end(&increment), request).map_err(Divergence::Evaluation).map(|_| 1)
         } else {
             targets.solve_increment(&mut increment, max_iterations, |increment| {

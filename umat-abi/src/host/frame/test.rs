@@ -38,6 +38,8 @@ fn the_rotation_of_a_gradient_is_that_of_its_polar_decomposition() {
 fn values_go_linearly_from_place_to_place() {
     let course = Course::new(vec![1.0, 3.0], vec![[0.0; 3], [2.0, 4.0, 6.0]]).expect("a course");
     assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|place| course.at(place)[1]), [0.0, 0.0, 2.0, 4.0, 4.0]);
+    let slopes = [0.0, 1.0, 2.0, 3.0, 9.0].map(|place| course.with_slope(place)[1][1]);
+    assert_eq!(slopes, [0.0, 2.0, 2.0, 0.0, 0.0]);
     assert_eq!(Course::new(vec![1.0, 1.0], vec![[0.0; 3]; 2]), None);
     assert_eq!(Course::new(vec![], vec![]), None);
 }
