@@ -78,12 +78,19 @@ enum ExaminationMessage {
     Message(Message),
 }
 
+/// Newest request of a page for the same.
+struct Asked {
+    what: &'static str,
+    page: String,
+    /// Ends it.
+    stop: Arc<AtomicBool>,
+}
+
 /// Runs so far.
 #[derive(Default)]
 pub(crate) struct Work {
     kept: Mutex<Vec<(String, Arc<Done>)>>,
-    /// By what is wanted and the page: ends it.
-    pages: Mutex<Vec<((&'static str, String), Arc<AtomicBool>)>>,
+    asked: Mutex<Vec<Asked>>,
     /// Held by the check that goes on: of those that wait, the newest of a page is the next.
     checking: Mutex<()>,
 }
@@ -241,26 +248,22 @@ impl Work {
 
     /// Ends what a page that is closed has asked for.
     pub fn end(&self, page: &str) {
-        let mut pages = self.pages.lock().unwrap_or_else(PoisonError::into_inner);
-        for ((_, of), stop) in pages.iter() {
-            if of == page {
-                stop.store(true, Ordering::Relaxed);
-            }
+        let mut asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
+        for ended in asked.extract_if(.., |asked| asked.page == page) {
+            ended.stop.store(true, Ordering::Relaxed);
         }
-        pages.retain(|((_, of), _)| of != page);
     }
 
     /// Ends the older request of a page for the same; the flag of the newest.
     fn newest(&self, (what, page): (&'static str, &str)) -> Arc<AtomicBool> {
-        let page = (what, page.to_owned());
-        let mut pages = self.pages.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
         let stop = Arc::new(AtomicBool::new(false));
-        if let Some(place) = pages.iter().position(|(name, _)| *name == page) {
-            pages.remove(place).1.store(true, Ordering::Relaxed);
-        } else if pages.len() == MOST_PAGES {
-            pages.remove(0);
+        if let Some(place) = asked.iter().position(|asked| asked.what == what && asked.page == page) {
+            asked.remove(place).stop.store(true, Ordering::Relaxed);
+        } else if asked.len() == MOST_PAGES {
+            asked.remove(0);
         }
-        pages.push((page, stop.clone()));
+        asked.push(Asked { what, page: page.to_owned(), stop: stop.clone() });
         stop
     }
 
