@@ -28,6 +28,7 @@ RUNS = [("aligned", 0, "T6", 5.0, 5.0, 60, "staggered"), ("free", 1, "T6", 5.0, 
 RUNS += [("free", seed, "T6", 5.0, 2.5, 60, "staggered") for seed in range(1, 6)]
 RUNS += [("free", seed, "T6", 5.0, 5.0, 60, "staggered") for seed in range(2, 6)]
 RUNS += [("aligned", 0, "T6", 5.0, 5.0, 150, coupling) for coupling in ("staggered", "one_pass")]
+RUNS += [(mesh, seed, "T6", 5.0, 2.5, 150, "one_pass") for mesh, seed in (("aligned", 0), ("free", 1))]
 RUNS += [(mesh, seed, kind, 5.0, 2.5, 60, "staggered")
          for kind in ("Q8", "Q4", "T3") for mesh, seed in (("aligned", 0), ("free", 1))]
 RUNS += [("aligned", 0, "T6", 2.5, 1.25, 60, "staggered"), ("free", 1, "T6", 2.5, 1.25, 60, "staggered")]
