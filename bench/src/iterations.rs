@@ -4,7 +4,9 @@ use super::page::Page;
 use super::runs::read;
 use super::table::{Cell, Table};
 use super::{BenchError, Settings};
-use fe_core::stepping::{Analysis, Directive, Flips, Iteration, Observer, Record, Snapshot, Statistics};
+use fe_core::stepping::{
+    Analysis, AnalysisStatistics, Directive, Flips, IncrementObserver, Iteration, Record, Snapshot,
+};
 use std::io;
 
 /// A scene: its name, the case, what is set in it, and the slip to which it is pulled, mm: in full and if quick.
@@ -57,7 +59,7 @@ const SHOWN: [f64; 4] = [0.1, 0.35, 0.6, 0.85];
 /// Counts of one run.
 struct Counted {
     name: &'static str,
-    statistics: Statistics,
+    statistics: AnalysisStatistics,
     /// Iterations of accepted increments by cause.
     by_cause: [u64; CAUSES.len()],
     /// Corrections of which a part was applied.
@@ -91,7 +93,7 @@ fn cause(iterations: &[Iteration], index: usize) -> usize {
     }
 }
 
-impl Observer for Counted {
+impl IncrementObserver for Counted {
     fn increment(&mut self, record: &Record, _snapshot: &Snapshot<'_>) -> io::Result<Directive> {
         let iterations = &record.iterations;
         for (index, iteration) in iterations.iter().enumerate().filter(|_| record.step > 0) {
@@ -122,7 +124,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
         analysis.watch_flips();
         let mut counted = Counted {
             name,
-            statistics: Statistics::default(),
+            statistics: AnalysisStatistics::default(),
             by_cause: [0; CAUSES.len()],
             shortened: 0,
             increments: Vec::new(),
@@ -188,7 +190,8 @@ fn page(runs: &[Counted]) -> Page {
     ]);
     let mut residuals = Table::new(["scene", "slip [mm]", "residual over scale, iteration by iteration"]);
     for run in runs {
-        let Statistics { increments, iterations, cutbacks, settlements, evaluations, solutions, .. } = run.statistics;
+        let AnalysisStatistics { increments, iterations, cutbacks, settlements, evaluations, solutions, .. } =
+            run.statistics;
         let factorisations = run.statistics.factorisations + run.statistics.block_factorisations;
         further.push([
             run.name.into(),

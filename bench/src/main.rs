@@ -212,7 +212,7 @@ impl Item {
 
 /// Settings of the measurements.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub(crate) struct Settings {
     /// Only show that it works: seconds, and figures that mean little.
     pub quick: bool,
     /// States thrown at each form of a law in each stress state; `None`: a million, or few if quick.
@@ -281,7 +281,7 @@ impl From<LoadError> for BenchError {
 
 /// Findings of an item.
 #[derive(Clone, Debug)]
-pub struct Findings {
+pub(crate) struct Findings {
     /// Text for a terminal.
     pub text: String,
     /// Findings that should not have been made.
@@ -292,7 +292,7 @@ pub struct Findings {
 ///
 /// # Errors
 /// [`BenchError`]; no file of the item is written then.
-pub fn measure(item: Item, settings: &Settings, folder: &Path) -> Result<Findings, BenchError> {
+pub(crate) fn measure(item: Item, settings: &Settings, folder: &Path) -> Result<Findings, BenchError> {
     let page = item.measure(settings)?;
     page.write(folder, item.name(), settings.quick)?;
     Ok(Findings { text: page.text(), failed: page.failed })

@@ -6,7 +6,7 @@ use pullout_case::Case;
 use pullout_run::columns::place_in_specimen;
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout::checkpoint::Checkpoints;
-use pullout_run::pullout::{self, Findings, PulloutProgram, Settings};
+use pullout_run::pullout::{self, Findings, PulloutProgram, SpecimenSettings};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -115,7 +115,7 @@ pub(super) fn read(file: &Path, overrides: &[String], plugins: &[PathBuf]) -> Re
 pub(super) fn run_program(program: &PulloutProgram, limit: Limit, folder: &Path) -> Ran {
     let start = thread_time();
     let mut keeper = Keeper { rows: 0, last: Vec::new(), start, limit, over_limit: false };
-    let outcome = pullout::run(program, &Settings::new(program, folder, &Checkpoints::default()), &mut keeper);
+    let outcome = pullout::run(program, &SpecimenSettings::new(program, folder, &Checkpoints::default()), &mut keeper);
     Ran {
         seconds: (thread_time() - start).as_secs_f64(),
         freedoms: 2 * program.model.mesh.nodes().len(),

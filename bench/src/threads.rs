@@ -132,7 +132,8 @@ fn run(scene: &Scene, program: &PulloutProgram, threads: usize, folder: &Path) -
     let work = || {
         let threads = Threads::new(count).map_err(|error| failed(error.to_string()))?;
         let checkpoints = Checkpoints::default();
-        let settings = pullout::Settings { threads, ..pullout::Settings::new(program, folder, &checkpoints) };
+        let settings =
+            pullout::SpecimenSettings { threads, ..pullout::SpecimenSettings::new(program, folder, &checkpoints) };
         let mut rows = Rows::default();
         let (start, processors) = (Instant::now(), process_time());
         let outcome = pullout::run(program, &settings, &mut rows);

@@ -1,6 +1,6 @@
 //! `pullout plugin check` passes sound plugins and finds each error planted in `tests/faulty/`.
 
-use pullout_check::conformance::{Options, Report, Row, Verdict, check};
+use pullout_check::conformance::{CheckRow, Options, Report, Verdict, check};
 use std::path::PathBuf;
 use umat_abi::host::{Found, Plugin, search_paths};
 
@@ -26,7 +26,7 @@ fn failed(report: &Report) -> Vec<&str> {
     checks
 }
 
-fn row<'r>(report: &'r Report, check: &str, stress_state: &str) -> &'r Row {
+fn row<'r>(report: &'r Report, check: &str, stress_state: &str) -> &'r CheckRow {
     report
         .rows
         .iter()

@@ -6,7 +6,7 @@ mod program;
 use end_to_end_tests::{Tool, find, run as compile, workspace};
 use program::{Desk, cases};
 use pullout_case::{JsonPlace, ProblemKind};
-use pullout_engine::{CaseSource, Error, Job, Message, Options, Outcome, REPLAY, Settings, set_program};
+use pullout_engine::{CaseSource, Error, Job, Message, Outcome, REPLAY, RunOptions, Settings, set_program};
 use pullout_report::history::History;
 use pullout_report::summary::Status;
 use pullout_run::isolation::Child;
@@ -335,7 +335,7 @@ fn a_child_outlives_the_thread_that_asked_for_it() {
     let case = desk.case("case.json", &case);
     let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
     set_program(program, program);
-    let job = Job::new(CaseSource::file(&case), desk.path("out"), Options { quiet: true, ..Options::default() });
+    let job = Job::new(CaseSource::file(&case), desk.path("out"), RunOptions { quiet: true, ..RunOptions::default() });
     let asked = std::thread::spawn(move || Child::start(&job, None).expect("a child"));
     let mut child = asked.join().expect("no panic");
     let status = child.wait(&|| None, None, &mut |_: Vec<Message>| {}).expect("a status");

@@ -7,7 +7,7 @@ use umat_abi::host::{Clock, ExternalDatabases, Library};
 /// The analysis in which this process calls a library. It begins with the first call of any of its laws and ends with the last
 /// [`crate::law::Plugin`] of the file: as in an analysis of several materials, all laws share one library.
 #[derive(Debug, Default)]
-pub struct Analysis {
+pub(crate) struct Analysis {
     databases: Option<ExternalDatabases>,
     present: Option<Clock>,
 }

@@ -3,7 +3,7 @@
 use crate::errors::wrong;
 use nalgebra::{DMatrix, DVector};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
-use pullout_fit::{Found, Range, Simulation, least_squares as searched};
+use pullout_fit::{BestFit, Range, Simulation, least_squares as searched};
 use pyo3::prelude::*;
 use std::cell::RefCell;
 
@@ -87,7 +87,7 @@ pub fn least_squares<'py>(
     if let Some(error) = functions.raised.take() {
         return Err(error);
     }
-    let Found { run, estimates, correlation, trouble, .. } = found.map_err(|message| wrong("x0", message))?;
+    let BestFit { run, estimates, correlation, trouble, .. } = found.map_err(|message| wrong("x0", message))?;
     let bounds = std::iter::zip(&ranges, &estimates).map(|(range, estimate)| range.bound(estimate.value)).collect();
     let (values, errors) = estimates.iter().map(|estimate| (estimate.value, estimate.standard_error)).unzip();
     let rows = correlation.row_iter().map(|row| row.iter().copied().collect()).collect();

@@ -72,7 +72,7 @@ type LastFrame = (String, Mode, Option<Arc<Frame>>);
 /// A loaded library, and the law of it that is called.
 #[derive(Debug)]
 #[pyclass(frozen, module = "pullout_fe._core")]
-pub struct Plugin {
+pub(crate) struct Plugin {
     library: Library,
     law: Option<host::LawDescription>,
     cmname: String,

@@ -68,7 +68,7 @@ pub struct Inputs<'a> {
 
 /// State of the points at the start and at the end, one row per point.
 #[derive(Debug)]
-pub struct Rows<'a> {
+pub(crate) struct Rows<'a> {
     /// Index of the first.
     pub first: usize,
     /// Their number.
@@ -174,7 +174,7 @@ impl<'a> Inputs<'a> {
 
 /// What is done with all rows.
 #[derive(Clone, Copy)]
-pub struct Work<'a> {
+pub(crate) struct Work<'a> {
     /// What points are given.
     pub inputs: &'a Inputs<'a>,
     /// What the library says of its law.

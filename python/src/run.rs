@@ -28,7 +28,7 @@ const PATIENCE: Duration = Duration::from_millis(300);
 const LONGEST: Duration = Duration::from_secs(10);
 
 /// A case as Python has it: a file or a document or both, then what the file had; the folder, changes, folders of plugins.
-pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<PathBuf>);
+pub(crate) type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<PathBuf>);
 
 /// A column with its unit.
 type Column<'py> = (String, &'static str, Bound<'py, PyArray1<f64>>);
@@ -39,7 +39,7 @@ type Results<'py> = (Vec<Column<'py>>, BTreeMap<String, String>, bool, Option<Tr
 
 /// The states of a specimen, along which a run with nearly the same parameters goes.
 #[pyclass(frozen, module = "pullout_fe._core")]
-pub struct Trail(Along);
+pub(crate) struct Trail(Along);
 
 #[pymethods]
 impl Trail {
@@ -57,7 +57,7 @@ impl Trail {
 /// Flag by which another thread ends runs, whose own threads receive no signals.
 #[pyclass(frozen, module = "pullout_fe._core")]
 #[derive(Default)]
-pub struct Stop(Arc<AtomicBool>);
+pub(crate) struct Stop(Arc<AtomicBool>);
 
 #[pymethods]
 impl Stop {

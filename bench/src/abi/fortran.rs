@@ -1,7 +1,7 @@
 //! Laws written by hand in Fortran, as a UMAT for three dimensions is usually written.
 
 use crate::BenchError;
-use pullout_check::build::{Refusal, Request, build};
+use pullout_check::build::{BuildRequest, Refusal, build};
 use std::path::{Path, PathBuf};
 
 /// A law in Fortran.
@@ -34,7 +34,7 @@ pub enum Target {
 
 /// The library of a law's twin in a folder.
 #[derive(Clone, Debug)]
-pub enum Library {
+pub(crate) enum Library {
     /// Built.
     Built(PathBuf),
     /// gfortran is not installed.
@@ -60,7 +60,8 @@ pub fn library(law: &str, target: Target, folder: &Path) -> Result<Library, Benc
     };
     let output = folder.join(format!("lib{law}_{suffix}.so"));
     let flags = ["-O3"].into_iter().chain(extra).map(str::to_owned).collect();
-    match build(&Request { sources: vec![source], output: Some(output.clone()), form: None, flags, debug: false }) {
+    match build(&BuildRequest { sources: vec![source], output: Some(output.clone()), form: None, flags, debug: false })
+    {
         Ok(_) => Ok(Library::Built(output)),
         Err(Refusal::NoCompiler { .. }) => Ok(Library::NotInstalled),
         Err(refusal) => Err(BenchError::Failed(refusal.to_string())),

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 /// Six components 11, 22, 33, 12, 13, 23: strains with engineering shear, or stresses in MPa.
-pub type Components = [f64; 6];
+pub(crate) type Components = [f64; 6];
 
 /// A path of the strain in three dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Path {
+pub(crate) enum Path {
     /// e11 grows, the sides follow as they do in elastic uniaxial stress.
     Tension,
     /// e11 decreases, the sides follow as they do in elastic uniaxial stress.
@@ -22,7 +22,7 @@ pub enum Path {
 
 /// Greatest strains that a law is taken to.
 #[derive(Clone, Copy, Debug)]
-pub struct Extent {
+pub(crate) struct Extent {
     /// e11 in tension.
     pub tension: f64,
     /// −e11 in compression.

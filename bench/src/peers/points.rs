@@ -71,7 +71,7 @@ pub struct Run {
 }
 
 /// Strain ε_11 and the stress after an increment.
-pub type Row = (f64, [f64; 6]);
+pub(crate) type Row = (f64, [f64; 6]);
 
 /// A law on all sides.
 pub struct Compared {

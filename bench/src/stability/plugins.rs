@@ -36,7 +36,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Row>, BenchError> {
 }
 
 /// A check that does not apply is excluded.
-fn of_check(plugin: &str, row: conformance::Row) -> Row {
+fn of_check(plugin: &str, row: conformance::CheckRow) -> Row {
     let is = |verdict: Verdict| u64::from(row.verdict == verdict);
     Row {
         part: PART,

@@ -184,7 +184,7 @@ fn compression(matrix: &Matrix, hinge: f64) -> Vec<[f64; 2]> {
 
 /// A point of the test.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Load {
+pub struct BeamLoad {
     /// Opening at the mouth of the notch, mm.
     pub cmod: f64,
     /// Deflection by EN 14651's formula, mm.
@@ -216,14 +216,14 @@ impl Residual {
 
 /// A beam of strips of equal height, from the top, each with its law.
 #[derive(Clone, Debug)]
-pub struct Beam<'l> {
+pub struct LayeredBeam<'l> {
     geometry: NotchedBeam,
     strips: &'l [SectionLaw],
     /// The force that cracks it, and its CMOD.
     cracking: [f64; 2],
 }
 
-impl<'l> Beam<'l> {
+impl<'l> LayeredBeam<'l> {
     /// Makes a beam of one strip or more.
     pub fn new(geometry: NotchedBeam, strips: &'l [SectionLaw], matrix: &Matrix) -> Self {
         let ligament = geometry.ligament();
@@ -248,16 +248,16 @@ impl<'l> Beam<'l> {
 
     /// Returns the equilibrium at a CMOD. w(h_sp) = CMOD − φ·notch gives the elongation at the notch and, with φ, the
     /// neutral axis; N = 0 gives φ.
-    pub fn at(&self, cmod: f64) -> Load {
+    pub fn at(&self, cmod: f64) -> BeamLoad {
         let NotchedBeam { width, notch, span, .. } = self.geometry;
         let ligament = self.geometry.ligament();
         let deflection = if cmod > 0.0 { DEFLECTION[0] * cmod + DEFLECTION[1] } else { 0.0 };
-        let Some(mouth) = self.strips.last() else { return Load::default() };
+        let Some(mouth) = self.strips.last() else { return BeamLoad::default() };
         if cmod <= self.cracking[1] {
             let part = if cmod > 0.0 { cmod / self.cracking[1] } else { 0.0 };
             let rotation = part * 2.0 * mouth.cracking / ligament;
             let force = part * self.cracking[0];
-            return Load { cmod, deflection, force, neutral_axis: 0.5 * ligament, rotation };
+            return BeamLoad { cmod, deflection, force, neutral_axis: 0.5 * ligament, rotation };
         }
         let elongation = |rotation: f64| mouth.elongation.at(cmod - notch * rotation);
         let axis = |rotation: f64| ligament - elongation(rotation) / rotation;
@@ -274,7 +274,7 @@ impl<'l> Beam<'l> {
         };
         let neutral_axis = axis(rotation);
         let moment = width * self.forces(rotation, neutral_axis)[1] / (rotation * rotation);
-        Load { cmod, deflection, force: 4.0 * moment / span, neutral_axis, rotation }
+        BeamLoad { cmod, deflection, force: 4.0 * moment / span, neutral_axis, rotation }
     }
 
     /// f_L and f_R1–4.

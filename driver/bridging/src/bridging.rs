@@ -70,7 +70,7 @@ impl Prepared<'_> {
 
 /// One fibre at an opening.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Response {
+pub struct FibreResponse {
     /// Load along the normal, N; 0 once the fibre has broken.
     pub load: f64,
     /// Whether it has broken.
@@ -137,7 +137,7 @@ impl BridgingFibre {
     }
 
     /// Returns the response at an opening w, of the shorter embedded side L_e, at θ (radians).
-    pub fn at(&self, opening: f64, embedded: f64, angle: f64) -> Response {
+    pub fn at(&self, opening: f64, embedded: f64, angle: f64) -> FibreResponse {
         self.respond(&self.prepare(opening, embedded), angle)
     }
 
@@ -209,13 +209,13 @@ impl BridgingFibre {
         self.inclination.apply(&self.fibre, angle, opening, embedded, base, self.spalls.as_ref(), at)
     }
 
-    pub(crate) fn respond(&self, prepared: &Prepared<'_>, angle: f64) -> Response {
+    pub(crate) fn respond(&self, prepared: &Prepared<'_>, angle: f64) -> FibreResponse {
         let Inclined { load, greatest, spalled, stage } = self.unbroken(prepared, angle);
         let breaks = |strength: f64| greatest > strength * self.fibre.area() * (-self.fibre.rupture_f * angle).exp();
         let ruptured = self.fibre.strength.is_some_and(breaks);
         let gone = u8::from(load <= 0.0);
         let stage = 4 * stage + 2 * u8::from(ruptured) + gone;
-        Response { load: if ruptured { 0.0 } else { load }, ruptured, spalled, stage }
+        FibreResponse { load: if ruptured { 0.0 } else { load }, ruptured, spalled, stage }
     }
 
     /// Returns whether the load has kinks over the angle in addition to those of [`Self::angles`].

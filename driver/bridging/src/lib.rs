@@ -17,14 +17,14 @@ mod table;
 mod test;
 
 pub use average::{Average, averages, averages_with_shares};
-pub use beam::{Beam, Load, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
+pub use beam::{BeamLoad, LayeredBeam, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
 pub use bond::{BondLaw, Closed, Debonding, Hook, ShearLag, Sides, Sliding};
-pub use bridging::{Bond, BridgingFibre, Response};
+pub use bridging::{Bond, BridgingFibre, FibreResponse};
 pub use composite::{Composite, Matrix, Softening};
 pub use inclination::Inclination;
 pub use interpolation::Polyline;
 pub use inverse::{
-    BridgingFit, Estimate, Fitted, IDENTIFIABLE, Measured, OPENINGS, Shape, SoughtBond, bond_from_bridging,
+    BridgingFit, Estimate, Fitted, IDENTIFIABLE, MeasuredBeam, OPENINGS, Shape, SoughtBond, bond_from_bridging,
     bond_from_strengths, differences, estimates, fast_inverse, full_inverse,
 };
 pub use model_code::{Concrete, EurocodeClass, ModelCode2010, StrengthClass};

@@ -3,7 +3,7 @@
 //! The mean is the quadrature's business; this is for the scatter about it. Every beam draws from a stream of its own,
 //! so that results do not depend on the number of threads.
 
-use crate::beam::{Beam, Load, NotchedBeam, Residual, SectionLaw};
+use crate::beam::{BeamLoad, LayeredBeam, NotchedBeam, Residual, SectionLaw};
 use crate::interpolation::Polyline;
 use crate::{Composite, Invalid};
 use rand_distr::{Distribution, LogNormal, Poisson, StandardUniform};
@@ -70,7 +70,7 @@ pub struct Beams {
     /// σ_f of the whole ligament at the openings, by beam, MPa.
     pub bridging: Vec<Vec<f64>>,
     /// The test at the given CMODs, by beam.
-    pub loads: Vec<Vec<Load>>,
+    pub loads: Vec<Vec<BeamLoad>>,
     /// Strengths by beam.
     pub residual: Vec<Residual>,
 }
@@ -126,8 +126,8 @@ pub fn scatter(
                 SectionLaw::new(&composite.matrix, &composite.with_matrix(&bridging), geometry.hinge())
             };
             let laws: Vec<SectionLaw> = strips.iter().map(law).collect();
-            let tested = Beam::new(*geometry, &laws, &composite.matrix);
-            let loads: Vec<Load> = cmods.iter().map(|&cmod| tested.at(cmod)).collect();
+            let tested = LayeredBeam::new(*geometry, &laws, &composite.matrix);
+            let loads: Vec<BeamLoad> = cmods.iter().map(|&cmod| tested.at(cmod)).collect();
             Some((fibres, bridging, loads, tested.residual()))
         })
         .collect();

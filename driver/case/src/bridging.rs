@@ -14,7 +14,9 @@ use pullout_bridging::{
     Bond, BondLaw, Closed, Curve, Fibre, Inclination, Invalid, Matrix, NotchedBeam, Orientation, Scatter, ShearLag,
     Softening,
 };
-use pullout_run::bridging::{BridgingProgram, Curves, ForeignTables, LoadSource, OPENINGS, Simulation, Simulations};
+use pullout_run::bridging::{
+    BridgingProgram, Curves, FibreSimulation, ForeignTables, LoadSource, OPENINGS, Simulations,
+};
 use pullout_run::columns::{self, LEADING};
 use pullout_run::input::is_stream;
 use pullout_run::number::significant;
@@ -497,7 +499,7 @@ fn simulations(reader: &mut Reader<'_>, others: &ReferencedCases, fe: &FeFibre) 
             // a specimen without an angle is at 0
             overrides.extend((angles.len() > 1 || angle_deg > 0.0).then(|| format!("{angle_key}={angle_deg}")));
             overrides.push(format!("{length_key}={embedded}"));
-            runs.push(Simulation { angle_deg, embedded, overrides });
+            runs.push(FibreSimulation { angle_deg, embedded, overrides });
         }
         if runs.last().is_none_or(|run| run.angle_deg != angle_deg) {
             let message = format!("{angle_deg}: no length reaches {LEAST_DEPTH} diameters deep at this angle");
@@ -540,7 +542,7 @@ fn check_simulation(
     others: &ReferencedCases,
     reader: &Reader<'_>,
     base: &Path,
-    run: &Simulation,
+    run: &FibreSimulation,
     fe: &FeFibre,
     [angle_key, length_key]: [&str; 2],
 ) -> Result<Option<FibreAxis>, Problem> {

@@ -28,8 +28,8 @@ pub fn resolve(reader: &mut Reader<'_>, given: &ConcreteStrength, place: &Place)
 
 /// What the calibration of concrete_damage takes of a concrete: its compression has no fracture energy, of which the Model Code says
 /// nothing.
-pub fn measured(concrete: &Concrete) -> calibration::Concrete {
-    calibration::Concrete {
+pub fn measured(concrete: &Concrete) -> calibration::ConcreteProperties {
+    calibration::ConcreteProperties {
         youngs_modulus: concrete.modulus,
         poisson_ratio: Concrete::POISSON_RATIO,
         tensile_strength: concrete.tensile_strength,
@@ -47,7 +47,7 @@ pub fn measured(concrete: &Concrete) -> calibration::Concrete {
 pub fn parameters(concrete: &Concrete, own: [Option<f64>; 2]) -> Result<Vec<(String, f64)>, ConfigurationError> {
     let of_class = measured(concrete);
     let [youngs_modulus, poisson_ratio] = own;
-    let calibrated = properties(&calibration::Concrete {
+    let calibrated = properties(&calibration::ConcreteProperties {
         youngs_modulus: youngs_modulus.unwrap_or(of_class.youngs_modulus),
         poisson_ratio: poisson_ratio.unwrap_or(of_class.poisson_ratio),
         ..of_class

@@ -13,20 +13,20 @@ use std::collections::BTreeMap;
 pub use pullout_run::arguments::{ContactArguments, UmatArguments};
 pub mod bridging;
 mod with_defaults;
-pub use with_defaults::WithDefaults;
+pub(crate) use with_defaults::WithDefaults;
 mod point;
-pub use point::*;
+pub(crate) use point::*;
 mod interface;
-pub use interface::*;
+pub(crate) use interface::*;
 pub mod pullout;
 pub mod study;
 pub mod sweep;
-pub use pullout::PulloutCase;
+pub(crate) use pullout::PulloutCase;
 
 /// Rows that drive a step: a file, or columns by name.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum TableSource {
+pub(crate) enum TableSource {
     /// CSV file.
     File(String),
     /// Numbers of each column, as many in each.
@@ -35,7 +35,7 @@ pub enum TableSource {
 
 /// A whole number between two bounds; `5.0` is one as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Whole<const LEAST: usize, const GREATEST: usize>(pub usize);
+pub(crate) struct Whole<const LEAST: usize, const GREATEST: usize>(pub usize);
 
 impl<'de, const LEAST: usize, const GREATEST: usize> Deserialize<'de> for Whole<LEAST, GREATEST> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -123,7 +123,7 @@ pub struct CommonEntries {
 
 /// Entries common to cases of all kinds.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct CommonCaseEntries {
+pub(crate) struct CommonCaseEntries {
     /// Title and text.
     #[serde(flatten)]
     pub head: CommonEntries,
@@ -138,7 +138,7 @@ pub struct CommonCaseEntries {
 
 /// Entries of cases with steps that hold for all their steps.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct Course {
+pub(crate) struct Course {
     /// Initial temperature, everywhere (default 0).
     pub temperature: Option<f64>,
     /// Initial field variables, everywhere.
@@ -151,7 +151,7 @@ pub struct Course {
 
 /// Entries common to material points and contact points; `S`: a step.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct Path<S> {
+pub(crate) struct Path<S> {
     /// The plugin and its parameters.
     pub material: Material,
     /// Folder that GETOUTDIR returns, relative to the case file; default: the folder of the case file. A replay names
@@ -167,12 +167,12 @@ pub struct Path<S> {
     /// Settings of the output.
     pub output: Option<Output>,
     /// Iteration limits.
-    pub controls: Option<WithDefaults<program::Controls>>,
+    pub controls: Option<WithDefaults<program::IterationLimits>>,
 }
 
 /// Conditions at the end of a step of any kind.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct StepEnd {
+pub(crate) struct StepEnd {
     /// Condition that ends this step early.
     pub until: Option<Until>,
     /// Temperature at the end of the step.
@@ -184,17 +184,17 @@ pub struct StepEnd {
 /// Most increments of one step, and of a run.
 pub const MOST_INCREMENTS: usize = 100_000_000;
 /// Number of increments of a step.
-pub type Increments = Whole<1, MOST_INCREMENTS>;
+pub(crate) type Increments = Whole<1, MOST_INCREMENTS>;
 /// Number of repetitions.
-pub type Repetitions = Whole<1, 1_000_000>;
+pub(crate) type Repetitions = Whole<1, 1_000_000>;
 
 /// A deformation gradient, row by row.
-pub type Matrix = [[f64; 3]; 3];
+pub(crate) type Matrix = [[f64; 3]; 3];
 
 /// Values along the local axes 1, 2 and 3: one for all, or one each.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum AxialValues {
+pub(crate) enum AxialValues {
     /// The same along all.
     Same(f64),
     /// Of each axis.
@@ -204,7 +204,7 @@ pub enum AxialValues {
 /// Values, or one for each place of a table.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum TabularValues {
+pub(crate) enum TabularValues {
     /// The same everywhere.
     Constant(f64),
     /// Along each axis, or of each place.
@@ -214,7 +214,7 @@ pub enum TabularValues {
 /// Thermal expansion: the coefficient alone, or with what it refers to.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Expansion {
+pub(crate) enum Expansion {
     /// The coefficient, 1/K.
     Coefficient(f64),
     /// Coefficients and temperatures.
@@ -224,7 +224,7 @@ pub enum Expansion {
 /// Thermal strain alpha(T) (T - T0) - alpha(Ti) (Ti - T0), as ABAQUS has it.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct ExpansionTable {
+pub(crate) struct ExpansionTable {
     /// Secant coefficient, 1/K: a number, three of the local axes, or a list of either, one for each of the temperatures.
     pub alpha: TabularValues,
     /// Temperatures of the coefficients, growing; linear between them, constant beyond.
@@ -238,7 +238,7 @@ pub struct ExpansionTable {
 /// A strain over the total time.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Shrinkage {
+pub(crate) struct Shrinkage {
     /// Total times, s, growing; linear between them, constant beyond.
     pub times: Vec<f64>,
     /// Free strain at each, negative where the material shrinks: a number, or three of the local axes.
@@ -248,7 +248,7 @@ pub struct Shrinkage {
 /// Local axes.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Orientation {
+pub(crate) enum Orientation {
     /// Degrees about axis 3.
     Angle(f64),
     /// Two vectors of two or three components.
@@ -258,7 +258,7 @@ pub enum Orientation {
 /// The plugin and its parameters.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Material {
+pub(crate) struct Material {
     /// Name of a shipped law, or path of a shared library (.so, .dylib, .dll) relative to the case file.
     #[schemars(length(min = 1))]
     pub plugin: String,
@@ -312,7 +312,7 @@ pub struct Material {
 /// Concrete by its strength.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum ConcreteStrength {
+pub(crate) enum ConcreteStrength {
     /// The class of the fib Model Code: "C40", "C40/50".
     Class(String),
     /// The mean compressive strength of cylinders, MPa.
@@ -322,7 +322,7 @@ pub enum ConcreteStrength {
 /// Components that a UMAT is called with in a plane.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum CalledAs {
+pub(crate) enum CalledAs {
     /// NTENS 6.
     #[serde(rename = "3d")]
     ThreeD,
@@ -333,7 +333,7 @@ pub enum CalledAs {
 /// Source of the tangent DDSDDE.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum Tangent {
+pub(crate) enum Tangent {
     /// The UMAT.
     Reported,
     /// Differences of its stress.
@@ -345,7 +345,7 @@ pub enum Tangent {
 /// Entry point that is called.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum EntryPoint {
+pub(crate) enum EntryPoint {
     /// A material point.
     Umat,
     /// A contact point, normal and tangential.
@@ -357,7 +357,7 @@ pub enum EntryPoint {
 /// Parameters by name, or PROPS as an array.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Props {
+pub(crate) enum Props {
     /// By name.
     Named(BTreeMap<String, PropValue>),
     /// In PROPS order.
@@ -367,7 +367,7 @@ pub enum Props {
 /// A parameter's number, the name of a choice, or the occurrences of a repeating group.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum PropValue {
+pub(crate) enum PropValue {
     /// Number.
     Number(f64),
     /// Name of a choice.
@@ -379,7 +379,7 @@ pub enum PropValue {
 /// One occurrence of a repeating group: its values in order or by name.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Occurrence {
+pub(crate) enum Occurrence {
     /// Values in order.
     Values(Vec<f64>),
     /// Values by name.
@@ -391,7 +391,7 @@ pub enum Occurrence {
 /// Ends a step or the run when a history column passes a bound.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Until {
+pub(crate) struct Until {
     /// NAME or abs(NAME) of a history column.
     pub quantity: String,
     /// Stop when the quantity is greater than this (in the column's unit).
@@ -403,7 +403,7 @@ pub struct Until {
 /// A curve from a CSV file to compare with.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Compare {
+pub(crate) struct Compare {
     /// CSV file with a header line, relative to the case file; lines that begin with # are comments.
     pub file: String,
     /// Name of the file's column of abscissae.
@@ -425,7 +425,7 @@ pub struct Compare {
 /// Whether there are plots, or their words.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Plots {
+pub(crate) enum Plots {
     /// All, or none.
     Switch(bool),
     /// All, some of them with captions, by the names of their files: "load_slip".
@@ -446,7 +446,7 @@ impl Plots {
 /// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Output {
+pub(crate) struct Output {
     /// Write every n-th increment, and the last of each step, to history.csv (default 1).
     pub every: Option<Whole<1, MOST_INCREMENTS>>,
     /// Draw plots and the report (default true), or draw them with these titles and legends.
@@ -461,7 +461,7 @@ pub struct Output {
 /// Recorded increments to repeat.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RunIncrements {
+pub(crate) struct RunIncrements {
     /// The increments.json that --record-increments wrote: its path, relative to the case file, or its content.
     pub recorded: serde_json::Value,
 }
@@ -469,7 +469,7 @@ pub struct RunIncrements {
 /// The value of a component at the end of a step, or "hold".
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum EndValue {
+pub(crate) enum EndValue {
     /// The end value.
     Value(f64),
     /// The value at the start of the step.
@@ -479,7 +479,7 @@ pub enum EndValue {
 /// The word "hold".
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Hold {
+pub(crate) enum Hold {
     /// Keep the value.
     Hold,
 }
@@ -488,7 +488,7 @@ pub enum Hold {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "CycleOf{S}")]
-pub struct Cycle<S> {
+pub(crate) struct Cycle<S> {
     /// Number of repetitions.
     pub repeat: Repetitions,
     /// The steps of one cycle.
@@ -500,7 +500,7 @@ pub struct Cycle<S> {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "CyclesOf{S}")]
-pub struct Cycles<S> {
+pub(crate) struct Cycles<S> {
     /// The cycle.
     pub cycles: Cycle<S>,
 }

@@ -12,7 +12,7 @@ use crate::steps::{self, Found};
 use crate::{fields, history};
 use pullout_run::columns;
 use pullout_run::program::{
-    InterfaceEntry, InterfaceGoal, InterfaceProgram, InterfaceStep, Kind, NormalControl, Pace, Step,
+    InterfaceEntry, InterfaceGoal, InterfaceProgram, InterfaceStep, NormalControl, Pace, PathStep, PointKind,
 };
 
 /// Names of targets and of table columns.
@@ -68,7 +68,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
         StepDocument::Cycle(cycle) => Found::Cycle(cycle),
         StepDocument::Cycles(wrapper) => Found::Cycles(&wrapper.cycles),
     });
-    let kind = Kind::Interface(InterfaceProgram {
+    let kind = PointKind::Interface(InterfaceProgram {
         entry: if entry == EntryPoint::Fric { InterfaceEntry::Fric } else { InterfaceEntry::Uinter },
         tangential_directions: directions,
         initial_statev,
@@ -103,12 +103,12 @@ fn warn_of_effect(reader: &mut Reader<'_>, given: Option<&ContactArguments>, ent
 }
 
 /// A step that says nothing of the normal direction goes on with the control of the step before it.
-fn close(open: Vec<Step<OpenGoal>>, entry: EntryPoint) -> Vec<InterfaceStep> {
+fn close(open: Vec<PathStep<OpenGoal>>, entry: EntryPoint) -> Vec<InterfaceStep> {
     let mut normal = if entry == EntryPoint::Fric { NormalControl::Pressure } else { NormalControl::Gap };
     open.into_iter()
-        .map(|Step { pace, goal, until, fields }| {
+        .map(|PathStep { pace, goal, until, fields }| {
             normal = goal.normal.unwrap_or(normal);
-            Step { pace, goal: InterfaceGoal { normal, ends: goal.ends }, until, fields }
+            PathStep { pace, goal: InterfaceGoal { normal, ends: goal.ends }, until, fields }
         })
         .collect()
 }
@@ -157,7 +157,12 @@ fn normal_control(
     }
 }
 
-fn ramp_step(reader: &mut Reader<'_>, ramp: &InterfaceRamp, setting: &Setting<'_>, place: &Place) -> Step<OpenGoal> {
+fn ramp_step(
+    reader: &mut Reader<'_>,
+    ramp: &InterfaceRamp,
+    setting: &Setting<'_>,
+    place: &Place,
+) -> PathStep<OpenGoal> {
     let target = &ramp.target;
     let place_of_target = place.key("target");
     let normal = normal_control(reader, target.gap.is_some(), target.p.is_some(), setting.entry, |name| {
@@ -171,7 +176,7 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &InterfaceRamp, setting: &Setting<'_
     let ends = vec![[value(target.slip), value(target.slip2), value(target.gap.or(target.p))]];
     let pace = steps::pace(ramp.increments, ramp.time);
     let fields = fields::of_step(reader, &ramp.end, setting.field_variables, place);
-    Step { pace, goal: OpenGoal { normal, ends }, until, fields }
+    PathStep { pace, goal: OpenGoal { normal, ends }, until, fields }
 }
 
 fn table_step(
@@ -179,7 +184,7 @@ fn table_step(
     step: &InterfaceTable,
     setting: &Setting<'_>,
     place: &Place,
-) -> Option<Step<OpenGoal>> {
+) -> Option<PathStep<OpenGoal>> {
     let until = history::until(reader, step.end.until.as_ref(), setting.columns, &place.key("until"));
     let count = setting.field_variables;
     let mut fields = fields::of_step(reader, &step.end, count, place);
@@ -190,5 +195,5 @@ fn table_step(
     let normal = normal_control(reader, gap.is_some(), p.is_some(), setting.entry, |_| place_of_table.clone());
     let ends = table.rows.iter().map(|row| [slip, slip2, gap.or(p)].map(|column| column.map(|column| row[column])));
     let goal = OpenGoal { normal, ends: ends.collect() };
-    Some(Step { pace: Pace::Rows(table.time_increments.clone()), goal, until, fields })
+    Some(PathStep { pace: Pace::Rows(table.time_increments.clone()), goal, until, fields })
 }

@@ -11,7 +11,7 @@ use crate::{fields, history};
 use pullout_run::columns;
 use pullout_run::deformation::{self, Polar, exponential, matrix, rotated, turns};
 use pullout_run::program::{
-    Control, Kind, Measure, Mode, Pace, PointDrive, PointGoal, PointProgram, PointState, PointStep, STRAIN_NAMES,
+    Control, Measure, Mode, Pace, PointDrive, PointGoal, PointKind, PointProgram, PointState, PointStep, STRAIN_NAMES,
     STRESS_NAMES, StepFields, TURNED, gradient_needs_thickness, nominal_needs_thickness,
 };
 use std::array::from_fn;
@@ -20,7 +20,7 @@ use umat_abi::host::Plugin;
 /// The parts of a program that the kinds of points resolve; reading a case adds the rest.
 pub struct Resolved {
     pub plugin: Option<Plugin>,
-    pub kind: Kind,
+    pub kind: PointKind,
     pub columns: Option<Vec<String>>,
     pub characteristic_length: Option<f64>,
 }
@@ -113,7 +113,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         reader.warn_no_effect(&root.key("temperature"), reason);
     }
     let arguments = case.arguments.clone().unwrap_or_default();
-    let kind = Kind::Point(PointProgram { mode, nlgeom, measure, heat, initial, arguments, steps });
+    let kind = PointKind::Point(PointProgram { mode, nlgeom, measure, heat, initial, arguments, steps });
     Resolved { plugin, kind, columns, characteristic_length }
 }
 

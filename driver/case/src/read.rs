@@ -379,7 +379,7 @@ fn finish<S>(
     if output.vtu == Some(true) {
         reader.warn("output.vtu: a case of this kind has no mesh; no VTU file is written".into());
     }
-    if output.heat.is_some() && matches!(resolved.kind, program::Kind::Interface(_)) {
+    if output.heat.is_some() && matches!(resolved.kind, program::PointKind::Interface(_)) {
         reader.warn_no_effect(&root.key("output").key("heat"), "a contact law returns none of it");
     }
     let (plugin, kind) = (resolved.plugin?, resolved.kind);

@@ -3,7 +3,7 @@
 use crate::document::{Cycle, Increments, MOST_INCREMENTS, Positive};
 use crate::problem::Place;
 use crate::reader::Reader;
-use pullout_run::program::{Pace, Step};
+use pullout_run::program::{Pace, PathStep};
 
 /// Most steps of a run after its cycles are expanded.
 const MOST_STEPS: usize = 1_000_000;
@@ -11,7 +11,7 @@ const MOST_STEPS: usize = 1_000_000;
 const MOST_ROWS: usize = 10_000_000;
 
 /// A step of a document as it was found.
-pub enum Found<'s, S, R> {
+pub(crate) enum Found<'s, S, R> {
     /// A step proper; `None`: it cannot be used, which was said.
     Step(Option<R>),
     /// A cycle of steps.
@@ -31,7 +31,7 @@ pub trait Counted: Clone {
     }
 }
 
-impl<G: Clone> Counted for Step<G> {
+impl<G: Clone> Counted for PathStep<G> {
     fn increments(&self) -> usize {
         self.pace.increments()
     }

@@ -172,7 +172,7 @@ impl Problems {
 
 /// Contents of a table step's file: columns of known names, with time increments.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub(crate) struct Table {
     /// The column in [`Self::rows`] of each of the names asked for.
     pub columns: Vec<Option<usize>>,
     /// Time increments; 1 each if the file has no column "time".

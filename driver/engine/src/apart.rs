@@ -1,6 +1,6 @@
 //! Runs in a child: a [`Job`] into a folder of which nothing stays.
 
-use super::{CaseSource, Documents, Error, Inspection, Job, Keep, Message, Options, Outcome, Settings};
+use super::{CaseSource, Documents, Error, Inspection, Job, Keep, Message, Outcome, RunOptions, Settings};
 use pullout_case::{CaseErrors, CaseProblem};
 use pullout_report::directory::MANIFEST;
 use pullout_report::history::History;
@@ -22,7 +22,7 @@ pub(super) fn run(source: &CaseSource, settings: Settings) -> Result<Outcome, Er
     let passing = tempfile::tempdir().map_err(unwritable)?;
     let Settings { threads, stop, records, mut columns, mut listener, fields, .. } = settings;
     let folder = absolute(fields.unwrap_or_else(|| passing.path().join("out")))?;
-    let options = Options { threads, record_increments: records, quiet: true, ..Options::default() };
+    let options = RunOptions { threads, record_increments: records, quiet: true, ..RunOptions::default() };
     let job = Job { keep: Keep::Passing, sends_rows: listener.is_some(), ..Job::new(placed(source)?, folder, options) };
     let mut child = start(&job, source)?;
     let mut refused = None;

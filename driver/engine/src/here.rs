@@ -6,14 +6,14 @@ use fe_core::threads::Threads;
 use pullout_case::Case;
 use pullout_report::bridging;
 use pullout_report::directory::{Access, Kind, ResultDirectory};
-use pullout_report::ending::{Specimen, compare_all, conclude, summarise};
+use pullout_report::ending::{SpecimenRun, compare_all, conclude, summarise};
 use pullout_report::history::History;
 use pullout_report::page;
 use pullout_report::plots::Spec;
 use pullout_report::progress::{Extent, Progress};
 use pullout_report::record::{Kept, RunRecorder, cpu_time};
 use pullout_report::summary::{Status, Summary};
-use pullout_report::viewer::States;
+use pullout_report::viewer::ViewerStates;
 use pullout_run::bridging::{BridgingProgram, complete};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{send, worker};
@@ -50,7 +50,7 @@ pub fn interrupted(place: &str, has_checkpoints: bool) -> String {
 struct Ended<'c> {
     record: RunRecorder,
     summary: Summary,
-    specimen: Option<Specimen<'c>>,
+    specimen: Option<SpecimenRun<'c>>,
     documents: Documents,
     /// Rows or fields that could not be written.
     unwritten: Option<io::Error>,
@@ -61,7 +61,7 @@ fn carry_out<'c>(
     case: &'c Case,
     mut record: RunRecorder,
     records: bool,
-    settings: &pullout::Settings<'_>,
+    settings: &pullout::SpecimenSettings<'_>,
 ) -> io::Result<Ended<'c>> {
     record.recorded = records.then(Recorded::default);
     let (statistics, result, mut specimen) = match case {
@@ -148,7 +148,8 @@ pub fn run_into(
     };
     record.warnings = warnings;
     let folder = Some(&*folder);
-    let settings = pullout::Settings { threads, folder, checkpoints, pictures: draws, keeps_trail: false, along: None };
+    let settings =
+        pullout::SpecimenSettings { threads, folder, checkpoints, pictures: draws, keeps_trail: false, along: None };
     let ended = carry_out(case, record, job.options.record_increments, &settings)?;
     let Ended { mut record, mut summary, specimen, documents, unwritten: _ } = ended;
     // what plugins printed is complete before the results are listed
@@ -180,7 +181,7 @@ impl Keep {
 }
 
 /// The viewer as a page of its own.
-fn view((program, outcome): &Specimen<'_>, history: &History, states: &States) -> io::Result<Option<String>> {
+fn view((program, outcome): &SpecimenRun<'_>, history: &History, states: &ViewerStates) -> io::Result<Option<String>> {
     Ok(states.page(program, history, outcome.peak.as_ref())?.map(|viewer| page::around("Over the run", &viewer)))
 }
 
@@ -219,7 +220,7 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
         record.keep_states();
     }
     let ended = Threads::within(threads, |threads| {
-        let settings = pullout::Settings {
+        let settings = pullout::SpecimenSettings {
             threads,
             folder: fields.as_deref(),
             checkpoints: &Checkpoints::default(),

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// Options of a run, which are the same in this process and in another one.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::Args)]
-pub struct Options {
+pub struct RunOptions {
     /// Also replace files in the result directory that pullout did not write or that were changed since, and list them.
     #[arg(long)]
     pub overwrite: bool,
@@ -60,7 +60,7 @@ pub struct Job {
     /// Results to write.
     pub keep: Keep,
     /// Options.
-    pub options: Options,
+    pub options: RunOptions,
     /// Whether the interrupted run in the folder is continued.
     pub goes_on: bool,
     /// Whether the columns, and from time to time the current row, are sent ([`Message`]).
@@ -71,7 +71,7 @@ pub struct Job {
 
 impl Job {
     /// A run with all results.
-    pub fn new(case: CaseSource, folder: PathBuf, options: Options) -> Self {
+    pub fn new(case: CaseSource, folder: PathBuf, options: RunOptions) -> Self {
         Self { case, folder, keep: Keep::All, options, goes_on: false, sends_rows: false, aftermath: None }
     }
 }

@@ -10,9 +10,9 @@ const WORDS: [&str; 3] = ["title", "description", "$schema"];
 
 /// A key under construction.
 #[derive(Clone, Debug)]
-pub struct Key(Sha256);
+pub struct RunKey(Sha256);
 
-impl Key {
+impl RunKey {
     /// Begins the key of a run with the identity of the executable ([`super::identity`]).
     pub fn new(engine: [u8; 32]) -> Self {
         Self(Sha256::new().chain_update(engine))

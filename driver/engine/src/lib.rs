@@ -15,8 +15,8 @@ mod key;
 
 pub use fe_core::stepping::{Along, Trail};
 pub use here::{interrupted, run_into};
-pub use job::{Inspection, Job, Keep, Message, Options};
-pub use key::Key;
+pub use job::{Inspection, Job, Keep, Message, RunOptions};
+pub use key::RunKey;
 pub use pullout_run::isolation::{identity, let_all_in, set_program};
 
 use pullout_case::{Case, CaseErrors, Reader};
@@ -211,7 +211,7 @@ impl CaseSource {
         files.dedup();
         // the run reports a file that cannot be read
         let hash = |file: &PathBuf| input::hash(file, Input::Mesh).unwrap_or_default();
-        let key = Key::new(identity().unwrap_or_default());
+        let key = RunKey::new(identity().unwrap_or_default());
         files.iter().fold(key, |key, file| key.with(hash(file))).with_case(document).digits()
     }
 

@@ -6,9 +6,9 @@
 
 use crate::doubt::doubts;
 use pullout_bridging::{
-    Beam, Bond, BridgingFit, Closed, Estimate, Fitted, Inclination, Invalid, Measured, NotchedBeam, Polyline,
-    RESIDUAL_CMOD, Residual, SectionLaw, Shape, SoughtBond, bond_from_bridging, bond_from_strengths, fast_inverse,
-    full_inverse,
+    Bond, BridgingFit, Closed, Estimate, Fitted, Inclination, Invalid, LayeredBeam, MeasuredBeam, NotchedBeam,
+    Polyline, RESIDUAL_CMOD, Residual, SectionLaw, Shape, SoughtBond, bond_from_bridging, bond_from_strengths,
+    fast_inverse, full_inverse,
 };
 use pullout_case::CsvFile;
 use pullout_run::bridging::{BridgingProgram, Curves, ForeignTables, LoadSource};
@@ -40,7 +40,7 @@ pub struct BeamColumns {
 ///
 /// # Errors
 /// One sentence for each thing that is wrong.
-pub fn read_beam_test(path: &Path, columns: &BeamColumns) -> Result<Measured, Vec<String>> {
+pub fn read_beam_test(path: &Path, columns: &BeamColumns) -> Result<MeasuredBeam, Vec<String>> {
     let csv = CsvFile::read(path)?;
     let rows = |wanted: &[&str]| {
         let places = wanted.iter().map(|name| csv.column(name)).collect::<Result<Vec<usize>, Vec<String>>>()?;
@@ -55,7 +55,7 @@ pub fn read_beam_test(path: &Path, columns: &BeamColumns) -> Result<Measured, Ve
             return Err(csv.fault(csv.line(row), message));
         }
         let beam = |row: &Vec<f64>| Residual { limit: row[0], residual: [1, 2, 3, 4].map(|k| row[k]) };
-        return Ok(Measured::Strengths(rows.iter().map(beam).collect()));
+        return Ok(MeasuredBeam::Strengths(rows.iter().map(beam).collect()));
     }
     let names = [columns.cmod.as_deref().unwrap_or("cmod"), columns.load.as_deref().unwrap_or("load")];
     let rows = rows(&names)?;
@@ -64,7 +64,7 @@ pub fn read_beam_test(path: &Path, columns: &BeamColumns) -> Result<Measured, Ve
         let message = format!("the CMOD {after} mm follows {before} mm: the CMODs of a test must rise");
         return Err(csv.fault(csv.line(row), message));
     }
-    Ok(Measured::Curve(rows.iter().map(|row| [row[0], columns.load_factor * row[1]]).collect()))
+    Ok(MeasuredBeam::Curve(rows.iter().map(|row| [row[0], columns.load_factor * row[1]]).collect()))
 }
 
 /// Result of the fit.
@@ -128,7 +128,7 @@ impl BeamFit {
     ///
     /// # Errors
     /// Data that are not those of a test, or a case without sense.
-    pub fn new(program: &BridgingProgram, test: &Measured, shape: Shape) -> Result<Self, Invalid> {
+    pub fn new(program: &BridgingProgram, test: &MeasuredBeam, shape: Shape) -> Result<Self, Invalid> {
         let geometry = program.beam.unwrap_or_default();
         let fast = fast_inverse(&geometry, test)?;
         let full = full_inverse(&geometry, &program.matrix, test, shape)?;
@@ -143,8 +143,8 @@ impl BeamFit {
             let with = |values: &[f64]| with_bond(program, values).composite(&[]);
             let sought = SoughtBond { composite: &with, start: &start };
             let found = match test {
-                Measured::Strengths(beams) => bond_from_strengths(&sought, &geometry, beams),
-                Measured::Curve(_) => {
+                MeasuredBeam::Strengths(beams) => bond_from_strengths(&sought, &geometry, beams),
+                MeasuredBeam::Curve(_) => {
                     let left = |opening: f64| full.law.at(opening) - composite.matrix_stress(opening);
                     let target = BOND_OPENINGS.map(|opening| [opening, left(opening)]);
                     let target: Vec<[f64; 2]> = target.into_iter().filter(|row| row[1] > 0.0).collect();
@@ -158,10 +158,10 @@ impl BeamFit {
     }
 
     /// Warns of data in other units, and of a σ(w) that misses them.
-    fn doubts(&self, test: &Measured) -> Vec<String> {
+    fn doubts(&self, test: &MeasuredBeam) -> Vec<String> {
         let greatest = test.greatest_strength(&self.geometry);
         let mut data = vec![("flexural strength at the greatest load", greatest, "MPa", [0.5, 60.0])];
-        if let Measured::Curve(rows) = test {
+        if let MeasuredBeam::Curve(rows) = test {
             let last = rows.iter().map(|row| row[0]).fold(0.0, f64::max);
             data.push(("greatest CMOD", last, "mm", [0.1, 50.0]));
         }
@@ -179,7 +179,7 @@ impl BeamFit {
     /// The computed test at CMODs.
     fn forces(&self, cmods: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
         let section = [SectionLaw::new(&self.full.matrix, &self.full.law, self.geometry.hinge())];
-        let beam = Beam::new(self.geometry, &section, &self.full.matrix);
+        let beam = LayeredBeam::new(self.geometry, &section, &self.full.matrix);
         cmods.map(|cmod| (cmod, beam.at(cmod).force)).collect()
     }
 
@@ -197,10 +197,10 @@ impl BeamFit {
 }
 
 /// The measured points: the curve's, or those of the strengths.
-fn measured_points(geometry: &NotchedBeam, test: &Measured) -> Vec<(f64, f64)> {
+fn measured_points(geometry: &NotchedBeam, test: &MeasuredBeam) -> Vec<(f64, f64)> {
     match test {
-        Measured::Curve(rows) => rows.iter().map(|row| (row[0], row[1])).collect(),
-        Measured::Strengths(beams) => {
+        MeasuredBeam::Curve(rows) => rows.iter().map(|row| (row[0], row[1])).collect(),
+        MeasuredBeam::Strengths(beams) => {
             let force = |strength: f64| strength / geometry.flexural_strength(1.0);
             RESIDUAL_CMOD.into_iter().zip(Residual::mean(beams).residual.map(force)).collect()
         }

@@ -64,7 +64,7 @@ impl LoadSlipCurve {
     }
 
     /// The point of the greatest load.
-    pub fn peak(&self) -> Peak {
+    pub(crate) fn peak(&self) -> Peak {
         let points = self.slips.iter().zip(&self.loads).map(|(&slip, &load)| Peak { slip, load });
         points.max_by(|a, b| a.load.total_cmp(&b.load)).unwrap_or_default()
     }
@@ -77,7 +77,7 @@ impl LoadSlipCurve {
 
 /// A point of greatest load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Peak {
+pub(crate) struct Peak {
     /// mm.
     pub slip: f64,
     /// N.

@@ -40,7 +40,7 @@ pub struct Piecewise {
 
 /// A bond law.
 #[derive(Clone, Debug, PartialEq)]
-pub enum BondLaw {
+pub enum BondSlipLaw {
     /// 6.24.
     Powers(Powers),
     /// 6.23.
@@ -49,7 +49,7 @@ pub enum BondLaw {
 
 /// A number of a law as its user knows it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Quantity {
+pub struct LawQuantity {
     /// Name: that of the plugin's parameter, if it is one.
     pub name: String,
     /// Unit.
@@ -58,7 +58,7 @@ pub struct Quantity {
     pub value: f64,
 }
 
-impl BondLaw {
+impl BondSlipLaw {
     /// Returns what messages and files call the form; the plugin's word for it.
     pub fn form(&self) -> &'static str {
         match self {
@@ -123,8 +123,8 @@ impl BondLaw {
     }
 
     /// Returns the numbers, the joints included.
-    pub fn quantities(&self) -> Vec<Quantity> {
-        let quantity = |name: &str, unit, value| Quantity { name: name.to_owned(), unit, value };
+    pub fn quantities(&self) -> Vec<LawQuantity> {
+        let quantity = |name: &str, unit, value| LawQuantity { name: name.to_owned(), unit, value };
         match self {
             Self::Powers(law) => {
                 let [[a_1, b_1], [a_2, b_2]] = [law.rise, law.fall];

@@ -29,9 +29,9 @@ pub use beam::{BeamColumns, BeamFit, describe as describe_beam, read_beam_test, 
 pub use case::{CaseFit, CaseRequest, FittedTest, Free, Test, fit_case};
 pub use curve::LoadSlipCurve;
 pub use geometry::{SlipAt, TestFibre};
-pub use law::{BondLaw, Piecewise, Powers, Quantity};
+pub use law::{BondSlipLaw, LawQuantity, Piecewise, Powers};
 pub use output::{describe, write};
-pub use places::{Found, Range, least_squares};
+pub use places::{BestFit, Range, least_squares};
 pub use search::Simulation;
 pub use simulation::{SimulatedCurve, Weights};
 pub use specimen::{Materials, MatrixLaw};
@@ -50,7 +50,7 @@ use std::path::PathBuf;
 
 /// The form of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum LawForm {
     /// Linear, power, power (6.24).
     Powers,
     /// Straight lines through so many points besides (0, 0) (6.23).
@@ -62,13 +62,13 @@ pub enum Form {
 
 /// Data besides the curve, and settings of the search for the law.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub struct FitRequest {
     /// The fibre.
     pub fibre: TestFibre,
     /// Where the slip was measured.
     pub slip_at: SlipAt,
     /// The forms that are fitted.
-    pub forms: Vec<Form>,
+    pub forms: Vec<LawForm>,
     /// τ_res, MPa; `None`: 0, or that of the user's own case.
     pub residual: Option<f64>,
     /// Weighting of the rows.
@@ -98,9 +98,9 @@ pub enum FitError {
 #[derive(Clone, Debug)]
 pub struct FittedLaw {
     /// The law by regression alone.
-    pub regression: BondLaw,
+    pub regression: BondSlipLaw,
     /// The law by inverse finite elements.
-    pub law: BondLaw,
+    pub law: BondSlipLaw,
     /// Numbers with their errors; `None` if there were no runs left for it.
     pub uncertainty: Option<Uncertainty>,
     /// Curve.
@@ -144,15 +144,15 @@ pub(crate) const CURVE_FILE: &str = "curve.csv";
 /// [`FitError`]. A search that stops early is no error: see [`FittedLaw::trouble`].
 pub fn fit(
     curve: &LoadSlipCurve,
-    request: &Request,
+    request: &FitRequest,
     progress: &dyn Fn(&str, usize, f64),
 ) -> Result<Vec<FittedLaw>, FitError> {
     let bond = request.fibre.mean_bond(curve, request.slip_at);
     let specimen = specimen(curve, request)?;
-    let starts: Result<Vec<[BondLaw; 2]>, FitError> =
+    let starts: Result<Vec<[BondSlipLaw; 2]>, FitError> =
         request.forms.iter().map(|form| start(*form, &bond, curve, &request.fibre)).collect();
     let weights = request.weights.of(curve);
-    let fit = |[regression, start]: [BondLaw; 2]| {
+    let fit = |[regression, start]: [BondSlipLaw; 2]| {
         let simulator = Simulator {
             specimen: &specimen,
             slip_at: request.slip_at,
@@ -226,7 +226,7 @@ fn quality(curve: &LoadSlipCurve, rms: f64) -> Quality {
 }
 
 /// Returns what the simulations need a process of their own for, if they do: one for the whole fit.
-pub fn need(request: &Request) -> Option<Need> {
+pub fn need(request: &FitRequest) -> Option<Need> {
     match &request.specimen_case {
         Some(file) => pullout_case::need(file, &[], &request.plugin_paths),
         // one that cannot be made calls nothing
@@ -234,12 +234,12 @@ pub fn need(request: &Request) -> Option<Need> {
     }
 }
 
-fn default_specimen(request: &Request) -> Result<Specimen, String> {
+fn default_specimen(request: &FitRequest) -> Result<Specimen, String> {
     Specimen::perpendicular_fibre(&request.fibre, &request.materials, request.residual.unwrap_or(0.0))
 }
 
 /// The simulation, up to the end of the curve.
-fn specimen(curve: &LoadSlipCurve, request: &Request) -> Result<Specimen, FitError> {
+fn specimen(curve: &LoadSlipCurve, request: &FitRequest) -> Result<Specimen, FitError> {
     let fibre = &request.fibre;
     let specimen = match &request.specimen_case {
         None => default_specimen(request).map_err(FitError::Input)?,
@@ -261,14 +261,19 @@ fn specimen(curve: &LoadSlipCurve, request: &Request) -> Result<Specimen, FitErr
 
 /// The law of the regression, and the one that the search begins with: its elastic stiffness is that of a fibre that
 /// stretches unevenly.
-fn start(form: Form, bond: &[BondPoint], curve: &LoadSlipCurve, fibre: &TestFibre) -> Result<[BondLaw; 2], FitError> {
+fn start(
+    form: LawForm,
+    bond: &[BondPoint],
+    curve: &LoadSlipCurve,
+    fibre: &TestFibre,
+) -> Result<[BondSlipLaw; 2], FitError> {
     match form {
-        Form::Powers => {
+        LawForm::Powers => {
             let law = regression::powers(bond).unwrap_or_else(|| rough(curve, bond, fibre));
             let elastic_stiffness = fibre.elastic_stiffness(law.elastic_stiffness);
-            Ok([BondLaw::Powers(law), BondLaw::Powers(Powers { elastic_stiffness, ..law })])
+            Ok([BondSlipLaw::Powers(law), BondSlipLaw::Powers(Powers { elastic_stiffness, ..law })])
         }
-        Form::Piecewise { points } => {
+        LawForm::Piecewise { points } => {
             let law = regression::piecewise(bond, points).ok_or_else(|| {
                 let message = format!("{} usable rows are too few for --points {points}: give fewer", bond.len());
                 FitError::Input(message)
@@ -281,7 +286,7 @@ fn start(form: Form, bond: &[BondPoint], curve: &LoadSlipCurve, fibre: &TestFibr
             {
                 first[0] = first[1] / stiffness;
             }
-            Ok([BondLaw::Piecewise(law), BondLaw::Piecewise(begin)])
+            Ok([BondSlipLaw::Piecewise(law), BondSlipLaw::Piecewise(begin)])
         }
     }
 }

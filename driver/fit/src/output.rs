@@ -1,9 +1,9 @@
 //! Files that a fit writes: cases, the curves, pictures, a report.
 
 use super::curve::LoadSlipCurve;
-use super::law::Quantity;
+use super::law::LawQuantity;
 use super::uncertainty::Uncertainty;
-use super::{CURVE_FILE, FittedLaw, Request, specimen};
+use super::{CURVE_FILE, FitRequest, FittedLaw, specimen};
 use crate::doubt::doubts;
 use crate::regression::thinned;
 use nalgebra::DMatrix;
@@ -36,7 +36,7 @@ pub fn write(
     directory: &mut ResultDirectory,
     source: &str,
     curve: &LoadSlipCurve,
-    request: &Request,
+    request: &FitRequest,
     laws: &[FittedLaw],
 ) -> io::Result<Vec<String>> {
     let mut warnings = doubts_of(curve, request, laws);
@@ -60,7 +60,7 @@ pub fn write(
 }
 
 /// Warns of data in other units, and of laws that miss them.
-fn doubts_of(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<String> {
+fn doubts_of(curve: &LoadSlipCurve, request: &FitRequest, laws: &[FittedLaw]) -> Vec<String> {
     let fibre = &request.fibre;
     let traction = curve.peak().load / (PI * fibre.diameter * fibre.embedded_length);
     let data = [
@@ -104,7 +104,7 @@ pub fn describe(law: &FittedLaw) -> String {
 }
 
 /// The numbers of a law, each with what is known of its error.
-fn numbers(law: &FittedLaw) -> Vec<(Quantity, Option<&Estimate>)> {
+fn numbers(law: &FittedLaw) -> Vec<(LawQuantity, Option<&Estimate>)> {
     let quantities = law.law.quantities().into_iter().enumerate();
     let estimate = |k: usize| law.uncertainty.as_ref().and_then(|uncertainty| uncertainty.estimates.get(k));
     quantities.map(|(k, quantity)| (quantity, estimate(k))).collect()
@@ -112,7 +112,7 @@ fn numbers(law: &FittedLaw) -> Vec<(Quantity, Option<&Estimate>)> {
 
 /// Returns the names of the parameters that the curve does not determine.
 fn unidentifiable(law: &FittedLaw) -> Vec<String> {
-    let described = |(quantity, estimate): (Quantity, Option<&Estimate>)| {
+    let described = |(quantity, estimate): (LawQuantity, Option<&Estimate>)| {
         estimate
             .filter(|estimate| !estimate.is_identifiable())
             .map(|estimate| format!("{} (standard error {} of its value)", quantity.name, percent(estimate.relative())))
@@ -124,7 +124,7 @@ pub(crate) fn percent(part: f64) -> String {
     if part.is_finite() { format!("{} %", significant(100.0 * part, 2)) } else { "infinite".into() }
 }
 
-fn summary(source: &str, request: &Request, laws: &[FittedLaw], warnings: &[String]) -> Value {
+fn summary(source: &str, request: &FitRequest, laws: &[FittedLaw], warnings: &[String]) -> Value {
     let forms: Map<String, Value> = laws.iter().map(|law| (law.law.form().to_owned(), form(law))).collect();
     let fibre = &request.fibre;
     json!({
@@ -143,7 +143,7 @@ fn summary(source: &str, request: &Request, laws: &[FittedLaw], warnings: &[Stri
 
 /// JSON has no infinity: an error of which nothing is known is null.
 fn form(law: &FittedLaw) -> Value {
-    let number = |(quantity, estimate): (Quantity, Option<&Estimate>)| {
+    let number = |(quantity, estimate): (LawQuantity, Option<&Estimate>)| {
         let mut entry = json!({ "value": quantity.value, "unit": quantity.unit });
         if let Some(estimate) = estimate {
             entry["standard_error"] = json!(estimate.standard_error);
@@ -180,7 +180,7 @@ pub(crate) fn rows_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
 }
 
 /// Returns the figures of the curves, of the curves around the peak, and of the laws.
-fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<Figure> {
+fn figures(curve: &LoadSlipCurve, request: &FitRequest, laws: &[FittedLaw]) -> Vec<Figure> {
     let units = BTreeMap::new();
     let column = request.slip_at.column();
     let every = curve.slips.len().div_ceil(MOST_MARKS).max(1);

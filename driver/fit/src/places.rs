@@ -153,7 +153,7 @@ impl<S: Simulation> Simulation for Bounded<'_, S> {
 
 /// The best end of searches from several places.
 #[derive(Clone, Debug)]
-pub struct Found<R> {
+pub struct BestFit<R> {
     /// Run with the numbers that fit best.
     pub run: R,
     /// These numbers.
@@ -182,7 +182,7 @@ pub fn least_squares<S: Simulation>(
     [places, max_runs]: [usize; 2],
     scatter: Option<f64>,
     progress: &dyn Fn(usize, f64),
-) -> Result<Found<S::Run>, String> {
+) -> Result<BestFit<S::Run>, String> {
     let bounded = Bounded { simulation, ranges };
     let mut problem = Search::new(&bounded, max_runs, 0, progress);
     let mut ends: Vec<(Best<S::Run>, Option<String>)> = Vec::new();
@@ -224,5 +224,5 @@ pub fn least_squares<S: Simulation>(
         Ok(slopes) => estimates(&values, residuals.as_slice(), scatter, &(slopes * &sizes), &[], &sizes),
         Err(_) => (values.iter().map(unknown).collect(), DMatrix::identity(values.len(), values.len())),
     };
-    Ok(Found { run: best.run, estimates, correlation, searches, runs: problem.runs(), trouble })
+    Ok(BestFit { run: best.run, estimates, correlation, searches, runs: problem.runs(), trouble })
 }

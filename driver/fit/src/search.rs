@@ -21,7 +21,7 @@ const NO_CURVE: f64 = 10.0;
 
 /// The increments of one run, which other runs repeat.
 #[derive(Clone)]
-pub enum Increments {
+pub(crate) enum Increments {
     /// Increments of the run.
     Recorded(Value),
     /// The states of a specimen.

@@ -2,7 +2,7 @@
 
 use super::curve::LoadSlipCurve;
 use super::geometry::SlipAt;
-use super::law::BondLaw;
+use super::law::BondSlipLaw;
 use super::search::{self, Increments, STEP, Simulation, root_mean_square};
 use super::specimen::Specimen;
 use nalgebra::{DMatrix, DVector};
@@ -83,8 +83,8 @@ impl SimulatedCurve {
 
 /// A law that was tried.
 #[derive(Clone)]
-pub struct Tried {
-    pub law: BondLaw,
+pub struct TriedLaw {
+    pub law: BondSlipLaw,
     pub curve: SimulatedCurve,
     increments: Option<Increments>,
 }
@@ -98,7 +98,7 @@ pub struct Simulator<'c> {
     /// Folders where plugins are looked for first.
     pub plugin_paths: &'c [PathBuf],
     /// A law of the form.
-    pub form: &'c BondLaw,
+    pub form: &'c BondSlipLaw,
     /// The measured curve.
     pub curve: &'c LoadSlipCurve,
     /// Weights of its rows.
@@ -106,7 +106,7 @@ pub struct Simulator<'c> {
 }
 
 impl Simulator<'_> {
-    fn tried(&self, coordinates: &[f64], on: Option<&Increments>) -> Result<Tried, String> {
+    fn tried(&self, coordinates: &[f64], on: Option<&Increments>) -> Result<TriedLaw, String> {
         let law = self.form.at(coordinates);
         let source = CaseSource {
             document: Some(self.specimen.computed(&law)),
@@ -114,7 +114,7 @@ impl Simulator<'_> {
             ..CaseSource::file(&self.specimen.file)
         };
         let (outcome, increments) = search::outcome(source, on, &Arc::default())?;
-        Ok(Tried { law, curve: SimulatedCurve::of(&outcome, self.slip_at), increments })
+        Ok(TriedLaw { law, curve: SimulatedCurve::of(&outcome, self.slip_at), increments })
     }
 
     /// Computed less measured loads, as parts of the measured peak.
@@ -129,7 +129,7 @@ impl Simulator<'_> {
     ///
     /// # Errors
     /// A law with a changed coordinate gives no curve.
-    pub fn slopes(&self, coordinates: &[f64], tried: &Tried) -> Result<DMatrix<f64>, String> {
+    pub fn slopes(&self, coordinates: &[f64], tried: &TriedLaw) -> Result<DMatrix<f64>, String> {
         let increments = tried.increments.as_ref();
         let step = if increments.is_some() { STEP } else { STEP_OF_FREE_RUNS };
         let run = |coordinates: &[f64], on: Option<&Increments>| Ok(self.off(&self.tried(coordinates, on)?.curve));
@@ -138,25 +138,25 @@ impl Simulator<'_> {
 }
 
 impl Simulation for Simulator<'_> {
-    type Run = Tried;
+    type Run = TriedLaw;
 
-    fn run(&self, coordinates: &[f64]) -> Result<Tried, String> {
+    fn run(&self, coordinates: &[f64]) -> Result<TriedLaw, String> {
         self.tried(coordinates, None)
     }
 
-    fn differences(&self, tried: &Tried) -> DVector<f64> {
+    fn differences(&self, tried: &TriedLaw) -> DVector<f64> {
         let mut differences = self.off(&tried.curve);
         differences.iter_mut().zip(self.weights).for_each(|(difference, weight)| *difference *= weight.sqrt());
         differences
     }
 
-    fn derivatives(&self, coordinates: &[f64], tried: &Tried) -> Result<DMatrix<f64>, String> {
+    fn derivatives(&self, coordinates: &[f64], tried: &TriedLaw) -> Result<DMatrix<f64>, String> {
         let mut slopes = self.slopes(coordinates, tried)?;
         slopes.row_iter_mut().zip(self.weights).for_each(|(mut row, weight)| row *= weight.sqrt());
         Ok(slopes)
     }
 
-    fn rms(&self, tried: &Tried) -> f64 {
+    fn rms(&self, tried: &TriedLaw) -> f64 {
         root_mean_square(&self.off(&tried.curve))
     }
 }

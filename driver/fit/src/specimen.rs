@@ -1,9 +1,9 @@
 //! The case that is computed: a perpendicular fibre in a block, or a case of the user's own, with the law of the moment.
 
 use super::geometry::TestFibre;
-use super::law::BondLaw;
+use super::law::BondSlipLaw;
 use models::concrete_damage::ConcreteDamage;
-use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, Concrete, properties_with_exponent};
+use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, ConcreteProperties, properties_with_exponent};
 use pullout_run::input::folder_of;
 use pullout_run::isolation::{self, Need};
 use serde::{Deserialize, Serialize};
@@ -68,7 +68,7 @@ pub struct Materials {
 
 /// A case without its bond law.
 #[derive(Clone, Debug)]
-pub struct Specimen {
+pub(crate) struct Specimen {
     /// The case.
     document: Value,
     /// File of the case: paths in it are relative to its folder.
@@ -185,7 +185,7 @@ impl Specimen {
     }
 
     /// The case with a bond law and nothing written but its history.
-    pub fn computed(&self, law: &BondLaw) -> Value {
+    pub fn computed(&self, law: &BondSlipLaw) -> Value {
         let mut case = self.with(law);
         case["output"] = json!({ "plots": false, "vtu": false });
         if let Some(case) = case.as_object_mut() {
@@ -195,7 +195,7 @@ impl Specimen {
     }
 
     /// The case with a bond law, to be kept in another folder; `compare` with what it was fitted to.
-    pub fn kept(&self, law: &BondLaw, title: &str, compare: Value) -> Value {
+    pub fn kept(&self, law: &BondSlipLaw, title: &str, compare: Value) -> Value {
         let mut case = self.with(law);
         if self.is_own {
             make_absolute(&mut case, folder_of(&self.file));
@@ -205,7 +205,7 @@ impl Specimen {
         case
     }
 
-    fn with(&self, law: &BondLaw) -> Value {
+    fn with(&self, law: &BondSlipLaw) -> Value {
         let mut case = self.document.clone();
         for (_, material) in laws_of(&mut case) {
             if let Some(props) = material["props"].as_object_mut() {
@@ -268,7 +268,7 @@ fn matrix(materials: &Materials) -> Result<Value, String> {
             Ok(json!({ "plugin": "linear_elastic", "props": { "E": youngs_modulus, "nu": MATRIX_POISSON } }))
         }
         MatrixLaw::ConcreteDamage => {
-            let concrete = Concrete {
+            let concrete = ConcreteProperties {
                 youngs_modulus,
                 poisson_ratio: MATRIX_POISSON,
                 tensile_strength: STRENGTHS[0],

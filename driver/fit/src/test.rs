@@ -2,18 +2,18 @@
 
 use super::curve::LoadSlipCurve;
 use super::geometry::{SlipAt, TestFibre};
-use super::law::{BondLaw, Piecewise, Powers};
+use super::law::{BondSlipLaw, Piecewise, Powers};
 use super::simulation::Weights;
 use super::uncertainty::uncertainty;
 use approx::assert_relative_eq;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
-const POWERS: BondLaw =
-    BondLaw::Powers(Powers { elastic_stiffness: 400.0, rise: [3.44, 0.13865], fall: [1.0, -0.1772] });
+const POWERS: BondSlipLaw =
+    BondSlipLaw::Powers(Powers { elastic_stiffness: 400.0, rise: [3.44, 0.13865], fall: [1.0, -0.1772] });
 
-fn lines() -> BondLaw {
-    BondLaw::Piecewise(Piecewise { points: vec![[0.004, 1.6], [0.02, 2.0], [0.3, 1.2], [2.0, 0.7]] })
+fn lines() -> BondSlipLaw {
+    BondSlipLaw::Piecewise(Piecewise { points: vec![[0.004, 1.6], [0.02, 2.0], [0.3, 1.2], [2.0, 0.7]] })
 }
 
 fn fibre() -> TestFibre {

@@ -11,7 +11,7 @@ mod subject;
 mod watch;
 mod work;
 
-pub use watch::{FileWatch, Stamp};
+pub use watch::{FileStamp, FileWatch};
 
 use http::{Request, Response};
 use pullout_run::{PLUGIN_STACK, signals};
@@ -38,7 +38,7 @@ const SCRIPT: &str = include_str!("../page/lab.js");
 
 /// What a lab is opened with.
 #[derive(Clone, Debug, Default)]
-pub struct Settings {
+pub struct LabSettings {
     /// A law's name, a case, a library, a source or the result directory of a run; `None`: a law of ours.
     pub subject: Option<String>,
     /// The case to begin with, instead of the subject's.
@@ -51,7 +51,7 @@ pub struct Settings {
 
 /// Why there is no lab.
 #[derive(Debug, thiserror::Error)]
-pub enum Error {
+pub enum LabError {
     /// Nothing to open it with.
     #[error("{0}")]
     Subject(String),
@@ -78,14 +78,14 @@ impl Lab {
     /// Opens a lab: its port is taken, its library built.
     ///
     /// # Errors
-    /// [`Error`].
-    pub fn open(settings: &Settings) -> Result<Self, Error> {
+    /// [`LabError`].
+    pub fn open(settings: &LabSettings) -> Result<Self, LabError> {
         let subject = match &settings.document {
             Some(document) => Subject::of_document(document.clone(), &settings.plugin_paths)?,
             None => Subject::of(settings.subject.as_deref(), &settings.plugin_paths)?,
         };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, settings.port))
-            .map_err(|error| Error::Subject(format!("--port {}: {error}", settings.port)))?;
+            .map_err(|error| LabError::Subject(format!("--port {}: {error}", settings.port)))?;
         let port = listener.local_addr()?.port();
         let shared =
             Shared { port, token: http::token()?, subject, work: Work::default(), requests: AtomicUsize::new(0) };
@@ -101,7 +101,7 @@ impl Lab {
     ///
     /// # Errors
     /// The port or a thread is lost.
-    pub fn serve(self) -> Result<(), Error> {
+    pub fn serve(self) -> Result<(), LabError> {
         let shared = self.shared.clone();
         thread::Builder::new().name("pullout watch".into()).spawn(move || shared.subject.watch())?;
         self.listener.set_nonblocking(true)?;

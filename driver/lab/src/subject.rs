@@ -1,6 +1,6 @@
 //! What the lab was opened with: a law, a case, a library, or sources that are built again whenever they change.
 
-use crate::Error;
+use crate::LabError;
 use crate::done::Done;
 use crate::watch::{FileWatch, with_included};
 use pullout_check::build;
@@ -68,13 +68,13 @@ struct State {
 
 impl Subject {
     /// A case that stands in no file.
-    pub fn of_document(document: Value, plugin_paths: &[PathBuf]) -> Result<Self, Error> {
+    pub fn of_document(document: Value, plugin_paths: &[PathBuf]) -> Result<Self, LabError> {
         Self::new(document, Path::new("."), shipped(plugin_paths), None)
     }
 
     /// A case, or the beginning of one, by whose folder its names are resolved, with the shipped laws; `named`: the library of the user's,
     /// and its file.
-    fn new(document: Value, folder: &Path, laws: Vec<Value>, named: Option<(&str, PathBuf)>) -> Result<Self, Error> {
+    fn new(document: Value, folder: &Path, laws: Vec<Value>, named: Option<(&str, PathBuf)>) -> Result<Self, LabError> {
         let folder = std::path::absolute(folder)?;
         let library: Vec<PathBuf> = named.iter().flat_map(|(_, file)| with_included(file)).collect();
         let is_data = |file: &PathBuf| library.iter().all(|other| real_path(other) != real_path(file));
@@ -88,9 +88,9 @@ impl Subject {
     }
 
     /// The results of a run, which nothing changes.
-    fn of_results(folder: &Path) -> Result<Self, Error> {
+    fn of_results(folder: &Path) -> Result<Self, LabError> {
         let finished = Done::read(folder).map_err(|error| {
-            Error::Subject(format!("{error}: is {} the result directory of a run with pictures?", folder.display()))
+            LabError::Subject(format!("{error}: is {} the result directory of a run with pictures?", folder.display()))
         })?;
         let document = json!({ "kind": "results", "title": finished.title() });
         Ok(Self { finished: Some(Arc::new(finished)), ..Self::new(document, folder, Vec::new(), None)? })
@@ -103,16 +103,16 @@ impl Subject {
     }
 
     /// Finds out what a word of the command line is.
-    pub fn of(word: Option<&str>, plugin_paths: &[PathBuf]) -> Result<Self, Error> {
+    pub fn of(word: Option<&str>, plugin_paths: &[PathBuf]) -> Result<Self, LabError> {
         if let Some(folder) = word.map(Path::new).filter(|word| word.is_dir()) {
             return Self::of_results(folder);
         }
         let word = word.unwrap_or(FIRST_LAW);
         let path = Path::new(word);
         if path.extension().is_some_and(|suffix| suffix == "json") || path.starts_with("/dev") {
-            let text = input::read(path, Input::Case).map_err(|error| Error::Subject(format!("{word}: {error}")))?;
+            let text = input::read(path, Input::Case).map_err(|error| LabError::Subject(format!("{word}: {error}")))?;
             let mut document: Value =
-                serde_json::from_slice(&text).map_err(|error| Error::Subject(format!("{word}: {error}")))?;
+                serde_json::from_slice(&text).map_err(|error| LabError::Subject(format!("{word}: {error}")))?;
             if document["title"].is_null() {
                 document["title"] = json!(path.file_stem().unwrap_or_default().to_string_lossy());
             }
@@ -139,7 +139,7 @@ impl Subject {
         let law = laws.iter().find(|law| law["name"] == word);
         let law = law.ok_or_else(|| {
             let names: Vec<_> = laws.iter().filter_map(|law| law["name"].as_str()).collect();
-            Error::Subject(format!(
+            LabError::Subject(format!(
                 "{word}: neither a law ({}) nor a case, a source, a library or a result directory",
                 names.join(", ")
             ))
@@ -215,10 +215,10 @@ impl Subject {
 
 impl Watched {
     /// Makes the library of a file for the first time. If the compiler refuses the source, that is no error.
-    fn new(named: &str, file: PathBuf) -> Result<Self, Error> {
+    fn new(named: &str, file: PathBuf) -> Result<Self, LabError> {
         let file = std::path::absolute(file)?;
         if !file.is_file() {
-            return Err(Error::Subject(format!("{named}: there is no such file")));
+            return Err(LabError::Subject(format!("{named}: there is no such file")));
         }
         let watched = Self { named: named.to_owned(), file, state: Mutex::default() };
         watched.refresh();

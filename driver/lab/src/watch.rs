@@ -16,13 +16,13 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// State of a file: a file that is written again has another one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stamp {
+pub struct FileStamp {
     modified: SystemTime,
     length: u64,
     inode: u64,
 }
 
-impl Stamp {
+impl FileStamp {
     /// The present state of a file; `None`: it is not there.
     pub fn of(file: &Path) -> Option<Self> {
         let data = file.metadata().ok()?;
@@ -32,12 +32,12 @@ impl Stamp {
 
 /// Files whose changes are waited for.
 #[derive(Clone, Debug)]
-pub struct FileWatch(BTreeMap<PathBuf, Option<Stamp>>);
+pub struct FileWatch(BTreeMap<PathBuf, Option<FileStamp>>);
 
 impl FileWatch {
     /// Watches files from their present state on.
     pub fn of(files: impl IntoIterator<Item = PathBuf>) -> Self {
-        Self(files.into_iter().map(|file| (file.clone(), Stamp::of(&file))).collect())
+        Self(files.into_iter().map(|file| (file.clone(), FileStamp::of(&file))).collect())
     }
 
     /// Watches everything that a run of a case depends on.

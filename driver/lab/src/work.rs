@@ -8,7 +8,7 @@ use pullout_engine::{CaseSource, Error, Message, Outcome, REPLAY, Settings};
 use pullout_fit::{CaseRequest, Free, Test, fit_case};
 use pullout_report::history::History;
 use pullout_report::plots::figure::Drawing;
-use pullout_report::plots::{self, Curve, Spec, selection};
+use pullout_report::plots::{self, MeasuredCurve, Spec, selection};
 use pullout_run::isolation::{self, Child};
 use pullout_run::number;
 use serde::{Deserialize, Serialize};
@@ -41,7 +41,7 @@ pub(crate) struct Wanted {
     ghosts: Vec<Ghost>,
     /// Measured curves.
     #[serde(default)]
-    curves: Vec<Curve>,
+    curves: Vec<MeasuredCurve>,
     /// Numbers that are fitted to them, as `pullout fit` takes them: "material.props.E=1e4:4e4".
     #[serde(default)]
     free: Vec<String>,
@@ -164,7 +164,7 @@ impl Work {
         }
         let fitted = || {
             let source = self.source(subject, &wanted.document)?;
-            let test = |curve: &Curve| Test {
+            let test = |curve: &MeasuredCurve| Test {
                 source: source.clone(),
                 data: curve.label.clone().into(),
                 points: Some(curve.points.iter().map(|&(x, y)| [x, y]).collect()),

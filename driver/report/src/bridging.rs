@@ -11,8 +11,8 @@ use crate::softening::SofteningTable;
 use crate::summary::{Status, Summary};
 use pullout_bridging::{Average, Composite, Curve, Softening};
 use pullout_case::Case;
-use pullout_run::bridging::{BridgingProgram, Results};
-use pullout_run::columns::{self, BEAM, BRIDGING, Column, Group, SCATTER};
+use pullout_run::bridging::{BridgingProgram, BridgingResults};
+use pullout_run::columns::{self, BEAM, BRIDGING, Group, HistoryColumn, SCATTER};
 use pullout_run::number;
 use pullout_run::signals;
 use std::f64::consts::FRAC_PI_2;
@@ -27,7 +27,7 @@ const FAMILY_POINTS: usize = 200;
 const DIRECTIONS: usize = 180;
 
 /// A run: the program, its fibres and its results.
-pub type Done<'a> = (&'a BridgingProgram, &'a Composite, &'a Results);
+pub type Done<'a> = (&'a BridgingProgram, &'a Composite, &'a BridgingResults);
 
 /// Writes tables, summary, pictures and report; of a run that failed its message. The second result is what could not be
 /// written. `draws`: whether pictures are wanted.
@@ -113,7 +113,7 @@ fn curves(curves: &[Curve]) -> Vec<u8> {
 fn write_table<R>(
     directory: &mut ResultDirectory,
     name: &str,
-    table: &'static [Column<R>],
+    table: &'static [HistoryColumn<R>],
     left_out: &[Group],
     rows: &[R],
 ) -> io::Result<()> {

@@ -8,7 +8,7 @@ use crate::pictures;
 use crate::plots::{self, Drawings, Spec};
 use crate::record::RunRecorder;
 use crate::summary::{self, PeakRecorder, PluginFile, PluginOf, Summary};
-use crate::viewer::States;
+use crate::viewer::ViewerStates;
 use maud::Markup;
 use pullout_case::Case;
 use pullout_run::isolation::Aftermath;
@@ -19,7 +19,7 @@ use std::path::Path;
 use umat_abi::host::{LawDescription, Library};
 
 /// A specimen's program and what its run gave.
-pub type Specimen<'p> = (&'p pullout::PulloutProgram, pullout::Outcome);
+pub type SpecimenRun<'p> = (&'p pullout::PulloutProgram, pullout::SpecimenOutcome);
 
 /// Writes summary, plots and report next to a history. The summary comes first, so that no failing picture can prevent it.
 /// The second result is what could not be written. `draws`: whether pictures are wanted.
@@ -30,8 +30,8 @@ pub fn conclude(
     case: &Case,
     directory: &mut ResultDirectory,
     summary: Summary,
-    specimen: Option<&Specimen<'_>>,
-    states: &States,
+    specimen: Option<&SpecimenRun<'_>>,
+    states: &ViewerStates,
     draws: bool,
 ) -> io::Result<(Summary, io::Result<()>)> {
     let compared = match case.about().compare.is_empty() {
@@ -76,8 +76,8 @@ pub fn compare_all(case: &Case, history: &impl Rows) -> io::Result<Vec<Compariso
 fn draw(
     case: &Case,
     directory: &mut ResultDirectory,
-    specimen: Option<&Specimen<'_>>,
-    states: &States,
+    specimen: Option<&SpecimenRun<'_>>,
+    states: &ViewerStates,
 ) -> io::Result<(Drawings, Option<Markup>)> {
     let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
     let mut drawings = plots::draw(directory, plots::FOLDER, &history, &Spec::of(case, Account::of(case).inputs()))?;
@@ -96,7 +96,7 @@ pub fn summarise(
     statistics: Statistics,
     message: Option<String>,
     failed_at: Option<FailedAt>,
-    specimen: Option<&mut Specimen<'_>>,
+    specimen: Option<&mut SpecimenRun<'_>>,
 ) -> io::Result<Summary> {
     let [wall_time_s, cpu_time_s] = record.times();
     let aftermath = Aftermath { message, is_interrupted: record.was_ended(), failed_at, statistics, wall_time_s };

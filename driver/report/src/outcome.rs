@@ -4,7 +4,7 @@ use crate::summary::{Status, Summary};
 use pullout_case::Case;
 use pullout_run::columns;
 use pullout_run::number::significant;
-use pullout_run::program::{Kind, STRESS_NAMES};
+use pullout_run::program::{PointKind, STRESS_NAMES};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -27,8 +27,8 @@ pub fn of_run(summary: &Summary, case: &Case, folder: &Path) -> String {
     }
     let interesting = match case {
         Case::Path(program) => match &program.kind {
-            Kind::Point(_) => &STRESS_NAMES[..],
-            Kind::Interface(_) => &["tau", "p"],
+            PointKind::Point(_) => &STRESS_NAMES[..],
+            PointKind::Interface(_) => &["tau", "p"],
         },
         Case::Pullout(_) => &["load", "load_lateral"],
         Case::Bridging(_) => &[],

@@ -22,7 +22,7 @@ use plotters::style::RGBColor;
 use pullout_run::columns::Group;
 use pullout_run::number::significant;
 use pullout_run::pullout::fibre::{FibreGeometry, Wall};
-use pullout_run::pullout::{Outcome, PictureAt, PulloutProgram, SavedState};
+use pullout_run::pullout::{PictureAt, PulloutProgram, SavedState, SpecimenOutcome};
 use std::collections::BTreeSet;
 use std::io;
 
@@ -46,7 +46,11 @@ const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 ///
 /// # Errors
 /// A file that cannot be written, or fields that do not fit the mesh.
-pub fn draw(directory: &mut ResultDirectory, program: &PulloutProgram, outcome: &Outcome) -> io::Result<Drawings> {
+pub fn draw(
+    directory: &mut ResultDirectory,
+    program: &PulloutProgram,
+    outcome: &SpecimenOutcome,
+) -> io::Result<Drawings> {
     let mut album = Album::new(directory, program);
     let moment = |state, suffix: String, words: String| Moment { state, suffix, words, load: state.load };
     let asked = outcome.moments.iter().enumerate().map(|(index, (at, state))| {

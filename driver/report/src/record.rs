@@ -3,7 +3,7 @@
 use crate::history::{History, HistoryWriter};
 use crate::progress::Progress;
 use crate::summary::PeakRecorder;
-use crate::viewer::States;
+use crate::viewer::ViewerStates;
 use fe_core::stepping::{Recorded, Snapshot, Tried};
 use indexmap::IndexMap;
 use pullout_run::columns::LEADING;
@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 pub struct RunRecorder {
     rows: Rows,
     /// States of a specimen that the report shows; `None`: there is no report.
-    states: Option<States>,
+    states: Option<ViewerStates>,
     /// Flag that another thread sets to end the run.
     stop: Option<Arc<AtomicBool>>,
     /// Extremes of the columns.
@@ -64,7 +64,7 @@ pub struct Kept {
     /// SHA-256 of that.
     pub history_sha256: String,
     peaks: PeakRecorder,
-    states: Option<States>,
+    states: Option<ViewerStates>,
     done: u64,
     times_s: [f64; 2],
 }
@@ -111,7 +111,7 @@ impl RunRecorder {
     pub fn new(history: &Path, columns: &[String], progress: Progress, is_hashed: bool) -> io::Result<Self> {
         let rows = Rows::File(HistoryWriter::create(history, columns, is_hashed)?);
         let record = Self::begin(rows, PeakRecorder::new(columns), progress, ClockId::ProcessCPUTime);
-        Ok(Self { states: Some(States::default()), ..record })
+        Ok(Self { states: Some(ViewerStates::default()), ..record })
     }
 
     /// Begins the record of a run whose rows stay in memory. `stop` ends it; `is_of_thread`: nothing but the present thread works for it, and
@@ -125,7 +125,7 @@ impl RunRecorder {
 
     /// Keeps states of a specimen although there is no report.
     pub fn keep_states(&mut self) {
-        self.states = Some(States::default());
+        self.states = Some(ViewerStates::default());
     }
 
     /// Goes on with the record of a run that goes on.
@@ -151,7 +151,7 @@ impl RunRecorder {
     }
 
     /// The states that the report shows, to be taken once.
-    pub fn take_states(&mut self) -> States {
+    pub fn take_states(&mut self) -> ViewerStates {
         self.states.take().unwrap_or_default()
     }
 

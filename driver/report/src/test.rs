@@ -4,7 +4,7 @@ use super::compare::compare;
 use super::directory::{Access, Kind, ResultDirectory};
 use super::history::{History, HistoryWriter};
 use super::page::{self, Account};
-use super::plots::{self, CaseKind, Curve, Spec};
+use super::plots::{self, CaseKind, MeasuredCurve, Spec};
 use super::summary::{PeakRecorder, PluginFile, Status, Summary};
 use models::damage_law::{DamageLaw, damage, integrity};
 use pullout_run::path::Row;
@@ -74,7 +74,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         law: "pure_damage".into(),
         subject: CaseKind::Point { controlled: vec![0] },
         units: Default::default(),
-        curves: vec![Curve { label: measured.label.clone(), x: "e11".into(), y: "s11".into(), points }],
+        curves: vec![MeasuredCurve { label: measured.label.clone(), x: "e11".into(), y: "s11".into(), points }],
         inputs: Default::default(),
         captions: Default::default(),
     };

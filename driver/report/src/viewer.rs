@@ -67,7 +67,7 @@ const TORN: f64 = 0.9;
 
 /// States of a specimen over a run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct States {
+pub struct ViewerStates {
     kept: Vec<ViewerState>,
     /// Every so many increments one is kept, the binary logarithm.
     doublings: u32,
@@ -76,7 +76,7 @@ pub struct States {
     firsts: [Option<u64>; 2],
 }
 
-/// Names of [`States::firsts`].
+/// Names of [`ViewerStates::firsts`].
 const FIRSTS: [&str; 2] = ["first crack", "first yield"];
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -99,7 +99,7 @@ struct ViewerState {
     scalar: Vec<f32>,
 }
 
-impl States {
+impl ViewerStates {
     /// Takes the state after an increment, if it is its turn, the last, or the first with a crack or yield.
     pub fn observe(&mut self, slip: f64, load: f64, snapshot: &Snapshot<'_>, is_last: bool) {
         let increment = self.seen - u64::from(is_last).min(self.seen);

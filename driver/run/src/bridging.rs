@@ -6,8 +6,8 @@ use crate::number::significant;
 use crate::program::About;
 use crate::signals::{self, Interrupt};
 use pullout_bridging::{
-    Average, Beam, Beams, Bond, BridgingFibre, Composite, Curve, EurocodeClass, Fibre, Inclination, Invalid, Load,
-    Matrix, ModelCode2010, NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides,
+    Average, BeamLoad, Beams, Bond, BridgingFibre, Composite, Curve, EurocodeClass, Fibre, Inclination, Invalid,
+    LayeredBeam, Matrix, ModelCode2010, NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides,
     StrengthClass, Table, averages, averages_with_shares, quantile, scatter, wall_zones,
 };
 use serde::{Deserialize, Serialize};
@@ -107,7 +107,7 @@ pub struct Simulations {
     /// The specimen's case.
     pub base: PathBuf,
     /// Those that a table needs, except for lengths that are too short to be run.
-    pub runs: Vec<Simulation>,
+    pub runs: Vec<FibreSimulation>,
     /// Embedded lengths of the table, mm.
     pub lengths: Vec<f64>,
     /// Degrees beyond which fibres carry nothing.
@@ -118,7 +118,7 @@ pub struct Simulations {
 
 /// A run of a specimen with one fibre.
 #[derive(Clone, Debug)]
-pub struct Simulation {
+pub struct FibreSimulation {
     /// Degrees.
     pub angle_deg: f64,
     /// mm.
@@ -254,7 +254,7 @@ impl BridgingProgram {
 
 /// Results.
 #[derive(Clone, Debug, Default)]
-pub struct Results {
+pub struct BridgingResults {
     /// Over the openings.
     pub rows: Vec<BridgingRow>,
     /// Over the CMOD.
@@ -290,7 +290,7 @@ pub struct Findings {
     /// See above.
     pub w_fibre_peak: f64,
     /// ∫σ dw, N/mm, up to openings.
-    pub work: Vec<Work>,
+    pub work: Vec<WorkToOpening>,
     /// Greatest estimate of the error of the fibres' stress over its peak.
     pub error: f64,
     /// The runs that the curves of fibres are of.
@@ -320,7 +320,7 @@ pub struct SimulationFindings {
 
 /// Work of the crack.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Work {
+pub struct WorkToOpening {
     /// Opening, mm.
     pub to: f64,
     /// N/mm.
@@ -443,7 +443,7 @@ pub fn complete(
     program: &BridgingProgram,
     simulated: Option<(Vec<Curve>, SimulationFindings)>,
     threads: NonZeroUsize,
-) -> Result<(Composite, Results), String> {
+) -> Result<(Composite, BridgingResults), String> {
     let (curves, simulations) = simulated.unzip();
     let curves = curves.unwrap_or_default();
     let composite = program.composite(&curves).map_err(|error| error.to_string())?;
@@ -458,7 +458,7 @@ pub fn complete(
 ///
 /// # Errors
 /// Numbers without sense, results that are no finite numbers, or no threads.
-pub fn run(program: &BridgingProgram, composite: &Composite, threads: NonZeroUsize) -> Result<Results, String> {
+pub fn run(program: &BridgingProgram, composite: &Composite, threads: NonZeroUsize) -> Result<BridgingResults, String> {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
     let pool = threads.build().map_err(|error| error.to_string())?;
     let results = pool.install(|| run_here(program, composite))?;
@@ -480,9 +480,9 @@ fn finite(fibres: &[Average]) -> Result<(), String> {
 }
 
 /// Refuses loads and strengths of beams that are not finite.
-fn finite_strengths(results: &Results) -> Result<(), String> {
+fn finite_strengths(results: &BridgingResults) -> Result<(), String> {
     let unsound = results.beam.iter().find_map(|BeamRow { load, strength, quantiles }| {
-        let Load { force, neutral_axis, rotation, .. } = *load;
+        let BeamLoad { force, neutral_axis, rotation, .. } = *load;
         let value = first_not_finite([force, neutral_axis, rotation, *strength].into_iter().chain(*quantiles))?;
         Some((format!("the beam at a CMOD of {} mm", load.cmod), value))
     });
@@ -499,7 +499,7 @@ fn first_not_finite(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     values.into_iter().find(|value| !value.is_finite())
 }
 
-fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<Results, String> {
+fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<BridgingResults, String> {
     let message = |error: Invalid| error.to_string();
     let openings = &program.openings;
     let (fibres, shares): (Vec<Average>, Vec<[f64; 9]>) = averages_with_shares(composite, openings).into_iter().unzip();
@@ -516,7 +516,7 @@ fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<Results,
         })
         .collect();
     let findings = findings(program, composite, &fibres).map_err(message)?;
-    let mut results = Results { findings, ..Results::default() };
+    let mut results = BridgingResults { findings, ..BridgingResults::default() };
     if let Some(geometry) = &program.beam {
         let openings = program.openings_of_beam();
         let fibres = averages_also_at(composite, fibres, &openings);
@@ -527,7 +527,7 @@ fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<Results,
             let warning = "σ(w) falls so steeply that layers of the beam's hinge snap: each takes the least opening";
             results.warnings.push(warning.into());
         }
-        let tested = Beam::new(*geometry, &section, &program.matrix);
+        let tested = LayeredBeam::new(*geometry, &section, &program.matrix);
         let cmods = cmods();
         let row = |&cmod: &f64| {
             let load = tested.at(cmod);
@@ -591,7 +591,7 @@ fn findings(program: &BridgingProgram, composite: &Composite, fibres: &[Average]
             let end = ends[1].0.min(to);
             (end > ends[0].0).then(|| 0.5 * (end - ends[0].0) * (ends[0].1 + law.at(end)))
         };
-        Work { to, work: points.windows(2).filter_map(part).sum() }
+        WorkToOpening { to, work: points.windows(2).filter_map(part).sum() }
     };
     let last = program.openings.last().copied().unwrap_or_default();
     let efficiency_by_zones = match &program.orientation {

@@ -6,12 +6,12 @@
 use Group::{Band, Count, Coupling, Density, Energy, Gradient, Load, Other, Second, Share, Slip, Strain, Stress};
 use fe_core::model::{FieldValues, MeasuredFibre};
 use fe_core::stepping::{FibreRecord, Record};
-use pullout_bridging::{Average, Load as BeamLoad, Residual};
+use pullout_bridging::{Average, BeamLoad, Residual};
 use umat_abi::host::Heat;
 
 /// A column of histories whose rows are made of an `R`.
 #[derive(Clone, Copy, Debug)]
-pub struct Column<R: 'static> {
+pub struct HistoryColumn<R: 'static> {
     /// Name in files and cases.
     pub name: &'static str,
     /// Unit; empty for a pure number.
@@ -92,7 +92,7 @@ pub struct PointRow {
 }
 
 /// Columns of a material point.
-pub static POINT: &[Column<PointRow>] = &[
+pub static POINT: &[HistoryColumn<PointRow>] = &[
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |row| row.time),
     // Normal strain along axis 1.
@@ -175,7 +175,7 @@ pub static POINT: &[Column<PointRow>] = &[
 
 /// The state of a contact point between increments.
 #[derive(Clone, Debug)]
-pub struct ContactPoint {
+pub struct ContactPointState {
     /// \[slip, slip2\], mm.
     pub slip: [f64; 2],
     /// gap > 0 open, mm; NaN with FRIC.
@@ -201,7 +201,7 @@ pub struct ContactPoint {
 }
 
 /// Columns of a contact point.
-pub static CONTACT: &[Column<ContactPoint>] = &[
+pub static CONTACT: &[HistoryColumn<ContactPointState>] = &[
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |row| row.total_time),
     // Tangential slip, in the first direction.
@@ -229,7 +229,7 @@ pub static CONTACT: &[Column<ContactPoint>] = &[
 ];
 
 /// Columns of a specimen.
-pub(crate) static SPECIMEN: &[Column<Record>] = &[
+pub(crate) static SPECIMEN: &[HistoryColumn<Record>] = &[
     // Total time at the end of the increment.
     column("time", "s", "time", Other, |record| record.time),
     // Displacement of the grip along the pull direction.
@@ -312,7 +312,7 @@ pub(crate) static SPECIMEN: &[Column<Record>] = &[
 ];
 
 /// Columns of each of several fibres of a specimen, after those of the specimen: `load.NAME`.
-pub static FIBRE: &[Column<FibreRecord>] = &[
+pub static FIBRE: &[HistoryColumn<FibreRecord>] = &[
     // Drive of this fibre's grip.
     column("slip", "mm", "slip", Other, |fibre| fibre.slip),
     // Reaction of this fibre along the pull direction.
@@ -347,7 +347,7 @@ pub struct BridgingRow {
 }
 
 /// Columns of `bridging.csv`.
-pub static BRIDGING: &[Column<BridgingRow>] = &[
+pub static BRIDGING: &[HistoryColumn<BridgingRow>] = &[
     // Crack opening.
     column("w", "mm", "w", Other, |row| row.fibres.opening),
     // Stress carried by fibres and matrix.
@@ -402,7 +402,7 @@ pub struct BeamRow {
 }
 
 /// Columns of `beam.csv`, of a notched beam.
-pub static BEAM: &[Column<BeamRow>] = &[
+pub static BEAM: &[HistoryColumn<BeamRow>] = &[
     // Opening at the mouth of the notch.
     column("cmod", "mm", "CMOD", Other, |row| row.load.cmod),
     // Deflection at midspan, 0.85 CMOD + 0.04 mm (EN 14651).
@@ -433,7 +433,7 @@ pub struct ScatterRow {
 }
 
 /// Columns of `scatter.csv`, of beams made at random.
-pub static SCATTER: &[Column<ScatterRow>] = &[
+pub static SCATTER: &[HistoryColumn<ScatterRow>] = &[
     // Number of the beam.
     column("beam", "", "beam", Other, |row| row.beam as f64),
     // Number of fibres across the ligament.
@@ -451,7 +451,7 @@ pub static SCATTER: &[Column<ScatterRow>] = &[
 ];
 
 /// Returns whether a table has a column of this name.
-fn is_in<R>(table: &[Column<R>], name: &str) -> bool {
+fn is_in<R>(table: &[HistoryColumn<R>], name: &str) -> bool {
     table.iter().any(|column| column.name == name)
 }
 
@@ -462,12 +462,12 @@ pub fn are_of_two_files(known: &[String], one: &str, other: &str) -> bool {
 }
 
 /// Names of the columns of a table but those of some groups.
-pub fn names_without<R>(table: &[Column<R>], left_out: &[Group]) -> Vec<String> {
+pub fn names_without<R>(table: &[HistoryColumn<R>], left_out: &[Group]) -> Vec<String> {
     with(table, left_out).map(|column| column.name.to_owned()).collect()
 }
 
 /// Columns of a table but those of some groups.
-pub fn with<'t, R>(table: &'t [Column<R>], left_out: &'t [Group]) -> impl Iterator<Item = &'t Column<R>> {
+pub fn with<'t, R>(table: &'t [HistoryColumn<R>], left_out: &'t [Group]) -> impl Iterator<Item = &'t HistoryColumn<R>> {
     table.iter().filter(move |column| !left_out.contains(&column.group))
 }
 
@@ -477,8 +477,8 @@ const fn column<R>(
     title: &'static str,
     group: Group,
     value: fn(&R) -> f64,
-) -> Column<R> {
-    Column { name, unit, title, group, value }
+) -> HistoryColumn<R> {
+    HistoryColumn { name, unit, title, group, value }
 }
 
 /// Columns before the values of a row.
@@ -493,14 +493,17 @@ fn framed<'n>(values: impl Iterator<Item = &'n str>) -> Vec<String> {
 
 /// Returns the columns of a table without some groups, in two parts: those before the states of a plugin, and those
 /// after them, which are energies and heat.
-fn around_states<'t, R>(table: &'t [Column<R>], left_out: &'t [Group]) -> [impl Iterator<Item = &'t Column<R>>; 2] {
-    let is_before = |column: &Column<R>| !matches!(column.group, Density | Coupling);
+fn around_states<'t, R>(
+    table: &'t [HistoryColumn<R>],
+    left_out: &'t [Group],
+) -> [impl Iterator<Item = &'t HistoryColumn<R>>; 2] {
+    let is_before = |column: &HistoryColumn<R>| !matches!(column.group, Density | Coupling);
     let (before, energies) = table.split_at(table.partition_point(is_before));
     [before, energies].map(|columns| with(columns, left_out))
 }
 
 /// The columns of a table, some groups left out, with those of a plugin's states before the energies.
-fn with_states<R>(table: &[Column<R>], left_out: &[Group], states: &[String]) -> Vec<String> {
+fn with_states<R>(table: &[HistoryColumn<R>], left_out: &[Group], states: &[String]) -> Vec<String> {
     let [before, after] = around_states(table, left_out).map(|columns| columns.map(|column| column.name));
     framed(before.chain(states.iter().map(String::as_str)).chain(after))
 }
@@ -549,7 +552,13 @@ pub(crate) fn count_in_specimen(fibres: &[MeasuredFibre]) -> usize {
 }
 
 /// Sets the values of a row: those of the table with the states before the energies.
-pub fn fill<R>(table: &[Column<R>], left_out: &[Group], row: &R, states: impl Iterator<Item = f64>, to: &mut [f64]) {
+pub fn fill<R>(
+    table: &[HistoryColumn<R>],
+    left_out: &[Group],
+    row: &R,
+    states: impl Iterator<Item = f64>,
+    to: &mut [f64],
+) {
     let [before, behind] = around_states(table, left_out).map(|columns| columns.map(|column| (column.value)(row)));
     let mut to = to.iter_mut();
     // a loop for each part of the chain: a zip of both would ask for each value which part it is in
@@ -567,7 +576,7 @@ pub fn place_in_specimen(name: &str) -> Option<usize> {
 
 /// Title, unit and group of the column of this name, which has the same in all tables; those of a fibre without its name.
 pub fn shown(name: &str) -> Option<(&'static str, &'static str, Group)> {
-    fn of<R>(table: &'static [Column<R>], name: &str) -> Option<(&'static str, &'static str, Group)> {
+    fn of<R>(table: &'static [HistoryColumn<R>], name: &str) -> Option<(&'static str, &'static str, Group)> {
         let found = table.iter().find(|column| column.name == name);
         found.map(|column| (column.title, column.unit, column.group))
     }

@@ -158,16 +158,16 @@ pub struct Program {
     /// The plugin.
     pub plugin: Plugin,
     /// Kind of point that is driven.
-    pub kind: Kind,
+    pub kind: PointKind,
     /// CELENT, or the contact surface's characteristic length; `None` if the case names none (hosts pass 1).
     pub characteristic_length: Option<f64>,
     /// Iteration limits.
-    pub controls: Controls,
+    pub controls: IterationLimits,
 }
 
 /// Kind of point that is driven.
 #[derive(Clone, Debug)]
-pub enum Kind {
+pub enum PointKind {
     /// A material point through UMAT.
     Point(PointProgram),
     /// A contact point through UINTER or FRIC.
@@ -212,7 +212,7 @@ pub struct PointState {
 
 /// One step of a path; `G`: its goal.
 #[derive(Clone, Debug)]
-pub struct Step<G> {
+pub struct PathStep<G> {
     /// Division into increments.
     pub pace: Pace,
     /// Goal at its end.
@@ -224,10 +224,10 @@ pub struct Step<G> {
 }
 
 /// One step of a material point.
-pub type PointStep = Step<PointGoal>;
+pub type PointStep = PathStep<PointGoal>;
 
 /// One step of a contact point.
-pub type InterfaceStep = Step<InterfaceGoal>;
+pub type InterfaceStep = PathStep<InterfaceGoal>;
 
 /// Division of a step into increments.
 #[derive(Clone, Debug, PartialEq)]
@@ -479,7 +479,8 @@ pub struct Until {
 /// Iteration limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct Controls {
+#[schemars(rename = "Controls")]
+pub struct IterationLimits {
     /// Newton iterations per increment.
     #[schemars(schema_with = "whole::<1, 10_000>")]
     pub max_iterations: u32,
@@ -488,7 +489,7 @@ pub struct Controls {
     pub max_cutbacks: u32,
 }
 
-impl Default for Controls {
+impl Default for IterationLimits {
     fn default() -> Self {
         Self { max_iterations: 25, max_cutbacks: 12 }
     }
@@ -522,8 +523,8 @@ impl Program {
     pub fn columns(&self) -> Vec<String> {
         let states = self.plugin.state_names();
         match &self.kind {
-            Kind::Point(point) => columns::of_point(point.nlgeom, point.heat, &states),
-            Kind::Interface(contact) => columns::of_contact(contact.tangential_directions, &states),
+            PointKind::Point(point) => columns::of_point(point.nlgeom, point.heat, &states),
+            PointKind::Interface(contact) => columns::of_contact(contact.tangential_directions, &states),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{DONE, FAILED, Isolation, Refusal, complain, folder_of, isolated, run, say};
 use clap::{Args, Subcommand, ValueEnum};
 use pullout_fit::{
-    FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, TestFibre, Weights,
+    FitError, FitRequest, FittedLaw, LawForm, LoadSlipCurve, Materials, MatrixLaw, SlipAt, TestFibre, Weights,
 };
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_run::isolation::{self, Work};
@@ -207,9 +207,9 @@ impl Bond {
         Ok(code)
     }
 
-    fn request(&self) -> Request {
-        let piecewise = Form::Piecewise { points: usize::from(self.points) };
-        Request {
+    fn request(&self) -> FitRequest {
+        let piecewise = LawForm::Piecewise { points: usize::from(self.points) };
+        FitRequest {
             fibre: TestFibre {
                 diameter: self.diameter,
                 embedded_length: self.length,
@@ -218,9 +218,9 @@ impl Bond {
             },
             slip_at: self.slip_at,
             forms: match self.form {
-                Forms::Powers => vec![Form::Powers],
+                Forms::Powers => vec![LawForm::Powers],
                 Forms::Piecewise => vec![piecewise],
-                Forms::Both => vec![Form::Powers, piecewise],
+                Forms::Both => vec![LawForm::Powers, piecewise],
             },
             residual: self.tau_res,
             weights: self.weights,

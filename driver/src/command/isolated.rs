@@ -2,10 +2,10 @@
 
 use super::{DONE, FAILED, NO_PLUGIN, Refusal, complain};
 use pullout_case::CaseProblem;
-use pullout_engine::{CaseSource, Inspection, Job, Message, Options, interrupted};
+use pullout_engine::{CaseSource, Inspection, Job, Message, RunOptions, interrupted};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::summary::{self, PluginFile, Summary};
-use pullout_run::isolation::{self, Aftermath, End, Failure, ForwardedLines, Need, Passage, Watch, Work, prints};
+use pullout_run::isolation::{self, Aftermath, End, ForwardedLines, Need, Passage, Watch, Work, WorkerFailure, prints};
 use pullout_run::program::job_folder;
 use pullout_run::{replay, signals};
 use serde_json::Value;
@@ -72,7 +72,7 @@ fn supervise(work: &impl Work, wishes: &Watch<'_>, need: &Need) -> io::Result<En
 
 /// Runs a case into a directory that this process holds.
 pub(super) fn run(job: &Job, directory: ResultDirectory, need: &Need) -> u8 {
-    let (file, Options { quiet, echo, .. }) = (&job.case.file, &job.options);
+    let (file, RunOptions { quiet, echo, .. }) = (&job.case.file, &job.options);
     warn_about_in_process(file, need, *quiet);
     let start = Instant::now();
     // this process shows what is printed
@@ -108,7 +108,7 @@ pub(super) fn run(job: &Job, directory: ResultDirectory, need: &Need) -> u8 {
 }
 
 /// Returns the case that repeats the call that ended a worker.
-pub(super) fn replay(failure: &Failure, case: &CaseSource) -> Option<Value> {
+pub(super) fn replay(failure: &WorkerFailure, case: &CaseSource) -> Option<Value> {
     let mut replay = failure.replay.clone()?;
     let (document, file) = (case.text().unwrap_or_default(), &case.file);
     let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -122,7 +122,7 @@ fn conclude(
     job: &Job,
     mut directory: ResultDirectory,
     need: &Need,
-    failure: &Failure,
+    failure: &WorkerFailure,
     wall_time_s: f64,
 ) -> io::Result<u8> {
     if failure.has_rows {
@@ -171,7 +171,7 @@ fn conclude(
 }
 
 /// Returns the summary of a run whose case could not be read here.
-fn summary(file: &Path, failure: &Failure, aftermath: Aftermath) -> io::Result<Summary> {
+fn summary(file: &Path, failure: &WorkerFailure, aftermath: Aftermath) -> io::Result<Summary> {
     let plugin = failure.report.library().map(|library| PluginFile::identify(library, "")).transpose()?;
     Ok(Summary {
         title: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
@@ -180,7 +180,7 @@ fn summary(file: &Path, failure: &Failure, aftermath: Aftermath) -> io::Result<S
     })
 }
 
-fn fail(file: &Path, failure: &Failure, message: &str) -> u8 {
+fn fail(file: &Path, failure: &WorkerFailure, message: &str) -> u8 {
     if failure.report.at_loading && signals::received().is_none() {
         return Refusal::of(file, CaseProblem::library(message)).report();
     }

@@ -1,7 +1,7 @@
 //! `pullout lab`.
 
 use super::{DONE, Refusal, browser, complain, new, say};
-use pullout_lab::{Error, Lab, Settings};
+use pullout_lab::{Lab, LabError, LabSettings};
 use pullout_run::isolation;
 use std::path::PathBuf;
 
@@ -34,12 +34,12 @@ pub(super) fn run(arguments: Arguments) -> Result<u8, Refusal> {
         // where it cannot be asked for, a lab outlives who has opened it
         let _ = isolation::die_with(parent);
     }
-    let refused = |error: Error| match error {
-        Error::Subject(message) => Refusal::input(message),
-        Error::System(error) => Refusal::failed(error),
+    let refused = |error: LabError| match error {
+        LabError::Subject(message) => Refusal::input(message),
+        LabError::System(error) => Refusal::failed(error),
     };
     let document = (subject.as_deref() == Some(BRIDGING)).then(new::bridging).transpose()?;
-    let lab = Lab::open(&Settings { subject, document, plugin_paths, port }).map_err(refused)?;
+    let lab = Lab::open(&LabSettings { subject, document, plugin_paths, port }).map_err(refused)?;
     say(&format!("{}\n", lab.address()));
     complain("Ctrl-C ends the lab");
     if !no_open {

@@ -3,7 +3,7 @@
 use super::{DONE, Refusal, complain, say};
 use clap::Subcommand;
 use models::concrete_damage::ConcreteDamage;
-use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, Concrete, properties_with_exponent};
+use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, ConcreteProperties, properties_with_exponent};
 use pullout_case::concrete_of_class;
 use umat_abi::law::Law as _;
 
@@ -69,9 +69,10 @@ pub(super) fn print(law: &CalibratedLaw) -> Result<u8, Refusal> {
     let of_class = of_class.map_err(|reason| Refusal::input(format!("props concrete_damage: --class {reason}")))?;
     let of_class = of_class.map(|concrete| concrete_of_class(&concrete));
     // clap requires those that no class gives
-    let or_class =
-        |given: Option<f64>, of: fn(&Concrete) -> f64| given.or(of_class.as_ref().map(of)).unwrap_or(f64::NAN);
-    let concrete = Concrete {
+    let or_class = |given: Option<f64>, of: fn(&ConcreteProperties) -> f64| {
+        given.or(of_class.as_ref().map(of)).unwrap_or(f64::NAN)
+    };
+    let concrete = ConcreteProperties {
         youngs_modulus: or_class(*youngs_modulus, |concrete| concrete.youngs_modulus),
         poisson_ratio: or_class(*poisson_ratio, |concrete| concrete.poisson_ratio),
         tensile_strength: or_class(*tensile_strength, |concrete| concrete.tensile_strength),

@@ -3,15 +3,15 @@
 use super::{BAD_INPUT, DONE, FAILED, Reading, Refusal, browser, complain, isolated, study, watch};
 use fe_core::threads::Threads;
 use pullout_case::{Case, CaseProblem};
-use pullout_engine::{Inspection, Job, Keep, Message, Options, run_into};
-use pullout_lab::Stamp;
+use pullout_engine::{Inspection, Job, Keep, Message, RunOptions, run_into};
+use pullout_lab::FileStamp;
 use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_report::ending::{conclude, summarise_rows};
 use pullout_report::outcome;
 use pullout_report::page;
 use pullout_report::plots::{self, Spec};
 use pullout_report::summary::{self, Status, Summary};
-use pullout_report::viewer::States;
+use pullout_report::viewer::ViewerStates;
 use pullout_run::isolation::prints::{Prints, say};
 use pullout_run::isolation::{Aftermath, Need, send, worker};
 use pullout_run::pullout::checkpoint::Checkpoints;
@@ -52,7 +52,7 @@ pub(super) struct RunArguments {
     #[arg(long, conflicts_with = "echo")]
     json: bool,
     #[command(flatten)]
-    options: Options,
+    options: RunOptions,
 }
 
 /// Validates cases. `quiet`: prints only errors.
@@ -153,7 +153,7 @@ impl RunArguments {
     fn jobs(&self) -> Vec<Job> {
         let Self { cases, out, reading, restart, options, json, watch: _, open: _ } = self;
         // what it says is the summary
-        let options = Options { quiet: options.quiet || *json, ..options.clone() };
+        let options = RunOptions { quiet: options.quiet || *json, ..options.clone() };
         let job = |file: &PathBuf| {
             let folder = super::folder_of(file, out.as_deref().or(restart.as_deref()), cases.len() == 1);
             Job { goes_on: restart.is_some(), ..Job::new(reading.source(file), folder, options.clone()) }
@@ -240,7 +240,7 @@ fn run_all(jobs: &[Job], json: bool) -> u8 {
     };
     let run_and_say = |ready: (Way, &Job, ResultDirectory)| {
         let job = ready.1;
-        let summary = || Stamp::of(&job.folder.join(summary::FILE));
+        let summary = || FileStamp::of(&job.folder.join(summary::FILE));
         let before = summary();
         let code = run(ready);
         // one that was not begun leaves the summary of an earlier run
@@ -283,7 +283,7 @@ fn conclude_here(job: &Job, aftermath: Aftermath) -> Result<u8, Refusal> {
     let case = super::read(&job.case)?;
     let concluded = ResultDirectory::join(&job.folder, kind(job)).and_then(|mut directory| {
         let summary = summarise_rows(&case, &job.folder, aftermath)?;
-        let ended = conclude(&case, &mut directory, summary, None, &States::default(), job.keep.draws(&case))?;
+        let ended = conclude(&case, &mut directory, summary, None, &ViewerStates::default(), job.keep.draws(&case))?;
         describe(&case, job, &mut directory)?;
         Ok(ended)
     });

@@ -6,7 +6,7 @@ use pullout_report::directory::{Access, Kind, ResultDirectory};
 use pullout_run::isolation::ForwardedLines;
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
-use pullout_study::{Demand, Execution, Progress, Results, Study, claims};
+use pullout_study::{Demand, Execution, Results, Study, StudyProgress, claims};
 use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -201,7 +201,7 @@ fn open(study: &Study, folder: &Path, arguments: &StudyArguments) -> Result<Resu
 fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &StudyArguments) -> io::Result<u8> {
     directory.begin(&[])?;
     let folder = &directory.path().to_owned();
-    let progress = Progress::new(study, folder, arguments.is_quiet());
+    let progress = StudyProgress::new(study, folder, arguments.is_quiet());
     let states = pullout_study::execute(study, &execution(folder, arguments), &|run, code, count, of| {
         if let Some(line) = progress.ended(run, code, count, of) {
             say(&line);

@@ -3,7 +3,7 @@
 use super::{DONE, FAILED, Refusal, say};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::signals;
-use pullout_sweep::{Collection, Planning, Standing, Store, Work, Worked, slurm};
+use pullout_sweep::{Collection, Planning, Standing, Store, WorkSettings, Worked, slurm};
 use serde_json::json;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -144,7 +144,7 @@ pub(super) fn act(action: &Action) -> Result<u8, Refusal> {
 
 fn work(arguments: &WorkerArguments) -> io::Result<u8> {
     let jobs = arguments.jobs.map_or_else(|| super::processors().get(), usize::from);
-    let how = Work {
+    let how = WorkSettings {
         chunk: arguments.chunk,
         jobs,
         chunk_runs: arguments.chunk_runs.map(|count| count as usize),

@@ -5,7 +5,7 @@
 
 use super::results::Results;
 use super::{Claim, NamedQuantity, Quantity, Study};
-use pullout_case::study::Direction;
+use pullout_case::study::{Direction, Expectation};
 use pullout_report::compare::Branch;
 use pullout_report::plots::quantity::Quantity as Shown;
 use pullout_run::number::significant;
@@ -13,9 +13,6 @@ use serde::Serialize;
 
 #[cfg(test)]
 mod test;
-
-/// Expectation about the numbers of the members, which with their series are indices of the study's.
-pub type Expectation = pullout_case::study::Expectation<usize, usize>;
 
 /// Verdict on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -53,7 +50,7 @@ impl Verdict {
 
 /// Outcome of a claim.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Finding {
+pub struct ClaimFinding {
     /// Text of the claim.
     pub claim: String,
     /// Whether it was found.
@@ -65,7 +62,7 @@ pub struct Finding {
 }
 
 /// Tests all claims.
-pub fn test_all(study: &Study, results: &Results) -> Vec<Finding> {
+pub fn test_all(study: &Study, results: &Results) -> Vec<ClaimFinding> {
     study.claims.iter().map(|claim| Tested { study, results, claim }.finding()).collect()
 }
 
@@ -77,7 +74,7 @@ struct Tested<'a> {
 }
 
 impl Tested<'_> {
-    fn finding(&self) -> Finding {
+    fn finding(&self) -> ClaimFinding {
         let mut answers = Vec::new();
         let mut figures = Vec::new();
         for &series in &self.claim.series {
@@ -86,7 +83,12 @@ impl Tested<'_> {
             let title = &self.study.series[series].title;
             figures.push(if title.is_empty() { text } else { format!("{title}: {text}") });
         }
-        Finding { claim: self.claim.claim.clone(), verdict: Verdict::of(answers), expected: self.expected(), figures }
+        ClaimFinding {
+            claim: self.claim.claim.clone(),
+            verdict: Verdict::of(answers),
+            expected: self.expected(),
+            figures,
+        }
     }
 
     fn value(&self, series: usize, member: usize) -> Option<f64> {

@@ -1,7 +1,7 @@
 //! Runs what has to be run, each in a process of its own, so many at a time.
 
 use super::{Study, StudyRun};
-use pullout_engine::{Job, Keep, Message, Options};
+use pullout_engine::{Job, Keep, Message, RunOptions};
 use pullout_report::directory::{Kind, ResultDirectory};
 use pullout_report::summary::{Status, Summary};
 use pullout_run::in_threads;
@@ -104,7 +104,7 @@ impl Execution<'_> {
         let mut arguments = vec![run.case.file.display().to_string()];
         arguments.extend(run.case.overrides.iter().map(|text| format!("--set={text}")));
         let (threads, overwrite) = (NonZeroUsize::new(self.threads), self.overwrite);
-        let options = Options { threads, overwrite, quiet: true, ..Options::default() };
+        let options = RunOptions { threads, overwrite, quiet: true, ..RunOptions::default() };
         let job = Job { keep: Keep::Member, ..Job::new(run.case.clone(), folder.clone(), options) };
         let mut child = Child::start(&job, None)?;
         let status = child.wait(&signals::received, None, &mut |_: Vec<Message>| {})?;

@@ -4,7 +4,7 @@
 //! on where it was interrupted.
 
 use super::execution::{Execution, RunOutcome, execute};
-use super::{Member, Series, Study, StudyRun};
+use super::{Member, RunSeries, Study, StudyRun};
 use pullout_bridging::Curve;
 use pullout_engine::CaseSource;
 use pullout_report::directory::Lock;
@@ -97,6 +97,6 @@ fn study(simulations: &Simulations, bridging: &CaseSource) -> Result<Study, Stri
         let folder = fingerprint.chars().take(DIGITS).collect::<String>().into();
         runs.push(StudyRun { member, case, fingerprint, folder, ..StudyRun::default() });
     }
-    let series = vec![Series { name: "fibres".into(), title: String::new() }];
+    let series = vec![RunSeries { name: "fibres".into(), title: String::new() }];
     Ok(Study { file: simulations.base.clone(), members, series, runs, ..Study::default() })
 }

@@ -3,7 +3,7 @@
 //! A study file (`document`) is read and every run's case is checked (`read`) before anything runs. Each run is a process
 //! of its own, so that a plugin meets the same program as in a single run; its results are an ordinary result directory
 //! (`execution`). What is done already is not done again while neither the case, nor its files, nor the program changed
-//! ([`CaseSource::key`]), and the user hears of each run that ends ([`Progress`]). Then the runs are compared ([`results`]), the
+//! ([`CaseSource::key`]), and the user hears of each run that ends ([`StudyProgress`]). Then the runs are compared ([`results`]), the
 //! claims are tested ([`claims`]), and pictures, tables and a report are made ([`pictures`], `table`, `report`).
 
 pub mod claims;
@@ -18,11 +18,11 @@ mod report;
 pub mod results;
 mod table;
 
-pub use claims::{Expectation, Finding, Verdict};
+pub use claims::{ClaimFinding, Verdict};
 pub use demand::Demand;
 pub use execution::{Execution, RunOutcome, execute};
 pub use fibres::curves_of_fibres;
-pub use progress::{Progress, outcome};
+pub use progress::{StudyProgress, outcome};
 pub use pullout_case::study::{Abscissa, Columns, NamedQuantity, QuantityOfFile as Quantity};
 pub use read::{default_curve, read};
 pub use report::write as write_report;
@@ -48,7 +48,7 @@ pub struct Study {
     /// The runs of each series.
     pub members: Vec<Member>,
     /// Lists of runs with the same members.
-    pub series: Vec<Series>,
+    pub series: Vec<RunSeries>,
     /// All runs, series by series.
     pub runs: Vec<StudyRun>,
     /// The curve whose peak and work count.
@@ -115,7 +115,7 @@ impl Member {
 
 /// A list of runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Series {
+pub struct RunSeries {
     /// Short name, and name of the directory of its runs.
     pub name: String,
     /// Title in legends and tables.
@@ -151,5 +151,5 @@ pub struct Claim {
     /// Quantity that a claim looks at.
     pub quantity: Quantity,
     /// The test.
-    pub expectation: Expectation,
+    pub expectation: pullout_case::study::Expectation,
 }

@@ -154,7 +154,7 @@ fn along_x(study: &Study, results: &Results, name: String, y: Quantity, number: 
         Some(x) => (study.members_by_x(), if x.logarithmic { Scale::Decades } else { Scale::Linear }),
         None => ((0..study.members.len()).collect(), Scale::Names(names(study))),
     };
-    let line = |(k, series): (usize, &super::Series)| {
+    let line = |(k, series): (usize, &super::RunSeries)| {
         let value = |member: usize| {
             let result = &results.runs[study.run_of(k, member)];
             number(result).filter(|_| result.is_done())

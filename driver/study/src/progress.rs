@@ -1,6 +1,6 @@
 //! Messages of the command line on a study: runs as they end, and the outcome.
 
-use super::claims::{Finding, Verdict};
+use super::claims::{ClaimFinding, Verdict};
 use super::execution::RunOutcome;
 use super::results::{Results, RunResult};
 use super::{Study, StudyRun};
@@ -13,7 +13,7 @@ use std::path::Path;
 use std::time::Duration;
 
 /// Reports runs as they end, with a progress bar if the standard error is a terminal.
-pub struct Progress<'s> {
+pub struct StudyProgress<'s> {
     study: &'s Study,
     /// Result directory of the study.
     folder: &'s Path,
@@ -21,7 +21,7 @@ pub struct Progress<'s> {
     quiet: bool,
 }
 
-impl<'s> Progress<'s> {
+impl<'s> StudyProgress<'s> {
     /// Begins with no run; `folder` is the result directory of the study. `quiet`: nothing is reported.
     pub fn new(study: &'s Study, folder: &'s Path, quiet: bool) -> Self {
         let bar = (!quiet && io::stderr().is_terminal()).then(|| {
@@ -68,13 +68,13 @@ impl<'s> Progress<'s> {
 }
 
 /// Returns lines with the number of runs done and the verdict on each claim. `folder`: where the results are.
-pub fn outcome(study: &Study, results: &Results, findings: &[Finding], folder: &Path) -> String {
+pub fn outcome(study: &Study, results: &Results, findings: &[ClaimFinding], folder: &Path) -> String {
     let count = |wanted: fn(&RunResult) -> bool| results.runs.iter().filter(|run| wanted(run)).count();
     let (done, kept) = (count(RunResult::is_done), count(|run| run.is_kept));
     let kept = if kept > 0 { format!(" ({kept} as they were)") } else { String::new() };
     let mut text =
         format!("{}: {done} of {} runs done{kept} -> {}\n", study.title, results.runs.len(), folder.display());
-    for Finding { claim, verdict, figures, .. } in findings {
+    for ClaimFinding { claim, verdict, figures, .. } in findings {
         let mark = if *verdict == Verdict::Holds { ' ' } else { '!' };
         // writing to a String cannot fail
         let _ = writeln!(text, "{mark} {}: {claim}", verdict.words());

@@ -1,10 +1,9 @@
 //! Reading of study files into a [`Study`], with everything that is wrong with them and with the cases of their runs at
 //! once.
 
-use super::claims::Expectation;
-use super::{Abscissa, Claim, Columns, Demand, Member, Quantity, Series, Study, StudyRun};
+use super::{Abscissa, Claim, Columns, Demand, Member, Quantity, RunSeries, Study, StudyRun};
 use pullout_case::study::{
-    self, ClaimOfFile, MemberName, MemberOfFile, NamedQuantity, OneOrMany, SeriesOfFile, StudyFile,
+    ClaimOfFile, Expectation, MemberName, MemberOfFile, NamedQuantity, OneOrMany, SeriesOfFile, StudyFile,
 };
 use pullout_case::{CaseErrors, CaseProblem, JsonPlace, Reader, hint, read_study};
 use pullout_engine::CaseSource;
@@ -153,9 +152,9 @@ impl Resolver<'_, '_> {
         members
     }
 
-    fn series(&mut self, of_file: &[Placed<'_, SeriesOfFile>]) -> Vec<Series> {
+    fn series(&mut self, of_file: &[Placed<'_, SeriesOfFile>]) -> Vec<RunSeries> {
         if of_file.is_empty() {
-            return vec![Series { name: ONLY_SERIES.into(), title: String::new() }];
+            return vec![RunSeries { name: ONLY_SERIES.into(), title: String::new() }];
         }
         let mut names = BTreeSet::new();
         let mut all = Vec::new();
@@ -165,7 +164,7 @@ impl Resolver<'_, '_> {
                 self.problem(&place.key("name"), "is a name in the study's own directory; choose another");
             }
             let title = series.title.clone().unwrap_or_else(|| series.name.clone());
-            all.push(Series { name: series.name.clone(), title });
+            all.push(RunSeries { name: series.name.clone(), title });
         }
         all
     }
@@ -195,7 +194,7 @@ impl Resolver<'_, '_> {
         &mut self,
         plan: &Runs<'_>,
         members: &[Member],
-        series: &[Series],
+        series: &[RunSeries],
         isolated: &mut dyn FnMut(&CaseSource) -> bool,
     ) -> (Option<Vec<StudyRun>>, Option<Vec<String>>) {
         let mut runs = Vec::new();
@@ -258,7 +257,7 @@ impl Resolver<'_, '_> {
     }
 
     /// Reports the problems of cases, each once.
-    fn complain(&mut self, complaints: Vec<Complaint>, count: usize, members: &[Member], series: &[Series]) {
+    fn complain(&mut self, complaints: Vec<Complaint>, count: usize, members: &[Member], series: &[RunSeries]) {
         let mut gathered: Vec<Complaint> = Vec::new();
         for complaint in complaints {
             let is_same = |other: &&mut Complaint| other.problem == complaint.problem && other.base == complaint.base;
@@ -331,45 +330,43 @@ impl Resolver<'_, '_> {
 
     fn expectation(
         &mut self,
-        given: &study::Expectation<MemberName, String>,
+        given: &Expectation<MemberName, String>,
         cast: &ClaimScope<'_>,
         place: &JsonPlace,
     ) -> Option<Expectation> {
         let mut member = |name: &MemberName, key: &str| self.member(name, cast, &place.key(key));
         Some(match *given {
-            study::Expectation::Trend { trend, tolerance } => Expectation::Trend { trend, tolerance },
-            study::Expectation::Maximum { ref maximum_at } => {
+            Expectation::Trend { trend, tolerance } => Expectation::Trend { trend, tolerance },
+            Expectation::Maximum { ref maximum_at } => {
                 Expectation::Maximum { maximum_at: member(maximum_at, "maximum_at")? }
             }
-            study::Expectation::MaximumBetween { maximum_between } => Expectation::MaximumBetween { maximum_between },
-            study::Expectation::Minimum { ref minimum_at } => {
+            Expectation::MaximumBetween { maximum_between } => Expectation::MaximumBetween { maximum_between },
+            Expectation::Minimum { ref minimum_at } => {
                 Expectation::Minimum { minimum_at: member(minimum_at, "minimum_at")? }
             }
-            study::Expectation::Within { within, ref of } => Expectation::Within { within, of: member(of, "of")? },
-            study::Expectation::Curve { curve_within, ref of } => {
-                Expectation::Curve { curve_within, of: member(of, "of")? }
-            }
-            study::Expectation::Above { ref above } => {
+            Expectation::Within { within, ref of } => Expectation::Within { within, of: member(of, "of")? },
+            Expectation::Curve { curve_within, ref of } => Expectation::Curve { curve_within, of: member(of, "of")? },
+            Expectation::Above { ref above } => {
                 Expectation::Above { above: self.series_named(above, cast, &place.key("above"))? }
             }
-            study::Expectation::Below { ref below } => {
+            Expectation::Below { ref below } => {
                 Expectation::Below { below: self.series_named(below, cast, &place.key("below"))? }
             }
-            study::Expectation::Ratio { ref ratio_of, ref to, greater_than, less_than } => {
+            Expectation::Ratio { ref ratio_of, ref to, greater_than, less_than } => {
                 self.bounds(greater_than, less_than, place)?;
                 let ratio_of = self.member(ratio_of, cast, &place.key("ratio_of"))?;
                 Expectation::Ratio { ratio_of, to: self.member(to, cast, &place.key("to"))?, greater_than, less_than }
             }
-            study::Expectation::OverSeries { ref over_series, greater_than, less_than } => {
+            Expectation::OverSeries { ref over_series, greater_than, less_than } => {
                 self.bounds(greater_than, less_than, place)?;
                 let over_series = self.series_named(over_series, cast, &place.key("over_series"))?;
                 Expectation::OverSeries { over_series, greater_than, less_than }
             }
-            study::Expectation::Bounds { greater_than, less_than } => {
+            Expectation::Bounds { greater_than, less_than } => {
                 self.bounds(greater_than, less_than, place)?;
                 Expectation::Bounds { greater_than, less_than }
             }
-            study::Expectation::Done { done } => Expectation::Done { done },
+            Expectation::Done { done } => Expectation::Done { done },
         })
     }
 
@@ -429,7 +426,7 @@ struct Runs<'d> {
 /// Members, series and curve that claims refer to.
 struct ClaimScope<'a> {
     members: &'a [Member],
-    series: &'a [Series],
+    series: &'a [RunSeries],
     curve: &'a Columns,
 }
 

@@ -1,7 +1,7 @@
 //! `report.html` of a study: one page that needs nothing but itself.
 
 use super::Study;
-use super::claims::{Finding, Verdict, work_unit};
+use super::claims::{ClaimFinding, Verdict, work_unit};
 use super::results::Results;
 use maud::{Markup, html};
 use pullout_report::directory::ResultDirectory;
@@ -20,7 +20,7 @@ pub fn write(
     directory: &mut ResultDirectory,
     study: &Study,
     results: &Results,
-    findings: &[Finding],
+    findings: &[ClaimFinding],
     pictures: &[Picture],
 ) -> io::Result<()> {
     let body = html! {
@@ -48,7 +48,7 @@ fn state(results: &Results) -> Markup {
     }
 }
 
-fn claims(findings: &[Finding]) -> Markup {
+fn claims(findings: &[ClaimFinding]) -> Markup {
     html! {
         @if !findings.is_empty() {
             h2 { "Claims" }

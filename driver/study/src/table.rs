@@ -1,6 +1,6 @@
 //! `study.csv` and `study.json`.
 
-use super::claims::{Finding, work_unit};
+use super::claims::{ClaimFinding, work_unit};
 use super::results::{Results, RunResult};
 use super::{Study, StudyRun};
 use pullout_report::directory::ResultDirectory;
@@ -88,7 +88,7 @@ pub fn write_json(
     directory: &mut ResultDirectory,
     study: &Study,
     results: &Results,
-    findings: &[Finding],
+    findings: &[ClaimFinding],
 ) -> io::Result<()> {
     let x = study.x.as_ref().map(|x| json!({ "name": x.name, "unit": x.unit, "logarithmic": x.logarithmic }));
     let document: Value = json!({

@@ -22,4 +22,4 @@ pub use collect::{Standing, collect};
 pub use collection::Collection;
 pub use plan::{Planning, plan};
 pub use store::Store;
-pub use work::{Work, Worked, work};
+pub use work::{WorkSettings, Worked, work};

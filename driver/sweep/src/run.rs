@@ -13,7 +13,7 @@ use std::time::Instant;
 
 /// Record of a run that is over.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// Kind and place of the failure; `None`: it is done, or lost.
     pub failed_at: Option<FailedAt>,
     /// Whether its worker has ended.

@@ -13,7 +13,7 @@
 use crate::table::{Column, Table, replace};
 use pullout_case::Reader;
 use pullout_case::study::{Columns, QuantityOfFile};
-use pullout_engine::Key;
+use pullout_engine::RunKey;
 use pullout_report::{at, directory::refuse_file};
 use pullout_run::input::{self, Input};
 use pullout_run::isolation::{self, Need};
@@ -47,12 +47,12 @@ pub struct Sweep {
     /// The folder of each run; empty: the first is that of all.
     pub bundle_of: Vec<usize>,
     /// Numbers and curves that are kept.
-    pub keep: Keep,
+    pub(crate) keep: Keep,
 }
 
 /// Numbers and curves that are kept of a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Keep {
+pub(crate) struct Keep {
     /// The curve whose peak and work count.
     pub curve: Columns,
     /// End of the integral for the work; `None`: the end of the run.
@@ -389,7 +389,7 @@ pub fn with(base: &Value, paths: &[String], values: &[Value]) -> Value {
 pub struct Keys<'s> {
     sweep: &'s Sweep,
     /// The program and what is kept.
-    common: Key,
+    common: RunKey,
     /// Hashes of libraries by their names.
     libraries: HashMap<String, Option<[u8; 32]>>,
 }
@@ -397,7 +397,7 @@ pub struct Keys<'s> {
 impl<'s> Keys<'s> {
     /// Makes the keys of a sweep that is run by a program.
     pub fn new(sweep: &'s Sweep, engine: [u8; 32]) -> Self {
-        let common = Key::new(engine).with_value(&serde_json::to_value(&sweep.keep).unwrap_or_default());
+        let common = RunKey::new(engine).with_value(&serde_json::to_value(&sweep.keep).unwrap_or_default());
         Self { sweep, common, libraries: HashMap::new() }
     }
 

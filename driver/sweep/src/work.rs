@@ -6,7 +6,7 @@ use crate::collect::{Known, MOST_LOSSES, Maker, part};
 use crate::run::{Measured, measure};
 use crate::store::{Keep, Keys, Store, Sweep};
 use pullout_run::in_threads;
-use pullout_run::isolation::{self, End, Failure, Need, Passage, Watch};
+use pullout_run::isolation::{self, End, Need, Passage, Watch, WorkerFailure};
 use pullout_run::path::{FailedAt, FailureKind};
 use pullout_run::{replay, signals};
 use serde_json::Value;
@@ -31,7 +31,7 @@ const BETWEEN_READINGS: u32 = 10;
 
 /// Settings of a sweep's work.
 #[derive(Clone, Debug)]
-pub struct Work {
+pub struct WorkSettings {
     /// Part of all runs: its number from 0, and the number of parts.
     pub chunk: Option<(usize, usize)>,
     /// Processes or threads at a time.
@@ -63,7 +63,7 @@ pub struct Worked {
 struct JobQueue<'w> {
     store: &'w Store,
     sweep: &'w Sweep,
-    work: &'w Work,
+    work: &'w WorkSettings,
     identity: [u8; 32],
     maker: Maker,
     queue: Mutex<Queue>,
@@ -89,7 +89,7 @@ struct Queue {
 ///
 /// # Errors
 /// The store cannot be read or written, processes cannot be started. What is done is kept.
-pub fn work(store: &Store, work: &Work, report: &(dyn Fn(usize, usize) + Sync)) -> io::Result<Worked> {
+pub fn work(store: &Store, work: &WorkSettings, report: &(dyn Fn(usize, usize) + Sync)) -> io::Result<Worked> {
     let sweep = store.sweep()?;
     store.check_bundles(&sweep)?;
     if work.is_untrusted {
@@ -412,7 +412,7 @@ fn lost(host: &str, attempt: u32, keep: &Keep) -> Measured {
 }
 
 /// Returns the row of a run that ended its child.
-fn crash(failure: &Failure, document: &Value, office: &JobQueue<'_>, run: usize) -> Measured {
+fn crash(failure: &WorkerFailure, document: &Value, office: &JobQueue<'_>, run: usize) -> Measured {
     let case = failure.replay.clone().map(|mut case| {
         let title = document["title"].as_str().unwrap_or(&office.sweep.title);
         replay::entitle(&mut case, replay::OF_CALL, title, &office.store.bundle(office.sweep, run));

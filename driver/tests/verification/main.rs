@@ -20,7 +20,7 @@ mod tied;
 
 use end_to_end_tests::{plugin_folder, workspace};
 use fe_core::model::Model;
-use fe_core::stepping::{Analysis, Directive, Observer, Record, RunError, Snapshot};
+use fe_core::stepping::{Analysis, Directive, IncrementObserver, Record, RunError, Snapshot};
 use pullout_case::Case;
 use std::io;
 
@@ -52,7 +52,7 @@ fn run_to_end(model: &Model, look: impl FnMut(&Record, &Snapshot<'_>)) {
 
 struct Looking<F>(F);
 
-impl<F: FnMut(&Record, &Snapshot<'_>)> Observer for Looking<F> {
+impl<F: FnMut(&Record, &Snapshot<'_>)> IncrementObserver for Looking<F> {
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
         (self.0)(record, snapshot);
         Ok(Directive::GoOn)

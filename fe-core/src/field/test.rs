@@ -8,13 +8,13 @@ use crate::model::{
     Controls, FieldCoupling, FieldKind, FixedValue, Flux, Measured, Model, PluginLaw, ScalarField, Skipping, Step,
     StepControl, Support,
 };
-use crate::stepping::{Analysis, Directive, Observer, Record, Snapshot};
+use crate::stepping::{Analysis, Directive, IncrementObserver, Record, Snapshot};
 use std::f64::consts::PI;
 use std::io;
 
 struct Silent;
 
-impl Observer for Silent {
+impl IncrementObserver for Silent {
     fn increment(&mut self, _: &Record, _: &Snapshot<'_>) -> io::Result<Directive> {
         Ok(Directive::GoOn)
     }
@@ -76,7 +76,7 @@ impl Plate {
         time: f64,
         increments: usize,
         drives: usize,
-        observer: &mut impl Observer,
+        observer: &mut impl IncrementObserver,
     ) -> (Model, Vec<f64>) {
         let mesh = self.mesh();
         let support = |direction| Support {
@@ -157,7 +157,7 @@ fn a_flux_makes_a_gradient_of_flux_over_conductivity() {
 #[test]
 fn fixed_values_follow_their_drive_in_the_same_increment() {
     struct Largest(Vec<f64>);
-    impl Observer for Largest {
+    impl IncrementObserver for Largest {
         fn increment(&mut self, record: &Record, _: &Snapshot<'_>) -> io::Result<Directive> {
             self.0.push(record.largest_field);
             Ok(Directive::GoOn)

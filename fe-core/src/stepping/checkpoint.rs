@@ -38,7 +38,7 @@ impl Checkpoint {
 }
 
 impl<'m> Analysis<'m> {
-    /// Makes a checkpoint after every so many increments, for [`super::Observer::checkpoint`].
+    /// Makes a checkpoint after every so many increments, for [`super::IncrementObserver::checkpoint`].
     pub fn checkpoint_every(&mut self, increments: u64) {
         self.checkpoint_every = Some(increments.max(1));
     }

@@ -26,8 +26,8 @@ pub use constants::{ENERGY_BUDGET, STABILISATION_BUDGET};
 pub use energy::Energies;
 pub use error::RunError;
 pub use newton::{Flips, Iteration};
-pub use record::{Counts, Directive, FibreRecord, Observer, Record, WireRecord};
-pub use recorded::{LeadingQuantity, Recorded, Tried, Verdict};
+pub use record::{Counts, Directive, FibreRecord, IncrementObserver, Record, WireRecord};
+pub use recorded::{AttemptVerdict, LeadingQuantity, Recorded, Tried};
 pub use snapshot::Snapshot;
 pub use times::Times;
 pub use trail::{Along, Trail};
@@ -47,7 +47,7 @@ use umat_abi::host::{Clock, ExternalDatabases};
 
 /// Counts of the work that a run took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Statistics {
+pub struct AnalysisStatistics {
     /// Increments accepted.
     pub increments: u64,
     /// Newton iterations of all attempts.
@@ -199,7 +199,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     ///
     /// An increment could not be completed, or the observer could not write. What was observed stays valid.
-    pub fn run(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+    pub fn run(&mut self, observer: &mut dyn IncrementObserver) -> Result<(), RunError> {
         let mut resumed = self.resumed.take();
         if resumed.is_none() {
             match self.find_datum() {
@@ -259,7 +259,7 @@ impl<'m> Analysis<'m> {
     }
 
     /// Returns what it has cost so far.
-    pub fn statistics(&self) -> Statistics {
+    pub fn statistics(&self) -> AnalysisStatistics {
         self.equilibrium.memory.statistics
     }
 
@@ -314,7 +314,7 @@ impl<'m> Analysis<'m> {
     }
 
     /// One step from a position to its end.
-    fn step(&mut self, position: Position, observer: &mut dyn Observer) -> Result<Directive, RunError> {
+    fn step(&mut self, position: Position, observer: &mut dyn IncrementObserver) -> Result<Directive, RunError> {
         let Position { step: number, mut run, mut increment, mut step_time } = position;
         let mut cutbacks = 0;
         while !run.is_done() {
@@ -352,7 +352,7 @@ impl<'m> Analysis<'m> {
                 let findings = self.believed_findings(findings, &converged, imbalanced);
                 run.judge(&converged, self.present.load, findings).map(|()| (converged, findings))
             });
-            let verdict = if judged.is_ok() { Verdict::Stands } else { Verdict::Refused };
+            let verdict = if judged.is_ok() { AttemptVerdict::Stands } else { AttemptVerdict::Refused };
             self.tried.push(Tried { to, time: context.time_increment, verdict, imbalanced });
             match judged {
                 Ok((converged, findings)) => {
@@ -393,7 +393,7 @@ impl<'m> Analysis<'m> {
         mut converged: Converged,
         context: IncrementContext,
         cutbacks: u32,
-        observer: &mut dyn Observer,
+        observer: &mut dyn IncrementObserver,
     ) -> Result<Directive, RunError> {
         let iterations = converged.iterations.clone();
         if let (Some(trail), Some(tried)) = (&mut self.trail, self.tried.last()) {

@@ -126,7 +126,7 @@ pub enum Directive {
 }
 
 /// Receives each accepted increment.
-pub trait Observer {
+pub trait IncrementObserver {
     /// Receives the initial state, then each accepted increment; the snapshot gives fields on demand.
     ///
     /// # Errors

@@ -6,7 +6,7 @@
 
 use super::control::StepRun;
 use super::newton::{IncrementGoal, Leader};
-use super::record::{Directive, Observer};
+use super::record::{Directive, IncrementObserver};
 use super::{Along, Analysis, RunError, Trail};
 use crate::assembly::PointFailure;
 use crate::contact::PointIndex;
@@ -33,8 +33,8 @@ pub struct Tried {
     #[serde(default, skip_serializing_if = "is_zero")]
     pub time: f64,
     /// Outcome of the attempt.
-    #[serde(default, skip_serializing_if = "Verdict::stands")]
-    pub verdict: Verdict,
+    #[serde(default, skip_serializing_if = "AttemptVerdict::stands")]
+    pub verdict: AttemptVerdict,
     /// Size, if its energies did not balance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imbalanced: Option<f64>,
@@ -69,7 +69,7 @@ pub enum LeadingQuantity {
 /// Outcome of an attempt.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Verdict {
+pub enum AttemptVerdict {
     /// The attempt is the increment, or a piece of it.
     #[default]
     Stands,
@@ -79,7 +79,7 @@ pub enum Verdict {
     Look,
 }
 
-impl Verdict {
+impl AttemptVerdict {
     fn stands(&self) -> bool {
         *self == Self::Stands
     }
@@ -207,7 +207,7 @@ impl Analysis<'_> {
     /// Takes down an attempt that was made to learn something of energies.
     pub(super) fn record_look(&mut self, run: &StepRun, time: f64) {
         let (to, imbalanced) = (self.way(run), Some(run.attempted));
-        self.tried.push(Tried { to, time, verdict: Verdict::Look, imbalanced });
+        self.tried.push(Tried { to, time, verdict: AttemptVerdict::Look, imbalanced });
     }
 
     /// Repeats the increments of a step.
@@ -216,7 +216,7 @@ impl Analysis<'_> {
         step: &Step,
         number: u32,
         increments: &[Vec<Tried>],
-        observer: &mut dyn Observer,
+        observer: &mut dyn IncrementObserver,
     ) -> Result<Directive, RunError> {
         let run = StepRun::new(step, &self.present.committed.drives, self.model);
         let (mut step_time, mut progress) = (0.0, 0.0);
@@ -239,7 +239,7 @@ impl Analysis<'_> {
                 self.tried.push(*tried);
                 if !tried.verdict.stands() {
                     self.equilibrium.restore();
-                    let counts = u32::from(tried.verdict == Verdict::Refused);
+                    let counts = u32::from(tried.verdict == AttemptVerdict::Refused);
                     cutbacks += counts;
                     self.equilibrium.memory.statistics.cutbacks += u64::from(counts);
                     continue;

@@ -23,7 +23,7 @@ mod threads;
 #[derive(Default)]
 struct Keeper(Vec<Record>);
 
-impl Observer for Keeper {
+impl IncrementObserver for Keeper {
     fn increment(&mut self, record: &Record, _: &Snapshot<'_>) -> io::Result<Directive> {
         self.0.push(record.clone());
         Ok(Directive::GoOn)
@@ -94,7 +94,7 @@ fn chain(laws: Vec<PluginLaw>, model: PlaneModel, end: f64, control: StepControl
     }
 }
 
-fn run(model: &Model) -> (Vec<Record>, Statistics) {
+fn run(model: &Model) -> (Vec<Record>, AnalysisStatistics) {
     let mut keeper = Keeper::default();
     let mut analysis = Analysis::new(model).unwrap();
     analysis.run(&mut keeper).unwrap();

@@ -28,7 +28,7 @@ const BIAXIAL_STRENGTH: f64 = 1.160;
 
 /// Measured properties of a concrete.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Concrete {
+pub struct ConcreteProperties {
     /// E, MPa.
     pub youngs_modulus: f64,
     /// ν.
@@ -47,7 +47,7 @@ pub struct Concrete {
 ///
 /// # Errors
 /// A value out of bounds, or a ν for which no β in \[0, 1\] gives the biaxial strength.
-pub fn properties(concrete: &Concrete) -> Result<[f64; 14], ConfigurationError> {
+pub fn properties(concrete: &ConcreteProperties) -> Result<[f64; 14], ConfigurationError> {
     properties_with_exponent(concrete, COMPRESSIVE_EXPONENT)
 }
 
@@ -57,11 +57,16 @@ pub fn properties(concrete: &Concrete) -> Result<[f64; 14], ConfigurationError> 
 /// # Errors
 /// As [`properties`].
 pub fn properties_with_exponent(
-    concrete: &Concrete,
+    concrete: &ConcreteProperties,
     compressive_exponent: f64,
 ) -> Result<[f64; 14], ConfigurationError> {
-    let &Concrete { youngs_modulus: e, poisson_ratio: nu, tensile_strength: ft, compressive_strength: fc, .. } =
-        concrete;
+    let &ConcreteProperties {
+        youngs_modulus: e,
+        poisson_ratio: nu,
+        tensile_strength: ft,
+        compressive_strength: fc,
+        ..
+    } = concrete;
     for (parameter, value) in [("f_t", ft), ("f_c", fc)] {
         if !(value > 0.0 && value.is_finite()) {
             let (lower, upper, open_bounds) = (0.0, f64::INFINITY, open_bounds::LOWER);

@@ -2,7 +2,7 @@
 
 use super::evolution::{Branch, Evolution, History};
 use super::stress_and_tangent::Point;
-use super::{HISTORY, Parameters as Concrete, State as ImplicitState, plane_stress};
+use super::{HISTORY, Parameters as ConcreteProperties, State as ImplicitState, plane_stress};
 use crate::damage_law::DamageLaw;
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33};
 use crate::tensor::{Elasticity, work};
@@ -33,7 +33,7 @@ impl Field<3> for CrackSoftening {
 }
 
 /// Rows of the parameters of `concrete_damage`.
-const CONCRETE: &[Parameter] = Concrete::TABLE;
+const CONCRETE: &[Parameter] = ConcreteProperties::TABLE;
 
 umat_abi::parameters! {
     /// The parameters.
@@ -153,9 +153,9 @@ impl Parameters {
 
     /// The concrete, which neither damages in tension by itself nor keeps an inelastic strain.
     #[inline]
-    fn concrete(&self) -> Concrete {
+    fn concrete(&self) -> ConcreteProperties {
         let &Self { elasticity, compression, beta, zeta_c, .. } = self;
-        Concrete {
+        ConcreteProperties {
             elasticity,
             tension: DamageLaw { a: 1.0, b: 1.0, threshold: f64::MAX },
             compression,
@@ -241,7 +241,14 @@ impl Law for ConcretePhaseField {
 
 impl Parameters {
     /// The source of the field equation at a point, with the derivatives (phase_field.md).
-    fn heat(&self, concrete: &Concrete, point: &Point, d: f64, degradation: &Degradation, reached: f64) -> Heat {
+    fn heat(
+        &self,
+        concrete: &ConcreteProperties,
+        point: &Point,
+        d: f64,
+        degradation: &Degradation,
+        reached: f64,
+    ) -> Heat {
         let solid = &point.evolution.solid;
         let force = solid.tensile_force();
         let least = reached.max(self.threshold());
@@ -274,7 +281,7 @@ impl Parameters {
     }
 
     /// Returns what growing compressive damage adds to the gradient of ψ_0 − ψ_NT.
-    fn force_by_crushing(&self, concrete: &Concrete, point: &Point) -> [f64; 3] {
+    fn force_by_crushing(&self, concrete: &ConcreteProperties, point: &Point) -> [f64; 3] {
         let Some(damage) = &point.evolution.growth[1] else { return [0.0; 3] };
         let [without_cracks, with_cracks] = point.evolution.solid.degradable_energies(concrete);
         let by_damage = with_cracks - without_cracks;

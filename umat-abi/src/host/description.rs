@@ -20,10 +20,10 @@ pub struct LawDescription {
     pub stress_states: u32,
     /// [`metadata::flags`].
     pub flags: u32,
-    /// PROPS; the last [`Group::size`] of them may repeat.
+    /// PROPS; the last [`ParameterGroup::size`] of them may repeat.
     pub parameters: Vec<Parameter>,
     /// The repeating group.
-    pub group: Option<Group>,
+    pub group: Option<ParameterGroup>,
     /// STATEV.
     pub states: Vec<StateDescription>,
     /// Quantities that follow from states.
@@ -103,7 +103,7 @@ pub struct Choice {
 
 /// The repeating group at the end of PROPS.
 #[derive(Clone, Debug)]
-pub struct Group {
+pub struct ParameterGroup {
     /// Key in case files.
     pub name: String,
     /// Parameters per occurrence.
@@ -361,8 +361,8 @@ unsafe fn read_parameter(p: &metadata::Parameter) -> Result<Parameter, String> {
     }
 }
 
-unsafe fn read_group(group: &metadata::RepeatingGroup) -> Result<Group, String> {
-    Ok(Group {
+unsafe fn read_group(group: &metadata::RepeatingGroup) -> Result<ParameterGroup, String> {
+    Ok(ParameterGroup {
         // SAFETY: as for `LawDescription::read`.
         name: unsafe { text(group.name) }?,
         size: group.size as usize,

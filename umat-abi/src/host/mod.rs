@@ -32,7 +32,7 @@ pub use crate::law::Heat;
 pub use altered::Alteration;
 pub use call::{CallOutcome, UmatCall, UmatInputs};
 pub use data::DataSnapshot;
-pub use description::{Choice, Derived, Group, LawDescription, Parameter, StateDescription, Validation};
+pub use description::{Choice, Derived, LawDescription, Parameter, ParameterGroup, StateDescription, Validation};
 pub use discovery::{
     Found, SOURCES, is_source, library_file_name, library_name, library_path, names_a_file, real_path, search_also,
     search_from_program, search_paths,

@@ -3,7 +3,7 @@
 use super::strengths::{Shape, inverse_of_strengths};
 use super::{Fitted, LeastSquares, least_squares};
 use crate::Invalid;
-use crate::beam::{Beam, LIMIT_CMOD, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
+use crate::beam::{LIMIT_CMOD, LayeredBeam, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
 use crate::composite::Matrix;
 use crate::interpolation::{Polyline, monotone_slopes};
 use nalgebra::{Matrix3, Vector3};
@@ -29,14 +29,14 @@ const LEAST_STRESS: f64 = 0.02;
 
 /// A test, or what its report states.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Measured {
+pub enum MeasuredBeam {
     /// CMOD, mm, rising, and F, N.
     Curve(Vec<[f64; 2]>),
     /// Strengths of one beam or more, MPa.
     Strengths(Vec<Residual>),
 }
 
-impl Measured {
+impl MeasuredBeam {
     fn check(&self) -> Result<(), Invalid> {
         let rows = match self {
             Self::Curve(rows) => rows,
@@ -98,12 +98,12 @@ fn compared(rows: &[[f64; 2]]) -> impl Iterator<Item = &[f64; 2]> {
 ///
 /// # Errors
 /// Data that are not those of a test.
-pub fn fast_inverse(geometry: &NotchedBeam, test: &Measured) -> Result<Polyline, Invalid> {
+pub fn fast_inverse(geometry: &NotchedBeam, test: &MeasuredBeam) -> Result<Polyline, Invalid> {
     geometry.check()?;
     test.check()?;
     let (cmods, strengths): (Vec<f64>, Vec<f64>) = match test {
-        Measured::Curve(rows) => compared(rows).map(|row| (row[0], geometry.flexural_strength(row[1]))).unzip(),
-        Measured::Strengths(beams) => (RESIDUAL_CMOD.to_vec(), Residual::mean(beams).residual.to_vec()),
+        MeasuredBeam::Curve(rows) => compared(rows).map(|row| (row[0], geometry.flexural_strength(row[1]))).unzip(),
+        MeasuredBeam::Strengths(beams) => (RESIDUAL_CMOD.to_vec(), Residual::mean(beams).residual.to_vec()),
     };
     let part = geometry.ligament() / geometry.height;
     let slopes = monotone_slopes(&cmods, &strengths);
@@ -168,14 +168,14 @@ pub struct BridgingFit {
 pub fn full_inverse(
     geometry: &NotchedBeam,
     matrix: &Matrix,
-    test: &Measured,
+    test: &MeasuredBeam,
     shape: Shape,
 ) -> Result<BridgingFit, Invalid> {
     matrix.check()?;
     let start = fast_inverse(geometry, test)?;
     let rows = match test {
-        Measured::Strengths(beams) => return Ok(inverse_of_strengths(geometry, matrix, beams, shape)),
-        Measured::Curve(rows) => rows,
+        MeasuredBeam::Strengths(beams) => return Ok(inverse_of_strengths(geometry, matrix, beams, shape)),
+        MeasuredBeam::Curve(rows) => rows,
     };
     let form = Form { geometry: *geometry, matrix: *matrix, rows, scale: test.greatest_strength(geometry) };
     let start = form.start(&start);
@@ -256,7 +256,7 @@ impl Form<'_> {
     fn residuals(&self, parameters: &[f64], weight: f64) -> Vec<f64> {
         let (matrix, law) = self.law(parameters);
         let section = [SectionLaw::new(&matrix, &law, self.geometry.hinge())];
-        let beam = Beam::new(self.geometry, &section, &matrix);
+        let beam = LayeredBeam::new(self.geometry, &section, &matrix);
         let strength = |force: f64| self.geometry.flexural_strength(force);
         let compared = compared(self.rows);
         let mut residuals: Vec<f64> = compared.map(|&[cmod, force]| strength(beam.at(cmod).force - force)).collect();

@@ -2,7 +2,7 @@
 
 use super::{Estimate, Fitted, LeastSquares, assess, least_squares};
 use crate::average::averages;
-use crate::beam::{Beam, NotchedBeam, Residual, SectionLaw};
+use crate::beam::{LayeredBeam, NotchedBeam, Residual, SectionLaw};
 use crate::interpolation::Polyline;
 use crate::{Composite, Invalid};
 
@@ -90,7 +90,7 @@ pub fn bond_from_strengths(
             averages(&composite.roughly(), &openings).iter().map(|average| average.stress).collect();
         let bridging = Polyline::smooth(&openings, &stresses);
         let section = [SectionLaw::new(&composite.matrix, &composite.with_matrix(&bridging), geometry.hinge())];
-        let computed = Beam::new(*geometry, &section, &composite.matrix).residual().residual;
+        let computed = LayeredBeam::new(*geometry, &section, &composite.matrix).residual().residual;
         computed.into_iter().zip(mean).map(|(computed, tested)| (computed - tested) / greatest).collect()
     })
 }

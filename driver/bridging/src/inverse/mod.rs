@@ -5,7 +5,7 @@ mod bond;
 mod constrained;
 mod strengths;
 
-pub use beam::{BridgingFit, Measured, OPENINGS, fast_inverse, full_inverse};
+pub use beam::{BridgingFit, MeasuredBeam, OPENINGS, fast_inverse, full_inverse};
 pub use bond::{SoughtBond, bond_from_bridging, bond_from_strengths};
 pub use strengths::Shape;
 

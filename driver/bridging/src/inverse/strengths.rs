@@ -3,7 +3,7 @@
 use super::beam::{BridgingFit, smooth_through};
 use super::constrained::constrained;
 use super::{Estimate, Fitted};
-use crate::beam::{Beam, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
+use crate::beam::{LayeredBeam, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
 use crate::composite::Matrix;
 use crate::interpolation::Polyline;
 use crate::quantile;
@@ -120,7 +120,7 @@ impl Search {
     fn strengths(&self, stresses: &DVector<f64>) -> DVector<f64> {
         let law = self.matrix.relieved_by(&self.law(stresses));
         let section = [SectionLaw::new(&self.matrix, &law, self.geometry.hinge())];
-        let beam = Beam::new(self.geometry, &section, &self.matrix);
+        let beam = LayeredBeam::new(self.geometry, &section, &self.matrix);
         RESIDUAL_CMOD.map(|cmod| self.geometry.flexural_strength(beam.at(cmod).force)).to_vec().into()
     }
 

@@ -1,10 +1,10 @@
 use super::*;
-use crate::beam::Load;
+use crate::beam::BeamLoad;
 use approx::assert_relative_eq;
 
-fn tested(law: Polyline, matrix: &Matrix, geometry: NotchedBeam) -> (Residual, Vec<Load>) {
+fn tested(law: Polyline, matrix: &Matrix, geometry: NotchedBeam) -> (Residual, Vec<BeamLoad>) {
     let section = [SectionLaw::new(matrix, &law, geometry.hinge())];
-    let beam = Beam::new(geometry, &section, matrix);
+    let beam = LayeredBeam::new(geometry, &section, matrix);
     (beam.residual(), [0.02, 0.1, 0.5, 1.5, 3.5].map(|cmod| beam.at(cmod)).into())
 }
 
@@ -60,7 +60,7 @@ fn equal_strips_are_one_section() {
     let law = Polyline::new([(0.0, 2.0), (0.3, 0.8), (4.0, 0.2)]);
     let section = SectionLaw::new(&matrix(), &law, 62.5);
     let (one, seven) = ([section.clone()], vec![section; 7]);
-    let at = |strips: &[SectionLaw]| Beam::new(NotchedBeam::default(), strips, &matrix()).at(1.1).force;
+    let at = |strips: &[SectionLaw]| LayeredBeam::new(NotchedBeam::default(), strips, &matrix()).at(1.1).force;
     assert_relative_eq!(at(&one), at(&seven), max_relative = 1e-9);
 }
 
@@ -68,7 +68,7 @@ fn equal_strips_are_one_section() {
 fn before_the_crack_the_beam_is_elastic_and_loads_go_on_steadily() {
     let law = Polyline::new([(0.0, 3.0), (0.02, 1.0), (4.0, 0.5)]);
     let section = [SectionLaw::new(&matrix(), &law, 62.5)];
-    let beam = Beam::new(NotchedBeam::default(), &section, &matrix());
+    let beam = LayeredBeam::new(NotchedBeam::default(), &section, &matrix());
     let mut before = beam.at(0.0);
     assert_eq!(before.force, 0.0);
     for k in 1..10_000 {
@@ -110,7 +110,7 @@ fn strength_does_not_depend_on_the_width() {
     let large = NotchedBeam { width: 150.0, height: 300.0, span: 1000.0, notch: 50.0, hinge_length: Some(125.0) };
     let stretched = Polyline::new([(0.0, 1.5), (7.5, 0.0), (10.0, 0.0)]);
     let section = [SectionLaw::new(&matrix(), &stretched, 125.0)];
-    let force = Beam::new(large, &section, &matrix()).at(3.0).force;
+    let force = LayeredBeam::new(large, &section, &matrix()).at(3.0).force;
     assert_relative_eq!(large.flexural_strength(force), strengths(law()).residual[1], max_relative = 1e-9);
 }
 
@@ -160,7 +160,7 @@ fn classes_of_the_eurocode_lie_between_those_of_the_model_code() {
 fn cracking_is_no_jump() {
     let law = Polyline::new([(0.0, 3.0), (0.1, 1.0), (5.0, 0.5)]);
     let section = [SectionLaw::new(&matrix(), &law, 62.5)];
-    let beam = Beam::new(NotchedBeam::default(), &section, &matrix());
+    let beam = LayeredBeam::new(NotchedBeam::default(), &section, &matrix());
     // 2 f_t s_h a/(E h_sp)
     let cracking = 0.0025_f64;
     let [before, at] = [0.5 * cracking, cracking.next_up()].map(|cmod| beam.at(cmod).force);

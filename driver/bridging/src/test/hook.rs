@@ -201,7 +201,7 @@ fn predicted(diameter: f64, length: f64, strength: f64, dosage: f64, hook: Optio
     let section = Orientation::Section { size: [150.0, 125.0], faces: Faces { width: 2, height: 1 } };
     let composite = Composite::new(fibre, volume_fraction, &section, matrix, 0.0).expect("a composite");
     let section = [SectionLaw::new(&matrix, &composite.law_to(4.0, 90), 62.5)];
-    Beam::new(NotchedBeam::default(), &section, &matrix).residual()
+    LayeredBeam::new(NotchedBeam::default(), &section, &matrix).residual()
 }
 
 /// The page docs/results/hooked-beams.md says how far they are off.

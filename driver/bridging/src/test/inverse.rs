@@ -16,7 +16,7 @@ fn laws() -> [(&'static str, Polyline); 4] {
 
 fn test_of(law: &Polyline, matrix: &Matrix, noise: f64, seed: u64) -> Vec<[f64; 2]> {
     let section = [SectionLaw::new(matrix, law, 62.5)];
-    let beam = Beam::new(NotchedBeam::default(), &section, matrix);
+    let beam = LayeredBeam::new(NotchedBeam::default(), &section, matrix);
     let mut random = rand_pcg::Pcg64::new(u128::from(seed), 0);
     (0..400)
         .map(|k| 0.015 + 3.6 * (f64::from(k) / 399.0).powf(1.7))
@@ -32,7 +32,7 @@ fn laws_come_back_from_noisy_beams() {
     for (name, law) in laws() {
         let rows = test_of(&law, &matrix(), 0.02, 7);
         let fit =
-            full_inverse(&NotchedBeam::default(), &matrix(), &Measured::Curve(rows), Shape::Smooth).expect("a fit");
+            full_inverse(&NotchedBeam::default(), &matrix(), &MeasuredBeam::Curve(rows), Shape::Smooth).expect("a fit");
         let error = |opening: f64| fit.law.at(opening) / law.at(opening) - 1.0;
         let worst = CHECKED.map(error).into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         println!(
@@ -58,13 +58,13 @@ fn laws_come_back_from_noisy_beams() {
 fn the_rigid_hinge_is_near() {
     let linear = &laws()[1].1;
     let fast =
-        fast_inverse(&NotchedBeam::default(), &Measured::Curve(test_of(linear, &matrix(), 0.0, 0))).expect("a law");
+        fast_inverse(&NotchedBeam::default(), &MeasuredBeam::Curve(test_of(linear, &matrix(), 0.0, 0))).expect("a law");
     // 1.13 for 1.17, derived from the same equation
     assert_relative_eq!(fast.at(1.0 * 125.0 / 150.0), 1.13, max_relative = 5e-3);
 }
 
 fn of_strengths(matrix: &Matrix, beams: Vec<Residual>, shape: Shape) -> BridgingFit {
-    full_inverse(&NotchedBeam::default(), matrix, &Measured::Strengths(beams), shape).expect("a fit")
+    full_inverse(&NotchedBeam::default(), matrix, &MeasuredBeam::Strengths(beams), shape).expect("a fit")
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn strengths_alone_determine_four_stresses_if_the_matrix_is_known() {
         [(constant, matrix()), (linear, matrix()), (pulled_out, matrix()), (("drop and rise", rises), softening)];
     for ((name, law), matrix) in laws {
         let section = [SectionLaw::new(&matrix, &law, 62.5)];
-        let residual = Beam::new(NotchedBeam::default(), &section, &matrix).residual();
+        let residual = LayeredBeam::new(NotchedBeam::default(), &section, &matrix).residual();
         let fit = of_strengths(&matrix, vec![residual], Shape::Smooth);
         println!("{name}: weight {}, f_t {:.4}, {:?}", fit.weight, fit.matrix.ft, fit.fitted.parameters);
         for opening in [0.4, 1.25, 2.1, 2.9] {
@@ -233,8 +233,8 @@ fn bond_and_snubbing_come_back_where_fibres_break() {
 
 #[test]
 fn tests_that_are_none_are_refused() {
-    let refused = |test: Measured| fast_inverse(&NotchedBeam::default(), &test).expect_err("no test").to_string();
-    assert!(refused(Measured::Curve(vec![[0.1, 1.0]; 3])).contains("rise"));
-    assert!(refused(Measured::Curve(vec![[0.1, 1.0], [0.2, 1.0]])).contains("12 points"));
-    assert!(refused(Measured::Strengths(vec![Residual::default()])).contains("above 0"));
+    let refused = |test: MeasuredBeam| fast_inverse(&NotchedBeam::default(), &test).expect_err("no test").to_string();
+    assert!(refused(MeasuredBeam::Curve(vec![[0.1, 1.0]; 3])).contains("rise"));
+    assert!(refused(MeasuredBeam::Curve(vec![[0.1, 1.0], [0.2, 1.0]])).contains("12 points"));
+    assert!(refused(MeasuredBeam::Strengths(vec![Residual::default()])).contains("above 0"));
 }

@@ -90,7 +90,7 @@ fn strengths_of_beams_lie_about_that_of_the_mean_law() {
         .expect("beams");
     let law = composite.law_to(4.0, 200);
     let section = [SectionLaw::new(&matrix(), &law, 62.5)];
-    let mean = Beam::new(NotchedBeam::default(), &section, &matrix()).residual();
+    let mean = LayeredBeam::new(NotchedBeam::default(), &section, &matrix()).residual();
     for j in 0..4 {
         let values: Vec<f64> = beams.residual.iter().map(|residual| residual.residual[j]).collect();
         let (average, deviation) = mean_and_deviation(&values);

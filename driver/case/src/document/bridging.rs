@@ -9,7 +9,7 @@ use std::borrow::Cow;
 /// Fibres across a crack: from one fibre to σ(w), the notched beam and its scatter (kind "bridging").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct BridgingCase {
+pub(crate) struct BridgingCase {
     /// "bridging".
     #[expect(dead_code, reason = "dispatched on before")]
     #[schemars(extend("const" = "bridging"))]
@@ -46,7 +46,7 @@ pub struct BridgingCase {
 /// The matrix of the composite.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct MatrixOfFile {
+pub(crate) struct MatrixOfFile {
     /// Concrete by its class ("C40", "C40/50") or its mean compressive strength, MPa: by the fib Model Code 2010 it gives the
     /// other numbers that are left out, and the softening "bilinear".
     pub concrete: Option<ConcreteStrength>,
@@ -67,7 +67,7 @@ pub struct MatrixOfFile {
 /// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct BridgingOutput {
+pub(crate) struct BridgingOutput {
     /// Draw plots (default true), or draw them with these titles and legends.
     pub plots: Option<Plots>,
     /// Write σ(w) as `*CONCRETE TENSION STIFFENING, TYPE=DISPLACEMENT` of ABAQUS's concrete damaged plasticity, abaqus.inp
@@ -81,7 +81,7 @@ pub struct BridgingOutput {
 /// Openings at which σ is evaluated.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Openings {
+pub(crate) struct Openings {
     /// The last opening, mm (default 3.5).
     pub to: Option<Positive>,
     /// Number of openings, the first at 0 (default 200).
@@ -93,7 +93,7 @@ pub struct Openings {
 /// Spacing of the openings.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Spacing {
+pub(crate) enum Spacing {
     /// With the square of their number: close at the beginning.
     #[default]
     Power2,
@@ -104,7 +104,7 @@ pub enum Spacing {
 /// A straight round fibre, and the model that gives its load.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(tag = "model", rename_all = "snake_case")]
-pub enum FibreOfFile {
+pub(crate) enum FibreOfFile {
     /// Closed form with constant friction, debonding, slip hardening, inclination and rupture.
     Closed(ClosedFibre),
     /// A bond law τ(s) along an elastic fibre.
@@ -118,7 +118,7 @@ pub enum FibreOfFile {
 /// A bond law: points, or a plugin with its parameters.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(transparent)]
-pub struct LawOfFile(pub serde_json::Value);
+pub(crate) struct LawOfFile(pub serde_json::Value);
 
 impl JsonSchema for LawOfFile {
     fn schema_name() -> Cow<'static, str> {
@@ -133,7 +133,7 @@ impl JsonSchema for LawOfFile {
 /// A fibre with constant friction.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct ClosedFibre {
+pub(crate) struct ClosedFibre {
     /// The fibre.
     #[serde(flatten)]
     pub fibre: WithDefaults<Fibre>,
@@ -147,7 +147,7 @@ pub struct ClosedFibre {
 /// A fibre with a bond law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct ShearLagFibre {
+pub(crate) struct ShearLagFibre {
     /// The fibre.
     #[serde(flatten)]
     pub fibre: WithDefaults<Fibre>,
@@ -161,7 +161,7 @@ pub struct ShearLagFibre {
 /// A fibre whose curves were measured.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct TableFibre {
+pub(crate) struct TableFibre {
     /// The fibre.
     #[serde(flatten)]
     pub fibre: WithDefaults<Fibre>,
@@ -182,7 +182,7 @@ pub struct TableFibre {
 /// A fibre whose curves are runs of a specimen, kept for later use.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct FeFibre {
+pub(crate) struct FeFibre {
     /// The fibre.
     #[serde(flatten)]
     pub fibre: WithDefaults<Fibre>,

@@ -10,7 +10,7 @@ use serde::Deserialize;
 /// A contact point along a path (kind "interface").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct InterfaceCase {
+pub(crate) struct InterfaceCase {
     /// "interface".
     #[expect(dead_code, reason = "dispatched on before")]
     #[schemars(extend("const" = "interface"))]
@@ -33,7 +33,7 @@ pub struct InterfaceCase {
 /// The state before the first step.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct InterfaceInitial {
+pub(crate) struct InterfaceInitial {
     /// State variables, NSTATV values.
     pub statev: Option<Vec<f64>>,
     /// Total time, s.
@@ -50,7 +50,7 @@ pub struct InterfaceInitial {
 /// A step: a ramp, a table, or a cycle of steps.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum InterfaceStep {
+pub(crate) enum InterfaceStep {
     /// Steps run several times, in a member named "cycles".
     Cycles(Cycles<InterfaceStep>),
     /// Steps run several times.
@@ -64,7 +64,7 @@ pub enum InterfaceStep {
 /// A step in which slips, gap or pressure ramp linearly to their end values.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct InterfaceRamp {
+pub(crate) struct InterfaceRamp {
     /// Number of increments.
     pub increments: Increments,
     /// Duration, s (default 1).
@@ -79,7 +79,7 @@ pub struct InterfaceRamp {
 /// A step with one increment per row of a table.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct InterfaceTable {
+pub(crate) struct InterfaceTable {
     /// CSV file, relative to the case file, or its columns: time (optional, s), slip, slip2 (mm), gap (mm) or p (MPa),
     /// temperature, and predef1, predef2, … for the field variables of the case.
     pub table: TableSource,
@@ -91,7 +91,7 @@ pub struct InterfaceTable {
 /// End values of a contact point, or "hold".
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct InterfaceTarget {
+pub(crate) struct InterfaceTarget {
     /// Slip, mm.
     pub slip: Option<EndValue>,
     /// Slip in the second direction, mm.

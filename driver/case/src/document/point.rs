@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// A material point along a path (kind "point").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct PointCase {
+pub(crate) struct PointCase {
     /// "point".
     #[expect(dead_code, reason = "dispatched on before")]
     #[schemars(extend("const" = "point"))]
@@ -42,7 +42,7 @@ pub struct PointCase {
 /// The state before the first step, as UMAT is given it.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct PointInitial {
+pub(crate) struct PointInitial {
     /// STRAN: six values 11, 22, 33, 12, 13, 23 (or those of the mode), or by name (e11, g12, …); with nlgeom the
     /// logarithmic strain, default that of F.
     pub strain: Option<Components>,
@@ -61,7 +61,7 @@ pub struct PointInitial {
 /// Components in order or by name.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Components {
+pub(crate) enum Components {
     /// In order.
     List(Vec<f64>),
     /// By name.
@@ -71,7 +71,7 @@ pub enum Components {
 /// A step: a ramp, a table, or a cycle of steps.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum PointStep {
+pub(crate) enum PointStep {
     /// Steps run several times, in a member named "cycles".
     Cycles(Cycles<PointStep>),
     /// Steps run several times.
@@ -85,7 +85,7 @@ pub enum PointStep {
 /// A step in which the controlled components ramp linearly to their end values.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct PointRamp {
+pub(crate) struct PointRamp {
     /// Number of increments.
     pub increments: Increments,
     /// Duration, s (default 1).
@@ -105,7 +105,7 @@ pub struct PointRamp {
 /// A step with one increment per row of a table.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct PointTable {
+pub(crate) struct PointTable {
     /// CSV file, relative to the case file, or its columns: time (optional, s), components as in target, temperature,
     /// and predef1, predef2, … for the field variables of the case.
     pub table: TableSource,
@@ -120,7 +120,7 @@ pub struct PointTable {
 /// case's measure.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct StepTarget {
+pub(crate) struct StepTarget {
     /// Components.
     #[serde(flatten)]
     pub components: ByComponent<EndValue>,
@@ -133,7 +133,7 @@ pub struct StepTarget {
 /// e22 + e33 (undrained), or q - η p (a stress path).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct Constraint {
+pub(crate) struct Constraint {
     /// Coefficients.
     #[serde(flatten)]
     pub coefficients: ByComponent<f64>,
@@ -143,7 +143,7 @@ pub struct Constraint {
 
 /// Values given for some components.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct ByComponent<T> {
+pub(crate) struct ByComponent<T> {
     /// Strain 11.
     pub e11: Option<T>,
     /// Strain 22.

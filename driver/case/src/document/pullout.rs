@@ -12,18 +12,18 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 mod boundary;
-pub use boundary::*;
+pub(crate) use boundary::*;
 mod contact;
-pub use contact::*;
+pub(crate) use contact::*;
 mod field;
-pub use field::*;
+pub(crate) use field::*;
 mod specimen;
-pub use specimen::*;
+pub(crate) use specimen::*;
 
 /// A specimen in two dimensions: parts, contact, supports, steps (kind "pullout").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct PulloutCase {
+pub(crate) struct PulloutCase {
     /// "pullout".
     #[expect(dead_code, reason = "dispatched on before")]
     #[schemars(extend("const" = "pullout"))]
@@ -73,7 +73,7 @@ pub struct PulloutCase {
 /// One body of the specimen.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Part {
+pub(crate) struct Part {
     /// The plugin and its parameters.
     pub material: Material,
     /// Assumption about the third direction; default: the specimen's, plane_strain for a file.
@@ -101,7 +101,7 @@ pub struct Part {
 /// Initial state of a specimen.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct PulloutInitial {
+pub(crate) struct PulloutInitial {
     /// Initial values of the drives of loads (default 0): the loads in equilibrium with the initial stresses of the
     /// parts.
     pub drives: BTreeMap<String, f64>,
@@ -110,7 +110,7 @@ pub struct PulloutInitial {
 /// Initial state of the points of a part.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct PartInitial {
+pub(crate) struct PartInitial {
     /// Stress, MPa, the same at all points: in order (11, 22, 33, 12; without 33 in plane stress) or by name (s11, …).
     /// Default: the stress that the library's SIGINI sets, or 0. Before the first increment, nodes move until the
     /// stress is in equilibrium with the supports and the initial values of the drives.
@@ -120,7 +120,7 @@ pub struct PartInitial {
 /// A thickness.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Thickness {
+pub(crate) enum Thickness {
     /// mm.
     Value(Positive),
     /// Thickness of a plate as high as the round fibre.
@@ -130,7 +130,7 @@ pub enum Thickness {
 /// Property that a plate as high as a round fibre shares with it.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Section {
+pub(crate) enum Section {
     /// The area: thickness πφ/4.
     EqualArea,
     /// The second moment of area: thickness 3πφ/16.
@@ -143,7 +143,7 @@ pub enum Section {
 /// A step in which drives ramp to their end values, or a cycle of steps.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum PulloutStep {
+pub(crate) enum PulloutStep {
     /// Steps run several times, in a member named "cycles".
     Cycles(Cycles<PulloutStep>),
     /// Steps run several times.
@@ -155,7 +155,7 @@ pub enum PulloutStep {
 /// A step in which drives ramp linearly to their end values.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct PulloutRamp {
+pub(crate) struct PulloutRamp {
     /// Displacement of the grip at the end of the step, mm.
     pub slip: Option<f64>,
     /// Values of other drives at the end of the step. Drives that are not named keep their values.
@@ -172,7 +172,7 @@ pub struct PulloutRamp {
 /// Choice of the increments of a step.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum StepIncrements {
+pub(crate) enum StepIncrements {
     /// Number of equal increments, cut back when one fails.
     Equal(Increments),
     /// Automatic.
@@ -182,7 +182,7 @@ pub enum StepIncrements {
 /// Automatic increments, as fractions of the step.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct AutomaticIncrements {
+pub(crate) struct AutomaticIncrements {
     /// First increment (default 1e-3).
     pub initial: Option<Fraction>,
     /// Largest increment (default 0.02).
@@ -194,7 +194,7 @@ pub struct AutomaticIncrements {
 /// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct PulloutOutput {
+pub(crate) struct PulloutOutput {
     /// Write every n-th increment, and the last of each step, to history.csv (default 1).
     pub every: Option<Increments>,
     /// Draw plots (default true), or draw them with these titles and legends.
@@ -213,7 +213,7 @@ pub struct PulloutOutput {
 /// Moments at which pictures are made.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum PicturesAt {
+pub(crate) enum PicturesAt {
     /// Slips, mm.
     Slips(Vec<Positive>),
     /// Numbers of increments.
@@ -223,7 +223,7 @@ pub enum PicturesAt {
 /// Numbers of increments.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct IncrementNumbers {
+pub(crate) struct IncrementNumbers {
     /// Counted from 1 over all steps.
     pub increments: Vec<Increments>,
 }
@@ -231,7 +231,7 @@ pub struct IncrementNumbers {
 /// Moments at which fields are written.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Vtu {
+pub(crate) enum Vtu {
     /// Never, or at every 10th increment.
     Switch(bool),
     /// At every n-th increment.
@@ -241,7 +241,7 @@ pub enum Vtu {
 /// Work that is omitted: everything, nothing, or everything except the items set to false.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Skip {
+pub(crate) enum Skip {
     /// "all" or "none".
     Word(SkipWord),
     /// One by one.
@@ -251,7 +251,7 @@ pub enum Skip {
 /// Everything or nothing.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum SkipWord {
+pub(crate) enum SkipWord {
     /// Everything that can be omitted.
     All,
     /// Nothing.
@@ -261,7 +261,7 @@ pub enum SkipWord {
 /// Work that is omitted, item by item.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct SkipItems {
+pub(crate) struct SkipItems {
     /// Each of them.
     #[serde(flatten)]
     pub items: WithDefaults<Skipping>,

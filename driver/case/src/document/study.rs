@@ -224,7 +224,7 @@ pub enum NamedPlace {
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(untagged, deny_unknown_fields)]
 #[schemars(rename = "Expectation")]
-pub enum Expectation<M, S> {
+pub enum Expectation<M = usize, S = usize> {
     /// A trend from member to member, in the order of their x (or of the list).
     Trend {
         /// Direction of the trend.

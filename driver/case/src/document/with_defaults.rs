@@ -11,7 +11,7 @@ use std::ops::Deref;
 
 /// Something that runs and has defaults, and which of them a case takes.
 #[derive(Clone, Debug)]
-pub struct WithDefaults<T> {
+pub(crate) struct WithDefaults<T> {
     value: T,
     /// Dotted names and values.
     defaults: Vec<(String, String)>,

@@ -19,7 +19,7 @@ use pullout_run::program::{Mode, STRESS_NAMES};
 use std::collections::BTreeMap;
 
 /// Laws and options of the mesh's parts, in their order.
-pub struct Parts {
+pub(crate) struct Parts {
     pub laws: Vec<PluginLaw>,
     /// Whether their Q4 are averaged.
     pub average_dilatation: Vec<bool>,

@@ -12,7 +12,7 @@ const LATERAL_TOLERANCE: f64 = 1e-6;
 
 /// A cube that is strained along 1.
 #[derive(Clone, Copy, Debug)]
-pub struct State {
+pub(crate) struct State {
     /// Strain along 1, and across.
     pub strain: [f64; 2],
     /// Stress along 1, MPa.

@@ -1,7 +1,7 @@
 use super::malformed::{Sample, Seen::ByMeaning, Seen::BySchema, check};
 use super::{Bench, Case};
 use pullout_bridging::{Bond, Orientation, Polyline};
-use pullout_run::bridging::{BridgingProgram, LoadSource, Results, run};
+use pullout_run::bridging::{BridgingProgram, BridgingResults, LoadSource, run};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -290,7 +290,7 @@ fn of_law(corners: &[[f64; 2]]) -> BridgingProgram {
     }
 }
 
-fn results(overrides: &[&str]) -> Result<Results, String> {
+fn results(overrides: &[&str]) -> Result<BridgingResults, String> {
     let Ok(Case::Bridging(program)) = Bench::new().read(&case(), overrides) else { panic!("a case") };
     run(&program, &program.composite(&[]).expect("a composite"), std::num::NonZeroUsize::MIN)
 }

@@ -2,7 +2,7 @@
 
 use super::super::props_from_json;
 use serde_json::json;
-use umat_abi::host::{Choice, Found, Group, LawDescription, Parameter, search_paths};
+use umat_abi::host::{Choice, Found, LawDescription, Parameter, ParameterGroup, search_paths};
 
 fn parameter(name: &str, default_value: f64, lower: f64, upper: f64) -> Parameter {
     Parameter {
@@ -37,7 +37,7 @@ fn law(count_parameter: Option<usize>) -> LawDescription {
         parameter("slip", 0.0, 0.0, f64::INFINITY),
         parameter("traction", 0.0, f64::NEG_INFINITY, f64::INFINITY),
     ];
-    law.group = Some(Group { name: "points".into(), size: 2, minimum: 1, count_parameter, added: 0 });
+    law.group = Some(ParameterGroup { name: "points".into(), size: 2, minimum: 1, count_parameter, added: 0 });
     law
 }
 

@@ -3,7 +3,7 @@
 use super::super::plugin::NORMAL_PENALTY;
 use super::super::{Case, read};
 use super::{Bench, point_case, schema_accepts};
-use pullout_run::program::{Kind, Program};
+use pullout_run::program::{PointKind, Program};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use umat_abi::host::{Found, search_paths};
@@ -164,8 +164,8 @@ fn the_shipped_cases_are_read() {
             Ok(case) => {
                 let steps = match &case {
                     Case::Path(program) => match &program.kind {
-                        Kind::Point(point) => point.steps.len(),
-                        Kind::Interface(interface) => interface.steps.len(),
+                        PointKind::Point(point) => point.steps.len(),
+                        PointKind::Interface(interface) => interface.steps.len(),
                     },
                     Case::Pullout(program) => program.model.steps.len(),
                     Case::Bridging(program) => program.openings.len(),

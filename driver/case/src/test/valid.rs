@@ -1,7 +1,7 @@
 use super::{Bench, interface_case, overridden, point_case, schema_accepts};
 use pullout_run::program::{
-    Constraint, Control, InterfaceEntry, InterfaceProgram, Kind, Mode, NormalControl, Pace, PointDrive, PointProgram,
-    Program, Step, Until,
+    Constraint, Control, InterfaceEntry, InterfaceProgram, Mode, NormalControl, Pace, PathStep, PointDrive, PointKind,
+    PointProgram, Program, Until,
 };
 use serde_json::json;
 
@@ -12,15 +12,15 @@ fn program(case: &serde_json::Value, overrides: &[&str]) -> Program {
 
 fn point(program: &Program) -> &PointProgram {
     match &program.kind {
-        Kind::Point(point) => point,
-        Kind::Interface(_) => panic!("a point case"),
+        PointKind::Point(point) => point,
+        PointKind::Interface(_) => panic!("a point case"),
     }
 }
 
 fn interface(program: &Program) -> &InterfaceProgram {
     match &program.kind {
-        Kind::Interface(interface) => interface,
-        Kind::Point(_) => panic!("an interface case"),
+        PointKind::Interface(interface) => interface,
+        PointKind::Point(_) => panic!("an interface case"),
     }
 }
 
@@ -101,7 +101,7 @@ fn modes_follow_their_names() {
 fn tables_are_read() {
     let program = program(&point_case(), &[r#"steps.0={"table": "path.csv"}"#, r#"steps.1={"table": "untimed.csv"}"#]);
     let table = |step: usize| {
-        let Step { pace: Pace::Rows(times), goal, .. } = &point(&program).steps[step] else { panic!("a table") };
+        let PathStep { pace: Pace::Rows(times), goal, .. } = &point(&program).steps[step] else { panic!("a table") };
         let PointDrive::Components { controls, rows } = &goal.drive else { panic!("components") };
         (times, controls, rows)
     };

@@ -3,7 +3,7 @@
 
 use super::scan::Scan;
 use super::source::{Language, PluginSource};
-use super::{Refusal, Request, build};
+use super::{BuildRequest, Refusal, build};
 use pullout_run::input::{self, Input};
 use std::env;
 use std::fmt::Write;
@@ -27,8 +27,13 @@ pub fn kept(file: &Path, notify: &dyn Fn(String)) -> Result<PathBuf, Refusal> {
     }
     let in_words = |error: std::io::Error| std::io::Error::new(error.kind(), format!("{}: {error}", folder.display()));
     fs::create_dir_all(&folder).map_err(in_words)?;
-    let request =
-        Request { sources: vec![file.to_owned()], output: Some(library), form: None, flags: Vec::new(), debug: false };
+    let request = BuildRequest {
+        sources: vec![file.to_owned()],
+        output: Some(library),
+        form: None,
+        flags: Vec::new(),
+        debug: false,
+    };
     let built = build(&request)?;
     notify(format!("{}: built as {}", file.display(), built.library.display()));
     built.words().into_iter().for_each(notify);

@@ -36,7 +36,7 @@ const DEBUG: &str = include_str!("debug.c");
 
 /// Sources to build, and the library to make of them.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub struct BuildRequest {
     /// Sources; `.o` files are linked as they are.
     pub sources: Vec<PathBuf>,
     /// The library; `None`: `lib<first source>.so` in the current folder.
@@ -117,7 +117,7 @@ fn refused(program: &str, file: &Path, output: &str, hint: &str) -> Refusal {
 ///
 /// # Errors
 /// [`Refusal`]; then an older library of that name stays as it is.
-pub fn build(request: &Request) -> Result<Built, Refusal> {
+pub fn build(request: &BuildRequest) -> Result<Built, Refusal> {
     let sources =
         request.sources.iter().map(|file| PluginSource::new(file, request.form)).collect::<Result<Vec<_>, _>>()?;
     let output = request.output.clone().unwrap_or_else(|| default_output(&request.sources));
@@ -263,7 +263,7 @@ fn compile_in_either_form(
     scan: &Scan,
     number: usize,
     folder: &Path,
-    request: &Request,
+    request: &BuildRequest,
     remarks: &mut Vec<String>,
 ) -> Result<PathBuf, Refusal> {
     let first = match compile(source, scan, number, folder, request)? {
@@ -333,7 +333,7 @@ fn compile(
     scan: &Scan,
     number: usize,
     folder: &Path,
-    request: &Request,
+    request: &BuildRequest,
 ) -> Result<Result<PathBuf, String>, Refusal> {
     let Some(program) = source.language.compiler() else { return Ok(Ok(source.file.clone())) };
     let object = folder.join(format!("{number}.o"));

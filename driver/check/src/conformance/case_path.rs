@@ -5,8 +5,8 @@ use super::Options;
 use super::report::{Ledger, Report, Verdict};
 use super::subject::{CheckedEntryPoint, Committed, Setting};
 use pullout_run::isolation::worker;
-use pullout_run::path::{self, Accepted, ContactPoint, MaterialPoint, Observer, Row, Statistics, Stop};
-use pullout_run::program::{InterfaceEntry, Kind, Program};
+use pullout_run::path::{self, Accepted, ContactPointState, MaterialPoint, Observer, Row, Statistics, Stop};
+use pullout_run::program::{InterfaceEntry, PointKind, Program};
 use std::io;
 use std::time::Duration;
 use umat_abi::host::{ExternalDatabases, FricCall, UinterCall, UmatCall};
@@ -61,7 +61,7 @@ impl CasePath {
         Ledger::new(report, options.label(entry)).begin(CHECK);
         let mut reason = None;
         if let (
-            Kind::Point(point),
+            PointKind::Point(point),
             CheckedEntryPoint::Umat(StressState::PlaneStrainOrAxisymmetric | StressState::PlaneStress),
         ) = (&program.kind, entry)
             && let Ok((stress_state, why)) = path::components_of_calls(program, point, databases)
@@ -69,7 +69,7 @@ impl CasePath {
             (entry, reason) =
                 (CheckedEntryPoint::Umat(stress_state), why.map(|why| format!("NTENS = 6, as a run calls it: {why}")));
         }
-        if let Kind::Interface(contact) = &program.kind
+        if let PointKind::Interface(contact) = &program.kind
             && let Ok((directions, why)) = path::directions_of_calls(program, contact, databases)
         {
             entry = contact_entry(contact.entry, directions);
@@ -165,8 +165,8 @@ impl CasePath {
 /// The entry point of a case, with the components of its mode.
 fn entry(program: &Program) -> CheckedEntryPoint {
     match &program.kind {
-        Kind::Point(point) => CheckedEntryPoint::Umat(point.mode.stress_state()),
-        Kind::Interface(contact) => contact_entry(contact.entry, contact.tangential_directions),
+        PointKind::Point(point) => CheckedEntryPoint::Umat(point.mode.stress_state()),
+        PointKind::Interface(contact) => contact_entry(contact.entry, contact.tangential_directions),
     }
 }
 
@@ -281,7 +281,7 @@ fn of_umat(entry: CheckedEntryPoint, before: &MaterialPoint, call: &UmatCall) ->
     Increment { from, step, answer }
 }
 
-fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
+fn of_uinter(before: &ContactPointState, call: &UinterCall) -> Increment {
     // what surrounds the point stays with the call of the plane
     let (fields, call) = (&call.fields, call.wide().unwrap_or(call));
     let directions = call.stress().len();
@@ -301,7 +301,7 @@ fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
     Increment { from, step: call.drdisp[..directions].to_vec(), answer }
 }
 
-fn of_fric(before: &ContactPoint, call: &FricCall) -> Increment {
+fn of_fric(before: &ContactPointState, call: &FricCall) -> Increment {
     let (fields, call) = (&call.fields, call.wide().unwrap_or(call));
     let directions = call.stress().len();
     let entry = CheckedEntryPoint::Fric(directions);

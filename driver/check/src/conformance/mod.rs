@@ -6,7 +6,7 @@
 //! nothing, gets warnings and information.
 //!
 //! The checks call the plugin in this process; only those for accesses outside its arrays use child processes. Crashes of the
-//! process are handled by workers around it, one for each [`Group`]; all groups use the same sample.
+//! process are handled by workers around it, one for each [`CheckGroup`]; all groups use the same sample.
 
 mod bad_input;
 mod bounds;
@@ -33,7 +33,7 @@ mod tangent;
 mod tolerances;
 mod virgin;
 
-pub use report::{Event, Judged, Judgement, Report, Row, Verdict};
+pub use report::{CheckRow, Event, Judged, Judgement, Report, Verdict};
 pub use subject::CheckedEntryPoint;
 
 use case_path::CasePath;
@@ -61,7 +61,7 @@ pub struct Options {
     /// The case whose path determines the scale of the law.
     pub program: Option<Arc<Program>>,
     /// Makes the rows of one group only.
-    pub group: Option<Group>,
+    pub group: Option<CheckGroup>,
     /// States of the sample that are left out, because a plugin did not survive them.
     pub skipped: Vec<usize>,
     /// Increments of the case that are taken at most, for the same reason.
@@ -97,7 +97,7 @@ impl Default for Options {
 
 /// Checks that share one process, which the plugin may end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-pub enum Group {
+pub enum CheckGroup {
     /// The metadata, the case's path and the sample around it.
     States,
     /// DDSDDE, and the derivatives that couple with a temperature.
@@ -110,7 +110,7 @@ pub enum Group {
     BadInput,
 }
 
-impl Group {
+impl CheckGroup {
     /// Returns what it looks at.
     pub fn words(self) -> &'static str {
         match self {
@@ -138,7 +138,7 @@ impl Options {
     }
 
     /// Returns whether the rows of a group are wanted.
-    fn wants(&self, group: Group) -> bool {
+    fn wants(&self, group: CheckGroup) -> bool {
         self.group.is_none_or(|wanted| wanted == group)
     }
 
@@ -166,7 +166,7 @@ impl Options {
 pub fn check(plugin: &Plugin, options: &Options) -> Report {
     let mut report = Report { listener: options.listener, ..Report::default() };
     let props = options.properties(plugin);
-    let describes = options.wants(Group::States);
+    let describes = options.wants(CheckGroup::States);
     if let Some(law) = plugin.law.as_ref().filter(|_| describes) {
         metadata::check(law, &props, options.characteristic_length, &mut Ledger::new(&mut report, "-"));
     }
@@ -201,7 +201,7 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
         let label = subject.label;
         check_subject(subject, options, &mut databases, &mut Ledger::new(&mut report, label));
     }
-    if options.wants(Group::Paths) {
+    if options.wants(CheckGroup::Paths) {
         virgin::agreement_with_three_d(&mut subjects, &mut report);
     }
     for subject in &subjects {
@@ -238,7 +238,7 @@ fn entries(law: Option<&LawDescription>, path: Option<&CasePath>, options: &Opti
 fn begins(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) -> bool {
     let Some(path) = subject.path.clone() else { return true };
     // that it does not survive its first increment has been reported already
-    ledger.is_muted = !options.wants(Group::States) || options.longest_path == Some(0);
+    ledger.is_muted = !options.wants(CheckGroup::States) || options.longest_path == Some(0);
     let has_answer = !path.fails_at_once() || (path.start.is_some() && virgin::answers(subject));
     path.report(!has_answer || !subject.overruns.is_empty(), ledger);
     has_answer
@@ -251,7 +251,7 @@ fn check_subject(
     databases: &mut ExternalDatabases,
     ledger: &mut Ledger<'_>,
 ) {
-    ledger.is_muted = !options.wants(Group::States);
+    ledger.is_muted = !options.wants(CheckGroup::States);
     if !ledger.is_muted {
         virgin::virgin_state(subject, ledger);
     }
@@ -261,15 +261,15 @@ fn check_subject(
             "not tested: the plugin does not survive the case's first increment: only the virgin state was judged";
         return ledger.row("answers", Verdict::NotTested, "none", detail);
     }
-    let first = options.wants(Group::Memory).then(|| determinism::first_call(subject, ledger));
+    let first = options.wants(CheckGroup::Memory).then(|| determinism::first_call(subject, ledger));
     if subject.follows_gradient_alone() {
-        ledger.is_muted = !options.wants(Group::States);
+        ledger.is_muted = !options.wants(CheckGroup::States);
         return ledger.row("strain", Verdict::Fail, "not read", FOLLOWS_GRADIENT);
     }
     scale::find(subject, ledger);
     let sample = sample::draw(subject, options, ledger);
     if sample.is_empty() {
-        ledger.is_muted = !options.wants(Group::Memory);
+        ledger.is_muted = !options.wants(CheckGroup::Memory);
         if !ledger.is_muted {
             // a law that answers nowhere may do so for what it reads outside its arrays
             bounds::check(subject, &sample::unanswered(subject), ledger);
@@ -281,7 +281,7 @@ fn check_subject(
     }
     ledger.is_muted = false;
     subject.find_out_what_is_read(&sample);
-    if options.wants(Group::Tangent) {
+    if options.wants(CheckGroup::Tangent) {
         tangent::check(subject, &sample, ledger);
         tangent::symmetry(subject, &sample, ledger);
         tangent::shear_stiffness(subject, ledger);
@@ -299,7 +299,7 @@ fn check_subject(
         determinism::threads(subject, &sample, ledger);
         determinism::stress_only(subject, &sample, ledger);
     }
-    if options.wants(Group::Paths) {
+    if options.wants(CheckGroup::Paths) {
         virgin::zero_increment(subject, &sample, ledger);
         virgin::strain_33(subject, &sample, ledger);
         virgin::thickness(subject, ledger);
@@ -309,7 +309,7 @@ fn check_subject(
         step_size::check(subject, ledger);
         energy::check(subject, ledger);
     }
-    if options.wants(Group::BadInput) {
+    if options.wants(CheckGroup::BadInput) {
         bad_input::not_finite(subject, &sample, ledger);
         bad_input::properties(subject, &sample, ledger);
         bad_input::counts(subject, &sample, ledger);

@@ -42,7 +42,7 @@ impl fmt::Display for Verdict {
 
 /// One check of one stress state.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Row {
+pub struct CheckRow {
     /// Name of the check.
     pub check: Cow<'static, str>,
     /// Stress state or entry point; "-" for the metadata.
@@ -55,7 +55,7 @@ pub struct Row {
     pub detail: String,
 }
 
-impl fmt::Display for Row {
+impl fmt::Display for CheckRow {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { check, stress_state, verdict, figure, detail } = self;
         // as wide as the longest names
@@ -75,14 +75,14 @@ pub enum Event {
     /// A state of the sample is drawn; whether it is a long step away from the case's path.
     Draws(usize, bool),
     /// A check has ended.
-    Row(Row),
+    Row(CheckRow),
 }
 
 /// All rows.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Report {
     /// Rows in the order of the checks.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CheckRow>,
     /// Receives each event as it occurs, since a plugin may end the process.
     #[serde(skip)]
     pub(super) listener: Option<fn(Event)>,
@@ -100,7 +100,7 @@ impl Report {
     }
 
     /// The rows that failed.
-    pub fn failures(&self) -> impl Iterator<Item = &Row> {
+    pub fn failures(&self) -> impl Iterator<Item = &CheckRow> {
         self.rows.iter().filter(|row| row.verdict == Verdict::Fail)
     }
 
@@ -233,7 +233,7 @@ impl<'r> Ledger<'r> {
             return;
         }
         let (figure, detail) = (figure.into(), detail.into());
-        let row = Row { check: check.into(), stress_state: self.stress_state.into(), verdict, figure, detail };
+        let row = CheckRow { check: check.into(), stress_state: self.stress_state.into(), verdict, figure, detail };
         if let Some(listener) = self.report.listener {
             listener(Event::Row(row.clone()));
         }

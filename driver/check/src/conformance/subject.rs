@@ -15,7 +15,7 @@ use super::sample::SampledState;
 use nalgebra::Matrix3;
 use pullout_run::deformation::{columns, incremental_motion, of_constant_volume, rotated, spinless, symmetric};
 use pullout_run::isolation::worker;
-use pullout_run::program::Kind;
+use pullout_run::program::PointKind;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use umat_abi::host::{
@@ -262,12 +262,12 @@ impl Call {
     fn set(&mut self, options: &Options) {
         let Some(program) = options.program.as_deref() else { return };
         match (self, &program.kind) {
-            (Self::Umat(call), Kind::Point(point)) => {
+            (Self::Umat(call), PointKind::Point(point)) => {
                 point.arguments.set(call);
                 call.jstep[2] = i32::from(point.nlgeom);
             }
-            (Self::Uinter(call), Kind::Interface(contact)) => contact.arguments.set_uinter(call),
-            (Self::Fric(call), Kind::Interface(contact)) => contact.arguments.set_fric(call),
+            (Self::Uinter(call), PointKind::Interface(contact)) => contact.arguments.set_uinter(call),
+            (Self::Fric(call), PointKind::Interface(contact)) => contact.arguments.set_fric(call),
             _ => {}
         }
     }
@@ -352,7 +352,7 @@ impl<'p> Subject<'p> {
         let length = characteristic_length(plugin, &props, options.characteristic_length);
         let mut call = Self::prepare(plugin, entry, &props, nstatv)?;
         let finite = match options.program.as_deref().map(|program| &program.kind) {
-            Some(Kind::Point(point)) => point.nlgeom,
+            Some(PointKind::Point(point)) => point.nlgeom,
             _ => false,
         };
         call.set(options);

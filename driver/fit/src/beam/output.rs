@@ -4,7 +4,9 @@ use super::{BeamFit, FittedBond, POINTS, measured_points};
 use crate::output::{MOST_MARKS, rows_of, standard_error, table};
 use crate::regression::thinned;
 use maud::html;
-use pullout_bridging::{Estimate, EurocodeClass, IDENTIFIABLE, Matrix, Measured, Polyline, Residual, StrengthClass};
+use pullout_bridging::{
+    Estimate, EurocodeClass, IDENTIFIABLE, Matrix, MeasuredBeam, Polyline, Residual, StrengthClass,
+};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page;
 use pullout_report::plots;
@@ -25,7 +27,7 @@ pub fn write(
     directory: &mut ResultDirectory,
     source: &str,
     case: &Value,
-    test: &Measured,
+    test: &MeasuredBeam,
     fit: &BeamFit,
 ) -> io::Result<Vec<String>> {
     let mut warnings = fit.doubts(test);

@@ -1,7 +1,7 @@
 //! `report.html` of a fit.
 
 use super::{explanation, numbers, percent, unidentifiable};
-use crate::{FittedLaw, LoadSlipCurve, Request, SlipAt};
+use crate::{FitRequest, FittedLaw, LoadSlipCurve, SlipAt};
 use maud::{Markup, html};
 use pullout_report::page;
 use pullout_report::plots::Picture;
@@ -10,7 +10,7 @@ use pullout_run::number::significant;
 pub fn page(
     source: &str,
     curve: &LoadSlipCurve,
-    request: &Request,
+    request: &FitRequest,
     laws: &[FittedLaw],
     (pictures, warnings): (&[Picture], &[String]),
 ) -> Markup {
@@ -26,7 +26,7 @@ pub fn page(
     )
 }
 
-fn what_was_fitted(source: &str, curve: &LoadSlipCurve, request: &Request) -> Markup {
+fn what_was_fitted(source: &str, curve: &LoadSlipCurve, request: &FitRequest) -> Markup {
     let fibre = &request.fibre;
     let row = |key: &str, value: String| html! { tr { td.key { (key) } td { (value) } } };
     let peak = curve.peak();

@@ -2,7 +2,7 @@
 
 /// A straight line y = a + b x, and what is left: Σ w (y − a − b x)².
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub(crate) struct Line {
     /// a.
     pub intercept: f64,
     /// b.

@@ -2,10 +2,10 @@
 
 use super::{piecewise, powers};
 use crate::geometry::BondPoint;
-use crate::law::{BondLaw, Piecewise, Powers};
+use crate::law::{BondSlipLaw, Piecewise, Powers};
 use approx::assert_relative_eq;
 
-fn points(law: &BondLaw, slips: &[f64]) -> Vec<BondPoint> {
+fn points(law: &BondSlipLaw, slips: &[f64]) -> Vec<BondPoint> {
     let tractions = law.tractions(slips, 0.0).expect("a law");
     slips.iter().zip(tractions).map(|(&slip, traction)| BondPoint { slip, traction }).collect()
 }
@@ -30,7 +30,7 @@ fn powers_come_back_to_rounding() {
             let critical = (rise[0] / elastic_stiffness).powf(1.0 / (1.0 - rise[1]));
             slips.extend((1..10).map(|k| critical * f64::from(k) / 10.0));
             slips.sort_by(f64::total_cmp);
-            let found = powers(&points(&BondLaw::Powers(law), &slips)).expect("a law");
+            let found = powers(&points(&BondSlipLaw::Powers(law), &slips)).expect("a law");
             assert_relative_eq!(found.elastic_stiffness, elastic_stiffness, max_relative = 1e-10);
             for k in 0..2 {
                 assert_relative_eq!(found.rise[k], rise[k], max_relative = 1e-9);
@@ -46,7 +46,7 @@ fn straight_lines_come_back_to_rounding() {
     for count in [80, 300, 700] {
         // some of the first line, which ends where the others' points begin, at a joint or not
         let slips: Vec<f64> = (1..8).map(|k| 5e-4 * f64::from(k)).chain(geometric(2.0, count)).collect();
-        let found = piecewise(&points(&BondLaw::Piecewise(law.clone()), &slips), 4).expect("a law");
+        let found = piecewise(&points(&BondSlipLaw::Piecewise(law.clone()), &slips), 4).expect("a law");
         for (found, true_point) in found.points.iter().zip(&law.points) {
             assert_relative_eq!(found[0], true_point[0], max_relative = 1e-8);
             assert_relative_eq!(found[1], true_point[1], max_relative = 1e-8);

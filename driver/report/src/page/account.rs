@@ -4,8 +4,8 @@ use pullout_case::Case;
 use pullout_run::bridging;
 use pullout_run::number::{self, rounded, signed};
 use pullout_run::program::{
-    About, Constraint, Control, InterfaceEntry, InterfaceGoal, InterfaceProgram, Kind, Measure, Mode, NormalControl,
-    Pace, PointDrive, PointGoal, PointProgram, Program, STRAIN_NAMES, STRESS_NAMES, Step, StepFields, Until,
+    About, Constraint, Control, InterfaceEntry, InterfaceGoal, InterfaceProgram, Measure, Mode, NormalControl, Pace,
+    PathStep, PointDrive, PointGoal, PointKind, PointProgram, Program, STRAIN_NAMES, STRESS_NAMES, StepFields, Until,
 };
 use std::collections::BTreeMap;
 use umat_abi::host::{LawDescription, Manner, TangentSource};
@@ -135,8 +135,10 @@ impl Account {
         let law = program.plugin.law.as_ref();
         let columns = program.columns();
         let (mode, (steps, steps_left_out)) = match &program.kind {
-            Kind::Point(point) => (point_mode(point), described(&point.steps, |of| step(of, point_goal, &columns))),
-            Kind::Interface(contact) => (
+            PointKind::Point(point) => {
+                (point_mode(point), described(&point.steps, |of| step(of, point_goal, &columns)))
+            }
+            PointKind::Interface(contact) => (
                 interface_mode(contact),
                 described(&contact.steps, |of| {
                     step(of, |goal| interface_goal(goal, matches!(of.pace, Pace::Rows(_))), &columns)
@@ -272,7 +274,7 @@ fn interface_mode(contact: &InterfaceProgram) -> String {
 }
 
 /// Returns what a step does, of whatever kind of point; `leads`: where to.
-fn step<G>(step: &Step<G>, leads: impl FnOnce(&G) -> String, columns: &[String]) -> String {
+fn step<G>(step: &PathStep<G>, leads: impl FnOnce(&G) -> String, columns: &[String]) -> String {
     let mut text = match &step.pace {
         Pace::Equal { increments, time } => format!("{}, time {}: ", count(*increments, "increment"), rounded(*time)),
         Pace::Rows(rows) => format!("table of {}: ", count(rows.len(), "row")),

@@ -1,9 +1,10 @@
 //! Parts of the report that only the run of a specimen has.
 
 use crate::without_rounding;
+use fe_core::mesh::Overlap;
 use maud::{Markup, html};
 use pullout_run::number::{rounded, significant};
-use pullout_run::pullout::{Findings, Overlap, PeakLoad};
+use pullout_run::pullout::{Findings, PeakLoad};
 
 /// Returns the results in one line.
 pub fn load(findings: &Findings) -> Markup {

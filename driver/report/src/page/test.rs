@@ -187,7 +187,7 @@ fn program() -> Program {
         },
         document: serde_json::Value::Null,
         plugin: Plugin { props: vec![31800.0, 0.18, -7.5], ..Plugin::with_defaults(&library, &law) },
-        kind: Kind::Point(PointProgram {
+        kind: PointKind::Point(PointProgram {
             heat: false,
             mode: Mode::PlaneStress,
             nlgeom: false,
@@ -210,7 +210,7 @@ fn program() -> Program {
             .collect(),
         }),
         characteristic_length: Some(12.5),
-        controls: Controls::default(),
+        controls: IterationLimits::default(),
     }
 }
 

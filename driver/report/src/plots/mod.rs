@@ -10,7 +10,7 @@ use super::{at, malformed};
 use figure::Figure;
 use pullout_case::Case;
 use pullout_run::input::{self, Input};
-use pullout_run::program::{Caption, Compare, Control, Kind, PointDrive, PointStep, Program};
+use pullout_run::program::{Caption, Compare, Control, PointDrive, PointKind, PointStep, Program};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
@@ -49,7 +49,7 @@ pub struct Spec {
     /// Units of state variables by column.
     pub units: BTreeMap<String, String>,
     /// Measured curves.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<MeasuredCurve>,
     /// Texts of the run's inputs. Overlaid runs are named by the inputs that differ.
     #[serde(default)]
     pub inputs: BTreeMap<String, String>,
@@ -77,7 +77,7 @@ pub enum CaseKind {
 
 /// A measured curve in the history's units and signs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Curve {
+pub struct MeasuredCurve {
     /// Label in the legend.
     pub label: String,
     /// The history's column along x.
@@ -189,7 +189,7 @@ impl Spec {
     /// Says what pictures a case has that was given these inputs.
     pub fn of(case: &Case, inputs: BTreeMap<String, String>) -> Self {
         let columns = case.columns();
-        let curves = case.about().compare.iter().filter_map(|compare| Curve::of(compare, &columns)).collect();
+        let curves = case.about().compare.iter().filter_map(|compare| MeasuredCurve::of(compare, &columns)).collect();
         let (law, subject, units) = match case {
             Case::Path(program) => of_point(program),
             Case::Pullout(program) => {
@@ -237,7 +237,7 @@ impl Spec {
     }
 }
 
-impl Curve {
+impl MeasuredCurve {
     fn of(compare: &Compare, columns: &[String]) -> Option<Self> {
         let scaled = compare.points.iter().map(|(x, y)| (x * compare.scale_x, y * compare.scale_y));
         Some(Self {
@@ -254,8 +254,8 @@ fn of_point(program: &Program) -> (String, CaseKind, BTreeMap<String, String>) {
     let law = program.plugin.law.as_ref();
     let units = law.map(|law| law.states.iter().map(|state| (state.name.clone(), state.unit.clone())).collect());
     let subject = match &program.kind {
-        Kind::Point(point) => CaseKind::Point { controlled: controlled(&point.steps) },
-        Kind::Interface(_) => CaseKind::Interface,
+        PointKind::Point(point) => CaseKind::Point { controlled: controlled(&point.steps) },
+        PointKind::Interface(_) => CaseKind::Interface,
     };
     (program.plugin.name.clone(), subject, units.unwrap_or_default())
 }

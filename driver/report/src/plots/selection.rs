@@ -2,7 +2,7 @@
 
 use super::figure::{Figure, Key, Line, Marks, PALETTE, Style};
 use super::quantity::{Quantity, capital, group_of};
-use super::{CaseKind, Curve, PlottedRun};
+use super::{CaseKind, MeasuredCurve, PlottedRun};
 use crate::{ROUNDING, extremes};
 use pullout_bridging::RESIDUAL_CMOD;
 use pullout_run::columns::Group;
@@ -93,7 +93,7 @@ struct Layout {
     name: String,
     pairs: Vec<(String, String)>,
     equal_units: bool,
-    curves: Vec<Curve>,
+    curves: Vec<MeasuredCurve>,
 }
 
 impl Layout {
@@ -112,7 +112,7 @@ impl Layout {
     }
 
     /// A measured curve fits if its columns are shown, or are of the sorts that are shown.
-    fn takes(&self, curve: &Curve) -> bool {
+    fn takes(&self, curve: &MeasuredCurve) -> bool {
         let same = |a: &str, b: &str| a == b || (group_of(a) == group_of(b) && group_of(a) != Group::Other);
         !self.equal_units && self.pairs.iter().any(|(x, y)| same(x, &curve.x) && same(y, &curve.y))
     }
@@ -137,7 +137,7 @@ impl Layout {
             }
         }
         let first = runs.first()?;
-        let mark = |curve: &Curve| {
+        let mark = |curve: &MeasuredCurve| {
             let owner = lines.iter().position(|line| line.columns == (curve.x.clone(), curve.y.clone()));
             Marks { label: curve.label.clone(), points: curve.points.clone(), line: owner }
         };
@@ -279,7 +279,7 @@ const SAME_LINE: f64 = 5e-3;
 
 /// Every measured curve goes into a picture: the first that fits, or one of its own.
 fn place_curves(layouts: &mut Vec<Layout>, runs: &[PlottedRun<'_>]) {
-    let mut placed: Vec<&Curve> = Vec::new();
+    let mut placed: Vec<&MeasuredCurve> = Vec::new();
     for curve in runs.iter().flat_map(|run| &run.spec.curves) {
         if placed.contains(&curve) {
             continue;

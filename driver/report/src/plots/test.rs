@@ -207,7 +207,12 @@ fn the_spec_survives_its_file_and_errors_name_theirs() {
         law: "law".into(),
         subject: CaseKind::Point { controlled: vec![0] },
         units: BTreeMap::from([("eta".to_string(), "-".to_string())]),
-        curves: vec![Curve { label: "m".into(), x: "e11".into(), y: "s11".into(), points: vec![(0.1 + 0.2, -1e-9)] }],
+        curves: vec![MeasuredCurve {
+            label: "m".into(),
+            x: "e11".into(),
+            y: "s11".into(),
+            points: vec![(0.1 + 0.2, -1e-9)],
+        }],
         inputs: BTreeMap::from([("B_c".to_string(), "1.2".to_string())]),
         captions: Default::default(),
     };

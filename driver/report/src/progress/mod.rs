@@ -6,7 +6,7 @@ use pullout_run::columns::LEADING;
 use pullout_run::isolation::worker;
 use pullout_run::number;
 use pullout_run::path::Row;
-use pullout_run::program::Kind;
+use pullout_run::program::PointKind;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -164,8 +164,8 @@ impl Drop for Progress {
 fn shown(case: &Case) -> Vec<(String, usize)> {
     let names: &[&str] = match case {
         Case::Path(program) => match &program.kind {
-            Kind::Point(_) => &["e11", "s11"],
-            Kind::Interface(_) => &["slip", "tau"],
+            PointKind::Point(_) => &["e11", "s11"],
+            PointKind::Interface(_) => &["slip", "tau"],
         },
         Case::Pullout(_) => &["slip", "load"],
         Case::Bridging(_) => &[],

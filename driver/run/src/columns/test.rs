@@ -1,6 +1,6 @@
 use super::*;
 
-fn names<R>(table: &[Column<R>]) -> Vec<&'static str> {
+fn names<R>(table: &[HistoryColumn<R>]) -> Vec<&'static str> {
     table.iter().map(|column| column.name).collect()
 }
 

@@ -28,7 +28,7 @@ pub(super) enum Cause {
 
 /// Findings about a worker's end.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Report {
+pub struct EndReport {
     /// Message with plugin, step and increment.
     pub message: String,
     /// Whether a library could not even be loaded.
@@ -56,7 +56,7 @@ pub struct Aftermath {
     pub wall_time_s: f64,
 }
 
-impl Report {
+impl EndReport {
     /// Reads what the worker left.
     pub(super) fn new(cause: Cause, recording: &Recording, need: &Need, last_words: &str) -> Self {
         let is_timeout = matches!(cause, Cause::TimeLimit(_));

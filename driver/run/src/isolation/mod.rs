@@ -86,7 +86,7 @@ pub use ending::Aftermath;
 pub use last_words::ForwardedLines;
 pub use need::{CALL_TIME_LIMIT, Need, locate, materials, named_file, need};
 pub use passage::{Passage, Work, optional_path, path, paths, send};
-pub use supervisor::{End, Failure, Watch, supervise};
+pub use supervisor::{End, Watch, WorkerFailure, supervise};
 pub use system::{die_with, identity, is_out_of_descriptors, out_of_reach, program, set_program, this_is_the_program};
 pub use trust::{all_are_let_in, is_shipped, let_all_in, let_in, load, look_where_it_was_built};
 pub use worker::Task;

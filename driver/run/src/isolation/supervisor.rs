@@ -1,6 +1,6 @@
 //! Starts a worker and watches it.
 
-use super::ending::{Cause, Report, after_the_end};
+use super::ending::{Cause, EndReport, after_the_end};
 use super::last_words::{ForwardedLines, LastWords};
 use super::passage::Passage;
 use super::prints::{self, Echo};
@@ -49,14 +49,14 @@ pub enum End {
     /// All is done, with this exit code.
     Done(u8),
     /// A signal or an exit ended it.
-    Failed(Box<Failure>),
+    Failed(Box<WorkerFailure>),
 }
 
 /// A worker that was ended.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Failure {
+pub struct WorkerFailure {
     /// Cause and place of its end.
-    pub report: Report,
+    pub report: EndReport,
     /// A case that repeats the call, without its title ([`crate::replay::entitle`]).
     pub replay: Option<Value>,
     /// Whether the history in the result directory is this run's.
@@ -113,12 +113,12 @@ pub fn supervise(passage: &mut Passage, wishes: &Watch<'_>, need: &Need) -> io::
         last_words.pass_on_all();
         return Ok(End::Done(code));
     }
-    let report = Report::new(cause, &recording, need, &heard);
+    let report = EndReport::new(cause, &recording, need, &heard);
     if !report.is_explained {
         last_words.pass_on_all();
     }
     let note = |note: Note| recording.note(note as usize);
-    Ok(End::Failed(Box::new(Failure {
+    Ok(End::Failed(Box::new(WorkerFailure {
         replay: report.call.as_ref().and_then(|call| replay::of(call, need)),
         report,
         has_rows: note(Note::Running) == 1,

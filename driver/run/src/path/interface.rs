@@ -5,7 +5,7 @@
 use super::subdivision::{AttemptFailure, Divisible, take_steps};
 use super::{Accepted, Observer, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
 use crate::arguments::ContactArguments;
-use crate::columns::{self, CONTACT, ContactPoint as Committed};
+use crate::columns::{self, CONTACT, ContactPointState as Committed};
 use crate::number::exact;
 use crate::program::lerp;
 use crate::program::{

@@ -10,9 +10,9 @@ mod subdivision;
 #[cfg(test)]
 mod test;
 
-pub use crate::columns::ContactPoint;
+pub use crate::columns::ContactPointState;
 use crate::columns::LEADING;
-use crate::program::{About, Kind, Program, Until};
+use crate::program::{About, PointKind, Program, Until};
 use fe_core::stepping::{Directive, Snapshot, Tried};
 pub use interface::directions_of_calls;
 pub use point::{Committed as MaterialPoint, components_of_calls};
@@ -125,9 +125,9 @@ pub enum Accepted<'a> {
     /// A material point.
     Umat(&'a MaterialPoint, &'a UmatCall),
     /// A contact point.
-    Uinter(&'a ContactPoint, &'a UinterCall),
+    Uinter(&'a ContactPointState, &'a UinterCall),
     /// A contact point under a prescribed pressure.
-    Fric(&'a ContactPoint, &'a FricCall),
+    Fric(&'a ContactPointState, &'a FricCall),
 }
 
 /// Cost of a run.
@@ -147,14 +147,14 @@ pub struct Statistics {
 #[derive(Debug)]
 pub enum Stop {
     /// The point could not be advanced.
-    Failed(Failure),
+    Failed(RunFailure),
     /// A result could not be written.
     Write(io::Error),
 }
 
 /// A point that could not be advanced.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Failure {
+pub struct RunFailure {
     /// Step, from 1.
     pub step: u32,
     /// Increment, from 1.
@@ -191,11 +191,11 @@ pub struct FailedAt {
 impl Stop {
     /// A program that could not be run at all.
     pub(crate) fn unusable(message: String) -> Self {
-        Self::Failed(Failure { step: 1, increment: 1, message, replay: serde_json::Value::Null })
+        Self::Failed(RunFailure { step: 1, increment: 1, message, replay: serde_json::Value::Null })
     }
 }
 
-impl Failure {
+impl RunFailure {
     /// Returns where it is.
     pub fn place(&self) -> FailedAt {
         FailedAt { kind: FailureKind::Failed, step: self.step, increment: self.increment }
@@ -225,8 +225,8 @@ pub fn run_within(
 ) -> (Statistics, Result<(), Stop>) {
     let mut statistics = Statistics::default();
     let result = match &program.kind {
-        Kind::Point(point) => point::run(program, point, databases, observer, &mut statistics),
-        Kind::Interface(interface) => interface::run(program, interface, databases, observer, &mut statistics),
+        PointKind::Point(point) => point::run(program, point, databases, observer, &mut statistics),
+        PointKind::Interface(interface) => interface::run(program, interface, databases, observer, &mut statistics),
     };
     (statistics, result)
 }
@@ -237,10 +237,10 @@ pub fn increments(program: &Program) -> u64 {
 }
 
 /// Number of increments that each step makes at most.
-pub fn increments_of_steps(kind: &Kind) -> Vec<u64> {
+pub fn increments_of_steps(kind: &PointKind) -> Vec<u64> {
     match kind {
-        Kind::Point(point) => point.steps.iter().map(|step| step.pace.increments() as u64).collect(),
-        Kind::Interface(interface) => interface.steps.iter().map(|step| step.pace.increments() as u64).collect(),
+        PointKind::Point(point) => point.steps.iter().map(|step| step.pace.increments() as u64).collect(),
+        PointKind::Interface(interface) => interface.steps.iter().map(|step| step.pace.increments() as u64).collect(),
     }
 }
 

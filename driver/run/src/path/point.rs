@@ -3,7 +3,7 @@
 use super::finite::Finite;
 use super::newton::{Divergence, Evaluation, LARGEST_CHANGE, STRESS_TOLERANCE, Targets, is_unknown};
 use super::subdivision::{AttemptFailure, Divisible, take_steps};
-use super::{Accepted, Failure, Observer, Recorder, Statistics, Stop, replay};
+use super::{Accepted, Observer, Recorder, RunFailure, Statistics, Stop, replay};
 use crate::arguments::UmatArguments;
 use crate::columns::{self, Group, POINT, PointRow};
 use crate::deformation::matrix;
@@ -602,7 +602,12 @@ impl Divisible for Runner<'_> {
             && step.goal.mixes_strain_and_stress(self.controllable)
         {
             let message = format!("plugin '{}', step {number}: {TURNED}", program.plugin.name);
-            return Err(Stop::Failed(Failure { step: number, increment: 1, message, replay: serde_json::Value::Null }));
+            return Err(Stop::Failed(RunFailure {
+                step: number,
+                increment: 1,
+                message,
+                replay: serde_json::Value::Null,
+            }));
         }
         let controls = match &step.goal.drive {
             PointDrive::Components { controls, .. } => *controls,

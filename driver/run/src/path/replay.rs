@@ -6,7 +6,7 @@
 
 use super::{interface, point};
 use crate::program::{
-    Control, FieldValues, InterfaceEntry, Kind, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES, job_folder,
+    Control, FieldValues, InterfaceEntry, NormalControl, PointKind, Program, STRAIN_NAMES, STRESS_NAMES, job_folder,
 };
 use crate::replay::{self, named, rows};
 use serde_json::{Map, Value, json};
@@ -59,7 +59,7 @@ pub(super) fn point(
     call: &UmatCall,
     first_strain_increment: Option<Vec<f64>>,
 ) -> Value {
-    let Kind::Point(point) = &program.kind else { return Value::Null };
+    let PointKind::Point(point) = &program.kind else { return Value::Null };
     let components = point.mode.stress_state().components();
     // what the program finds of plane stress it goes on from
     let strains = if call.is_through_solid() && components.len() == 3 { &[0, 1, 2, 3] } else { components };
@@ -120,12 +120,12 @@ pub(super) fn point(
 /// Replays an increment of a contact point.
 pub(super) fn interface(
     program: &Program,
-    state: &super::ContactPoint,
+    state: &super::ContactPointState,
     goal: &interface::InterfaceIncrementGoal,
     fields_at_end: &FieldValues,
     counters: [i32; 3],
 ) -> Value {
-    let Kind::Interface(interface) = &program.kind else { return Value::Null };
+    let PointKind::Interface(interface) = &program.kind else { return Value::Null };
     let mut initial = json!({ "statev": state.statev, "time": state.total_time, "slip": state.slip[0] });
     let mut target = json!({ "slip": goal.end[0] });
     if interface.tangential_directions == 2 {

@@ -1,8 +1,8 @@
 //! Sub-incrementation: an increment that fails is taken in smaller pieces; the pieces grow again.
 
-use super::{Failure, IncrementPosition, Observer, Recorder, Statistics, Stop};
-use crate::program::{Controls, Program, Step, Until};
-use fe_core::stepping::{Directive, LeadingQuantity, Tried, Verdict};
+use super::{IncrementPosition, Observer, Recorder, RunFailure, Statistics, Stop};
+use crate::program::{IterationLimits, PathStep, Program, Until};
+use fe_core::stepping::{AttemptVerdict, Directive, LeadingQuantity, Tried};
 use std::io;
 use umat_abi::host::CallFailure;
 
@@ -39,10 +39,10 @@ pub(super) trait Divisible {
     ///
     /// # Errors
     /// The step cannot be taken from the present state.
-    fn begin(&mut self, step: &Step<Self::Goal>, number: u32, program: &Program) -> Result<(), Stop>;
+    fn begin(&mut self, step: &PathStep<Self::Goal>, number: u32, program: &Program) -> Result<(), Stop>;
 
     /// Sets where increment `index` (from 0) of the step leads.
-    fn aim(&mut self, step: &Step<Self::Goal>, number: u32, index: usize);
+    fn aim(&mut self, step: &PathStep<Self::Goal>, number: u32, index: usize);
 
     /// Reports to the observer the point before the first increment, whose goal is set.
     ///
@@ -74,7 +74,7 @@ pub(super) trait Divisible {
 /// Takes the steps of a program one by one.
 pub(super) fn take_steps<P: Divisible>(
     point: &mut P,
-    steps: &[Step<P::Goal>],
+    steps: &[PathStep<P::Goal>],
     program: &Program,
     recorder: &mut Recorder<'_>,
     statistics: &mut Statistics,
@@ -128,7 +128,7 @@ fn take_increment(
             let IncrementPosition { step, increment, .. } = position;
             recorder.reached(position, |values| point.fill(values));
             let message = format!("plugin '{}', step {step}, increment {increment}: {reason}", program.plugin.name);
-            Err(Stop::Failed(Failure { step, increment, message, replay: point.replay(program, first) }))
+            Err(Stop::Failed(RunFailure { step, increment, message, replay: point.replay(program, first) }))
         }
     }
 }
@@ -151,7 +151,7 @@ struct GivenUp {
 /// committed is the state after the last successful piece.
 fn advance(
     point: &mut impl Divisible,
-    controls: Controls,
+    controls: IterationLimits,
     recorder: &mut Recorder<'_>,
     statistics: &mut Statistics,
 ) -> Result<u32, GivenUp> {
@@ -167,7 +167,7 @@ fn advance(
         let first_to = *first.get_or_insert(to);
         let given_up = |reason| GivenUp { reason, first: first_to };
         let attempt = point.attempt(done, to, statistics);
-        let verdict = if attempt.is_ok() { Verdict::Stands } else { Verdict::Refused };
+        let verdict = if attempt.is_ok() { AttemptVerdict::Stands } else { AttemptVerdict::Refused };
         recorder.tried.push(Tried { to: LeadingQuantity::Drives(to), time: 0.0, verdict, imbalanced: None });
         match attempt {
             Ok(count) => {
@@ -208,13 +208,13 @@ fn repeat(
     for tried in attempts {
         let to = if let LeadingQuantity::Drives(to) = tried.to { to } else { 1.0 };
         match point.attempt(done, to, statistics) {
-            Ok(count) if tried.verdict == Verdict::Stands => {
+            Ok(count) if tried.verdict == AttemptVerdict::Stands => {
                 point.commit(observer);
                 iterations += count;
                 done = to;
             }
             Err(AttemptFailure::Fatal(reason) | AttemptFailure::CutBack { reason, .. })
-                if tried.verdict == Verdict::Stands =>
+                if tried.verdict == AttemptVerdict::Stands =>
             {
                 let reason = format!("{reason} (the increment is a recorded one, which is repeated as it is)");
                 return Err(GivenUp { reason, first: to });

@@ -34,7 +34,7 @@ fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> P
         about: About { case_file: "case.json".into(), title: "test".into(), every: 1, ..About::default() },
         document: serde_json::json!({ "kind": "point", "material": { "plugin": plugin.name } }),
         plugin,
-        kind: Kind::Point(PointProgram {
+        kind: PointKind::Point(PointProgram {
             mode,
             nlgeom,
             measure: Measure::Logarithmic,
@@ -51,7 +51,7 @@ fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> P
             steps,
         }),
         characteristic_length: None,
-        controls: Controls::default(),
+        controls: IterationLimits::default(),
     }
 }
 

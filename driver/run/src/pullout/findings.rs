@@ -1,10 +1,10 @@
 //! Findings of a specimen's run besides its history.
 
-use super::overlap::Overlap;
 use super::peak::PeakLoad;
 use crate::columns::{Group, SPECIMEN};
 use crate::number::significant;
 use fe_core::assembly::Location;
+use fe_core::mesh::Overlap;
 use fe_core::model::{Measured, Wire};
 use fe_core::stepping::{Analysis, Record, Times, WireRecord};
 use indexmap::IndexMap;
@@ -39,7 +39,7 @@ pub struct Findings {
     pub overlap_relative: f64,
     /// Places at which bodies overlap at the greatest load, `peak`, and at the `end`, where they do.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
-    pub overlaps: IndexMap<String, Overlap>,
+    pub overlaps: IndexMap<String, Overlap<String>>,
     /// Energies at the end by their columns, N·mm; `unaccounted_energy`, the stress work of parts whose law reports none that
     /// can be believed, has no column.
     pub energies: IndexMap<String, f64>,
@@ -55,7 +55,7 @@ pub struct Findings {
     pub initial_displacement: Option<f64>,
     /// Why and where the run stopped early.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub failure: Option<Failure>,
+    pub failure: Option<SpecimenFailure>,
 }
 
 /// The first increment in which a fibre is strained beyond what it is said to bear.
@@ -164,7 +164,7 @@ impl Rupture {
 
 /// A run that stopped early.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Failure {
+pub struct SpecimenFailure {
     /// Step, from 1.
     pub step: u32,
     /// Increment, from 1; 0: equilibrium before the first step.

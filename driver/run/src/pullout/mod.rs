@@ -14,8 +14,7 @@ mod recorder;
 mod replay;
 pub mod section;
 
-pub use findings::{Failure, Findings, Rupture};
-pub use overlap::Overlap;
+pub use findings::{Findings, Rupture, SpecimenFailure};
 pub use peak::PeakLoad;
-pub use program::{FibreAxis, PictureAt, PulloutProgram, Settings};
-pub use recorder::{Outcome, SavedState, run};
+pub use program::{FibreAxis, PictureAt, PulloutProgram, SpecimenSettings};
+pub use recorder::{SavedState, SpecimenOutcome, run};

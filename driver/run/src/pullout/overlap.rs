@@ -2,39 +2,21 @@
 
 use super::{Findings, PulloutProgram};
 use crate::number::significant;
-use fe_core::mesh::ElementEdge;
+use fe_core::mesh::{ElementEdge, Overlap};
 use fe_core::model::Model;
-use serde::{Deserialize, Serialize};
 
 /// Largest overlap without a warning, as a part of the length that overlaps are compared with.
 const LARGE_OVERLAP: f64 = 0.01;
 
-/// The deepest overlap of one state.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Overlap {
-    /// Greatest depth of a boundary's point within a body, mm.
-    pub depth: f64,
-    /// Position of the point at that moment, mm.
-    pub position: [f64; 2],
-    /// The part that it belongs to.
-    pub part: String,
-    /// The part that it lies in; may be its own.
-    pub inside: String,
-}
-
-impl Overlap {
-    /// Measures the overlap of a model whose nodes have these displacements, without what was released; `None` where
-    /// nothing overlaps.
-    fn of(model: &Model, (displacements, spalled): (&[f64], &[usize])) -> Option<Self> {
-        let mesh = &model.mesh;
-        let behind = model.parts_behind();
-        let is_left_out =
-            |element: usize| behind.contains(&mesh.elements()[element].part()) || spalled.contains(&element);
-        let found = mesh.overlap(displacements, is_left_out)?;
-        let name = |part: usize| mesh.parts()[part].name.clone();
-        let (part, inside) = (name(found.part), name(found.inside));
-        Some(Self { depth: found.depth, position: found.position, part, inside })
-    }
+/// Measures the deepest overlap of a model whose nodes have these displacements, without what was released; `None` where
+/// nothing overlaps.
+fn deepest(model: &Model, (displacements, spalled): (&[f64], &[usize])) -> Option<Overlap<String>> {
+    let mesh = &model.mesh;
+    let behind = model.parts_behind();
+    let is_left_out = |element: usize| behind.contains(&mesh.elements()[element].part()) || spalled.contains(&element);
+    let Overlap { depth, position, part, inside } = mesh.overlap(displacements, is_left_out)?;
+    let [part, inside] = [part, inside].map(|part| mesh.parts()[part].name.clone());
+    Some(Overlap { depth, position, part, inside })
 }
 
 /// Measures overlaps at the peak, if there was one, and at the end, by displacements and the elements that had been released.
@@ -48,10 +30,10 @@ pub fn measure(
 ) -> Option<String> {
     let states = [("peak", peak), ("end", Some(end))];
     for (when, state) in states {
-        let overlap = state.and_then(|state| Overlap::of(&program.model, state));
+        let overlap = state.and_then(|state| deepest(&program.model, state));
         findings.overlaps.extend(overlap.map(|overlap| (when.to_owned(), overlap)));
     }
-    let depth = |(_, overlap): &(&String, &Overlap)| overlap.depth;
+    let depth = |(_, overlap): &(&String, &Overlap<String>)| overlap.depth;
     let (when, deepest) = findings.overlaps.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
     let (length, whose) = reference(program)?;
     findings.overlap_max = deepest.depth;

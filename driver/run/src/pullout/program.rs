@@ -52,7 +52,7 @@ pub struct PulloutProgram {
 
 /// Settings of a run that are no part of its case.
 #[derive(Debug)]
-pub struct Settings<'a> {
+pub struct SpecimenSettings<'a> {
     /// Threads that share the work. No bit of the results depends on it.
     pub threads: Threads,
     /// Folder of the fields that the case asks for, and of checkpoints; `None`: there are none.
@@ -67,7 +67,7 @@ pub struct Settings<'a> {
     pub along: Option<Along>,
 }
 
-impl<'a> Settings<'a> {
+impl<'a> SpecimenSettings<'a> {
     /// Settings of a run with one thread that keeps what its case asks for.
     pub fn new(program: &PulloutProgram, folder: &'a Path, checkpoints: &'a Checkpoints) -> Self {
         Self {

@@ -5,16 +5,16 @@ use super::fields::{FieldWriter, WrittenFields};
 use super::findings::{self, Borne, Findings, Rupture};
 use super::moments::Moments;
 use super::peak::PeakKeeper;
-use super::{PictureAt, PulloutProgram, Settings, crack_band, overlap, replay, section};
+use super::{PictureAt, PulloutProgram, SpecimenSettings, crack_band, overlap, replay, section};
 use crate::columns::{self, place_in_specimen};
 use crate::number::significant;
-use crate::path::{self, Failure, Row, Statistics, Stop};
+use crate::path::{self, Row, RunFailure, Statistics, Stop};
 use fe_core::assembly::PointFailure;
 use fe_core::model::{Model, Step, StepControl};
 use fe_core::output::Fields;
 use fe_core::stepping::{
-    Analysis, Checkpoint, Directive, ENERGY_BUDGET, Energies, Observer, Record, RunError, STABILISATION_BUDGET,
-    Snapshot, Trail,
+    Analysis, Checkpoint, Directive, ENERGY_BUDGET, Energies, IncrementObserver, Record, RunError,
+    STABILISATION_BUDGET, Snapshot, Trail,
 };
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
@@ -30,7 +30,7 @@ const END_TOLERANCE: f64 = 1e-9;
 
 /// Outcome of a run: its cost, its end, its findings, and the states that pictures show.
 #[derive(Debug)]
-pub struct Outcome {
+pub struct SpecimenOutcome {
     /// Cost of the run.
     pub statistics: Statistics,
     /// End of the run. Rows that were observed stay valid.
@@ -47,7 +47,7 @@ pub struct Outcome {
     pub trail: Option<Trail>,
 }
 
-impl Outcome {
+impl SpecimenOutcome {
     fn stopped(stop: Stop) -> Self {
         Self {
             statistics: Statistics::default(),
@@ -73,15 +73,19 @@ pub struct SavedState {
 }
 
 /// Runs a program to its end, to an `until`, or to a failure.
-pub fn run(program: &PulloutProgram, settings: &Settings<'_>, observer: &mut dyn path::Observer) -> Outcome {
-    let Settings { threads, folder, checkpoints, pictures, keeps_trail, along } = settings;
+pub fn run(
+    program: &PulloutProgram,
+    settings: &SpecimenSettings<'_>,
+    observer: &mut dyn path::Observer,
+) -> SpecimenOutcome {
+    let SpecimenSettings { threads, folder, checkpoints, pictures, keeps_trail, along } = settings;
     let model = &program.model;
     let from = checkpoints.from.as_deref();
     let start = Instant::now();
     let analysis = from.map_or_else(|| Analysis::new(model), |saved| Analysis::resume(model, &saved.analysis));
     let mut analysis = match analysis {
         Ok(analysis) => analysis,
-        Err(error) => return Outcome::stopped(Stop::unusable(error.to_string())),
+        Err(error) => return SpecimenOutcome::stopped(Stop::unusable(error.to_string())),
     };
     analysis.set_threads(threads.clone());
     if let Some(flag) = observer.stop() {
@@ -106,7 +110,7 @@ pub fn run(program: &PulloutProgram, settings: &Settings<'_>, observer: &mut dyn
     };
     let fields = match folder.filter(|_| program.fields_every.is_some()).map(writer).transpose() {
         Ok(fields) => fields,
-        Err(error) => return Outcome::stopped(Stop::Write(error)),
+        Err(error) => return SpecimenOutcome::stopped(Stop::Write(error)),
     };
     let mut recorder = Recorder::new(program, settings, observer, fields);
     if let Some(saved) = from {
@@ -124,9 +128,9 @@ pub fn run(program: &PulloutProgram, settings: &Settings<'_>, observer: &mut dyn
     let ended = ended.map_err(|error| match error {
         RunError::Failed { step, increment, progress, ref trouble } => {
             let PointFailure { place, reason, .. } = trouble.clone();
-            findings.failure = Some(findings::Failure { step, increment, progress, place, reason });
+            findings.failure = Some(findings::SpecimenFailure { step, increment, progress, place, reason });
             let replay = replay::of(program, trouble, &snapshot);
-            Stop::Failed(Failure { step, increment, message: error.to_string(), replay })
+            Stop::Failed(RunFailure { step, increment, message: error.to_string(), replay })
         }
         RunError::Write(error) => Stop::Write(error),
     });
@@ -162,7 +166,7 @@ pub fn run(program: &PulloutProgram, settings: &Settings<'_>, observer: &mut dyn
     let [slip, load] = ["slip", "load"].map(|name| present.value(name));
     let end = || SavedState { slip, load, fields: Fields::of(&snapshot) };
     let goes_on = |state: &SavedState| state.fields.time < snapshot.time();
-    Outcome {
+    SpecimenOutcome {
         statistics: Statistics {
             increments: done.increments,
             iterations: done.iterations,
@@ -212,7 +216,7 @@ fn imbalance(model: &Model, error: f64) -> Option<String> {
 /// Writer of the increments; decides when a step or the run ends early.
 struct Recorder<'p, 'o> {
     program: &'p PulloutProgram,
-    settings: &'p Settings<'p>,
+    settings: &'p SpecimenSettings<'p>,
     observer: &'o mut dyn path::Observer,
     fields: Option<FieldWriter>,
     /// State with which a resumed run goes on, except for the fields.
@@ -270,7 +274,7 @@ impl Present {
 impl<'p, 'o> Recorder<'p, 'o> {
     fn new(
         program: &'p PulloutProgram,
-        settings: &'p Settings<'p>,
+        settings: &'p SpecimenSettings<'p>,
         observer: &'o mut dyn path::Observer,
         fields: Option<FieldWriter>,
     ) -> Self {
@@ -367,7 +371,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
     }
 }
 
-impl Observer for Recorder<'_, '_> {
+impl IncrementObserver for Recorder<'_, '_> {
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
         if record.step == 0 {
             self.state.initial_displacement = initial_displacement(snapshot);

@@ -1,7 +1,7 @@
 //! `pullout fit beam`.
 
 use super::super::{DONE, Reading, Refusal, complain, folder_of, read, say};
-use pullout_bridging::{Measured, Shape};
+use pullout_bridging::{MeasuredBeam, Shape};
 use pullout_case::Case;
 use pullout_fit::{BeamColumns, BeamFit, describe_beam, read_beam_test, write_beam};
 use std::path::PathBuf;
@@ -57,7 +57,7 @@ impl Beam {
             Shapes::Smooth => Shape::Smooth,
             Shapes::Bilinear => Shape::Bilinear,
         };
-        if shape != Shape::Smooth && matches!(test, Measured::Curve(_)) {
+        if shape != Shape::Smooth && matches!(test, MeasuredBeam::Curve(_)) {
             let message = "--shape: needs strengths f_L, f_R1 … f_R4; a curve gives σ at its openings by itself";
             return Err(Refusal::input(format!("{}: {message}", self.test.display())));
         }

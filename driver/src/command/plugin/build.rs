@@ -1,7 +1,7 @@
 //! `pullout plugin build`.
 
 use super::super::{DONE, Refusal, complain, say};
-use pullout_check::build::{self, Form, Request};
+use pullout_check::build::{self, BuildRequest, Form};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -33,7 +33,7 @@ pub(super) fn run(arguments: &BuildArguments) -> Result<u8, Refusal> {
         (_, true) => Some(Form::Free),
         _ => None,
     };
-    let request = Request {
+    let request = BuildRequest {
         sources: arguments.sources.clone(),
         output: arguments.output.clone(),
         form,

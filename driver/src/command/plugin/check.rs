@@ -3,13 +3,13 @@
 use super::super::{DONE, FAILED, Isolation, NOT_TESTED, Refusal, say};
 use super::{TIME_LIMIT, file_of, no_plugin};
 use pullout_case::Case;
-use pullout_check::conformance::{self, Event, Group, Judged, Judgement, Options, Verdict};
+use pullout_check::conformance::{self, CheckGroup, Event, Judged, Judgement, Options, Verdict};
 use pullout_engine::CaseSource;
 use pullout_lab::Examination;
 use pullout_run::input::folder_of;
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{self, Need, Work, worker};
-use pullout_run::program::{Kind, Mode};
+use pullout_run::program::{Mode, PointKind};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -105,7 +105,7 @@ pub(in crate::command) struct Checks {
     /// The case along whose path the checks are made.
     case: Option<CaseSource>,
     /// The group that another process requests.
-    group: Option<Group>,
+    group: Option<CheckGroup>,
     /// States that are left out.
     skip: Vec<usize>,
     /// Largest number of increments of the case.
@@ -270,7 +270,7 @@ fn plugins(checks: &Checks, library: &Library, options: &mut Options) -> Result<
         let other = plugin.library.path().display();
         return wrong(format!("{}: uses the plugin {other}, not {}", file.display(), path.display()));
     }
-    options.is_axisymmetric = matches!(&program.kind, Kind::Point(point) if point.mode == Mode::Axisymmetric);
+    options.is_axisymmetric = matches!(&program.kind, PointKind::Point(point) if point.mode == Mode::Axisymmetric);
     options.characteristic_length = program.characteristic_length;
     options.program = Some(Arc::new(*program));
     Ok(vec![plugin])

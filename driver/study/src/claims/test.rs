@@ -1,4 +1,4 @@
-use super::super::{Columns, Member, RunResult, Series, StudyRun};
+use super::super::{Columns, Member, RunResult, RunSeries, StudyRun};
 use super::*;
 use pullout_case::Positive;
 use pullout_case::study::{ColumnValue, NamedPlace, OneOrMany, Where};
@@ -10,7 +10,7 @@ fn study(peaks: &[&[Option<f64>]]) -> (Study, Results) {
     let members: Vec<Member> = (0..peaks[0].len())
         .map(|k| Member { label: format!("m{k}"), title: format!("m{k}"), x: Some(10.0 * k as f64) })
         .collect();
-    let series = |k: usize| Series { name: format!("s{k}"), title: format!("s{k}") };
+    let series = |k: usize| RunSeries { name: format!("s{k}"), title: format!("s{k}") };
     let runs = (0..peaks.len() * members.len()).map(|k| StudyRun {
         series: k / members.len(),
         member: k % members.len(),

@@ -17,6 +17,7 @@
 use super::{ElementEdge, Mesh, preflight};
 use crate::element::EdgeKind;
 use crate::plane::distance;
+use serde::{Deserialize, Serialize};
 
 #[cfg(test)]
 mod test;
@@ -29,17 +30,17 @@ const OUTSIDE: f64 = 1e-6;
 /// ends, since outside of an edge's very end may be inside of the next one.
 const BEFORE_CORNER: f64 = 1e-3;
 
-/// A point of a body's boundary inside of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Overlap {
+/// A point of a body's boundary inside of a body. `P`: how parts are named, by their indices or as texts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Overlap<P = usize> {
     /// Distance to the nearest edge of the body that it lies in, mm.
     pub depth: f64,
     /// Present position of the point, mm.
     pub position: [f64; 2],
     /// The part that it belongs to.
-    pub part: usize,
+    pub part: P,
     /// The part that it lies in, by that nearest edge; may be its own.
-    pub inside: usize,
+    pub inside: P,
 }
 
 impl Mesh {

@@ -8,7 +8,7 @@ use crate::contact::ContactState;
 use crate::field::{Field, FieldState};
 use crate::model::{Model, ModelError};
 use crate::solver::{Blocks, SolverError};
-use crate::stepping::Statistics;
+use crate::stepping::AnalysisStatistics;
 use crate::stepping::zone::Zone;
 use serde::{Deserialize, Serialize};
 
@@ -45,7 +45,7 @@ pub(in crate::stepping) struct Memory {
     pub(in crate::stepping) rounding: f64,
     /// The largest change of a displacement in the last increment, mm.
     pub(super) last_move: f64,
-    pub(in crate::stepping) statistics: Statistics,
+    pub(in crate::stepping) statistics: AnalysisStatistics,
 }
 
 impl Memory {

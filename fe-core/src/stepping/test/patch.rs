@@ -199,7 +199,7 @@ fn errors_at_end(model: &Model, gradient: Matrix, stress: [f64; 4]) -> [f64; 2] 
 /// Calls a closure.
 pub(super) struct Looking<F>(pub(super) F);
 
-impl<F: FnMut(&Record, &Snapshot<'_>)> Observer for Looking<F> {
+impl<F: FnMut(&Record, &Snapshot<'_>)> IncrementObserver for Looking<F> {
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
         (self.0)(record, snapshot);
         Ok(Directive::GoOn)

@@ -11,7 +11,7 @@ use crate::model::{
     Skipping, Step, StepControl, Support, Width,
 };
 use crate::output::Activity::{Condensed, Damaged, Elastic, Yielded};
-use crate::stepping::{Analysis, Directive, Observer, Record, Snapshot};
+use crate::stepping::{Analysis, Directive, IncrementObserver, Record, Snapshot};
 
 impl Equilibrium<'_> {
     /// Returns the residual at a trial state.
@@ -396,7 +396,7 @@ struct ActivityCheck {
     damaged: usize,
 }
 
-impl Observer for ActivityCheck {
+impl IncrementObserver for ActivityCheck {
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> std::io::Result<Directive> {
         let activities = crate::output::Fields::of(snapshot).activities;
         let count = |activity| activities.iter().filter(|other| **other == activity).count();

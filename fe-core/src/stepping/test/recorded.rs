@@ -5,7 +5,7 @@ use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, Mesh, MeshDefinition};
 use crate::model::{Model, PluginLaw, StepControl};
 use crate::stepping::{
-    Along, Analysis, LeadingQuantity, Record, Recorded, RunError, Statistics, Trail, Tried, Verdict,
+    Along, Analysis, AnalysisStatistics, AttemptVerdict, LeadingQuantity, Record, Recorded, RunError, Trail, Tried,
 };
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ fn a_repeated_run_has_the_same_bits_through_a_snap_back() {
     let recorded = recorded(&base);
     let all = || recorded.steps.iter().flatten().flatten();
     assert!(all().any(|tried| matches!(tried.to, LeadingQuantity::Dissipation(_))));
-    assert!(all().any(|tried| tried.verdict == Verdict::Refused));
+    assert!(all().any(|tried| tried.verdict == AttemptVerdict::Refused));
     let again = repeat(&model, &recorded).unwrap();
     assert_eq!(format!("{again:?}"), format!("{base:?}"));
 }
@@ -46,7 +46,8 @@ fn an_increment_that_does_not_converge_is_not_replaced_by_others() {
     // from the elastic branch to the end at once
     let last = recorded.steps[0].len() - 1;
     recorded.steps[0].drain(1..last);
-    let jump = Tried { to: LeadingQuantity::Dissipation(1e3), time: 0.1, verdict: Verdict::Stands, imbalanced: None };
+    let jump =
+        Tried { to: LeadingQuantity::Dissipation(1e3), time: 0.1, verdict: AttemptVerdict::Stands, imbalanced: None };
     recorded.steps[0][1] = vec![jump];
     let message = repeat(&model, &recorded).unwrap_err().to_string();
     assert!(message.contains("increment 2") && message.contains("repeated as it is"), "{message}");
@@ -67,12 +68,12 @@ fn parallel(model: &Model, trail: &Arc<Trail>) -> (Vec<f64>, u64) {
     (loads, statistics.iterations)
 }
 
-fn go(model: &Model, along: &Along) -> (Vec<f64>, Statistics) {
+fn go(model: &Model, along: &Along) -> (Vec<f64>, AnalysisStatistics) {
     let (records, statistics) = follow(model, along);
     (records.iter().map(|record| record.load).collect(), statistics)
 }
 
-fn follow(model: &Model, along: &Along) -> (Vec<Record>, Statistics) {
+fn follow(model: &Model, along: &Along) -> (Vec<Record>, AnalysisStatistics) {
     let mut analysis = Analysis::new(model).unwrap();
     analysis.follow(along);
     let mut keeper = Keeper::default();

@@ -38,7 +38,7 @@ impl Watch {
     }
 }
 
-impl Observer for Watch {
+impl IncrementObserver for Watch {
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
         self.records.push(record.clone());
         self.activities = Fields::of(snapshot).activities;

@@ -7,9 +7,9 @@ use std::num::NonZeroUsize;
 use umat_abi::law::Request;
 
 /// Returns the results of a run with so many threads: loads, energies, displacements, and its cost.
-fn outcome(model: &Model, threads: usize) -> (Vec<f64>, Vec<Energies>, Vec<f64>, Statistics) {
+fn outcome(model: &Model, threads: usize) -> (Vec<f64>, Vec<Energies>, Vec<f64>, AnalysisStatistics) {
     struct Keeper(Vec<f64>, Vec<Energies>);
-    impl Observer for Keeper {
+    impl IncrementObserver for Keeper {
         fn increment(&mut self, record: &Record, _: &Snapshot<'_>) -> io::Result<Directive> {
             self.0.push(record.load);
             self.1.push(record.energies);

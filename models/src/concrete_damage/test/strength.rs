@@ -1,7 +1,7 @@
 //! Experiments: Gopalaratnam & Shah 1985, Kupfer 1969, Karsan & Jirsa 1969, and the calibration.
 
 use super::*;
-use crate::concrete_damage::calibration::{Concrete, properties, properties_with_exponent};
+use crate::concrete_damage::calibration::{ConcreteProperties, properties, properties_with_exponent};
 use approx::assert_abs_diff_eq;
 use umat_abi::law::parameters_of;
 
@@ -79,7 +79,7 @@ fn calibration_reproduces_the_table() {
         (0.20, 1.20, 0.09590, 0.755475),
     ];
     for (nu, exponent, beta, rate) in table {
-        let concrete = Concrete {
+        let concrete = ConcreteProperties {
             youngs_modulus: 1.0,
             poisson_ratio: nu,
             tensile_strength: 1.0,
@@ -95,7 +95,7 @@ fn calibration_reproduces_the_table() {
 
 #[test]
 fn calibrated_concrete_has_the_strengths_asked_for() {
-    let concrete = Concrete {
+    let concrete = ConcreteProperties {
         youngs_modulus: 28_000.0,
         poisson_ratio: 0.2,
         tensile_strength: 2.4,
@@ -115,8 +115,8 @@ fn calibrated_concrete_has_the_strengths_asked_for() {
     assert_abs_diff_eq!(crushing, 34.8, epsilon = 1e-3);
     assert_abs_diff_eq!(peak(1.0, ends[1], 3000) / crushing, 1.160, epsilon = 1e-4);
     assert_eq!(props[12..], [0.08, 0.0]);
-    assert!(properties(&Concrete { compressive_strength: -30.0, ..concrete }).is_err());
-    assert!(properties(&Concrete { poisson_ratio: 0.5, ..concrete }).is_err());
+    assert!(properties(&ConcreteProperties { compressive_strength: -30.0, ..concrete }).is_err());
+    assert!(properties(&ConcreteProperties { poisson_ratio: 0.5, ..concrete }).is_err());
 }
 
 /// Uniaxial compression is E_c(D_c) ε whatever the cracks, and strengths do not depend on b.

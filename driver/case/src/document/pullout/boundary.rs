@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// Along an axis, or anywhere.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Direction {
+pub(crate) enum Direction {
     /// "x" or "y" (r or z in axial symmetry).
     Axis(Axis),
     /// A vector of any length > 0.
@@ -17,7 +17,7 @@ pub enum Direction {
 /// A coordinate axis.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum Axis {
+pub(crate) enum Axis {
     /// First; r in axial symmetry.
     X,
     /// Second; z in axial symmetry.
@@ -27,7 +27,7 @@ pub enum Axis {
 /// Nodes that are pulled: displaced by the drive "slip".
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Grip {
+pub(crate) struct Grip {
     /// Node set; default: the specimen's.
     pub nodes: Option<String>,
     /// Pull direction; default: the specimen's.
@@ -39,7 +39,7 @@ pub struct Grip {
 /// Condition of the grip across the pull direction.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum Lateral {
+pub(crate) enum Lateral {
     /// Held.
     Fixed,
     /// Free to move.
@@ -49,7 +49,7 @@ pub enum Lateral {
 /// Supports of the specimen.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Supports {
+pub(crate) enum Supports {
     /// Name of one of the specimen's support conditions.
     Named(String),
     /// Supports by name.
@@ -59,7 +59,7 @@ pub enum Supports {
 /// Nodes held, or moved by a drive.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Support {
+pub(crate) struct Support {
     /// Node set; default: the set with the support's name. Every part has a node set of its own name.
     pub nodes: Option<String>,
     /// Direction in which the nodes are held; default: both.
@@ -71,7 +71,7 @@ pub struct Support {
 /// A direction of a support.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum SupportDirection {
+pub(crate) enum SupportDirection {
     /// "both".
     Both(Both),
     /// One.
@@ -81,7 +81,7 @@ pub enum SupportDirection {
 /// The word "both".
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Both {
+pub(crate) enum Both {
     /// x and y.
     Both,
 }
@@ -89,7 +89,7 @@ pub enum Both {
 /// A load at a drive of 1: exactly one of force, traction and pressure.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Load {
+pub(crate) struct Load {
     /// Node set of a force; default: the set with the load's name.
     pub nodes: Option<String>,
     /// Edge set of a traction or pressure; default: the set with the load's name.
@@ -107,7 +107,7 @@ pub struct Load {
 /// A constraint between nodes.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Coupling {
+pub(crate) enum Coupling {
     /// Nodes of a set move with adjacent edges.
     Tie(Tie),
     /// One displacement as a sum of others: u = Σ factor · u.
@@ -117,7 +117,7 @@ pub enum Coupling {
 /// Nodes that move with adjacent edges.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Tie {
+pub(crate) struct Tie {
     /// Node set that is tied. It must be the finer side, otherwise stresses are wrong.
     pub tie: String,
     /// Edge set that the nodes are tied to.
@@ -127,7 +127,7 @@ pub struct Tie {
 /// One displacement as a sum of others: u = Σ factor · u.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Terms {
+pub(crate) struct Terms {
     /// The dependent displacement.
     pub dependent: FreedomOf,
     /// The displacements it depends on, with their factors.
@@ -138,7 +138,7 @@ pub struct Terms {
 /// A displacement of a node.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct FreedomOf {
+pub(crate) struct FreedomOf {
     /// The node.
     pub node: NodeReference,
     /// Axis of the displacement.
@@ -148,7 +148,7 @@ pub struct FreedomOf {
 /// A displacement of a node and its factor.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Term {
+pub(crate) struct Term {
     /// The node.
     pub node: NodeReference,
     /// Axis of the displacement.
@@ -160,7 +160,7 @@ pub struct Term {
 /// A node.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum NodeReference {
+pub(crate) enum NodeReference {
     /// A node set of one node.
     Set(String),
     /// The node at this position, mm.
@@ -170,7 +170,7 @@ pub enum NodeReference {
 /// What the history columns slip and load measure.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Measure {
+pub(crate) struct Measure {
     /// Drive whose value is the slip; default: "slip".
     pub slip: Option<String>,
     /// Support whose reaction is the load; default: the grip. Without either, the load is nan.

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// One object for all pairs of the specimen, or pair by pair.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Contact {
+pub(crate) enum Contact {
     /// One contact for all pairs of the specimen.
     All(Box<Pair>),
     /// Pair by pair.
@@ -20,7 +20,7 @@ pub enum Contact {
 /// are kept, and an initial overlap is refused.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Pair {
+pub(crate) struct Pair {
     /// Name for messages. With the name of one of the specimen's pairs, surfaces and width come from the specimen.
     pub name: Option<String>,
     /// Edge set that carries the contact points: the hole.
@@ -74,7 +74,7 @@ pub struct Pair {
 /// Treatment of the gaps and overlaps of the mesh.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum InitialGap {
+pub(crate) enum InitialGap {
     /// All of them.
     Word(InitialGapWord),
     /// Up to a size.
@@ -84,7 +84,7 @@ pub enum InitialGap {
 /// Treatment of all initial gaps and overlaps.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum InitialGapWord {
+pub(crate) enum InitialGapWord {
     /// Gaps are kept; overlaps are refused.
     Keep,
     /// Gaps and overlaps count as 0.
@@ -94,7 +94,7 @@ pub enum InitialGapWord {
 /// Gaps and overlaps up to a size count as 0.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct InitialGapWithin {
+pub(crate) struct InitialGapWithin {
     /// Largest gap or overlap, mm, that counts as 0.
     pub close: Positive,
 }
@@ -102,7 +102,7 @@ pub struct InitialGapWithin {
 /// Interference fit.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Interference {
+pub(crate) struct Interference {
     /// Drive that multiplies the overlap.
     pub drive: String,
     /// Overlap at a drive of 1, mm, the same everywhere. Default: the overlap of the mesh at each point, which causes
@@ -111,12 +111,12 @@ pub struct Interference {
 }
 
 /// Parameters of the pair's law by name; those not named are the law's own.
-pub type OtherProps = BTreeMap<String, PropValue>;
+pub(crate) type OtherProps = BTreeMap<String, PropValue>;
 
 /// Contact area per length of the slave edge.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Width {
+pub(crate) enum Width {
     /// mm.
     Given(Positive),
     /// "part".
@@ -126,7 +126,7 @@ pub enum Width {
 /// Sideways strength of the concrete under a wire.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Bearing {
+pub(crate) enum Bearing {
     /// The greatest pressure on the diameter over f_c.
     Factor(Positive),
     /// "crushing" or "rigid".
@@ -136,7 +136,7 @@ pub enum Bearing {
 /// Whether the concrete under a wire is crushed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum BearingWord {
+pub(crate) enum BearingWord {
     /// It is.
     Crushing,
     /// Any pressure.
@@ -146,7 +146,7 @@ pub enum BearingWord {
 /// The word "part".
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum PartWord {
+pub(crate) enum PartWord {
     /// The thickness of the slave's part; 2πr in axial symmetry.
     Part,
 }

@@ -8,7 +8,7 @@ use serde::Deserialize;
 /// A scalar θ at every node, which the laws get as temperature: c ∂θ/∂t = k ∇²θ + RPL. Displacements and θ are found in turn by default.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct ScalarField {
+pub(crate) struct ScalarField {
     /// Meaning of the scalar.
     pub kind: FieldKind,
     /// Names of the parts that have it (default: all; of a phase field in a specimen, the matrix). A cover has it with the matrix.
@@ -42,7 +42,7 @@ pub struct ScalarField {
 /// Meaning of a scalar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum FieldKind {
+pub(crate) enum FieldKind {
     /// Heat: RPL is an energy.
     Temperature,
     /// Damage from 0 to 1: RPL has no scale, the energies of the laws must balance the work.
@@ -52,7 +52,7 @@ pub enum FieldKind {
 /// A routine of heat in the library of a UMAT.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum HeatRoutine {
+pub(crate) enum HeatRoutine {
     /// Heat that is generated.
     Hetval,
     /// Heat that is stored and conducted.
@@ -62,7 +62,7 @@ pub enum HeatRoutine {
 /// What UMATHT is given.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Umatht {
+pub(crate) struct Umatht {
     /// Its PROPS (default: none).
     pub props: Option<Vec<f64>>,
     /// Density, by which U counts; without one the field is steady.
@@ -72,7 +72,7 @@ pub struct Umatht {
 /// A value that nodes are kept at.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct FixedValue {
+pub(crate) struct FixedValue {
     /// Node set.
     pub nodes: String,
     /// Value, or the value at a drive of 1.
@@ -84,7 +84,7 @@ pub struct FixedValue {
 /// A flux into the body.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Flux {
+pub(crate) struct Flux {
     /// Edge set.
     pub edges: String,
     /// Flux per area, or the flux at a drive of 1.

@@ -11,7 +11,7 @@ use serde::Deserialize;
 /// Source of the mesh.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum MeshSource {
+pub(crate) enum MeshSource {
     /// A specimen by its parameters.
     Specimen(Box<SpecimenSource>),
     /// A Gmsh file.
@@ -21,7 +21,7 @@ pub enum MeshSource {
 /// A specimen by its parameters.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct SpecimenSource {
+pub(crate) struct SpecimenSource {
     /// Type and parameters; lengths in mm.
     pub specimen: Specimen,
 }
@@ -29,7 +29,7 @@ pub struct SpecimenSource {
 /// A Gmsh file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct FileSource {
+pub(crate) struct FileSource {
     /// Gmsh file (.msh, format 4.1), relative to the case file: physical surfaces are parts, physical curves sets of
     /// nodes and edges, physical points sets of nodes.
     #[schemars(length(min = 1))]
@@ -39,7 +39,7 @@ pub struct FileSource {
 /// A specimen.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
-pub enum Specimen {
+pub(crate) enum Specimen {
     /// A fibre perpendicular to the face that it is pulled out of: parts fibre and matrix.
     PerpendicularFibre(PerpendicularFibre),
     /// A fibre at an angle to the normal of the face that it is pulled out of: parts fibre and matrix.
@@ -67,7 +67,7 @@ pub enum Specimen {
 /// A fibre perpendicular to the face that it is pulled out of. The defaults are the specimen of chapters 6 and 7.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct PerpendicularFibre {
+pub(crate) struct PerpendicularFibre {
     /// A body of revolution about the fibre instead of a plane slice (default false).
     pub axisymmetric: Option<bool>,
     /// Outer radius (default √(width · matrix_thickness/π)).
@@ -82,7 +82,7 @@ pub struct PerpendicularFibre {
 /// A fibre at an angle to the normal of the face that it is pulled out of. The defaults are the specimen of chapter 7.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct InclinedFibre {
+pub(crate) struct InclinedFibre {
     /// Inclination: the embedded fibre's angle from the outward normal of the exit face, degrees (default 45).
     #[schemars(range(min = 0.0, max = 80.0))]
     pub angle_deg: Option<f64>,
@@ -116,7 +116,7 @@ pub struct InclinedFibre {
 /// Fibres in a block, pulled out of its upper face.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub struct Fibres {
+pub(crate) struct Fibres {
     /// The fibres, each with a name of its own.
     #[schemars(length(min = 1))]
     pub fibres: Vec<Fibre>,
@@ -134,7 +134,7 @@ pub struct Fibres {
 /// Drives by which several fibres are pulled.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum Grips {
+pub(crate) enum Grips {
     /// All by the same displacement.
     Together,
     /// Each by a drive of its own.
@@ -144,7 +144,7 @@ pub enum Grips {
 /// A fibre by the line of its axis, from its embedded end to the grip.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Fibre {
+pub(crate) struct Fibre {
     /// Unique name: letters, digits, - and _.
     #[schemars(regex(pattern = NAME_PATTERN))]
     pub name: String,
@@ -180,7 +180,7 @@ pub struct Fibre {
 /// The axis of a fibre.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum FibrePath {
+pub(crate) enum FibrePath {
     /// Pieces.
     Pieces(#[schemars(length(min = 1))] Vec<PathPiece>),
     /// A hooked end.
@@ -190,7 +190,7 @@ pub enum FibrePath {
 /// The word "hooked".
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum HookedWord {
+pub(crate) enum HookedWord {
     /// A hooked end.
     Hooked,
 }
@@ -200,7 +200,7 @@ pub enum HookedWord {
 /// block.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct HookedPath {
+pub(crate) struct HookedPath {
     /// The word "hooked".
     #[serde(rename = "type")]
     #[expect(dead_code, reason = "it distinguishes this path from pieces")]
@@ -225,7 +225,7 @@ pub struct HookedPath {
 /// A piece of the axis of a fibre: one of straight, arc and wave.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct PathPiece {
+pub(crate) struct PathPiece {
     /// A line of this length.
     pub straight: Option<Positive>,
     /// An arc.
@@ -240,7 +240,7 @@ pub struct PathPiece {
 /// An arc that turns the axis.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct ArcPiece {
+pub(crate) struct ArcPiece {
     /// Radius of the axis.
     pub radius: Positive,
     /// Direction in which the arc ends, as an angle from the outward normal of the exit face, degrees.
@@ -252,7 +252,7 @@ pub struct ArcPiece {
 /// Waves amplitude · (1 − cos(2π u/length)) to the left of the axis' direction.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct WavePiece {
+pub(crate) struct WavePiece {
     /// Half of the height from trough to crest; negative: to the right.
     pub amplitude: f64,
     /// Length of a wave along the axis' direction.
@@ -264,7 +264,7 @@ pub struct WavePiece {
 /// Shape of an inclined fibre outside the block.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub enum FibreShape {
+pub(crate) enum FibreShape {
     /// The fibre curves at the exit face to the face's normal (initially bent).
     Bent,
     /// The fibre goes on along its axis (initially straight).
@@ -274,7 +274,7 @@ pub enum FibreShape {
 /// Length of separation at the exit.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum SeparationLength {
+pub(crate) enum SeparationLength {
     /// mm.
     Given(f64),
     /// A length that follows from the inclination.
@@ -284,7 +284,7 @@ pub enum SeparationLength {
 /// The word "thesis".
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum SeparationRule {
+pub(crate) enum SeparationRule {
     /// φ (tan θ + 1/(2 tan θ)), 0 below 15° (6.27).
     Thesis,
 }

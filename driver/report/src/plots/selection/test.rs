@@ -20,8 +20,8 @@ fn spec(subject: CaseKind) -> Spec {
     }
 }
 
-fn curve(x: &str, y: &str) -> Curve {
-    Curve { label: format!("{y} at {x}"), x: x.into(), y: y.into(), points: vec![(0.0, 0.0), (1.0, 1.0)] }
+fn curve(x: &str, y: &str) -> MeasuredCurve {
+    MeasuredCurve { label: format!("{y} at {x}"), x: x.into(), y: y.into(), points: vec![(0.0, 0.0), (1.0, 1.0)] }
 }
 
 fn names(figures: &[Figure]) -> Vec<&str> {

@@ -109,7 +109,7 @@ impl path::Observer for Rows {
 fn observed(program: &PulloutProgram) -> (Rows, Vec<Directive>) {
     let mut rows = Rows::default();
     let checkpoints = Checkpoints::default();
-    let settings = Settings::new(program, Path::new(""), &checkpoints);
+    let settings = SpecimenSettings::new(program, Path::new(""), &checkpoints);
     let mut recorder = Recorder::new(program, &settings, &mut rows, None);
     let records = (1..=4).map(|k| record(1, k, 0.25 * f64::from(k))).chain((1..=3).map(|k| {
         // three halves of a second: not the end of the step

@@ -3,9 +3,9 @@
 use super::{Checks, TIME_LIMIT, header, no_plugin};
 use crate::command::{DONE, Refusal, complain, isolated, say};
 use clap::ValueEnum;
-use pullout_check::conformance::{Event, Group, Judged, Judgement, Row, Verdict};
+use pullout_check::conformance::{CheckGroup, CheckRow, Event, Judged, Judgement, Verdict};
 use pullout_engine::{CaseSource, Message};
-use pullout_run::isolation::{self, End, Failure, Need, Passage, Watch};
+use pullout_run::isolation::{self, End, Need, Passage, Watch, WorkerFailure};
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -46,7 +46,7 @@ struct Tally {
     case: CaseSource,
     judged: Vec<Judged>,
     /// Writes past the ends of arrays, by law and entry point: the finding of the first group that found any.
-    bounds: Vec<(usize, Row)>,
+    bounds: Vec<(usize, CheckRow)>,
 }
 
 /// Makes all groups.
@@ -63,7 +63,7 @@ pub(super) fn run(
     let case = checks.case.clone().unwrap_or_else(|| CaseSource::file(Path::new("")));
     let mut tally = Tally { prints_rows, case, judged: Vec::new(), bounds: Vec::new() };
     let mut spent = Duration::ZERO;
-    let groups = Group::value_variants();
+    let groups = CheckGroup::value_variants();
     for (index, group) in groups.iter().enumerate() {
         loop {
             // the first is what the others rest on
@@ -101,7 +101,7 @@ pub(super) fn run(
                 return Ok(Ok(tally.conclude(&checks.of.plugin)));
             }
             tally.end(library, *group, &output, &failure);
-            let is_first = *group == Group::States;
+            let is_first = *group == CheckGroup::States;
             match (&output.begun, output.drawn) {
                 (_, Some((state, _))) if is_first && checks.skip.len() < MOST_ENDS => checks.skip.push(state),
                 (Some((check, _)), _) if is_first && check == "case's path" && checks.longest_path.is_none() => {
@@ -171,7 +171,7 @@ impl Tally {
         }
     }
 
-    fn add(&mut self, law: usize, row: Row) {
+    fn add(&mut self, law: usize, row: CheckRow) {
         if row.check == BOUNDS {
             let known = self.bounds.iter_mut().find(|(of, other)| *of == law && other.stress_state == row.stress_state);
             match known {
@@ -201,7 +201,14 @@ impl Tally {
     }
 
     /// Reports the checks for which a group had no time.
-    fn leave(&mut self, library: &Path, group: Group, output: &GroupOutput, failure: &Failure, time_limit: Duration) {
+    fn leave(
+        &mut self,
+        library: &Path,
+        group: CheckGroup,
+        output: &GroupOutput,
+        failure: &WorkerFailure,
+        time_limit: Duration,
+    ) {
         let law = self.present_law(library);
         let (check, stress_state) = output.begun.clone().unwrap_or(("start".into(), "-".into()));
         let detail = format!(
@@ -212,11 +219,11 @@ impl Tally {
             group.words()
         );
         let figure = "out of time".into();
-        self.add(law, Row { check, stress_state, verdict: Verdict::NotTested, figure, detail });
+        self.add(law, CheckRow { check, stress_state, verdict: Verdict::NotTested, figure, detail });
     }
 
     /// Reports a call that did not return.
-    fn end(&mut self, library: &Path, group: Group, output: &GroupOutput, failure: &Failure) {
+    fn end(&mut self, library: &Path, group: CheckGroup, output: &GroupOutput, failure: &WorkerFailure) {
         let message = &failure.report.message;
         complain(format!("{}: {message}", library.display()));
         let law = self.present_law(library);
@@ -235,9 +242,9 @@ impl Tally {
             self.judged[law].replays.push(case);
         }
         // what makes no sense, or what the case never does, may end the analysis
-        let is_senseless = group == Group::BadInput || output.drawn.is_some_and(|(_, is_far)| is_far);
+        let is_senseless = group == CheckGroup::BadInput || output.drawn.is_some_and(|(_, is_far)| is_far);
         let verdict = if is_senseless { Verdict::Warn } else { Verdict::Fail };
-        self.add(law, Row { check, stress_state, verdict, figure: "ended".into(), detail });
+        self.add(law, CheckRow { check, stress_state, verdict, figure: "ended".into(), detail });
     }
 
     /// Reports the rows that concern all groups, and the conclusion.
