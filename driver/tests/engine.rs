@@ -10,14 +10,17 @@ use pullout_engine::{CaseSource, Error, Job, Message, Outcome, REPLAY, RunOption
 use pullout_report::history::History;
 use pullout_report::summary::Status;
 use pullout_run::isolation::Child;
-use pullout_run::path::FailureKind;
+use pullout_run::path::{FailureKind, Row};
 use serde_json::{Value, json};
 use std::fs;
 use std::num::NonZeroUsize;
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
+
+/// Time in which a run must get under way, on a busy machine too.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A case that is not stopped.
 fn run(source: CaseSource) -> Outcome {
@@ -199,16 +202,18 @@ fn a_run_that_fails_keeps_its_rows_and_can_be_repeated() {
     assert_eq!(again.summary.status, Status::Failed);
 }
 
-/// Runs a case, and sets its flag from another thread after a while.
-fn stopped(source: CaseSource, after: Duration) -> (Outcome, Duration) {
+/// Runs a case, and sets its flag from another thread as soon as the run reports that it is under way.
+fn stopped(source: CaseSource) -> (Outcome, Duration) {
     let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
     set_program(program, program);
     let prepared = source.read().unwrap_or_else(|errors| panic!("{errors}"));
     let stop = Arc::new(AtomicBool::new(false));
-    let settings = Settings { stop: Arc::clone(&stop), ..Settings::default() };
+    let (reports, reported) = mpsc::channel();
+    let listener = Box::new(move |part, _: &Row<'_>| reports.send(part).unwrap_or_default());
+    let settings = Settings { stop: Arc::clone(&stop), listener: Some(listener), ..Settings::default() };
     std::thread::scope(|scope| {
         let run = scope.spawn(|| prepared.run(settings));
-        std::thread::sleep(after);
+        while reported.recv_timeout(PATIENCE).expect("an increment in time") == 0.0 {}
         stop.store(true, Ordering::Relaxed);
         let asked = Instant::now();
         let outcome = run.join().expect("no panic").unwrap_or_else(|error| panic!("{error}"));
@@ -221,16 +226,16 @@ fn another_thread_ends_a_run() {
     let mut point = bond();
     point["steps"][0]["increments"] = json!(20_000_000);
     point["output"] = json!({ "every": 1_000_000 });
-    let (outcome, waited) = stopped(CaseSource::document(point, Path::new("")), Duration::from_millis(300));
+    let (outcome, waited) = stopped(CaseSource::document(point, Path::new("")));
     assert_eq!(outcome.summary.status, Status::Interrupted);
-    assert!(waited < Duration::from_millis(500), "{waited:?}");
+    assert!(waited < PATIENCE / 6, "{waited:?}");
 
     let mut specimen = CaseSource::file(&cases().join("chapter-7/inclined-fibre.json"));
     specimen.overrides = vec!["output.plots=false".into()];
-    let (outcome, waited) = stopped(specimen, Duration::from_secs(3));
+    let (outcome, waited) = stopped(specimen);
     assert_eq!(outcome.summary.status, Status::Interrupted);
     assert!(outcome.history.rows() > 0);
-    assert!(waited < Duration::from_secs(2), "{waited:?}");
+    assert!(waited < PATIENCE / 6, "{waited:?}");
 }
 
 #[test]
@@ -324,7 +329,8 @@ fn a_hanging_child_is_ended() {
         let ended = run.join().expect("no panic");
         assert!(matches!(ended, Err(Error::Stopped)), "{ended:?}");
     });
-    assert!(start.elapsed() < Duration::from_secs(10));
+    // far below the limit of its call
+    assert!(start.elapsed() < Duration::from_secs(40));
 }
 
 #[test]

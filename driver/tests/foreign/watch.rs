@@ -68,7 +68,7 @@ impl Watching {
     /// Ends it as Ctrl-C does, which processes in the background ignore; the exit code.
     fn end(&mut self) -> Option<i32> {
         send(Signal::TERM, self.child.id());
-        let end = Instant::now() + Duration::from_secs(10);
+        let end = Instant::now() + PATIENCE;
         while Instant::now() < end {
             if let Some(status) = self.child.try_wait().expect("a child") {
                 return status.code();

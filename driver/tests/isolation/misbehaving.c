@@ -87,6 +87,9 @@ static double deeper(double x)
 
 static void hang(void)
 {
+    const char *mark = getenv("HANGS_AT_EXIT");
+    if (mark)
+        close(creat(mark, 0600));
     for (;;)
         sleep(1);
 }

@@ -697,7 +697,7 @@ fn a_report_is_opened_or_its_place_is_printed() {
     assert!(run(None).contains("out/case/report.html"));
     assert!(!desk.path("opened").exists());
     run(Some(":9"));
-    let opened = (0..500).find_map(|_| {
+    let opened = (0..6000).find_map(|_| {
         std::thread::sleep(std::time::Duration::from_millis(10));
         std::fs::read_to_string(desk.path("opened")).ok().filter(|opened| !opened.is_empty())
     });

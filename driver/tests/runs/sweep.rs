@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The bond of a point, in as many increments.
 fn bond(increments: usize) -> Value {
@@ -34,6 +34,22 @@ fn planned(desk: &Desk, count: usize, increments: usize) -> PathBuf {
     let store = desk.path("store");
     desk.pullout(["sweep".as_ref(), "plan".as_ref(), file.as_os_str(), "--out".as_ref(), store.as_os_str()]).expect(0);
     store
+}
+
+/// Waits for an event.
+fn until(mut has_come: impl FnMut() -> bool) {
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !has_come() {
+        assert!(Instant::now() < deadline, "not within a minute");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Whether a process has a handler of a signal.
+fn heeds(signal: Signal, process: u32) -> bool {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    caught.is_some_and(|bits| u64::from_str_radix(bits.trim(), 16).expect("bits") >> (signal.as_raw() - 1) & 1 == 1)
 }
 
 /// All rows of all parts.
@@ -520,9 +536,7 @@ fn two_workers_at_the_same_time_share_the_runs() {
     // one goes on with what another leaves that is killed meanwhile
     fs::remove_dir_all(store.join("parts")).expect("removed");
     let [mut killed, mut other] = [start(), start()];
-    while store.join("running").read_dir().expect("a folder").count() < 2 {
-        std::thread::sleep(Duration::from_millis(1));
-    }
+    until(|| store.join("running").read_dir().expect("a folder").count() >= 2);
     std::thread::sleep(Duration::from_millis(100));
     killed.kill().expect("killed");
     killed.wait().expect("ended");
@@ -567,8 +581,9 @@ fn a_signal_ends_the_work_without_a_word_of_exit_handlers() {
     sweep_with(&desk, "plan", &["sweep.json", "--out", "store"], 0);
     let mut work = command();
     work.args(["sweep", "work", "--quiet", "--jobs", "1"]).arg(desk.path("store")).stderr(Stdio::piped());
-    let child = work.spawn().expect("the program starts");
-    std::thread::sleep(Duration::from_secs(3));
+    let mark = desk.path("hangs");
+    let child = work.env("HANGS_AT_EXIT", &mark).spawn().expect("the program starts");
+    until(|| mark.exists());
     // SIGTERM: a shell lets what it starts in the background ignore Ctrl-C
     send(Signal::TERM, child.id());
     let ended = child.wait_with_output().expect("ended");
@@ -737,7 +752,8 @@ fn a_large_plan_is_checked_first_and_heeds_signals() {
     let mut process = command();
     process.current_dir(desk.path("")).args(["sweep", "plan", "right.json", "--out", "store"]);
     let child = process.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
-    std::thread::sleep(Duration::from_millis(700));
+    until(|| heeds(Signal::TERM, child.id()));
+    std::thread::sleep(Duration::from_millis(100));
     send(Signal::TERM, child.id());
     let output = child.wait_with_output().expect("an end");
     assert_eq!(output.status.code(), Some(143), "{}", String::from_utf8_lossy(&output.stderr));

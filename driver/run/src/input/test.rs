@@ -44,10 +44,10 @@ fn a_pipe_into_which_nobody_writes_is_given_up_once() {
     let folder = folder();
     let path = fifo(&folder);
     let start = Instant::now();
-    for _ in 0..5 {
+    for _ in 0..20 {
         assert_eq!(refused(&path, Input::Table), "nothing came out of it for 1 s: it is a pipe or a device");
     }
-    assert!(start.elapsed() < 3 * PATIENCE);
+    assert!(start.elapsed() < 10 * PATIENCE);
 }
 
 #[test]
