@@ -479,6 +479,7 @@ pub struct Until {
 /// Iteration limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(rename = "Controls")]
 pub struct IterationLimits {
     /// Newton iterations per increment.
     #[schemars(schema_with = "whole::<1, 10_000>")]

@@ -22,16 +22,14 @@ fn two_parts(kind: ElementKind, integration: Integration) -> Mesh {
     let mut elements = Vec::new();
     for (column, row) in (0..4).flat_map(|column| (0..2).map(move |row| (2 * column, 2 * row))) {
         let grid = |[i, j]: [usize; 2]| node(column + i, row + j);
-        let lists: &[&[[usize; 2]]] = match kind {
-            ElementKind::Q4 => &[&[[0, 0], [2, 0], [2, 2], [0, 2]]],
-            ElementKind::Q8 => &[&[[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]]],
-            ElementKind::T3 => &[&[[0, 0], [2, 0], [2, 2]], &[[0, 0], [2, 2], [0, 2]]],
-            ElementKind::T6 => {
-                &[&[[0, 0], [2, 0], [2, 2], [1, 0], [2, 1], [1, 1]], &[[0, 0], [2, 2], [0, 2], [1, 1], [1, 2], [0, 1]]]
-            }
+        // a square, or two triangles along its diagonal
+        let maps: &[fn([f64; 2]) -> [f64; 2]] = match kind.corner_count() {
+            3 => &[|[xi, eta]| [2.0 * (xi + eta), 2.0 * eta], |[xi, eta]| [2.0 * xi, 2.0 * (xi + eta)]],
+            _ => &[|[xi, eta]| [xi + 1.0, eta + 1.0]],
         };
-        for list in lists {
-            let nodes = list.iter().map(|&place| grid(place)).collect();
+        for map in maps {
+            let nodes =
+                kind.reference_coordinates().iter().map(|&place| grid(map(place).map(|x| x as usize))).collect();
             elements.push(ElementDefinition { kind, part: column / 4, nodes });
         }
     }

@@ -35,14 +35,10 @@ pub(super) fn gmsh(definition: &MeshDefinition, turned: bool) -> String {
     let names: Vec<(usize, &str)> = names.chain(node_sets.map(|(name, _)| (0, name))).collect();
     let tag = |name: &str| names.iter().position(|(_, other)| *other == name).unwrap() + 1;
     let mut lines: Vec<(usize, usize, Vec<usize>)> = Vec::new();
+    let numbers = [(ElementKind::T3, 2), (ElementKind::Q4, 3), (ElementKind::T6, 9), (ElementKind::Q8, 16)];
     for element in &definition.elements {
-        let kind = match element.kind {
-            ElementKind::T3 => 2,
-            ElementKind::Q4 => 3,
-            ElementKind::T6 => 9,
-            ElementKind::Q8 => 16,
-        };
-        lines.push((kind, tag(&definition.parts[element.part].name), element.nodes.clone()));
+        let (_, number) = numbers.into_iter().find(|(kind, _)| *kind == element.kind).expect("a kind with a number");
+        lines.push((number, tag(&definition.parts[element.part].name), element.nodes.clone()));
     }
     for (name, edges) in &definition.edge_sets {
         for edge in edges {

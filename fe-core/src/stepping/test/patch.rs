@@ -2,6 +2,7 @@
 //! strain and one stress, and its inside moves linearly too.
 
 use super::*;
+use crate::element::EdgeKind;
 use crate::mesh::structured::{Grading, MeshBlock};
 use end_to_end_tests::rotated_in_plane;
 
@@ -66,11 +67,10 @@ pub(super) fn patch(kind: ElementKind, plane: PlaneModel, law: PluginLaw) -> Mod
 /// Puts middle nodes into the middle of their edges.
 fn straighten(definition: &mut MeshDefinition) {
     for element in &definition.elements {
-        let corners = match element.kind {
-            ElementKind::T3 | ElementKind::Q4 => continue,
-            ElementKind::T6 => 3,
-            ElementKind::Q8 => 4,
-        };
+        if element.kind.edge_kind() == EdgeKind::Linear {
+            continue;
+        }
+        let corners = element.kind.corner_count();
         for corner in 0..corners {
             let [a, b] = [corner, (corner + 1) % corners].map(|n| definition.nodes[element.nodes[n]]);
             definition.nodes[element.nodes[corners + corner]] = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
