@@ -17,7 +17,7 @@ pub(crate) const GRADIENT_COMPONENTS: usize = 5;
 pub type Gradient = [f64; GRADIENT_COMPONENTS];
 
 /// Components 11, 22, 33, 12 of a stress or of a strain with engineering shear; 33 is 0 in plane stress.
-pub(crate) type Components = [f64; MAX_COMPONENTS];
+pub type Components = [f64; MAX_COMPONENTS];
 
 /// DDSDDE over [`Components`], row by row; row and column 33 are 0 in plane stress.
 pub type Moduli = [[f64; MAX_COMPONENTS]; MAX_COMPONENTS];
