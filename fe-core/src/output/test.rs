@@ -7,6 +7,9 @@ use approx::assert_abs_diff_eq;
 use std::io::Read as _;
 use std::path::Path;
 
+/// Place on a grid of half an element's side, by reference coordinates.
+type Map = fn([f64; 2]) -> [f64; 2];
+
 /// Two parts side by side on shared nodes, each of 2×2 elements of a kind with 2 triangles in place of a quadrilateral;
 /// inner nodes are moved, so that elements are distorted.
 fn two_parts(kind: ElementKind, integration: Integration) -> Mesh {
@@ -23,7 +26,7 @@ fn two_parts(kind: ElementKind, integration: Integration) -> Mesh {
     for (column, row) in (0..4).flat_map(|column| (0..2).map(move |row| (2 * column, 2 * row))) {
         let grid = |[i, j]: [usize; 2]| node(column + i, row + j);
         // a square, or two triangles along its diagonal
-        let maps: &[fn([f64; 2]) -> [f64; 2]] = match kind.corner_count() {
+        let maps: &[Map] = match kind.corner_count() {
             3 => &[|[xi, eta]| [2.0 * (xi + eta), 2.0 * eta], |[xi, eta]| [2.0 * xi, 2.0 * (xi + eta)]],
             _ => &[|[xi, eta]| [xi + 1.0, eta + 1.0]],
         };
