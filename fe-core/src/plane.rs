@@ -20,3 +20,8 @@ pub(crate) fn principal([t11, t22, _, t12]: [f64; 4]) -> [f64; 2] {
 pub(crate) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
+
+/// The least and the greatest of some values; ∞ and −∞ of none.
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, greatest], value| [least.min(value), greatest.max(value)])
+}

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashSet};
 use super::{Element, ElementDefinition, MeshDefinition, MeshError, Part};
 use crate::element::{ElementKind, IntegrationPoint, MAX_NODES, MappedPoint, MappingError};
 use crate::kinematics::PlaneModel;
+use crate::plane::range;
 
 /// det J below this fraction of the square of the element's diagonal is refused. It is a difference of products as large
 /// as that square, so rounding leaves about 1e-16 of it: 1e-10 keeps six digits and still allows slivers of 1 : 1e9.
@@ -151,9 +152,7 @@ pub(super) fn folded_corner(kind: ElementKind, positions: &[[f64; 2]]) -> Option
 fn diagonal_squared(positions: &[[f64; 2]]) -> f64 {
     (0..2)
         .map(|k| {
-            let (low, high) = positions
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[k]), high.max(p[k])));
+            let [low, high] = range(positions.iter().map(|position| position[k]));
             (high - low) * (high - low)
         })
         .sum()

@@ -3,7 +3,7 @@
 use super::fields::{Fields, FieldsError};
 use crate::element::MappedPoint;
 use crate::mesh::Mesh;
-use crate::plane::{dot, minus};
+use crate::plane::{dot, minus, range};
 
 /// Mean axial stress of a part's cross-sections along its axis: pairs of arc length, mm, and stress, MPa.
 ///
@@ -77,10 +77,6 @@ impl Place {
         let [start, end] = range(nodes.iter().map(|&node| dot(node, direction)));
         Some(Self { middle: 0.5 * (from + to), extent: to - from, length: end - start })
     }
-}
-
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, greatest], value| [least.min(value), greatest.max(value)])
 }
 
 fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
