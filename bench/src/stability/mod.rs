@@ -87,7 +87,8 @@ thresholds of 0). Strains of 1e-16 to 10 and of 1e3 × the peak strain, zero and
 subnormal numbers, NaN and ±∞, principal strains that are equal, apart by one unit of the last digit or by 1e-16 … 1e-4 of them. Tangents are
 compared with fourth-order differences along a random direction; excluded are those within the reach of the differences of a kink and those
 that rounding of the stress hides. *Worst* is the worst error over the one that is allowed. *Plugins*: the same laws through their
-libraries, poisoned arguments, wrong counts and NULL among them. *Specimens*: variations of small cases; *refused* is a message before anything runs,
+libraries, poisoned arguments, wrong counts and NULL among them. *Specimens*: variations of small cases; *refused* is a message before anything runs
+(a failure, unless it is a known limit),
 *stopped* an end before the last increment, with a message and the rows up to there, *over the limit* a run that the benchmark ended after
 {increments} increments or {seconds} s of a processor, *known limit* a failure that is explained in its row and in the notes.";
 

@@ -127,9 +127,18 @@ impl Run {
         }
     }
 
-    /// Stopped, or out of balance.
-    fn is_broken(&self) -> bool {
+    fn is_refused(&self) -> bool {
+        matches!(self.end, End::Refused(_))
+    }
+
+    fn is_stopped(&self) -> bool {
         matches!(self.end, End::Stopped { .. })
+    }
+
+    /// Refused, stopped, or out of balance.
+    fn is_broken(&self) -> bool {
+        self.is_refused()
+            || self.is_stopped()
             || self.energy_error().is_some_and(|error| error > ENERGY_ERROR || error.is_nan())
     }
 
@@ -150,7 +159,7 @@ impl Run {
     fn note(&self) -> String {
         let reason = self
             .known_limit
-            .filter(|_| self.is_broken())
+            .filter(|_| self.is_broken() || self.is_over_limit())
             .map_or_else(String::new, |why| format!(". Known limit: {why}"));
         self.ending() + &reason
     }
@@ -179,9 +188,7 @@ pub(super) fn rows(runs: &[Run]) -> Vec<Row> {
         situation: run.family.into(),
         case: run.label.clone(),
         tried: 1,
-        excluded: u64::from(
-            !run.failed() && (matches!(run.end, End::Refused(_)) || run.is_over_limit() || run.is_at_known_limit()),
-        ),
+        excluded: u64::from(!run.failed() && (run.is_over_limit() || run.is_at_known_limit())),
         failed: u64::from(run.failed()),
         worst: run.energy_error().map(|error| error / ENERGY_ERROR),
         note: run.note(),
@@ -214,7 +221,7 @@ pub(super) fn summary(runs: &[Run]) -> Table {
     for family in runs.chunk_by(|a, b| (a.base, a.family) == (b.base, b.family)) {
         let count = |is: fn(&Run) -> bool| family.iter().filter(|run| is(run)).count();
         let worst = family.iter().filter_map(Run::energy_error).reduce(f64::max);
-        let stopped = |run: &Run| matches!(run.end, End::Stopped { .. }) && run.failed();
+        let unbalanced = |run: &Run| run.failed() && !run.is_stopped() && !run.is_refused();
         table.push([
             family[0].base.into(),
             family[0].family.into(),
@@ -222,9 +229,9 @@ pub(super) fn summary(runs: &[Run]) -> Table {
             family[family.len() - 1].label.as_str().into(),
             family.len().into(),
             count(|run| matches!(run.end, End::Reached { .. })).into(),
-            count(|run| matches!(run.end, End::Refused(_))).into(),
-            count(stopped).into(),
-            family.iter().filter(|run| run.failed() && !stopped(run)).count().into(),
+            count(Run::is_refused).into(),
+            count(|run| run.is_stopped() && run.failed()).into(),
+            count(unbalanced).into(),
             count(Run::is_over_limit).into(),
             count(Run::is_at_known_limit).into(),
             worst.into(),

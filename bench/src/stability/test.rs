@@ -2,9 +2,9 @@
 
 use super::progress::Progress;
 use super::specimens;
-use super::variations::bases;
+use super::variations::{Variation, bases};
 use super::{Row, data, laws, promises};
-use crate::runs::Limit;
+use crate::runs::{self, Limit};
 
 #[test]
 fn few_states_break_no_promise_and_every_promise_is_looked_at() {
@@ -33,6 +33,30 @@ fn two_hundred_variations_and_more_that_all_differ() {
     assert!(variations.len() >= 200, "{}", variations.len());
     for (k, variation) in variations.iter().enumerate() {
         assert!(!variations[..k].contains(variation), "{variation:?}");
+    }
+}
+
+/// A variation that is refused looks at nothing.
+#[test]
+fn variations_are_refused_for_a_known_reason_only() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (k, base) in bases().iter().enumerate() {
+        let file = folder.path().join(format!("{k}.json"));
+        std::fs::write(&file, base.case).expect("a case");
+        for family in &base.families {
+            for variation in &family.variations {
+                let set = base.set.iter().map(|&set| set.to_owned()).chain(variation.set.clone());
+                let read = runs::read(&file, &set.collect::<Vec<_>>(), &[]);
+                let Variation { label, known_limit, .. } = variation;
+                assert!(
+                    read.is_ok() || known_limit.is_some(),
+                    "{}, {} {label}: {:?}",
+                    base.name,
+                    family.name,
+                    read.err()
+                );
+            }
+        }
     }
 }
 

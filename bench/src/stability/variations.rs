@@ -90,7 +90,8 @@ fn of_contact(penalty: Family) -> Vec<Family> {
         penalty,
         friction(),
         family("p_0 [MPa]", decades(&["1"], -1..=5), key("contact.law.props.p_0")),
-        family("elastic bond [MPa/mm]", decades(&["1"], 1..=6), key("contact.law.props.k_e")),
+        family("elastic bond [MPa/mm]", decades(&["1"], 1..=6), key("contact.law.props.k_e"))
+            .limited(&["1e1"], SOFT_BOND),
     ]
 }
 
@@ -100,7 +101,11 @@ fn perpendicular(decades_of_increments: i32) -> Vec<Family> {
     families.push(family("elements along the fibre", [1, 2, 3, 7, 10, 40, 80], key("mesh.specimen.embedded_elements")));
     // 1.22 mm along the fibre
     families.push(family("size across at the hole [mm]", ["1", "0.5", "0.2", "0.1", "0.05", "0.0122"], |size| {
-        vec![format!("mesh.specimen.interface_size={size}"), "mesh.specimen.equal_sizes=true".into()]
+        vec![
+            format!("mesh.specimen.interface_size={size}"),
+            "mesh.specimen.exit_size=null".into(),
+            "mesh.specimen.equal_sizes=true".into(),
+        ]
     }));
     families.push(family(
         "edges of the hole on one of the fibre",
@@ -111,7 +116,7 @@ fn perpendicular(decades_of_increments: i32) -> Vec<Family> {
 }
 
 fn inclined() -> Vec<Family> {
-    let mut families = of_contact(penalty().limited(&["1e6"], OF_THE_INCLINED_FIBRE));
+    let mut families = of_contact(penalty());
     families.push(increments("increment / step", 3));
     families.push(family(
         "angle [°]",
@@ -149,35 +154,13 @@ fn cracking() -> Vec<Family> {
     ]
 }
 
-/// Reason why the stiffest penalties fail: the part that all have in common, and the measurement at one specimen.
-macro_rules! stiff_penalties {
-    ($measured:literal) => {
-        concat!(
-            "positions of 10 mm are rounded to 1.8e-15 mm, and a stiff penalty makes pressure and forces of that, below which nothing balances; ",
-            $measured
-        )
-    };
-}
+const SOFT_BOND: &str = "its elastic slip, 0.29 mm, is larger than that of the peak, 0.02 mm";
 
-/// Rounding over pressure in the first increment, and imbalance there.
-const ON_THE_CURVED_CHANNEL: &str = stiff_penalties!(
-    "a penalty of 4.3e10 (4.3e11) N/mm³ makes 7.7e-5 (7.7e-4) MPa; the stiffer the contact, the smaller the first increment that converges on a curved \
-surface, and its pressure is no more than that: rounding is 0.9 % of it at a factor of 1e4, with an imbalance of 5e-4, 70 % at 1e5, with 5e-2, and 140 % at \
-1e6, where points open and close at random and no increment follows"
-);
+const ON_THE_CURVED_CHANNEL: &str = "positions of 10 mm are rounded to 1.8e-15 mm, of which a penalty of 4.3e11 N/mm³ makes 7.7e-4 MPa, 79 % of the \
+pressure in the first increment: points open and close at random";
 
-/// Forces of rounding as the stepping takes them: 4 units in the last place times the largest stiffness.
-const OF_THE_INCLINED_FIBRE: &str = stiff_penalties!(
-    "forces balance to 1.8e-4 N (1.9e-5 N at 1e5), 2 % (0.2 %) of the first increment's 8.5e-3 N, and its energies, which shall balance to 3e-4, do not; a smaller \
-increment balances worse, and at 7e-11 mm the contact forces of 3e-5 N are less than rounding"
-);
-
-/// Residuals of the last twenty iterations, which alternate. Cutting the increment does not end it.
-const OF_THE_STRIP: &str = stiff_penalties!(
-    "a penalty of 8.4e10 (8.4e11) N/mm³ makes 1.5e-4 (1.5e-3) MPa, and forces balance to 7.0e-5 (7.0e-4) N where the load is 15 (7.3) N; rounding alone does not \
-stop it: Newton's method goes to and fro between two states 4.6e-8 (2.1e-8) mm apart with residuals of 6.7e-4 and 1.4e-3 (1.2e-3 and 1.0e-2) N, \
-whether increments are 6e-8 or 9e-9 (1.6e-6 or 1.3e-8) mm"
-);
+const OF_THE_STRIP: &str = "positions of 10 mm are rounded to 1.8e-15 mm, of which a penalty of 8.4e11 N/mm³ makes 1.5e-3 MPa; only increments of some \
+1e-6 of the step converge";
 
 /// Returns all base specimens.
 pub(super) fn bases() -> Vec<Base> {
@@ -226,7 +209,7 @@ pub(super) fn bases() -> Vec<Base> {
             case: include_str!("../../../cases/verification/capstan-bond.json"),
             set: &["output.plots=false"],
             families: vec![
-                penalty().limited(&["1e5", "1e6"], ON_THE_CURVED_CHANNEL),
+                penalty().limited(&["1e6"], ON_THE_CURVED_CHANNEL),
                 friction(),
                 family("increments", [1, 2, 5, 10, 100, 1000], key("steps.1.increments")),
             ],
@@ -236,7 +219,7 @@ pub(super) fn bases() -> Vec<Base> {
             case: include_str!("../../../cases/verification/drag-out-strip.json"),
             set: &["output.plots=false"],
             families: vec![
-                penalty().limited(&["1e5", "1e6"], OF_THE_STRIP),
+                penalty().limited(&["1e6"], OF_THE_STRIP),
                 friction(),
                 // edges of strip and block meet, or their nodes lie on each other's edges
                 family("edges of the strip", [6, 12, 24, 47, 48, 49], key("mesh.specimen.strip_edges")),
