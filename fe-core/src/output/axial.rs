@@ -2,8 +2,9 @@
 
 use super::fields::{Fields, FieldsError};
 use crate::element::MappedPoint;
-use crate::mesh::Mesh;
+use crate::mesh::{ElementEdge, Mesh};
 use crate::plane::{dot, minus, range};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Mean axial stress of a part's cross-sections along its axis: pairs of arc length, mm, and stress, MPa.
 ///
@@ -20,63 +21,77 @@ pub fn axial_stress(
     sections: usize,
 ) -> Result<Vec<(f64, f64)>, FieldsError> {
     fields.check(mesh)?;
-    let mut places = Vec::new();
+    let column_of = columns_along(mesh, part, axis);
+    // sums of area, its moment along the axis and the stress's integral
+    let mut columns = vec![[0.0; 3]; column_of.iter().flatten().max().map_or(0, |last| last + 1)];
     let mut stresses = fields.stresses.iter();
-    for (index, element) in mesh.elements().iter().enumerate() {
+    for (index, (element, column)) in mesh.elements().iter().zip(column_of).enumerate() {
         let (positions, count) = mesh.element_positions(index);
-        let place = (element.part() == part).then(|| Place::new(axis, &positions[..count])).flatten();
-        let mut sums = [0.0; 3];
+        let length = column.and_then(|_| length_along(axis, &positions[..count]));
         for (point, &[s11, s22, _, s12]) in mesh.integration_points(index).iter().zip(stresses.by_ref()) {
-            let Some(place) = &place else { continue };
+            let (Some(column), Some(length)) = (column, length) else { continue };
             let Ok(mapped) = MappedPoint::new(element.kind(), &positions[..count], point.coordinates) else { continue };
             let Some((arc, direction)) = projected(axis, mapped.position) else { continue };
             let [x, y] = turned(fields, element.nodes(), &mapped, direction);
             let depth = mesh.parts()[part].model.depth(mapped.position[0], element.thickness());
-            let area = point.weight * mapped.determinant * depth / place.length;
+            let area = point.weight * mapped.determinant * depth / length;
             let stress = s11 * x * x + 2.0 * s12 * x * y + s22 * y * y;
-            sums = add(sums, [area, area * arc, area * stress]);
-        }
-        places.extend(place.map(|place| (place, sums)));
-    }
-    places.sort_by(|a, b| a.0.middle.total_cmp(&b.0.middle));
-    // the middle of a section's first element, and sums of area, its moment along the axis and the stress's integral
-    let mut columns: Vec<(f64, [f64; 3])> = Vec::new();
-    for (place, sums) in places {
-        match columns.last_mut() {
-            Some((first, column)) if place.middle - *first <= 0.5 * place.extent => *column = add(*column, sums),
-            _ => columns.push((place.middle, sums)),
+            columns[column] = add(columns[column], [area, area * arc, area * stress]);
         }
     }
+    columns.retain(|[area, ..]| *area > 0.0);
+    columns.sort_by(|[a, p, _], [b, q, _]| (p / a).total_cmp(&(q / b)));
     let count = sections.min(columns.len());
     let mut sums = vec![[0.0; 3]; count];
-    for (index, (_, column)) in columns.iter().enumerate() {
+    for (index, column) in columns.iter().enumerate() {
         if let Some(sum) = sums.get_mut(index * count / columns.len()) {
             *sum = add(*sum, *column);
         }
     }
-    let filled = sums.into_iter().filter(|[area, ..]| *area > 0.0);
-    Ok(filled.map(|[area, moment, integral]| (moment / area, integral / area)).collect())
+    Ok(sums.into_iter().map(|[area, moment, integral]| (moment / area, integral / area)).collect())
 }
 
-/// Where an element lies along an axis.
-struct Place {
-    /// Arc length of its middle, mm.
-    middle: f64,
-    /// Difference of its nodes' arc lengths, mm.
-    extent: f64,
-    /// How long it is itself, mm: on the outer side of a bend it is longer than its piece of the axis.
-    length: f64,
-}
-
-impl Place {
-    fn new(axis: &[[f64; 2]], nodes: &[[f64; 2]]) -> Option<Self> {
-        let centre = nodes.iter().fold([0.0; 2], |[x, y], node| [x + node[0], y + node[1]]);
-        let (_, direction) = projected(axis, centre.map(|sum| sum / nodes.len() as f64))?;
-        let arcs = nodes.iter().filter_map(|&node| projected(axis, node)).map(|(arc, _)| arc);
-        let [from, to] = range(arcs);
-        let [start, end] = range(nodes.iter().map(|&node| dot(node, direction)));
-        Some(Self { middle: 0.5 * (from + to), extent: to - from, length: end - start })
+/// Numbers the cross-sections of a part: elements lie in one if they share an edge that runs along the axis rather than across it. No
+/// places decide: where a bend begins, the middles of elements of one cross-section lie apart along the axis. Other parts' elements have
+/// no number.
+fn columns_along(mesh: &Mesh, part: usize, axis: &[[f64; 2]]) -> Vec<Option<usize>> {
+    let elements = mesh.elements();
+    let mut columns = vec![None; elements.len()];
+    let mut count = 0;
+    for first in 0..elements.len() {
+        if elements[first].part() != part || columns[first].is_some() {
+            continue;
+        }
+        let mut open = vec![first];
+        columns[first] = Some(count);
+        while let Some(element) = open.pop() {
+            for edge in 0..elements[element].kind().corner_count() {
+                let edge = ElementEdge { element, edge };
+                let Some(other) = mesh.neighbour(edge).map(|other| other.element) else { continue };
+                if elements[other].part() == part && columns[other].is_none() && runs_along(mesh, edge, axis) {
+                    columns[other] = Some(count);
+                    open.push(other);
+                }
+            }
+        }
+        count += 1;
     }
+    columns
+}
+
+fn runs_along(mesh: &Mesh, edge: ElementEdge, axis: &[[f64; 2]]) -> bool {
+    let [start, end, _] = mesh.edge_positions(&mesh.edge_nodes(edge), None);
+    let middle = std::array::from_fn(|k| 0.5 * (start[k] + end[k]));
+    let [x, y] = minus(end, start);
+    projected(axis, middle).is_some_and(|(_, direction)| dot([x, y], direction).abs() > FRAC_1_SQRT_2 * x.hypot(y))
+}
+
+/// Returns how long an element is along the axis, mm: on the outer side of a bend it is longer than its piece of the axis.
+fn length_along(axis: &[[f64; 2]], nodes: &[[f64; 2]]) -> Option<f64> {
+    let centre = nodes.iter().fold([0.0; 2], |[x, y], node| [x + node[0], y + node[1]]);
+    let (_, direction) = projected(axis, centre.map(|sum| sum / nodes.len() as f64))?;
+    let [start, end] = range(nodes.iter().map(|&node| dot(node, direction)));
+    Some(end - start)
 }
 
 fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

@@ -500,6 +500,30 @@ fn bending_has_no_part_in_the_axial_stress() {
     }
 }
 
+/// Bending on a straight part whose cross-sections lean, as they do where a bend begins: layers of one lie apart along the axis.
+#[test]
+fn leaning_cross_sections_are_not_taken_apart() {
+    let [columns, layers] = [8usize, 4usize];
+    let nodes =
+        (0..=columns).flat_map(|i| (0..=layers).map(move |j| [0.5 * i as f64 + 0.15 * j as f64, 0.2 * j as f64]));
+    let element = |i: usize, j: usize| {
+        let node = |i, j| i * (layers + 1) + j;
+        let nodes = vec![node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+        ElementDefinition { kind: ElementKind::Q4, part: 0, nodes }
+    };
+    let elements = (0..columns).flat_map(|i| (0..layers).map(move |j| element(i, j))).collect();
+    let parts = vec![Part::new("fibre", PlaneModel::PlaneStress, 1.0)];
+    let mesh =
+        Mesh::new(MeshDefinition { nodes: nodes.collect(), parts, elements, ..MeshDefinition::default() }).unwrap();
+    let stresses = at_points(&mesh, |_, [_, y], _| [100.0 + 2000.0 * (y - 0.4), 0.0, 0.0, 0.0]);
+    let profile = axial_stress(&mesh, &still(&mesh, stresses), 0, &[[0.0, 0.4], [6.0, 0.4]], 400).unwrap();
+    assert_eq!(profile.len(), columns);
+    for (arc, stress) in profile {
+        assert_abs_diff_eq!(stress, 100.0, epsilon = 1e-9);
+        assert!((0.0..6.0).contains(&arc));
+    }
+}
+
 /// Stresses of a body that has not moved.
 fn still(mesh: &Mesh, stresses: Vec<[f64; 4]>) -> Fields {
     let displacements = vec![0.0; 2 * mesh.nodes().len()];

@@ -74,7 +74,10 @@ impl Returned {
             cone: *cone,
         };
         let excess = cone.yield_function(trial_mean_stress, trial_root_j2);
-        let terms = 3.0 * cone.friction * trial_mean_stress.abs() + trial_root_j2 + cone.shear_strength;
+        // the deviator is a difference of strains: its rounding grows with the volumetric strain, 2μ |tr ε| as a stress
+        let volumetric_stress = 2.0 * mu / bulk * trial_mean_stress.abs();
+        let terms =
+            3.0 * cone.friction * trial_mean_stress.abs() + volumetric_stress + trial_root_j2 + cone.shear_strength;
         if excess > YIELD_ROUNDING * terms {
             let multiplier = excess / (mu + 9.0 * bulk * cone.friction * cone.dilation);
             let mean_stress = trial_mean_stress - 3.0 * bulk * cone.dilation * multiplier;

@@ -36,6 +36,22 @@ battery!(
     pages: ["drucker_prager/doc.md": &[PARAMETERS, STATES]]
 );
 
+/// An increment met again does not flow without friction, where no term of the yield function grows with the pressure.
+#[test]
+fn a_point_under_pressure_does_not_flow_twice() {
+    let mut random = Random::new(11);
+    for _ in 0..1000 {
+        let mut point = Point::<DruckerPrager>::virgin(&[E, NU, COHESION, 0.0, 0.0, 0.0], StressState::ThreeD);
+        let mean = random.between(-0.3, 0.3);
+        let mut strain = random.strain(StressState::ThreeD, 3e-3);
+        strain[..3].iter_mut().for_each(|component| *component += mean);
+        point.advance(&strain);
+        let state = point.state.clone();
+        point.advance(&strain);
+        assert_eq!(point.state, state, "{strain:?}");
+    }
+}
+
 #[test]
 fn uniaxial_strengths_are_those_of_the_cone() {
     // cone, tension, compression: doc.md's table, here from Mohr–Coulomb and ABAQUS formulas

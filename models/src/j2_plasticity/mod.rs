@@ -71,10 +71,12 @@ impl Returned {
     }
 }
 
-/// The greatest equivalent stress without flow, MPa.
+/// The greatest equivalent stress without flow, MPa. The deviator is a difference of strains: its rounding grows with the volumetric
+/// strain, 2μ |tr ε| as a stress.
 #[inline(always)]
-fn admissible_stress(hardening: &Hardening<'_>, peeq: f64) -> f64 {
-    hardening.yield_stress(peeq) * (1.0 + YIELD_ROUNDING)
+fn admissible_stress(hardening: &Hardening<'_>, peeq: f64, volumetric_stress: f64) -> f64 {
+    let yield_stress = hardening.yield_stress(peeq);
+    yield_stress + YIELD_ROUNDING * (yield_stress + volumetric_stress)
 }
 
 /// Elastic trial strains beyond this are errors of the host; their squares times moduli stay numbers.
@@ -123,7 +125,7 @@ impl Law for J2Plasticity {
         let strain = state.elastic_strain(&increment.strain);
         let trial = radial_return::TrialState::new(elasticity, &strain, &increment.strain);
         // squares: no root is taken; false for NaN too
-        let admissible = admissible_stress(hardening, state.peeq);
+        let admissible = admissible_stress(hardening, state.peeq, trial.volumetric_stress(elasticity));
         let is_elastic = trial.equivalent_stress_squared(elasticity) <= admissible * admissible;
         if !(is_elastic && check_trial_strain(&strain).is_ok()) {
             return None;

@@ -110,7 +110,7 @@ pub(super) fn plane_stress_return(
     let peeq = state.peeq;
     let elastic = Projected::new(elasticity, trial, 0.0);
     let trial_stress = elastic.equivalent_stress();
-    let plastic = trial_stress > admissible_stress(hardening, peeq);
+    let plastic = trial_stress > admissible_stress(hardening, peeq, 0.0);
     let kappa = if plastic { solve_kappa(parameters, trial, trial_stress, peeq) } else { 0.0 };
     let projected = if plastic { Projected::new(elasticity, trial, kappa) } else { elastic };
     let q = projected.equivalent_stress();

@@ -31,6 +31,12 @@ impl TrialState {
         6.0 * (elasticity.shear_modulus * elasticity.shear_modulus) * self.norm_squared
     }
 
+    /// 2μ |tr ε|, MPa.
+    #[inline(always)]
+    pub fn volumetric_stress(&self, elasticity: &Elasticity) -> f64 {
+        2.0 * elasticity.shear_modulus * self.volumetric.abs()
+    }
+
     /// The stress with the deviator's share of another shear modulus.
     #[inline(always)]
     fn stress(&self, shear_modulus: f64) -> [f64; 6] {

@@ -92,6 +92,22 @@ fn shear_yields_at_yield_stress_over_root_three() {
     }
 }
 
+/// An increment met again does not flow, however large the volumetric strain whose rounding the deviator has.
+#[test]
+fn a_point_under_pressure_does_not_flow_twice() {
+    let mut random = Random::new(11);
+    for _ in 0..1000 {
+        let mut point = Point::<J2Plasticity>::virgin(&LINEAR, StressState::ThreeD);
+        let mean = random.between(-0.3, 0.3);
+        let mut strain = random.strain(StressState::ThreeD, 3e-3);
+        strain[..3].iter_mut().for_each(|component| *component += mean);
+        point.advance(&strain);
+        let state = point.state.clone();
+        point.advance(&strain);
+        assert_eq!(point.state, state, "{strain:?}");
+    }
+}
+
 #[test]
 fn equibiaxial_plane_stress_yields_at_the_yield_stress() {
     let mut point = Point::<J2Plasticity>::virgin(&LINEAR, StressState::PlaneStress);
