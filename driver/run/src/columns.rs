@@ -258,7 +258,7 @@ pub(crate) static SPECIMEN: &[HistoryColumn<Record>] = &[
     column("interface_energy", "N·mm", "interface energy", Energy, |record| record.energies.interface),
     // Recoverable part of the work of the interface.
     column("interface_stored_energy", "N·mm", "interface stored energy", Energy, |r| r.energies.interface_stored),
-    // Dissipated part of the work of the interface.
+    // Dissipated part of the work of the interface: the work, a trapezoidal sum over increments, less what is stored. Where contact closes in few large increments the sum's error is in it.
     column("interface_dissipation", "N·mm", "interface dissipation", Energy, |r| r.energies.interface_dissipation()),
     // Energy of normal bonds that broke.
     column("opening_energy", "N·mm", "opening energy", Energy, |record| record.energies.opening),

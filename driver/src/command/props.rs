@@ -5,6 +5,7 @@ use clap::Subcommand;
 use models::concrete_damage::ConcreteDamage;
 use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, ConcreteProperties, properties_with_exponent};
 use pullout_case::concrete_of_class;
+use pullout_run::number::significant;
 use umat_abi::law::Law as _;
 
 /// Laws that can be calibrated.
@@ -45,6 +46,9 @@ pub(super) enum CalibratedLaw {
 
 /// Usual range for concrete, from aerated to ultra-high-performance, MPa.
 const USUAL: [(&str, [f64; 2]); 3] = [("--E", [500.0, 1e5]), ("--ft", [0.05, 50.0]), ("--fc", [0.5, 500.0])];
+
+/// Exponents of damage below this leave more of the energy in the tail than comes before it.
+const LONG_TAIL: f64 = 1.25;
 
 pub(super) fn print(law: &CalibratedLaw) -> Result<u8, Refusal> {
     let CalibratedLaw::ConcreteDamage {
@@ -87,6 +91,15 @@ pub(super) fn print(law: &CalibratedLaw) -> Result<u8, Refusal> {
                 "warning: {option} {value} is outside the usual range of concretes, {lower} to {upper} MPa: is it in MPa?"
             ));
         }
+    }
+    if let Some(energy) = crushing_energy
+        && *compressive_exponent < LONG_TAIL
+    {
+        let power = significant(2.0 - 2.0 * compressive_exponent, 2);
+        complain(format!(
+            "warning: --Gc {energy}: with --Bc {compressive_exponent} most of it lies in the tail: beyond a strain there is a part that falls as \
+             strain^{power} (docs/theory/crack-band.md). Give a greater --Bc"
+        ));
     }
     let properties = properties_with_exponent(&concrete, *compressive_exponent)
         .map_err(|error| Refusal::input(format!("props concrete_damage: {error}")))?;

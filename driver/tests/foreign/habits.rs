@@ -270,3 +270,30 @@ fn work_that_comes_back_is_no_measure_of_energies() {
         assert!(name == "there" || run.history.last("external_work").abs() > 1e-6 * largest);
     }
 }
+
+/// A law that counts what lies on its yield surface as loading has the tangent of loading at every converged state, within rounding. A step
+/// to a lower stress unloads all the same: back along E, not on along the softening branch.
+#[test]
+fn a_step_to_a_lower_stress_unloads_whatever_the_tangent_on_the_surface() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "j2_habits.f90", &[]) else { return };
+    for hardening in [-2000.0, -500.0, 0.0, 1000.0] {
+        for (loaded, count) in [(0.004, 7), (0.0123, 7), (0.0123, 40), (0.02, 40)] {
+            for target in [json!({}), json!({ "s11": 50.0 })] {
+                let end = target["s11"].as_f64().unwrap_or(0.0);
+                let material =
+                    json!({ "plugin": library, "props": [2e5, 0.3, 250.0, hardening, 0, 0, 0], "nstatv": 7 });
+                let steps = json!([
+                    { "increments": count, "target": { "e11": loaded } },
+                    { "increments": 10, "target": target },
+                ]);
+                let name = format!("unloading-{hardening}-{loaded}-{count}-{end}");
+                let run = super::run(&desk, &name, &point(material, "3d", steps));
+                let stress = run.history.column("s11")[count];
+                let back = loaded - (stress - end) / 2e5;
+                let strain = run.history.last("e11");
+                assert!((strain - back).abs() < 1e-9, "{hardening} {loaded} {count} {end}: {strain}, not {back}");
+            }
+        }
+    }
+}

@@ -158,6 +158,26 @@ fn a_wire_breaks_at_its_strength_and_bending_is_no_rupture() {
     }
 }
 
+/// An elastic wire breaks under strength × area, whatever the increments: the one in which it breaks is shortened to the break.
+#[test]
+fn an_increment_ends_where_the_wire_breaks() {
+    let desk = Desk::new();
+    for (number, strength) in [20.0, 50.0, 100.0, 185.0].into_iter().enumerate() {
+        for increments in [json!(7), json!({ "initial": 0.02, "maximum": 0.3 })] {
+            let mut case = wire(program::coarse_fibre(), 1.0);
+            case["nlgeom"] = json!(false);
+            let elastic = json!({ "plugin": "linear_elastic", "props": { "E": 210e3, "nu": 0.3 } });
+            case["parts"]["fibre"] = json!({ "strength": strength, "material": elastic });
+            case["steps"] = json!([{ "slip": 0.2, "increments": increments }]);
+            let name = format!("{number}-{}", increments.is_number());
+            let run = desk.run(&desk.case("case.json", &case), &[], &name, 0);
+            let load = run.summary["ruptures"]["fibre"]["load"].as_f64().expect("it breaks");
+            let force = strength * std::f64::consts::FRAC_PI_4 * 0.406 * 0.406;
+            assert!((load / force - 1.0).abs() < 2e-3, "{strength} MPa, {increments}: {load} N, not {force} N");
+        }
+    }
+}
+
 /// A wire that necks at 400 MPa breaks there, though its strength is said to be 420 MPa: it does not go on as a pull-out.
 #[test]
 fn a_wire_that_necks_below_its_strength_breaks() {

@@ -194,10 +194,16 @@ impl Wire {
         self.strength.is_some() || self.elongation.is_some()
     }
 
+    /// Returns the strain and the stress, of the initial area, of a section as parts of those at which it breaks: the greater one. 0: the
+    /// wire cannot break.
+    pub fn utilisation(&self, strain: f64, stress: f64) -> f64 {
+        let part = |value: f64, limit: Option<f64>| limit.map_or(0.0, |limit| value / limit);
+        part(strain, self.elongation).max(part(stress, self.strength))
+    }
+
     /// Returns whether a section with this strain and this stress, of the initial area, has broken.
     pub fn breaks(&self, strain: f64, stress: f64) -> bool {
-        let over = |value: f64, limit: Option<f64>| limit.is_some_and(|limit| value >= limit);
-        over(strain, self.elongation) || over(stress, self.strength)
+        self.utilisation(strain, stress) >= 1.0
     }
 }
 

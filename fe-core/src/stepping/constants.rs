@@ -148,6 +148,8 @@ pub(super) const LEAST_FOR_OVERSTRESS: f64 = 1.0 / 256.0;
 pub(super) const MAX_ENERGY_LOOKS: u32 = 3;
 /// The load of neighbours of the peak differs by less than this part of it.
 pub(super) const PEAK_RESOLUTION: f64 = 2e-3;
+/// A wire breaks at its strength or its elongation within this part of it.
+pub(super) const BREAK_RESOLUTION: f64 = 1e-3;
 /// The drives move at most so many times as far as in the last increment where dissipation leads: elastic unloading needs
 /// next to none of it, and would be taken for the path.
 pub(super) const LARGEST_TURN: f64 = 2.0;

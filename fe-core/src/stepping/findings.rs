@@ -26,6 +26,7 @@ impl Analysis<'_> {
         };
         Findings {
             load: load.abs(),
+            wire_utilisations: self.present.stretches.utilisations(&self.snapshot(), &trial),
             pulls_on: (drive(&converged.end) - drive(&self.present.committed)) * load > 0.0,
             field_departs: self.equilibrium.field.as_ref().is_some_and(Field::departs),
             slip_growth: contact.largest_slip_growth(),

@@ -11,6 +11,9 @@ pub(super) struct Stretches {
     wires: Vec<Vec<Stretch>>,
 }
 
+/// Stress 11, 22, 33, 12 of a point of an element, MPa.
+type PointStress<'a> = dyn Fn(usize, usize) -> [f64; 4] + 'a;
+
 /// A section between two stations of a wire.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Stretch {
@@ -41,9 +44,38 @@ impl Stretches {
 
     /// Returns the greatest strain and stress among the sections of each wire.
     pub(super) fn records(&self, snapshot: &Snapshot<'_>) -> Vec<WireRecord> {
-        let wires = &snapshot.model().measured.wires;
+        let solids = snapshot.solids();
+        let stress = |element, point| solids.point(element, point).stress;
+        self.with_stresses(snapshot, &stress).map(|(_, record)| record).collect()
+    }
+
+    /// Returns how much of what breaks it the wire bears that is nearest to breaking, at the committed state and at the end of an
+    /// increment that converged: 1 where it breaks.
+    pub(super) fn utilisations(&self, committed: &Snapshot<'_>, trial: &Snapshot<'_>) -> [f64; 2] {
+        if !committed.model().measured.wires.iter().any(Wire::has_limits) {
+            return [0.0; 2];
+        }
+        let mut end = self.clone();
+        end.advance(committed.model(), trial.displacements());
+        let solids = committed.solids();
+        let before = self.greatest_utilisation(committed, &|element, point| solids.point(element, point).stress);
+        [before, end.greatest_utilisation(trial, &|element, point| solids.trial_stress(element, point))]
+    }
+
+    fn greatest_utilisation(&self, snapshot: &Snapshot<'_>, stress: &PointStress<'_>) -> f64 {
+        let wires = self.with_stresses(snapshot, stress);
+        wires.map(|(wire, WireRecord { strain, stress })| wire.utilisation(strain, stress)).fold(0.0, f64::max)
+    }
+
+    /// Each wire with its greatest strain and stress.
+    fn with_stresses<'a>(
+        &'a self,
+        snapshot: &'a Snapshot<'a>,
+        stress: &'a PointStress<'a>,
+    ) -> impl Iterator<Item = (&'a Wire, WireRecord)> {
         let of = |index: usize| self.wires.get(index).map_or(&[][..], Vec::as_slice);
-        wires.iter().enumerate().map(|(index, wire)| record(wire, of(index), snapshot)).collect()
+        let wires = snapshot.model().measured.wires.iter().enumerate();
+        wires.map(move |(index, wire)| (wire, record(wire, of(index), snapshot, stress)))
     }
 }
 
@@ -109,8 +141,8 @@ impl Shape {
     }
 }
 
-fn record(wire: &Wire, stretches: &[Stretch], snapshot: &Snapshot<'_>) -> WireRecord {
-    let stresses = wire.sections.iter().map(|section| nominal_stress(section, snapshot));
+fn record(wire: &Wire, stretches: &[Stretch], snapshot: &Snapshot<'_>, stress: &PointStress<'_>) -> WireRecord {
+    let stresses = wire.sections.iter().map(|section| nominal_stress(section, snapshot, stress));
     let initial = |section| Shape::new(snapshot.model(), section, None).lengths()[1];
     let lengths = wire.sections.iter().zip(stretches).map(|(section, stretch)| {
         let length = initial(section);
@@ -138,7 +170,7 @@ fn elongation(sections: &[[f64; 2]], gauge: f64) -> f64 {
 }
 
 /// Mean stress of a section along its axis, on its initial area, MPa.
-fn nominal_stress(section: &WireSection, snapshot: &Snapshot<'_>) -> f64 {
+fn nominal_stress(section: &WireSection, snapshot: &Snapshot<'_>, stress: &PointStress<'_>) -> f64 {
     let (model, solids) = (snapshot.model(), snapshot.solids());
     let is_large = section.elements.iter().any(|&element| model.nlgeom[model.mesh.elements()[element].part()]);
     let moved = is_large.then(|| snapshot.displacements());
@@ -153,10 +185,11 @@ fn nominal_stress(section: &WireSection, snapshot: &Snapshot<'_>) -> f64 {
             [x + u, y + v]
         });
         let length = after.length_at(at.map(|sum| sum / nodes.len() as f64));
-        for point in (0..solids.point_count(element)).map(|point| solids.point(element, point)) {
-            let [s11, s22, _, s12] = point.stress;
-            force += point.volume / length * (s11 * a * a + s22 * b * b + 2.0 * s12 * a * b);
-            area += point.volume / length;
+        for point in 0..solids.point_count(element) {
+            let [s11, s22, _, s12] = stress(element, point);
+            let part = solids.point(element, point).volume / length;
+            force += part * (s11 * a * a + s22 * b * b + 2.0 * s12 * a * b);
+            area += part;
         }
     }
     // metal keeps its volume where it yields: its area shrinks as it gets longer

@@ -88,7 +88,7 @@ umat_abi::parameters! {
         tau_res: f64 = Parameter::new(c"tau_res", c"MPa", 0.5, c"residual friction of the broken bond")
             .at_least(0.0)
             .typically(0.0, 100.0);
-        k_u: f64 = Parameter::new(c"k_u", c"MPa/mm", 850.0, c"unloading stiffness of law A; 0: k_e")
+        k_u: f64 = Parameter::new(c"k_u", c"MPa/mm", 850.0, c"unloading stiffness of law A, at most k_e; 0: k_e")
             .at_least(0.0)
             .typically(1.0, 1e7);
         /// μ.

@@ -147,7 +147,8 @@ impl Parameters {
         let numerator = g_1 * q - g * q_1;
         let slope = (1.0 - RESIDUAL) * numerator / (sum * sum);
         let curvature = (1.0 - RESIDUAL) * ((g_2 * q - g * q_2) - 2.0 * (g_1 + q_1) * numerator / sum) / (sum * sum);
-        let eta = (1.0 - RESIDUAL) * q / (g + RESIDUAL * q);
+        // so rounding does not heal a point that is all but broken
+        let eta = (1.0 - RESIDUAL) / (g / q + RESIDUAL);
         Degradation { eta, stress_slope: slope, slope, curvature }
     }
 

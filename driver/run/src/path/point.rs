@@ -32,6 +32,8 @@ const RESISTANCE: f64 = 0.35;
 /// Torn matter also has less than this part of the stiffness that it began with, where a small share of those strains is taken back.
 const STIFFNESS: f64 = 0.05;
 const SMALL_SHARE: f64 = 1e-4;
+/// The share of the last increment that is taken back to see how the matter unloads.
+const A_LITTLE_BACK: f64 = 1e-3;
 /// The part of the time increment that such a trial takes.
 const INSTANT: f64 = 1e-3;
 /// Growth of such strains until they are tried again.
@@ -183,6 +185,8 @@ struct Runner<'p> {
     largest_stress: f64,
     /// The same since the start of the step.
     largest_stress_of_step: f64,
+    /// Change of the strains in the last increment that changed any.
+    last_increment: [f64; 6],
     /// Tangent at the last committed state, for the first guess.
     tangent: Option<[[f64; 6]; 6]>,
     plan: Plan,
@@ -318,6 +322,7 @@ impl<'p> Runner<'p> {
             largest_stress: committed.stress.iter().fold(0.0, |largest, s| s.abs().max(largest)),
             largest_stress_of_step: 0.0,
             committed,
+            last_increment: [0.0; 6],
             tangent: None,
             plan: Plan { time: initial.time, ..Plan::default() },
             goal,
@@ -361,11 +366,13 @@ impl<'p> Runner<'p> {
         thickness_at(&self.call, strain[2], self.strain_33, statev, free)
     }
 
-    /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows.
+    /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows, or by that of unloading where this
+    /// leads back.
     ///
     /// Below the peak of a softening law two strains have the same lower stress: further along the softening branch
     /// and back along the unloading branch. A step that asks for a lower stress means the latter; the tangent of the
-    /// last loading increment would lead to the former.
+    /// last loading increment would lead to the former. So would that of a zero increment of a law that ends its increments on the surface
+    /// and counts what is on it as loading; therefore the law is asked a little way back, too.
     fn unloading_tangent(&mut self, statistics: &mut Statistics) {
         self.tangent = None;
         if self.goal.deformation_gradient.is_some() || !self.goal.controls_stress(self.components) {
@@ -373,13 +380,24 @@ impl<'p> Runner<'p> {
         }
         self.prepare_call(0.0, 1.0);
         self.databases.increment_starts(clock(&self.call, self.call.time));
-        let strain = *self.strain();
-        let evaluation = self.point(statistics).evaluate(&[0.0; 6], || strain, Request::StressAndTangent);
-        if let Ok(evaluation) = evaluation
-            && evaluation.tangent.as_flattened().iter().all(|x| x.is_finite())
-        {
-            self.tangent = Some(evaluation.tangent);
+        let last = self.last_increment;
+        if last != [0.0; 6] {
+            self.tangent = self.tangent_after(&last.map(|strain| -A_LITTLE_BACK * strain), statistics);
+            let (_, guess) = self.first_increment(1.0, &mut Vec::new());
+            let leads_back = guess.iter().zip(&last).map(|(a, b)| a * b).sum::<f64>() < 0.0;
+            if self.tangent.is_some() && leads_back {
+                return;
+            }
         }
+        self.tangent = self.tangent_after(&[0.0; 6], statistics);
+    }
+
+    /// The tangent after an increment from the committed state; `None` if there is none of numbers.
+    fn tangent_after(&mut self, increment: &[f64; 6], statistics: &mut Statistics) -> Option<[[f64; 6]; 6]> {
+        let strain = *self.strain();
+        let end = || std::array::from_fn(|i| strain[i] + increment[i]);
+        let evaluation = self.point(statistics).evaluate(increment, end, Request::StressAndTangent).ok()?;
+        evaluation.tangent.as_flattened().iter().all(|x| x.is_finite()).then_some(evaluation.tangent)
     }
 
     /// Left side of a relation at the committed state.
@@ -804,8 +822,13 @@ impl Divisible for Runner<'_> {
 
     fn commit(&mut self, observer: &mut dyn Observer) {
         observer.accepted(Accepted::Umat(&self.committed, &self.call));
+        let before = *self.strain();
         let state = &mut self.committed;
         take_over(&self.call, self.components, &self.trial.strain, self.strain_33, state, self.finite.as_mut());
+        let moved: [f64; 6] = std::array::from_fn(|i| self.trial.strain[i] - before[i]);
+        if moved != [0.0; 6] {
+            self.last_increment = moved;
+        }
         let largest = self.components.iter().fold(0.0_f64, |largest, &i| largest.max(state.stress[i].abs()));
         self.largest_stress = self.largest_stress.max(largest);
         self.largest_stress_of_step = self.largest_stress_of_step.max(largest);

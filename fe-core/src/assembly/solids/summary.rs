@@ -296,6 +296,11 @@ impl Solids {
         }
     }
 
+    /// The stress of a point of an element at the last evaluation, MPa.
+    pub(crate) fn trial_stress(&self, element: usize, point: usize) -> Components {
+        self.block(element).body.points.trial.stress[self.record(element).points.start + point]
+    }
+
     /// The greatest equivalent plastic strain of the points of a part, and their greatest principal stress, MPa: along a fibre, by tension
     /// and bending. NaN without a part or points, or without a law that has such a strain.
     pub(crate) fn greatest_in_part(&self, of: Option<usize>) -> GreatestInPart {

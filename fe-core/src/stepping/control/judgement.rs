@@ -3,8 +3,8 @@
 use super::{Dragged, Lead, Led, LoadHistory, StepRun};
 use crate::assembly::{Location, PointFailure, Setback};
 use crate::stepping::constants::{
-    AIM, CAUTIOUS, ENERGY_BUDGET, ENERGY_TOLERANCE, LARGEST_FALL, LARGEST_TURN, LEAST_FOR_OVERSTRESS, LEAST_SHARE,
-    MAX_ENERGY_LOOKS, MAX_REFUSALS, PEAK_RESOLUTION, SMALLER, STABILISATION_BUDGET, THROUGH_DRAG,
+    AIM, BREAK_RESOLUTION, CAUTIOUS, ENERGY_BUDGET, ENERGY_TOLERANCE, LARGEST_FALL, LARGEST_TURN, LEAST_FOR_OVERSTRESS,
+    LEAST_SHARE, MAX_ENERGY_LOOKS, MAX_REFUSALS, PEAK_RESOLUTION, SMALLER, STABILISATION_BUDGET, THROUGH_DRAG,
 };
 use crate::stepping::newton::{Converged, Leader};
 
@@ -13,6 +13,8 @@ use crate::stepping::newton::{Converged, Leader};
 pub(in crate::stepping) struct Findings {
     /// |load| at its end.
     pub(in crate::stepping) load: f64,
+    /// How much of what breaks it the wire bears that is nearest to breaking, before the increment and at its end.
+    pub(in crate::stepping) wire_utilisations: [f64; 2],
     /// The largest growth of a contact point's slip, as a multiple of what is admissible.
     pub(in crate::stepping) slip_growth: f64,
     /// Whether the drive of the slip went where the load pulls.
@@ -116,7 +118,15 @@ impl StepRun {
                 }
             }
         }
-        if !self.locates_peak || load.peaked || self.is_least() {
+        if self.is_least() {
+            return Ok(());
+        }
+        let [before, end] = findings.wire_utilisations;
+        if before < 1.0 && end > 1.0 + BREAK_RESOLUTION {
+            let fraction = (1.0 + 0.5 * BREAK_RESOLUTION - before) / (end - before);
+            return Err(repeat("a wire breaks within the increment", self.allowed(fraction)));
+        }
+        if !self.locates_peak || load.peaked {
             return Ok(());
         }
         if findings.slip_growth > 1.0 {

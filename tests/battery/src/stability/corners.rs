@@ -2,6 +2,7 @@
 
 use crate::Random;
 use crate::samples::biaxial_damage as biaxial;
+use std::f64::consts::PI;
 
 /// PROPS and CELENT.
 pub type Corner = (Vec<f64>, Option<f64>);
@@ -92,6 +93,20 @@ pub fn concrete(random: &mut Random, inelastic: bool, band: bool) -> Corner {
     let length = band.then(|| 10_f64.powf(3.0 * random.unit() - 2.0));
     let shared = [beta, zeta_c];
     ([elasticity(random).as_slice(), &laws[0], &laws[1], &shared, &fractions, &energies].concat(), length)
+}
+
+/// Any parameters of `concrete_phase_field`, with a length that is mostly short enough.
+pub fn phase_field(random: &mut Random) -> Corner {
+    let [youngs_modulus, poisson_ratio] = elasticity(random);
+    let band = youngs_modulus * (1.0 - poisson_ratio) / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio));
+    let tensile_strength = youngs_modulus * 10_f64.powf(-6.0 + 3.0 * random.unit());
+    let fracture_energy = 10_f64.powf(4.0 * random.unit() - 3.0);
+    let [p, a_2, a_3] = [2.0 + 8.0 * random.unit().powi(2), -0.9 * random.unit(), 3.0 * random.unit()];
+    let longest = 4.0 * band * fracture_energy / (PI * tensile_strength * tensile_strength * (a_2 + p + 0.5));
+    let crack = [tensile_strength, fracture_energy, 1.1 * random.unit() * longest, p, a_2, a_3];
+    let any = random.unit();
+    let shared = [pick(random, &[0.0, 0.17, 1.0, any]), pick(random, &[0.0, 0.0, 1.0, 10.0])];
+    ([&[youngs_modulus, poisson_ratio], crack.as_slice(), &damage_law(random), &shared].concat(), None)
 }
 
 pub fn mises(random: &mut Random) -> Corner {

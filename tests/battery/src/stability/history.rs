@@ -55,6 +55,10 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
 
     pub fn run(mut self, random: &mut Random, ledger: &mut Ledger) {
         for _ in 0..LEGS {
+            if L::COUPLED {
+                // a phase field, which grows to 1
+                self.point.temperature += random.unit().powi(3) * (1.0 - self.point.temperature);
+            }
             let thrown = Thrown::random(random, self.point.stress_state, &self.point.strain, self.sample.size);
             if random.unit() < 0.02 {
                 self.bad_number(random, &thrown.strain, ledger);
@@ -255,7 +259,9 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         let (Ok(still), state) = self.point.respond(strain, Request::Stress) else {
             return ledger.require("a zero increment is answered", false, || self.context(strain));
         };
-        let rounding = 1e-13 * self.sample.props[0] * self.reach / (1.0 - 2.0 * self.sample.props[1]);
+        // subnormal strains are no more than rounding
+        let resolution = 1e-13 * self.reach + f64::MIN_POSITIVE;
+        let rounding = self.sample.props[0] * resolution / (1.0 - 2.0 * self.sample.props[1]);
         // η next to its threshold is known to the rounding of Y, hence D and not η
         let same = |name: &str, a: f64, b: f64| {
             (a - b).abs() <= 1e-12 * b.abs() + if name.starts_with("eta") { 1e-12 } else { 0.0 }

@@ -7,7 +7,7 @@ use crate::samples::{
 };
 use crate::{STRESS_STATES, Sample};
 use models::biaxial_damage::BiaxialDamage;
-use models::concrete_damage::ConcreteDamage;
+use models::concrete_damage::{ConcreteDamage, ConcretePhaseField, PhaseFieldParameters};
 use models::drucker_prager::DruckerPrager;
 use models::inelastic_damage::InelasticDamage;
 use models::j2_plasticity::J2Plasticity;
@@ -15,6 +15,7 @@ use models::linear_elastic::LinearElastic;
 use models::pure_damage::PureDamage;
 use models::reverse_cyclic_damage::ReverseCyclicDamage;
 use umat_abi::law::StressState;
+use umat_abi::table::Parameters as _;
 
 /// A law in one of its forms.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +44,7 @@ pub fn forms() -> Vec<Form> {
         form("concrete_damage", "IV-HP", |s, k, n| concrete_damage([true, false], &[1], s, k, n)),
         form("concrete_damage", "IV-H, crack band", |s, k, n| concrete_damage([false, true], &[3], s, k, n)),
         form("concrete_damage", "IV-HP, crack band", |s, k, n| concrete_damage([true, true], &[4], s, k, n)),
+        form("concrete_phase_field", "", concrete_phase_field),
         form("j2_plasticity", "", j2_plasticity),
         form("drucker_prager", "", drucker_prager),
     ]
@@ -139,6 +141,23 @@ fn concrete_damage(
         ..MOST
     };
     throw::<ConcreteDamage>(&subject, stress_state, chunk, states)
+}
+
+/// Throws states at the law, whose field grows along each history.
+fn concrete_phase_field(stress_state: StressState, chunk: u64, states: u64) -> Ledger {
+    let defaults: Vec<f64> = PhaseFieldParameters::TABLE.iter().map(|parameter| parameter.default_value).collect();
+    let confined = [&defaults[..defaults.len() - 1], &[2.0]].concat();
+    let subject = TestedLaw {
+        samples: [&defaults, &confined].map(|props| Sample::new(props, 3e-4)).to_vec(),
+        corner: corners::phase_field,
+        monotone: &["eta_t", "eta_c", "H", "Y_c_max"],
+        // by the trapezoidal rule
+        dissipative: false,
+        quadratic: true,
+        path_exact: &[],
+        ..MOST
+    };
+    throw::<ConcretePhaseField>(&subject, stress_state, chunk, states)
 }
 
 fn j2_plasticity(stress_state: StressState, chunk: u64, states: u64) -> Ledger {

@@ -45,6 +45,7 @@ withstands! {
     concrete_damage_inelastic: "concrete_damage" "IV-HP",
     concrete_damage_crack_band: "concrete_damage" "IV-H, crack band",
     concrete_damage_inelastic_crack_band: "concrete_damage" "IV-HP, crack band",
+    concrete_phase_field: "concrete_phase_field" "",
     j2_plasticity: "j2_plasticity" "",
     drucker_prager: "drucker_prager" "",
 }
