@@ -125,8 +125,8 @@ impl Brick {
     /// The gradient of one displacement from its values at nodes: what they determine of it.
     ///
     /// # Errors
-    /// They are not those of any uniform gradient.
-    pub(super) fn gradient(&self, prescribed: &[(usize, f64)]) -> Result<[Option<f64>; 3], ()> {
+    /// They are not those of any uniform gradient, or determine only a combination of its components.
+    pub(super) fn gradient(&self, prescribed: &[(usize, f64)], along: usize) -> Result<[Option<f64>; 3], &'static str> {
         let dimensions = self.shape.dimensions;
         let scale = prescribed.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs()));
         // u = c + Σ Dⱼ ξⱼ, a row for each node: c, D, u
@@ -154,12 +154,19 @@ impl Brick {
             pivots.push(column);
         }
         if rows[pivots.len()..].iter().any(|row| row[4].abs() > SAME * scale) {
-            return Err(());
+            return Err("are those of no uniform strain");
         }
         let mut gradient = [None; 3];
         for (row, &column) in rows.iter().zip(&pivots) {
-            let alone = (0..=dimensions).all(|other| other == column || row[other].abs() < SAME);
-            if column > 0 && alone {
+            let others = (0..=dimensions).filter(|other| *other != column && row[*other].abs() >= SAME);
+            let is_alone = others.clone().count() == 0;
+            // where all values are 0, a rotation can make up for the strain
+            let is_rotation =
+                row[4].abs() <= SAME * scale && column != along + 1 && !others.clone().any(|k| k == along + 1);
+            if column > 0 && !is_alone && !is_rotation {
+                return Err("determine only a combination of strains");
+            }
+            if column > 0 && is_alone {
                 gradient[column - 1] = Some(row[4] / self.edges[column - 1]);
             }
         }

@@ -71,6 +71,11 @@ impl Keyword {
         self.parameters.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
+    /// Names of its parameters.
+    pub(super) fn options(&self) -> impl Iterator<Item = &str> {
+        self.parameters.iter().map(|(name, _)| name.as_str())
+    }
+
     /// Returns the first of these parameters that is present.
     pub(super) fn first_of<'o>(&self, names: &[&'o str]) -> Option<&'o str> {
         names.iter().copied().find(|name| self.parameter(name).is_some())

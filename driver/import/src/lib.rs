@@ -8,9 +8,16 @@ mod element;
 mod history;
 mod keywords;
 mod model;
+mod options;
+mod orientation;
+mod schedule;
+#[cfg(test)]
+mod test;
+mod uniform;
 
 use history::Evolution;
 use model::{Material, Model};
+use orientation::Axes;
 use serde_json::{Value, json};
 use std::path::Path;
 use umat_abi::host::{Found, search_paths};
@@ -55,8 +62,9 @@ pub fn import(job: &Path, options: ImportOptions<'_>) -> Result<Imported, String
         case["title"] = json!(title);
     }
     case["material"] = material_block(material, options.plugin, &mut left_out);
-    if let Some(axes) = model.local_axes().map_err(|error| format!("{}: {error}", job.display()))? {
-        case["material"]["orientation"] = axes.clone();
+    let axes = model.local_axes()?;
+    if let Some(axes) = axes.and_then(Axes::for_case) {
+        case["material"]["orientation"] = axes;
         if !model.initial.stress.is_empty() {
             left_out
                 .push("the local axes of the initial stress: the case applies it in the axes of the job".to_owned());
@@ -67,6 +75,15 @@ pub fn import(job: &Path, options: ImportOptions<'_>) -> Result<Imported, String
     let has_thickness = brick.shape.mode != "plane_stress" || case["material"]["nstatv"].is_null();
     let evolution = Evolution::of(&model, &brick, has_thickness)?;
     left_out.extend(evolution.left_out);
+    let is_sheared_at_start = model.initial.stress.iter().skip(3).any(|stress| *stress != 0.0);
+    if !evolution.loose_shears.is_empty() && (is_sheared_at_start || axes.is_some_and(Axes::is_oblique)) {
+        let names: Vec<_> = evolution.loose_shears.into_iter().collect();
+        left_out.push(format!(
+            "shear of free faces: the case holds {} at 0, the job only at some nodes. The results are the same only if \
+             the law has no shear stress there",
+            names.join(", ")
+        ));
+    }
     if evolution.nlgeom {
         case["nlgeom"] = json!(true);
         // displacements that grow in proportion are stretches that do

@@ -2,6 +2,8 @@
 
 use super::element::{Brick, Shape};
 use super::keywords::{Data, Keyword, LinePosition};
+use super::options::not_understood;
+use super::orientation::{self, Axes};
 use pullout_case::abaqus::VALUES_A_LINE;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,7 +51,7 @@ const OF_NO_MATTER: [&str; 35] = [
 ];
 /// Keywords that tie nodes to each other, rotate their axes, or belong to another procedure: ignoring them would change the
 /// problem.
-const REFUSED: [&str; 24] = [
+const REFUSED: [&str; 17] = [
     "BUCKLE",
     "COUPLED TEMPERATURE-DISPLACEMENT",
     "COUPLING",
@@ -62,19 +64,14 @@ const REFUSED: [&str; 24] = [
     "KINEMATIC",
     "KINEMATIC COUPLING",
     "MPC",
-    "NCOPY",
-    "NFILL",
-    "NGEN",
-    "NMAP",
-    "PARAMETER",
     "RIGID BODY",
     "SOILS",
     "STEADY STATE DYNAMICS",
-    "SYSTEM",
     "TIE",
     "TRANSFORM",
-    "ELGEN",
 ];
+/// Keywords that write a job for its author.
+const GENERATORS: [&str; 7] = ["ELCOPY", "ELGEN", "NCOPY", "NFILL", "NGEN", "NMAP", "SYSTEM"];
 
 /// A user material.
 #[derive(Clone, Debug)]
@@ -105,11 +102,25 @@ pub(super) enum Quantity {
     Displacement(u64, usize),
     /// Force component of a node, by its axis from 0.
     Force(u64, usize),
-    /// Load on a face, counted from 1.
-    Pressure(usize),
+    /// Load on a face, counted from 1; those of surfaces and of elements add up.
+    Pressure {
+        face: usize,
+        of_surface: bool,
+    },
     Temperature,
     /// A field variable, from 0.
     Field(usize),
+}
+
+impl Initial {
+    /// Returns the value of a quantity before the first step.
+    pub(super) fn of(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Temperature => self.temperature.unwrap_or(0.0),
+            Quantity::Field(index) => self.fields.get(index).copied().unwrap_or(0.0),
+            _ => 0.0,
+        }
+    }
 }
 
 impl Quantity {
@@ -118,7 +129,8 @@ impl Quantity {
         match self {
             Self::Displacement(..) => "BOUNDARY",
             Self::Force(..) => "CLOAD",
-            Self::Pressure(_) => "DSLOAD",
+            Self::Pressure { of_surface: true, .. } => "DSLOAD",
+            Self::Pressure { of_surface: false, .. } => "DLOAD",
             Self::Temperature => "TEMPERATURE",
             Self::Field(_) => "FIELD",
         }
@@ -152,6 +164,8 @@ pub(super) struct Step {
     pub(super) time: f64,
     pub(super) increment: f64,
     pub(super) has_procedure: bool,
+    /// Values without an amplitude jump at its start: AMPLITUDE=STEP, or the default of *VISCO.
+    pub(super) at_once: bool,
     /// Keywords whose earlier values were replaced.
     pub(super) anew: BTreeSet<String>,
     pub(super) changes: Vec<Change>,
@@ -167,6 +181,7 @@ struct Section {
     material: String,
     thickness: f64,
     orientation: Option<String>,
+    place: LinePosition,
 }
 
 /// The model as read so far.
@@ -186,8 +201,11 @@ pub(super) struct Model {
     surfaces: BTreeMap<String, Vec<usize>>,
     section: Option<Section>,
     materials: Vec<Material>,
-    /// *ORIENTATION as a case has it.
-    orientations: BTreeMap<String, Value>,
+    orientations: BTreeMap<String, Axes>,
+    /// The present *STEP is left out.
+    is_in_perturbation: bool,
+    /// AMPLITUDE of the present *STEP.
+    variation: Option<String>,
 }
 
 impl Model {
@@ -197,6 +215,14 @@ impl Model {
     /// Why there can be no case of this job.
     pub(super) fn take(&mut self, keyword: &Keyword) -> Result<(), String> {
         let place = &keyword.place;
+        if self.is_in_perturbation && !["AMPLITUDE", "STEP", "END STEP"].contains(&keyword.name.as_str()) {
+            return Ok(());
+        }
+        if keyword.name != "AMPLITUDE" {
+            for option in not_understood(keyword) {
+                self.left_out.push(format!("{place}: {option} of *{}", keyword.name));
+            }
+        }
         match keyword.name.as_str() {
             "HEADING" => self.title = keyword.data.first().map(|line| line.fields.join(", ")),
             "NODE" => self.node(keyword)?,
@@ -235,7 +261,13 @@ impl Model {
             "STATIC" | "VISCO" => self.procedure(keyword)?,
             "BOUNDARY" => self.boundary(keyword)?,
             "CLOAD" | "DLOAD" | "DSLOAD" | "TEMPERATURE" | "FIELD" => self.load(keyword)?,
-            "END STEP" => {}
+            "END STEP" => self.is_in_perturbation = false,
+            "PARAMETER" => return Err(format!("{place}: *PARAMETER is not imported: write the numbers in")),
+            name if GENERATORS.contains(&name) => {
+                return Err(format!(
+                    "{place}: *{name} is not imported: write out the nodes and elements that it makes"
+                ));
+            }
             name if REFUSED.contains(&name) => {
                 return Err(format!("{place}: *{name} makes it another problem than that of a material point"));
             }
@@ -353,16 +385,25 @@ impl Model {
         let thickness = keyword.data.first().map_or(Ok(0.0), |line| line.number(0))?;
         let thickness = if thickness > 0.0 { thickness } else { 1.0 };
         let (material, orientation) = (name_of(keyword, "MATERIAL")?, keyword.capitals("ORIENTATION"));
-        self.section = Some(Section { material, thickness, orientation });
+        self.section = Some(Section { material, thickness, orientation, place: keyword.place.clone() });
         Ok(())
     }
 
-    /// The local axes of the element's section, as a case has them.
-    pub(super) fn local_axes(&self) -> Result<Option<&Value>, String> {
-        let Some(name) = self.section.as_ref().and_then(|section| section.orientation.as_ref()) else {
+    /// The local axes of the element's section.
+    ///
+    /// # Errors
+    /// They cannot be imported, with the line that says so.
+    pub(super) fn local_axes(&self) -> Result<Option<&Axes>, String> {
+        let section = self.section.as_ref();
+        let Some((place, name)) = section.and_then(|section| Some((&section.place, section.orientation.as_ref()?)))
+        else {
             return Ok(None);
         };
-        self.orientations.get(name).map(Some).ok_or_else(|| format!("has no *ORIENTATION {name} that can be imported"))
+        match self.orientations.get(name) {
+            None => Err(format!("{place}: there is no *ORIENTATION {name}")),
+            Some(Axes::Unknown(reason)) => Err(format!("{reason} cannot be imported")),
+            Some(axes) => Ok(Some(axes)),
+        }
     }
 
     fn expansion(&mut self, keyword: &Keyword) -> Result<(), String> {
@@ -397,26 +438,11 @@ impl Model {
     }
 
     fn orientation(&mut self, keyword: &Keyword) -> Result<(), String> {
-        let place = &keyword.place;
-        let is_plain = keyword.capitals("DEFINITION").is_none_or(|kind| kind == "COORDINATES")
-            && keyword.capitals("SYSTEM").is_none_or(|system| system == "RECTANGULAR")
-            && keyword.parameter("LOCAL DIRECTIONS").is_none();
-        let Some(line) = keyword.data.first().filter(|_| is_plain) else {
-            self.left_out.push(format!("{place}: *ORIENTATION that is not rectangular by coordinates"));
-            return Ok(());
-        };
-        let points = (0..9).map(|field| line.number(field)).collect::<Result<Vec<_>, _>>()?;
-        let from_origin = |first: usize| (0..3).map(|k| points[first + k] - points[6 + k]).collect::<Vec<_>>();
-        if [0, 3].into_iter().any(|first| from_origin(first).iter().all(|component| *component == 0.0)) {
-            self.left_out.push(format!("{place}: *ORIENTATION without both of its points"));
-            return Ok(());
+        let axes = orientation::read(keyword)?;
+        if let Axes::Unknown(reason) = &axes {
+            self.left_out.push(reason.clone());
         }
-        let turn = keyword.data.get(1).map_or(Ok(0.0), |line| line.number(1))?;
-        if turn != 0.0 {
-            self.left_out.push(format!("{place}: the further rotation of the *ORIENTATION"));
-            return Ok(());
-        }
-        self.orientations.insert(name_of(keyword, "NAME")?, json!([from_origin(0), from_origin(3)]));
+        self.orientations.insert(name_of(keyword, "NAME")?, axes);
         Ok(())
     }
 
@@ -451,7 +477,8 @@ impl Model {
         } else if smoothed || keyword.capitals("VALUE").is_some_and(|value| value != "RELATIVE") {
             Some(format!("{}: an amplitude with SMOOTH or VALUE", keyword.place))
         } else {
-            None
+            let others = not_understood(keyword);
+            others.first().map(|option| format!("{}: an amplitude with {option}", keyword.place))
         };
         let mut points = Vec::new();
         for line in keyword.data.iter().filter(|_| refusal.is_none()) {
@@ -492,16 +519,21 @@ impl Model {
     }
 
     fn step(&mut self, keyword: &Keyword) {
-        let nlgeom = keyword.capitals("NLGEOM").map(|value| value != "NO");
-        if keyword.capitals("AMPLITUDE").is_some_and(|amplitude| amplitude == "STEP") {
-            self.left_out.push(format!("{}: AMPLITUDE=STEP: values grow over the step", keyword.place));
+        self.is_in_perturbation = keyword.parameter("PERTURBATION").is_some();
+        if self.is_in_perturbation {
+            let message = "*STEP, PERTURBATION: the linear response about the state before it: the step is left out";
+            self.left_out.push(format!("{}: {message}", keyword.place));
+            return;
         }
+        let nlgeom = keyword.capitals("NLGEOM").map(|value| value != "NO");
+        self.variation = keyword.capitals("AMPLITUDE");
         self.steps.push(Step {
             place: keyword.place.clone(),
             nlgeom,
             time: ONE,
             increment: ONE,
             has_procedure: false,
+            at_once: false,
             anew: BTreeSet::new(),
             changes: Vec::new(),
         });
@@ -511,6 +543,7 @@ impl Model {
         let place = &keyword.place;
         let step = self.steps.last_mut().ok_or_else(|| format!("{place}: *{} outside a step", keyword.name))?;
         step.has_procedure = true;
+        step.at_once = self.variation.as_ref().map_or(keyword.name == "VISCO", |variation| variation == "STEP");
         if keyword.parameter("RIKS").is_some() {
             return Err(format!("{place}: a load of unknown size (RIKS) cannot be imported"));
         }
@@ -585,22 +618,22 @@ impl Model {
                         self.left_out.push(format!("{}: a load {}", line.place, line.text(1)));
                         continue;
                     }
-                    (faces.into_iter().map(Quantity::Pressure).collect(), line.number(2)?)
+                    let pressure = |face| Quantity::Pressure { face, of_surface: true };
+                    (faces.into_iter().map(pressure).collect(), line.number(2)?)
                 }
                 "DLOAD" => {
                     let Some(face) = face(line.text(1), 'P') else {
                         self.left_out.push(format!("{}: a load {}", line.place, line.text(1)));
                         continue;
                     };
-                    (vec![Quantity::Pressure(face)], line.number(2)?)
+                    (vec![Quantity::Pressure { face, of_surface: false }], line.number(2)?)
                 }
                 "FIELD" => (vec![Quantity::Field(variable(keyword)?)], self.same_everywhere(keyword)?),
                 _ => (vec![Quantity::Temperature], self.same_everywhere(keyword)?),
             };
             self.change(keyword, line, value, quantities)?;
         }
-        // both are pressures
-        self.anew(keyword, if keyword.name == "DLOAD" { "DSLOAD" } else { &keyword.name });
+        self.anew(keyword, &keyword.name);
         Ok(())
     }
 
@@ -614,7 +647,19 @@ impl Model {
             place: place.clone(),
         });
         match self.steps.last_mut() {
-            Some(step) => step.changes.extend(changes),
+            Some(step) => {
+                for change in changes {
+                    let is_load = matches!(change.quantity, Quantity::Force(..) | Quantity::Pressure { .. });
+                    let is_same = |other: &&Change| other.quantity == change.quantity;
+                    if let Some(other) = step.changes.iter().find(is_same).filter(|_| is_load) {
+                        let message = format!("{}: a load: that of {} replaces it", other.place, change.place);
+                        if !self.left_out.contains(&message) {
+                            self.left_out.push(message);
+                        }
+                    }
+                    step.changes.push(change);
+                }
+            }
             None if value != 0.0 => return Err(format!("{place}: a displacement other than 0 before the first step")),
             None => self.fixed.extend(changes),
         }
