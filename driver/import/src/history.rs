@@ -60,8 +60,17 @@ impl Evolution {
                 Ok((loading.target(&values)?, fields))
             };
             if is_driven {
-                let row = |time: f64| end_of(time).map(|(target, fields)| Row { time, target, fields });
-                let rows = ends(step)?.into_iter().map(row).collect::<Result<Vec<_>, _>>()?;
+                let times = ends(step)?;
+                let mut rows_at = || -> Result<Vec<Row>, String> {
+                    let row = |time: &f64| end_of(*time).map(|(target, fields)| Row { time: *time, target, fields });
+                    times.iter().map(row).collect()
+                };
+                let mut rows = rows_at()?;
+                let has_gradient = |row: &Row| row.target.gradient.is_some();
+                if rows.iter().any(has_gradient) && !rows.iter().all(has_gradient) {
+                    // once the element has turned, all have one
+                    rows = rows_at()?;
+                }
                 let is_relative = |quantity: &Quantity| {
                     let course = &courses[quantity];
                     course.from.is_none() && course.change.amplitude.is_none() && !span.at_once
@@ -83,9 +92,6 @@ impl Evolution {
                 course.end(&span, &amplitudes);
             }
             start += step.time;
-        }
-        if schedule.steps.is_empty() {
-            return Err("has no step that can be imported".into());
         }
         left_out.extend(loading.left_out);
         left_out.extend(schedule.left_out);
@@ -183,10 +189,10 @@ fn is_even(step: &Step) -> bool {
 fn ends(step: &Step) -> Result<Vec<f64>, String> {
     let count = increments(step);
     if count > MOST_ROWS {
-        return Err(format!("{}: {count} increments along an amplitude, more than {MOST_ROWS}", step.place));
+        return Err(format!("{}: {count} increments are more than the {MOST_ROWS} rows of a table", step.place));
     }
-    let inner = (1..count as u64).map(|k| k as f64 * step.increment);
-    Ok(inner.chain([step.time]).collect())
+    let end = |k: u64| if is_even(step) { step.time * k as f64 / count } else { step.increment * k as f64 };
+    Ok((1..count as u64).map(end).chain([step.time]).collect())
 }
 
 /// Lets the changes of a step replace what there was. Loads and fields that OP=NEW takes away go back to where they began.

@@ -73,14 +73,19 @@ pub fn import(job: &Path, options: ImportOptions<'_>) -> Result<Imported, String
     case["characteristic_length"] = json!(brick.characteristic_length());
     // a shipped law reports its thickness strain
     let has_thickness = brick.shape.mode != "plane_stress" || case["material"]["nstatv"].is_null();
+    if let Some(reason) = model.without_steps() {
+        return Err(format!("{}: {reason}", job.display()));
+    }
     let evolution = Evolution::of(&model, &brick, has_thickness)?;
     left_out.extend(evolution.left_out);
     let is_sheared_at_start = model.initial.stress.iter().skip(3).any(|stress| *stress != 0.0);
     if !evolution.loose_shears.is_empty() && (is_sheared_at_start || axes.is_some_and(Axes::is_oblique)) {
         let names: Vec<_> = evolution.loose_shears.into_iter().collect();
+        let place = model.section_place().map(|place| format!("{place}: "));
         left_out.push(format!(
-            "shear of free faces: the case holds {} at 0, the job only at some nodes. The results are the same only if \
+            "{}the shear of free faces: the case holds {} at 0, the job only at some nodes. The results are the same only if \
              the law has no shear stress there",
+            place.unwrap_or_default(),
             names.join(", ")
         ));
     }

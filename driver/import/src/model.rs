@@ -202,8 +202,12 @@ pub(super) struct Model {
     section: Option<Section>,
     materials: Vec<Material>,
     orientations: BTreeMap<String, Axes>,
+    /// Where an instance is moved.
+    shifted: Option<LinePosition>,
     /// The present *STEP is left out.
     is_in_perturbation: bool,
+    /// Where the first step that is left out begins.
+    perturbation: Option<LinePosition>,
     /// AMPLITUDE of the present *STEP.
     variation: Option<String>,
 }
@@ -237,7 +241,13 @@ impl Model {
             "INSTANCE" if keyword.data.len() > 1 => {
                 return Err(format!("{place}: a rotated instance cannot be imported"));
             }
-            "INSTANCE" => {}
+            "INSTANCE" => {
+                if let Some(line) = keyword.data.first()
+                    && line.numbers(0)?.iter().any(|shift| *shift != 0.0)
+                {
+                    self.shifted = Some(line.place.clone());
+                }
+            }
             "SOLID SECTION" => self.section(keyword)?,
             "MATERIAL" => self.materials.push(Material {
                 name: name_of(keyword, "NAME")?,
@@ -277,6 +287,20 @@ impl Model {
         Ok(())
     }
 
+    /// Returns why there is nothing to run; `None` if there are steps.
+    pub(super) fn without_steps(&self) -> Option<String> {
+        let reason = || match &self.perturbation {
+            Some(place) => format!("{place}: *STEP, PERTURBATION is left out, and there is no other step"),
+            None => "has no step".to_owned(),
+        };
+        self.steps.is_empty().then(reason)
+    }
+
+    /// Where the section of the element begins.
+    pub(super) fn section_place(&self) -> Option<&LinePosition> {
+        self.section.as_ref().map(|section| &section.place)
+    }
+
     /// The user material of a name.
     pub(super) fn material(&self, name: &str) -> Result<&Material, String> {
         let users = || self.materials.iter().filter(|material| material.is_user);
@@ -298,6 +322,9 @@ impl Model {
         let thickness = self.section.as_ref().map_or(1.0, |section| section.thickness);
         let brick = Brick::new(element.shape, &coordinates, thickness);
         let brick = brick.ok_or_else(|| format!("{}: the element is no box along the axes", element.place))?;
+        if let Some(place) = self.shifted.as_ref().filter(|_| brick.is_axisymmetric()) {
+            return Err(format!("{place}: a moved axisymmetric instance cannot be imported: write its radii in"));
+        }
         let section = self.section.as_ref().ok_or("has no *SOLID SECTION")?;
         Ok((brick, self.material(&section.material)?))
     }
@@ -523,6 +550,7 @@ impl Model {
         if self.is_in_perturbation {
             let message = "*STEP, PERTURBATION: the linear response about the state before it: the step is left out";
             self.left_out.push(format!("{}: {message}", keyword.place));
+            self.perturbation.get_or_insert_with(|| keyword.place.clone());
             return;
         }
         let nlgeom = keyword.capitals("NLGEOM").map(|value| value != "NO");
@@ -614,7 +642,7 @@ impl Model {
                     let surface = self.surfaces.get(&local(line.text(0))).cloned();
                     let faces =
                         surface.ok_or_else(|| format!("{}: there is no surface {}", line.place, line.text(0)))?;
-                    if line.text(1) != "P" {
+                    if !line.text(1).eq_ignore_ascii_case("P") {
                         self.left_out.push(format!("{}: a load {}", line.place, line.text(1)));
                         continue;
                     }

@@ -221,7 +221,7 @@ fn a_perturbation_is_left_out_with_its_end() {
     assert_eq!((steps.len(), &steps[1]["target"]["e11"]), (2, &json!(0.01)));
     assert_eq!(imported.left_out.len(), 1);
     assert!(imported.left_out[0].starts_with(&line_of(&history, "PERTURBATION")), "{:?}", imported.left_out);
-    assert!(refused(&perturbed).contains("no step that can be imported"));
+    assert!(refused(&perturbed).contains("there is no other step"));
 }
 
 /// The element's mean s12 is 14.37 and 5.83 MPa there (full integration, E = 200 GPa, ν = 0.3, 0.0005 mm), not the 19.23 and
@@ -323,6 +323,17 @@ fn a_shear_at_large_deformations_follows_its_amplitude() {
     assert_eq!(pieces, [piece(1, 0.1), piece(4, 0.1), piece(5, 0.0), piece(10, 0.0)]);
 }
 
+/// A shear that begins only at the half of the step.
+#[test]
+fn a_shear_that_begins_later_has_a_deformation_gradient_from_the_start() {
+    let history = "*AMPLITUDE, NAME=A\n0., 0., 0.5, 0., 1., 1.\n".to_owned()
+        + &step("*BOUNDARY, AMPLITUDE=A\nN, 1, 3\nX1, 2, 2, 0.2\n").replace("*STEP", "*STEP, NLGEOM");
+    let steps = imported(&history).document["steps"].clone();
+    let identity = json!([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    assert_eq!((&steps[0]["increments"], &steps[0]["F"]), (&json!(5), &identity));
+    assert_eq!((&steps[1]["increments"], &steps[1]["F"][1][0]), (&json!(5), &json!(0.1)));
+}
+
 /// Each option that is not understood is listed with its line.
 #[test]
 fn options_that_would_be_lost_are_listed() {
@@ -339,6 +350,10 @@ fn options_that_would_be_lost_are_listed() {
         let expected = if words.is_empty() { Vec::new() } else { vec![format!("job.inp:{line}: {words}")] };
         assert_eq!(left_out, expected);
     }
+    let moved = BRICK.replace("C3D8", "CAX4").replace("1, 1, 2, 3, 4, 5, 6, 7, 8", "1, 1, 2, 3, 4")
+        + "*INSTANCE, NAME=I, PART=P\n2., 0., 0.\n*END INSTANCE\n"
+        + &step("");
+    assert!(of_job(&moved).expect_err("refused").contains("a moved axisymmetric instance"));
     let shifted =
         "*AMPLITUDE, NAME=A, SHIFTY=1.\n0., 0., 1., 1.\n".to_owned() + &step("*CLOAD, AMPLITUDE=A\nX1, 1, 30.\n");
     assert!(refused(&shifted).contains("an amplitude with SHIFTY cannot be imported"));
