@@ -211,12 +211,12 @@ pub(crate) enum TabularValues {
     List(Vec<AxialValues>),
 }
 
-/// Thermal expansion: the coefficient alone, or with what it refers to.
+/// Thermal expansion: the coefficients alone, or with what they refer to.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(crate) enum Expansion {
-    /// The coefficient, 1/K.
-    Coefficient(f64),
+    /// The coefficient, 1/K, or three, along the local axes.
+    Coefficients(AxialValues),
     /// Coefficients and temperatures.
     Table(ExpansionTable),
 }

@@ -27,6 +27,7 @@ mod public;
 mod umats;
 mod unflagged;
 mod utilities;
+mod verdicts;
 mod watch;
 
 use end_to_end_tests::{Tool, find, workspace};

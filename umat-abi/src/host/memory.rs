@@ -116,15 +116,17 @@ pub(super) struct Guarded {
     first: *mut f64,
     /// Number of canaries after it.
     canaries: usize,
+    /// Pattern of the canaries.
+    outside: u64,
     /// Characters at its end that messages count instead of its values.
     characters: Option<usize>,
-    _memory: Memory,
+    memory: Memory,
 }
 
 #[derive(Debug)]
 enum Memory {
-    Canaries(#[allow(dead_code, reason = "owns what is written through a pointer")] Vec<f64>),
-    Fenced(#[allow(dead_code, reason = "owns what is written through a pointer")] Watched),
+    Canaries(Vec<f64>),
+    Fenced(Watched),
 }
 
 // SAFETY: it owns its memory alone, and gives it out as borrowed slices.
@@ -139,7 +141,16 @@ impl Guarded {
         memory[1..=length].fill(0.0);
         let first = &raw mut memory[1];
         let count = i32::try_from(length).unwrap_or(i32::MAX);
-        Self { name, length, count, first, canaries: CANARIES, characters: None, _memory: Memory::Canaries(memory) }
+        Self {
+            name,
+            length,
+            count,
+            first,
+            canaries: CANARIES,
+            outside: CANARY,
+            characters: None,
+            memory: Memory::Canaries(memory),
+        }
     }
 
     /// Room for values of any kind at whose end an argument of characters stands, which messages name.
@@ -167,7 +178,19 @@ impl Guarded {
             std::ptr::copy_nonoverlapping(self.first, front.add(1), self.length);
             front.add(1)
         };
-        (self.first, self.canaries, self._memory) = (first, 0, Memory::Fenced(watched));
+        (self.first, self.canaries, self.memory) = (first, 0, Memory::Fenced(watched));
+    }
+
+    /// Puts a pattern in front of the array and after it. As long as it is not [`CANARY`], a write past the end of a fenced
+    /// array does not end the process.
+    pub(super) fn surround(&mut self, pattern: u64) {
+        self.outside = pattern;
+        // SAFETY: one value stands in front.
+        unsafe { self.first.sub(1).write(f64::from_bits(pattern)) };
+        match &mut self.memory {
+            Memory::Canaries(memory) => memory[1 + self.length..].fill(f64::from_bits(pattern)),
+            Memory::Fenced(watched) => watched.fill_after(pattern, pattern != CANARY),
+        }
     }
 
     #[inline]
@@ -218,12 +241,13 @@ impl Guarded {
             let back = std::slice::from_raw_parts_mut(self.first.add(self.length), self.canaries);
             (&mut *self.first.sub(1), back)
         };
-        if front.to_bits() == CANARY && back.iter().all(|x| x.to_bits() == CANARY) {
+        let outside = self.outside;
+        if front.to_bits() == outside && back.iter().all(|x| x.to_bits() == outside) {
             return Ok(());
         }
-        let offset = back.iter().position(|x| x.to_bits() != CANARY);
-        *front = f64::from_bits(CANARY);
-        back.fill(f64::from_bits(CANARY));
+        let offset = back.iter().position(|x| x.to_bits() != outside);
+        *front = f64::from_bits(outside);
+        back.fill(f64::from_bits(outside));
         let length = self.characters.unwrap_or(self.length);
         let size = if self.characters.is_some() { size_of::<f64>() } else { 1 };
         let element = offset.map_or(0, |offset| i64::try_from(length + 1 + size * offset).unwrap_or(i64::MAX));

@@ -47,7 +47,7 @@ pub use memory::{NotFinite, Overrun, Trespass, same_bits};
 pub use plugin::Plugin;
 pub use plugin_call::PluginCall;
 pub use prints::{flush_prints, print_by_lines, write_messages_to};
-pub use probe::{Alignment, Probed};
+pub use probe::{Alignment, Probed, compute as compute_in_child};
 pub use routines::{Clock, ExternalDatabases};
 pub use split::split;
 pub use thermal::{GRADIENTS, Transfer};

@@ -78,6 +78,14 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
         self.exchange.fence();
     }
 
+    /// Puts a pattern around every array ([`Guarded::surround`]).
+    pub(super) fn surround(&mut self, pattern: u64) {
+        for array in [&mut self.stress, &mut self.tangent, &mut self.statev, &mut self.props] {
+            array.surround(pattern);
+        }
+        self.lent_fields.iter_mut().flatten().for_each(|array| array.surround(pattern));
+    }
+
     /// PREDEF and DPRED as the plugin gets them.
     #[inline(always)]
     pub(super) fn hand_over_fields(&mut self, own: [&[f64]; 2]) -> [*const f64; 2] {
@@ -142,6 +150,11 @@ impl<I, O> PluginCall<I, O> {
     /// The library.
     pub(super) fn library(&self) -> &Library {
         &self.library
+    }
+
+    /// Makes the calls of a child process, which are no business of those who watch its parent.
+    pub fn leave_record(&mut self) {
+        std::mem::forget(self.slot.take());
     }
 
     /// Returns what messages call the plugin.

@@ -137,8 +137,11 @@ fn expansion(
     place: &Place,
 ) -> Option<host::Expansion> {
     let table = match given {
-        Expansion::Coefficient(alpha) => ExpansionTable {
-            alpha: TabularValues::Constant(*alpha),
+        Expansion::Coefficients(alpha) => ExpansionTable {
+            alpha: match alpha {
+                AxialValues::Same(alpha) => TabularValues::Constant(*alpha),
+                AxialValues::Each(alphas) => TabularValues::List(alphas.map(AxialValues::Same).to_vec()),
+            },
             temperatures: None,
             zero_temperature: None,
             initial_temperature: None,

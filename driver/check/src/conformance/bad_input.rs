@@ -195,13 +195,18 @@ pub(super) fn counts(subject: &mut Subject<'_>, sample: &[SampledState], ledger:
 
 /// Checks CELENT 0, NaN, negative and NULL. All must give the same answer, by a law that does not need CELENT here, or a refusal.
 /// The law must not divide by it.
-pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
+pub(super) fn characteristic_length(
+    subject: &mut Subject<'_>,
+    sample: &[SampledState],
+    is_given: bool,
+    ledger: &mut Ledger<'_>,
+) {
     ledger.begin("CELENT unusable");
     if !matches!(subject.entry, CheckedEntryPoint::Umat(_)) {
         return;
     }
     if !subject.claims(flags::USES_CELENT) {
-        return ledger.skip("not used");
+        return undeclared_length(subject, sample, is_given, ledger);
     }
     let said = Capture::start(&subject.plugin.library);
     let length = subject.length;
@@ -224,4 +229,38 @@ pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[Sampled
         }
     }
     ledger.add(Verdict::Pass, "", said.appended_to("0, NaN, negative, infinite and NULL alike"));
+}
+
+/// Asks a law whose metadata say nothing of CELENT whether it uses it. `is_given`: whether the case has a length.
+fn undeclared_length(subject: &mut Subject<'_>, sample: &[SampledState], is_given: bool, ledger: &mut Ledger<'_>) {
+    const STATES: usize = 30;
+    let length = subject.length;
+    for state in sample.iter().rev().take(STATES) {
+        let [with, twice] = [length, 2.0 * length].map(|length| {
+            subject.length = length;
+            subject.call(&state.from, &state.step, 0.0, Alteration::None)
+        });
+        subject.length = length;
+        // what differs from call to call says nothing
+        if with.same(&twice) || !with.same(&subject.call(&state.from, &state.step, 0.0, Alteration::None)) {
+            continue;
+        }
+        let (k, (with, twice)) = match with.output.iter().zip(&twice.output).enumerate().find(|(_, (a, b))| a != b) {
+            Some(differs) => differs,
+            None => return ledger.add(Verdict::Info, "", format!("its states or DDSDDE depend on CELENT, in {state}")),
+        };
+        let name = subject.entry.output_name(k);
+        let what = format!("{name} is {with:e} with CELENT {length}, {twice:e} with {}, in {state}", 2.0 * length);
+        return match (subject.described(), is_given) {
+            (true, _) => {
+                ledger.add(Verdict::Fail, "", format!("depends on CELENT, which its metadata do not claim: {what}"))
+            }
+            (false, true) => ledger.add(Verdict::Info, "used", what),
+            (false, false) => {
+                let detail = format!("{what}; the case gives no characteristic_length, so that 1 was passed");
+                ledger.add(Verdict::Warn, "used", detail);
+            }
+        };
+    }
+    ledger.skip("not used");
 }

@@ -163,7 +163,7 @@ impl CasePath {
 }
 
 /// The entry point of a case, with the components of its mode.
-fn entry(program: &Program) -> CheckedEntryPoint {
+pub(super) fn entry(program: &Program) -> CheckedEntryPoint {
     match &program.kind {
         PointKind::Point(point) => CheckedEntryPoint::Umat(point.mode.stress_state()),
         PointKind::Interface(contact) => contact_entry(contact.entry, contact.tangential_directions),
@@ -199,6 +199,11 @@ impl Observer for Keeper<'_> {
     fn begins(&mut self, start: Accepted<'_>) -> io::Result<()> {
         self.start = Some(self.increment(start).from);
         self.go_on()
+    }
+
+    fn looks_outside_arrays(&self) -> bool {
+        // a row of its own says so
+        false
     }
 
     fn increment_done(&mut self, _row: Row<'_>, _so_far: Statistics) {}

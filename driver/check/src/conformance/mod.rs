@@ -22,11 +22,13 @@ mod metadata;
 mod nonlinear;
 mod null_arguments;
 mod precision;
+mod properties;
 mod random;
 mod report;
 mod rotation;
 mod sample;
 mod scale;
+mod slip;
 mod step_size;
 mod subject;
 mod tangent;
@@ -181,6 +183,9 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
     }
     // SDVINI and the path of the case within one analysis that lasts as long as the check
     let mut databases = ExternalDatabases::begin([&plugin.library]);
+    if options.wants(CheckGroup::Memory) {
+        kept_properties(plugin, &props, options, &mut report);
+    }
     let path =
         options.program.as_deref().map(|program| Arc::new(CasePath::of(program, options, &mut databases, &mut report)));
     let mut subjects = Vec::new();
@@ -208,6 +213,20 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
         memory::overruns(subject, &mut Ledger::new(&mut report, subject.label));
     }
     report
+}
+
+/// Looks for what a law keeps of the PROPS of its first call, before this process makes any.
+fn kept_properties(plugin: &Plugin, props: &[f64], options: &Options, report: &mut Report) {
+    let program = options.program.as_deref();
+    let of_case = program.map(case_path::entry);
+    let Some(entry) = of_case.or_else(|| entries(plugin.law.as_ref(), None, options).into_iter().next()) else {
+        return;
+    };
+    if let Ok(subject) = Subject::new(plugin, entry, props, options, None) {
+        let mut ledger = Ledger::new(report, subject.label);
+        ledger.begin("other PROPS");
+        properties::report(&properties::find(&subject, program), &mut ledger);
+    }
 }
 
 /// Every entry point and set of components that the law claims.
@@ -306,6 +325,7 @@ fn check_subject(
         rotation::check(subject, options.states, ledger);
         rotation::incremental_rotation(subject, &sample, ledger);
         rotation::objectivity(subject, &sample, ledger);
+        slip::inelastic(subject, &sample, ledger);
         step_size::check(subject, ledger);
         energy::check(subject, ledger);
     }
@@ -313,7 +333,7 @@ fn check_subject(
         bad_input::not_finite(subject, &sample, ledger);
         bad_input::properties(subject, &sample, ledger);
         bad_input::counts(subject, &sample, ledger);
-        bad_input::characteristic_length(subject, &sample, ledger);
+        bad_input::characteristic_length(subject, &sample, options.characteristic_length.is_some(), ledger);
         null_arguments::check(subject, &sample, ledger);
     }
 }

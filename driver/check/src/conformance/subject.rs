@@ -707,6 +707,15 @@ impl<'p> Subject<'p> {
         answer
     }
 
+    /// Takes the calls of a child process out of the record of its parent's.
+    pub(super) fn leave_record(&mut self) {
+        match &mut self.call {
+            Call::Umat(call) => call.leave_record(),
+            Call::Uinter(call) => call.leave_record(),
+            Call::Fric(call) => call.leave_record(),
+        }
+    }
+
     /// One call in a child process with its arrays fenced.
     pub(super) fn probe(&mut self, from: &Committed, step: &[f64], alignment: Alignment) -> std::io::Result<Probed> {
         self.prepare_call(from, step);

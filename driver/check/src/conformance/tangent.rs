@@ -1,5 +1,7 @@
 //! The consistent tangent against differences of the response, and what it is if it is not that.
 
+mod small;
+
 use super::report::{Ledger, Verdict};
 use super::sample::{self, SampledState};
 use super::subject::{Answer, CheckedEntryPoint, Committed, Subject, distance, largest};
@@ -37,6 +39,8 @@ pub(super) struct Mismatch {
     expected: f64,
     found: f64,
     pub(super) differences: Vec<f64>,
+    /// Whether it is wrong against the size of its own row and column alone ([`small`]).
+    is_small: bool,
 }
 
 #[cfg(test)]
@@ -254,6 +258,21 @@ impl Scale {
             };
             (0..entries).map(|k| weight(subject.size[k % columns], row_size(k / columns))).collect()
         };
+        Self { columns, weights }
+    }
+
+    /// Makes the scale for the entries of a square matrix whose rows and columns differ much in size: each is measured by the
+    /// largest entries of its row and of its column, √(rᵢ cⱼ).
+    fn of_rows_and_columns(columns: usize, matrices: &[&[f64]]) -> Self {
+        let most = |of: &dyn Fn(usize) -> usize| {
+            let entries = (0..columns).flat_map(|k| matrices.iter().map(move |matrix| (matrix, k)));
+            entries.fold(0.0_f64, |most, (matrix, k)| most.max(matrix[of(k)].abs()))
+        };
+        let size = |k: usize| {
+            let (row, column) = (k / columns, k % columns);
+            (most(&|j| row * columns + j) * most(&|i| i * columns + column)).sqrt()
+        };
+        let weights = (0..columns * columns).map(size).map(|size| if size > 0.0 { 1.0 / size } else { 0.0 }).collect();
         Self { columns, weights }
     }
 
@@ -477,7 +496,14 @@ fn examine(subject: &mut Subject<'_>, state: &SampledState, measure: Measure, le
     };
     let (error, k) = errors[best];
     if error <= TANGENT {
-        return Finding::Consistent(error);
+        let is_stiffness = matches!(measure, Measure::Output | Measure::Kirchhoff);
+        let found = is_stiffness.then(|| small::wrong_entry(subject, &quotients, &answer, &sizes)).flatten();
+        return match found {
+            Some((mismatch, own)) if !near_kink(subject, state, answer, &sizes, &own, measure) => {
+                Finding::Wrong(mismatch)
+            }
+            _ => Finding::Consistent(error),
+        };
     }
     if near_kink(subject, state, answer, &sizes, &scale, measure) {
         return Finding::Kink;
@@ -494,7 +520,7 @@ fn examine(subject: &mut Subject<'_>, state: &SampledState, measure: Measure, le
     let (row, column) = (k / scale.columns, k % scale.columns);
     let differences = quotients[best].clone();
     let (expected, found) = (differences[k], reported[k]);
-    Finding::Wrong(Mismatch { error, row, column, expected, found, differences })
+    Finding::Wrong(Mismatch { error, row, column, expected, found, differences, is_small: false })
 }
 
 /// Returns whether one-sided differences disagree, or the derivative itself jumps, within the reach of the differences.
@@ -534,45 +560,59 @@ fn classify(subject: &mut Subject<'_>, state: &SampledState, mismatch: &Mismatch
     const SAME: f64 = 1e-6;
     /// The virgin stiffness by differences over a ten-thousandth of the strain, where a smooth law is not quite linear.
     const VIRGIN: f64 = 1e-4;
+    /// A matrix explains DDSDDE if it is so much nearer to it than the derivative is: in a linear law, or one whose derivative is
+    /// symmetric, some are the derivative itself.
+    const NEARER: f64 = 0.3;
     let Ok(answer) = subject.evaluate(&state.from, &state.step) else { return Kind::Wrong };
     let tangent = &answer.tangent;
-    let scale = Scale::new(subject, Measure::Output, &[tangent, &mismatch.differences], 0.0);
+    let matrices: [&[f64]; 2] = [tangent, &mismatch.differences];
+    let scale = match mismatch.is_small {
+        true => Scale::of_rows_and_columns(subject.entry.inputs(), &matrices),
+        false => Scale::new(subject, Measure::Output, &matrices, 0.0),
+    };
+    let nearer = NEARER * scale.difference(&mismatch.differences, tangent).0;
+    let is = |matrix: &[f64], same: f64| scale.difference(matrix, tangent).0 < same.min(nearer);
     let sizes = local_sizes(subject, &state.from, &state.step);
     if Measure::of(subject) == Measure::Kirchhoff {
         let cauchy = differences(subject, &state.from, &state.step, &sizes, 1e-4, Measure::Cauchy);
-        if cauchy.is_some_and(|cauchy| scale.difference(&cauchy, tangent).0 < SAME) {
+        if cauchy.is_some_and(|cauchy| is(&cauchy, SAME)) {
             return Kind::Cauchy;
         }
     }
-    if let Some(habit) = habit(subject.entry, tangent, &mismatch.differences, &scale) {
+    if let Some(habit) = habit(subject.entry, &mismatch.differences, is) {
         return habit;
     }
     let virgin = subject.virgin_during(&state.from);
     let tiny: Vec<f64> = state.step.iter().map(|d| 1e-6 * d).collect();
     // differences, because a wrong tangent may be wrong there as well
     let elastic = differences(subject, &virgin, &tiny, &sizes, 1e-4, Measure::of(subject));
-    if elastic.is_some_and(|elastic| scale.difference(&elastic, tangent).0 < VIRGIN) {
+    if elastic.is_some_and(|elastic| is(&elastic, VIRGIN)) {
         return Kind::Elastic;
     }
     let end = subject.advanced(&state.from, &state.step, &answer);
     if subject.entry.outputs() == subject.entry.inputs() {
         let m = end.input.len();
-        let product: Vec<f64> = (0..m).map(|i| (0..m).map(|j| tangent[i * m + j] * end.input[j]).sum()).collect();
-        if distance(&product, &end.output) <= SAME * largest(tangent) * largest(&end.input) {
+        let misfit = |matrix: &[f64]| {
+            let row = |i: usize| (0..m).map(|j| matrix[i * m + j] * end.input[j]).sum();
+            distance(&(0..m).map(row).collect::<Vec<f64>>(), &end.output)
+        };
+        let same = SAME * largest(tangent) * largest(&end.input);
+        if misfit(tangent) < same.min(NEARER * misfit(&mismatch.differences)) {
             return Kind::Secant;
         }
     }
     // A little way back, where small steps either way unload.
     let back: Vec<f64> = state.step.iter().map(|d| -1e-3 * d).collect();
     let Some(unloading) = differences(subject, &end, &back, &sizes, 1e-5, Measure::Output) else { return Kind::Wrong };
-    if scale.difference(&unloading, tangent).0 < 1e-3 {
+    if is(&unloading, 1e-3) {
         return Kind::Unloading;
     }
     loading_factor(tangent, &unloading, &mismatch.differences).map_or(Kind::Wrong, Kind::Scaled)
 }
 
-/// Returns which of the usual errors made a tangent of a derivative, if it is one of these.
-fn habit(entry: CheckedEntryPoint, tangent: &[f64], derivative: &[f64], scale: &Scale) -> Option<Kind> {
+/// Returns which of the usual errors made a tangent of a derivative, if it is one of these. `is`: whether the tangent is a matrix,
+/// within so much.
+fn habit(entry: CheckedEntryPoint, derivative: &[f64], is: impl Fn(&[f64], f64) -> bool) -> Option<Kind> {
     /// Rounding of the differences, and of a law with a few digits.
     const SAME: f64 = 1e-5;
     let n = entry.outputs();
@@ -580,7 +620,7 @@ fn habit(entry: CheckedEntryPoint, tangent: &[f64], derivative: &[f64], scale: &
         return None;
     }
     let of = |entry: &dyn Fn(usize, usize) -> f64| (0..n * n).map(|k| entry(k / n, k % n)).collect::<Vec<f64>>();
-    let is = |matrix: &[f64]| scale.difference(matrix, tangent).0 < SAME;
+    let is = |matrix: &[f64]| is(matrix, SAME);
     if is(&of(&|i, j| derivative[j * n + i])) {
         return Some(Kind::Transposed);
     }

@@ -3,6 +3,10 @@
 /// Tangent against fourth-order differences at the best step: truncation and rounding are ~1e-9, a wrong
 /// formula shows at 1e-3 or more.
 pub(super) const TANGENT: f64 = 1e-6;
+/// An entry of a stiffness relative to its own row and column, which is a small part of the largest entry: a wrong formula shows.
+pub(super) const SMALL_ENTRY: f64 = 1e-4;
+/// Such an error must be so many times what iterations and rounding may leave of the differences.
+pub(super) const SMALL_ENTRY_RESOLVED: f64 = 10.0;
 /// A derivative of which so small a part of what is differentiated would come over the size of the input is rounding of the differences.
 pub(super) const ROUNDING_OF_DIFFERENCES: f64 = 1e-6;
 /// Two difference quotients that disagree by more than this share of the tangent's error decide nothing.

@@ -31,6 +31,8 @@ pub(super) enum Cause {
 pub struct EndReport {
     /// Message with plugin, step and increment.
     pub message: String,
+    /// What happened, without the place.
+    pub cause: String,
     /// Whether a library could not even be loaded.
     pub at_loading: bool,
     /// The call that did not come back, or else the last one.
@@ -62,7 +64,14 @@ impl EndReport {
         let is_timeout = matches!(cause, Cause::TimeLimit(_));
         if let Some(library) = recording.loading() {
             let message = format!("{}: cannot be loaded: {}", library.display(), cause.at_loading());
-            return Self { message, at_loading: true, call: None, is_timeout, is_explained: false };
+            return Self {
+                cause: message.clone(),
+                message,
+                at_loading: true,
+                call: None,
+                is_timeout,
+                is_explained: false,
+            };
         }
         let unfinished = recording.unfinished_call();
         let trespass = recording.trespass().filter(|_| matches!(cause, Cause::Signal(_)));
@@ -83,16 +92,25 @@ impl EndReport {
                 let names = suspects.iter().map(|library| format!("'{}'", library_name(library))).collect::<Vec<_>>();
                 let which = if names.len() == 1 { "plugin" } else { "one of the plugins" };
                 let message = format!("{which} {}, step {step}, increment {increment}: {happened}", names.join(", "));
-                return Self { message, at_loading: false, call: None, is_timeout, is_explained: false };
+                return Self {
+                    message,
+                    cause: happened,
+                    at_loading: false,
+                    call: None,
+                    is_timeout,
+                    is_explained: false,
+                };
             }
         }
         let is_explained = explanation.is_some();
+        // more state variables are needed then, not other components
+        let lacks_states = trespass.as_ref().is_some_and(|trespass| trespass.argument == "STATEV");
         let happened = match trespass {
             Some(trespass) => format!("it {trespass}; the process was ended there"),
             None => explanation.map_or_else(|| happened.clone(), |words| format!("{happened}: {words}")),
         };
         let happened = match (&call, cause) {
-            (Some(call), Cause::Signal(signal)) if leaves_own_arrays(call, signal) => {
+            (Some(call), Cause::Signal(signal)) if leaves_own_arrays(call, signal) && !lacks_states => {
                 format!("{happened}; {WRITTEN_FOR_SIX}")
             }
             _ => happened,
@@ -101,7 +119,7 @@ impl EndReport {
             Some(call) => format!("{}: {happened}", place(call, need)),
             None => format!("before any call of a plugin {}", cause.outside_a_call()),
         };
-        Self { message, at_loading: false, call, is_timeout, is_explained }
+        Self { message, cause: happened, at_loading: false, call, is_timeout, is_explained }
     }
 
     /// Returns how and where it ended the run.

@@ -2,7 +2,7 @@
 //!
 //! Outside the plugin gap > 0 is open and p > 0 is compression: gap = −RDISP(1), p = STRESS(1).
 
-use super::subdivision::{AttemptFailure, Divisible, take_steps};
+use super::subdivision::{AttemptFailure, Dependence, Divisible, depends_on_length, take_steps};
 use super::{Accepted, Observer, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
 use crate::arguments::ContactArguments;
 use crate::columns::{self, CONTACT, ContactPointState as Committed};
@@ -13,7 +13,8 @@ use crate::program::{
 };
 use std::io;
 use umat_abi::host::{
-    Clock, Derived, ExternalDatabases, FricAnswer, FricCall, LoadError, MOMENT, SurfaceFields, UinterCall, judge,
+    Clock, Derived, ExternalDatabases, FricAnswer, FricCall, LoadError, MOMENT, SurfaceFields, Trespass, UinterCall,
+    judge,
 };
 
 /// Index of the normal value in \[slip, slip2, normal\].
@@ -36,7 +37,11 @@ pub(super) fn run(
         ));
     }
     recorder.initial(|values| runner.fill(values))?;
-    take_steps(&mut runner, &interface.steps, program, &mut recorder, statistics)
+    let result = take_steps(&mut runner, &interface.steps, program, &mut recorder, statistics);
+    if runner.depends_on_length == Some(true) {
+        recorder.observer.warn(format!("{}: {}", program.plugin.name, depends_on_length("CHRLNGTH")));
+    }
+    result
 }
 
 /// Returns the number of tangential directions with which the contact law of a program is called, and why there are two
@@ -60,23 +65,29 @@ enum Call {
     Fric(Box<FricCall>),
 }
 
+/// Sets a call to the start of an increment.
+fn set_uinter(call: &mut UinterCall, start: &Committed, directions: usize) {
+    let tractions = [start.pressure, start.shear[0], start.shear[1]];
+    call.stress_mut().copy_from_slice(&tractions[..=directions]);
+    call.statev_mut().copy_from_slice(&start.statev);
+    call.energies = start.energies;
+    call.flags = start.flags;
+}
+
+/// Sets a call to the start of an increment.
+fn set_fric(call: &mut FricCall, start: &Committed, directions: usize) {
+    call.lm = start.flags[0];
+    call.stress_mut().copy_from_slice(&start.shear[..directions]);
+    call.statev_mut().copy_from_slice(&start.statev);
+    call.energies = [start.energies[0], start.energies[1]];
+}
+
 impl Call {
     /// Sets tractions, states and energies to those at the start of an increment.
     fn set_point(&mut self, start: &Committed, directions: usize) {
         match self {
-            Self::Uinter(call) => {
-                let tractions = [start.pressure, start.shear[0], start.shear[1]];
-                call.stress_mut().copy_from_slice(&tractions[..=directions]);
-                call.statev_mut().copy_from_slice(&start.statev);
-                call.energies = start.energies;
-                call.flags = start.flags;
-            }
-            Self::Fric(call) => {
-                call.lm = start.flags[0];
-                call.stress_mut().copy_from_slice(&start.shear[..directions]);
-                call.statev_mut().copy_from_slice(&start.statev);
-                call.energies = [start.energies[0], start.energies[1]];
-            }
+            Self::Uinter(call) => set_uinter(call, start, directions),
+            Self::Fric(call) => set_fric(call, start, directions),
         }
     }
 
@@ -131,6 +142,8 @@ struct Runner<'p> {
     normal_stiffness: f64,
     /// Whether nothing has been attempted yet.
     is_first_attempt: bool,
+    /// Whether the law's answer depends on CHRLNGTH, which the case does not give; `None`: it does.
+    depends_on_length: Option<bool>,
 }
 
 impl<'p> Runner<'p> {
@@ -205,6 +218,7 @@ impl<'p> Runner<'p> {
             start: ([0.0; 3], interface.initial_fields.clone()),
             normal_stiffness: 0.0,
             is_first_attempt: true,
+            depends_on_length: program.characteristic_length.is_none().then_some(false),
         };
         runner.set_fields(1.0, 1.0);
         runner.find_initial_traction()?;
@@ -305,22 +319,16 @@ impl<'p> Runner<'p> {
         Ok(judge(outcome, not_finite)?)
     }
 
-    /// Makes the last call of a plugin that nobody vouches for again if its result is not finite, to see whether it leaves its
-    /// arrays.
-    fn trespass(&mut self) -> Option<String> {
+    /// Makes the last call of a plugin that nobody vouches for again, to see whether it leaves its arrays.
+    fn trespass(&mut self) -> Option<Trespass> {
         if !self.is_plain {
             return None;
         }
-        let result = match &self.call {
-            Call::Uinter(call) => call.not_finite(),
-            Call::Fric(call) => call.not_finite(),
-        }?;
         self.call.set_point(&self.committed, self.directions);
-        let trespass = match &mut self.call {
+        match &mut self.call {
             Call::Uinter(call) => call.trespass_again(),
             Call::Fric(call) => call.trespass_again(),
-        }?;
-        Some(format!("it returned {result}; it {trespass}"))
+        }
     }
 
     /// UINTER under a prescribed pressure: Newton on DDSDDR(1,1) for the penetration, with bisection once two places
@@ -466,7 +474,38 @@ impl Divisible for Runner<'_> {
     }
 
     fn look_again(&mut self, _from: f64, _statistics: &mut Statistics) -> Option<String> {
-        self.trespass()
+        let result = match &self.call {
+            Call::Uinter(call) => call.not_finite(),
+            Call::Fric(call) => call.not_finite(),
+        }?;
+        self.trespass().map(|trespass| format!("it returned {result}; it {trespass}"))
+    }
+
+    fn look_outside(&mut self) -> Option<String> {
+        if !self.is_plain {
+            return None;
+        }
+        let (start, directions) = (&self.committed, self.directions);
+        let is_length_open = self.depends_on_length == Some(false);
+        let dependence = Dependence::find(|| match &mut self.call {
+            Call::Uinter(call) => {
+                call.leave_record();
+                let prepare = |call: &mut UinterCall| set_uinter(call, start, directions);
+                [call.depends_on_surroundings(prepare), is_length_open && call.depends_on_length(prepare)]
+            }
+            Call::Fric(call) => {
+                call.leave_record();
+                let prepare = |call: &mut FricCall| set_fric(call, start, directions);
+                [call.depends_on_surroundings(prepare), is_length_open && call.depends_on_length(prepare)]
+            }
+        });
+        if dependence.on_length {
+            self.depends_on_length = Some(true);
+        }
+        if !dependence.on_surroundings {
+            return None;
+        }
+        self.trespass().map(|trespass| format!("it {trespass}, and its answer depends on it"))
     }
 
     fn commit(&mut self, observer: &mut dyn Observer) {

@@ -100,6 +100,11 @@ pub trait Observer {
     /// A run that fails has reached this state in the increment that it fails at, after the last whole one.
     fn reached(&mut self, _row: Row<'_>) {}
 
+    /// Returns whether the run ends where a law's answer depends on what it reads outside its arrays.
+    fn looks_outside_arrays(&self) -> bool {
+        true
+    }
+
     /// Returns whether the run shall end with the present increment.
     fn ends_here(&self) -> bool {
         false

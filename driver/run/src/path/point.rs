@@ -2,7 +2,7 @@
 
 use super::finite::Finite;
 use super::newton::{Divergence, Evaluation, LARGEST_CHANGE, STRESS_TOLERANCE, Targets, is_unknown};
-use super::subdivision::{AttemptFailure, Divisible, take_steps};
+use super::subdivision::{AttemptFailure, Dependence, Divisible, depends_on_length, take_steps};
 use super::{Accepted, Observer, Recorder, RunFailure, Statistics, Stop, replay};
 use crate::arguments::UmatArguments;
 use crate::columns::{self, Group, POINT, PointRow};
@@ -85,6 +85,15 @@ pub(super) fn run(
             "{}: it returned {result}; where the tangent was needed, differences of the stress took its place",
             program.plugin.name
         ));
+    }
+    if let Some(share) = runner.coarseness_of_tolerance() {
+        recorder.observer.warn(format!(
+            "stresses that the case sets are met to {STRESS_TOLERANCE:e} MPa, {share:.1e} of the stiffness times the largest strain: \
+             enter moduli and stresses in a smaller unit"
+        ));
+    }
+    if runner.depends_on_length == Some(true) {
+        recorder.observer.warn(format!("{}: {}", program.plugin.name, depends_on_length("CELENT")));
     }
     if let Some(names) = runner.names_of_unknown() {
         recorder.observer.warn(format!(
@@ -196,10 +205,14 @@ struct Runner<'p> {
     is_first_attempt: bool,
     /// First entry of DDSDDE that was not finite where an equilibrium was found all the same.
     moduli_not_finite: Option<NotFinite>,
+    /// Whether the law's answer depends on CELENT, which the case does not give; `None`: it does.
+    depends_on_length: Option<bool>,
     /// Whether it is known that the stress follows the strains.
     follows_strain: bool,
     /// The largest modulus of the first tangent.
     stiffness: Option<f64>,
+    /// The largest component of the case's strain at the end of any increment so far.
+    largest_strain: f64,
     /// Components that the law has known nothing of whenever they were sought, once any was.
     unknown: Option<[bool; 6]>,
     /// Change of the sought strains in the step at which the matter was last tried for being torn.
@@ -327,14 +340,24 @@ impl<'p> Runner<'p> {
             plan: Plan { time: initial.time, ..Plan::default() },
             goal,
             is_first_attempt: true,
+            depends_on_length: program.characteristic_length.is_none().then_some(false),
             moduli_not_finite: None,
             refused: Refused::default(),
             tried_change: 0.0,
             unknown: None,
             stiffness: None,
+            largest_strain: 0.0,
             follows_strain: plugin.law.is_some() || point.nlgeom || point.arguments.dfgrd1.is_some(),
         };
         Ok((runner, reason))
+    }
+
+    /// Returns the tolerance of stresses relative to the first stiffness times the largest strain, if the run solved for stresses
+    /// and that is not small.
+    fn coarseness_of_tolerance(&self) -> Option<f64> {
+        const SMALL: f64 = 1e-4;
+        let share = STRESS_TOLERANCE / (self.stiffness? * self.largest_strain);
+        (share.is_finite() && share > SMALL).then_some(share)
     }
 
     /// Judges what the law makes of the stress that it begins with: a note, or why it cannot begin.
@@ -820,6 +843,35 @@ impl Divisible for Runner<'_> {
         }
     }
 
+    fn look_outside(&mut self) -> Option<String> {
+        if !self.is_plain {
+            return None;
+        }
+        let Committed { stress, statev, energies, .. } = &self.committed;
+        let stress: Vec<f64> = self.components.iter().map(|&i| stress[i]).collect();
+        let is_length_open = self.depends_on_length == Some(false);
+        let call = &mut self.call;
+        let dependence = Dependence::find(|| {
+            call.leave_record();
+            let (strain, increment, strain_33) = (call.stran, call.dstran, self.committed.strain[2]);
+            let ntens = stress.len();
+            let prepare = |call: &mut UmatCall| {
+                call.set_point([&strain[..ntens], &increment[..ntens], &stress], statev, *energies);
+                call.strain_33 = strain_33;
+            };
+            [call.depends_on_surroundings(prepare), is_length_open && call.depends_on_length(prepare)]
+        });
+        if dependence.on_length {
+            self.depends_on_length = Some(true);
+        }
+        if !dependence.on_surroundings {
+            return None;
+        }
+        // where nothing is found, the answer stays
+        let trespass = aside(&mut self.call, |call| trespass(call, &self.committed, self.components))?;
+        Some(format!("it {trespass}, and its answer depends on it"))
+    }
+
     fn commit(&mut self, observer: &mut dyn Observer) {
         observer.accepted(Accepted::Umat(&self.committed, &self.call));
         let before = *self.strain();
@@ -832,6 +884,8 @@ impl Divisible for Runner<'_> {
         let largest = self.components.iter().fold(0.0_f64, |largest, &i| largest.max(state.stress[i].abs()));
         self.largest_stress = self.largest_stress.max(largest);
         self.largest_stress_of_step = self.largest_stress_of_step.max(largest);
+        let strain = self.finite.as_ref().map_or(&state.strain, |finite| &finite.strain);
+        self.largest_strain = self.components.iter().fold(self.largest_strain, |most, &i| most.max(strain[i].abs()));
         self.moduli_not_finite = self.moduli_not_finite.or(self.trial.moduli_not_finite);
         self.refused = Refused::default();
         state.step_time = self.trial.step_time;
@@ -971,15 +1025,7 @@ impl Runner<'_> {
 
     /// Makes the last call of a plugin that nobody vouches for again, to see whether it leaves its arrays.
     fn trespass(&mut self) -> Option<Trespass> {
-        if !self.is_plain {
-            return None;
-        }
-        let Committed { stress, statev, energies, .. } = &self.committed;
-        let (strain, increment) = (self.call.stran, self.call.dstran);
-        let stress: Vec<f64> = self.components.iter().map(|&i| stress[i]).collect();
-        let ntens = stress.len();
-        self.call.set_point([&strain[..ntens], &increment[..ntens], &stress], statev, *energies);
-        self.call.trespass_again()
+        if self.is_plain { trespass(&mut self.call, &self.committed, self.components) } else { None }
     }
 
     /// Tries the rest of an increment, or a part of it, with differences in place of the plugin's tangent; if these lead to an
@@ -1122,6 +1168,16 @@ fn aside<T>(call: &mut UmatCall, work: impl FnOnce(&mut UmatCall) -> T) -> T {
     call.dtime = dtime;
     (call.drot, call.dfgrd0, call.dfgrd1) = kinematics;
     result
+}
+
+/// Makes a call from a committed state again, to see whether it leaves its arrays.
+fn trespass(call: &mut UmatCall, committed: &Committed, components: &[usize]) -> Option<Trespass> {
+    let Committed { stress, statev, energies, .. } = committed;
+    let (strain, increment) = (call.stran, call.dstran);
+    let stress: Vec<f64> = components.iter().map(|&i| stress[i]).collect();
+    let ntens = stress.len();
+    call.set_point([&strain[..ntens], &increment[..ntens], &stress], statev, *energies);
+    call.trespass_again()
 }
 
 /// Words for matter that does not resist.

@@ -4,7 +4,7 @@ use super::{IncrementPosition, Observer, Recorder, RunFailure, Statistics, Stop}
 use crate::program::{IterationLimits, PathStep, Program, Until};
 use fe_core::stepping::{AttemptVerdict, Directive, LeadingQuantity, Tried};
 use std::io;
-use umat_abi::host::CallFailure;
+use umat_abi::host::{CallFailure, compute_in_child};
 
 /// An attempt that did not succeed.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +61,10 @@ pub(super) trait Divisible {
     /// shows.
     fn look_again(&mut self, from: f64, statistics: &mut Statistics) -> Option<String>;
 
+    /// Repeats the last call of a successful attempt in a child process, with other numbers around the plugin's arrays; returns
+    /// what it reads there, if its answer depends on it.
+    fn look_outside(&mut self) -> Option<String>;
+
     /// Makes the state of the last attempt the committed one, after both were reported to the observer.
     fn commit(&mut self, observer: &mut dyn Observer);
 
@@ -116,7 +120,15 @@ fn take_increment(
     });
     let taken = match recorded {
         Some(attempts) => repeat(point, attempts, recorder.observer, statistics),
-        None => advance(point, program.controls, recorder, statistics),
+        None => {
+            // each look costs a process: few of many steps
+            let is_sampled = match position {
+                IncrementPosition { step: 1, increment: 1, .. } => true,
+                IncrementPosition { step, last, .. } => last && step.is_power_of_two(),
+            };
+            let looks_outside = is_sampled && recorder.observer.looks_outside_arrays();
+            advance(point, program.controls, looks_outside, recorder, statistics)
+        }
     };
     match taken {
         Ok(iterations) => {
@@ -148,10 +160,11 @@ struct GivenUp {
 }
 
 /// Takes a whole increment. Returns the iterations of all successful pieces; on failure what is
-/// committed is the state after the last successful piece.
+/// committed is the state after the last successful piece. `looks_outside`: the end is looked at by [`Divisible::look_outside`].
 fn advance(
     point: &mut impl Divisible,
     controls: IterationLimits,
+    looks_outside: bool,
     recorder: &mut Recorder<'_>,
     statistics: &mut Statistics,
 ) -> Result<u32, GivenUp> {
@@ -171,6 +184,12 @@ fn advance(
         recorder.tried.push(Tried { to: LeadingQuantity::Drives(to), time: 0.0, verdict, imbalanced: None });
         match attempt {
             Ok(count) => {
+                if looks_outside
+                    && to == 1.0
+                    && let Some(reason) = point.look_outside()
+                {
+                    return Err(given_up(reason));
+                }
                 point.commit(recorder.observer);
                 iterations += count;
                 if to == 1.0 {
@@ -223,4 +242,31 @@ fn repeat(
         }
     }
     Ok(iterations)
+}
+
+/// What trial calls in a child process show of a call.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Dependence {
+    /// Whether the answer depends on what lies outside the plugin's arrays.
+    pub(super) on_surroundings: bool,
+    /// Whether it depends on the characteristic length.
+    pub(super) on_length: bool,
+}
+
+impl Dependence {
+    /// Makes trial calls in a child process, so that no memory, file or count of the plugin's notices; none is shown where no
+    /// process can be had. `ask` returns what a trial shows: on the surroundings, on the length.
+    pub(super) fn find(ask: impl FnOnce() -> [bool; 2]) -> Self {
+        let found = compute_in_child(|| {
+            let [on_surroundings, on_length] = ask().map(u64::from);
+            on_surroundings | on_length << 1
+        });
+        let found = found.ok().flatten().unwrap_or_default();
+        Self { on_surroundings: found & 1 != 0, on_length: found & 2 != 0 }
+    }
+}
+
+/// Returns what to say of a law whose answer depends on a length that the case does not give.
+pub(super) fn depends_on_length(argument: &str) -> String {
+    format!("its answer depends on {argument}, and the case gives no characteristic_length: 1 mm was passed")
 }

@@ -102,6 +102,21 @@ impl Fenced {
         if fenced { Ok(this) } else { Err(io::Error::last_os_error()) }
     }
 
+    /// Fills the memory after the array with a pattern. `is_open`: it may be written from then on.
+    pub(super) fn fill_after(&self, pattern: u64, is_open: bool) {
+        let Extent { mapping, mapped, .. } = self.extent;
+        let after: *mut u64 = ptr::with_exposed_provenance_mut(mapping + mapped - FENCE);
+        // SAFETY: the fence after the array, which nobody else writes.
+        unsafe {
+            if libc::mprotect(after.cast(), FENCE, libc::PROT_READ | libc::PROT_WRITE) == 0 {
+                std::slice::from_raw_parts_mut(after, PAGE / size_of::<u64>()).fill(pattern);
+                if !is_open {
+                    libc::mprotect(after.cast(), FENCE, libc::PROT_READ);
+                }
+            }
+        }
+    }
+
     /// A copy of an array.
     ///
     /// # Safety

@@ -61,6 +61,10 @@ impl Watched {
     pub(in crate::host) fn address(&self) -> *mut u8 {
         self.fenced.address()
     }
+
+    pub(in crate::host) fn fill_after(&self, pattern: u64, is_open: bool) {
+        self.fenced.fill_after(pattern, is_open);
+    }
 }
 
 impl Drop for Watched {

@@ -19,6 +19,13 @@ pub(in super::super) struct Wide<C> {
     reason: String,
 }
 
+impl<C> Wide<C> {
+    /// The call that is made.
+    pub(super) fn call_mut(&mut self) -> &mut C {
+        &mut self.call
+    }
+}
+
 /// Makes calls of a contact law wide where they must be: the count of directions, what a plane has and space has, and how a call is
 /// made ready for the question.
 macro_rules! wide {

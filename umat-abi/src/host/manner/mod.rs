@@ -8,6 +8,7 @@ mod components;
 mod differences;
 mod directions;
 mod probing;
+mod surroundings;
 
 use super::call::{CallOutcome, UmatCall};
 use super::frame::Framed;

@@ -74,7 +74,8 @@ impl Plugin {
     }
 
     /// Returns what speaks for six components in a call of plane strain of which nothing is known, beyond what [`Self::probe`]
-    /// finds: trial calls in child processes with large strains.
+    /// finds: trial calls in child processes with large strains. A law that leaves its arrays with six components, as one does
+    /// that keeps a state for each, says nothing.
     ///
     /// # Errors
     /// The library has no such entry point.
@@ -90,8 +91,11 @@ impl Plugin {
             solid.leave_record();
             LARGE_STRAINS.iter().all(|strain| solid.stresses_at(*strain).is_some())
         });
-        if serves.ok().flatten() != Some(true) {
+        if serves.ok().flatten() != Some(true) || LARGE_STRAINS.iter().any(|&size| solid.trespass_at(size).is_some()) {
             return Ok(None);
+        }
+        if let Some(trespass) = LARGE_STRAINS.iter().find_map(|&size| call.trespass_at(size)) {
+            return Ok(Some(format!("with NTENS = 4 it {trespass}, at large strains; {WRITTEN_FOR_SIX}")));
         }
         let differs = ask(|| {
             call.leave_record();
@@ -163,9 +167,18 @@ impl UmatCall {
         stresses
     }
 
-    /// Makes the calls of a child process, which are no business of those who watch its parent.
-    fn leave_record(&mut self) {
-        std::mem::forget(self.slot.take());
+    /// Returns where a plane strain increment of this size from where the call stands leaves an array; calls are made in child
+    /// processes.
+    fn trespass_at(&mut self, size: f64) -> Option<Trespass> {
+        let mut start = super::Point::default();
+        self.keep(&mut start);
+        let strains = (self.dstran, self.dfgrd1);
+        self.set_plane_strain(size);
+        self.deform();
+        let found = self.trespass();
+        (self.dstran, self.dfgrd1) = strains;
+        self.put_back(&start);
+        found
     }
 
     /// Sets DSTRAN to one of plane strain.

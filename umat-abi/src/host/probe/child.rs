@@ -9,14 +9,12 @@ use std::sync::atomic::{AtomicI32, Ordering};
 
 /// A call that takes longer does not come back, s.
 const TIME_LIMIT: u32 = 10;
-/// Bytes that the child writes: an address and what happened there.
+/// Bytes that the child writes: an address and what happened there, or the number that it computes.
 const MESSAGE: usize = 9;
 /// The last byte if the processor does not report whether the address was written; otherwise 0 or 1.
 const TOUCHED: u8 = 2;
 /// The last byte of a call that came back.
 const RETURNED: u8 = 3;
-/// The last byte of a question that was answered with yes.
-const YES: u8 = 4;
 /// Stack of the handler.
 const HANDLER_STACK: usize = 1 << 16;
 
@@ -27,7 +25,7 @@ static CHANNEL: AtomicI32 = AtomicI32::new(-1);
 pub(super) fn run(fenced: &[Fenced], call: impl FnOnce()) -> io::Result<Probed> {
     let (message, status) = within(|| {
         call();
-        RETURNED
+        (0, RETURNED)
     })?;
     Ok(judge(fenced, &message, status))
 }
@@ -37,16 +35,21 @@ pub(super) fn run(fenced: &[Fenced], call: impl FnOnce()) -> io::Result<Probed> 
 /// # Errors
 /// The system gives no process.
 pub fn ask(question: impl FnOnce() -> bool) -> io::Result<Option<bool>> {
-    let (message, _) = within(|| if question() { YES } else { RETURNED })?;
-    Ok(match message.get(MESSAGE - 1) {
-        Some(&YES) => Some(true),
-        Some(&RETURNED) => Some(false),
-        _ => None,
-    })
+    Ok(compute(|| u64::from(question()))?.map(|answer| answer == u64::from(true)))
 }
 
-/// Runs work in a child process that sends its last byte; returns the child's message and status.
-fn within(work: impl FnOnce() -> u8) -> io::Result<(Vec<u8>, i32)> {
+/// Computes a number in a child process, which leaves no trace in this one; `None` if the child does not come back.
+///
+/// # Errors
+/// The system gives no process.
+pub fn compute(work: impl FnOnce() -> u64) -> io::Result<Option<u64>> {
+    let (message, _) = within(|| (work(), RETURNED))?;
+    let (number, what) = message.split_at_checked(MESSAGE - 1).unwrap_or_default();
+    Ok(number.try_into().ok().filter(|_| what == [RETURNED]).map(u64::from_ne_bytes))
+}
+
+/// Runs work in a child process that sends a number and its last byte; returns the child's message and status.
+fn within(work: impl FnOnce() -> (u64, u8)) -> io::Result<(Vec<u8>, i32)> {
     let (mut reader, writer) = io::pipe()?;
     // SAFETY: the child makes the call and ends; it returns to no code of this process.
     match unsafe { libc::fork() } {
@@ -54,7 +57,8 @@ fn within(work: impl FnOnce() -> u8) -> io::Result<(Vec<u8>, i32)> {
         0 => {
             CHANNEL.store(writer.as_raw_fd(), Ordering::SeqCst);
             prepare();
-            report(0, work());
+            let (number, what) = work();
+            report(number, what);
             // SAFETY: ends the child without the exit handlers that it shares with its parent.
             unsafe { libc::_exit(0) }
         }
@@ -84,16 +88,16 @@ fn prepare() {
     }
     // without a handler the signal is reported by its number
     let _ = listen(|address, writes| {
-        report(address, writes.map_or(TOUCHED, u8::from));
+        report(address as u64, writes.map_or(TOUCHED, u8::from));
         // SAFETY: ends the child.
         unsafe { libc::_exit(1) }
     });
 }
 
 /// Writes the message. Only what a signal handler may call.
-fn report(address: usize, what: u8) {
+fn report(number: u64, what: u8) {
     let mut message = [what; MESSAGE];
-    message[..MESSAGE - 1].copy_from_slice(&(address as u64).to_ne_bytes());
+    message[..MESSAGE - 1].copy_from_slice(&number.to_ne_bytes());
     // SAFETY: writes bytes of this frame.
     unsafe { libc::write(CHANNEL.load(Ordering::SeqCst), message.as_ptr().cast(), MESSAGE) };
 }

@@ -9,6 +9,7 @@ mod fences;
 
 use super::memory::Trespass;
 pub(super) use child::ask;
+pub use child::compute;
 
 /// Position of an array between its two forbidden pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

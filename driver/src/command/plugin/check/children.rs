@@ -47,6 +47,18 @@ struct Tally {
     judged: Vec<Judged>,
     /// Writes past the ends of arrays, by law and entry point: the finding of the first group that found any.
     bounds: Vec<(usize, CheckRow)>,
+    /// Calls that did not return, one entry for each law and cause.
+    ended: Vec<Ended>,
+}
+
+/// Calls that did not return for one cause: the first of them, and what came later.
+struct Ended {
+    law: usize,
+    cause: String,
+    row: CheckRow,
+    /// Checks of the later calls, and the number of these.
+    later: Vec<Cow<'static, str>>,
+    count: usize,
 }
 
 /// Makes all groups.
@@ -61,7 +73,7 @@ pub(super) fn run(
         *limit = TIME_LIMIT;
     }
     let case = checks.case.clone().unwrap_or_else(|| CaseSource::file(Path::new("")));
-    let mut tally = Tally { prints_rows, case, judged: Vec::new(), bounds: Vec::new() };
+    let mut tally = Tally { prints_rows, case, judged: Vec::new(), bounds: Vec::new(), ended: Vec::new() };
     let mut spent = Duration::ZERO;
     let groups = CheckGroup::value_variants();
     for (index, group) in groups.iter().enumerate() {
@@ -222,10 +234,9 @@ impl Tally {
         self.add(law, CheckRow { check, stress_state, verdict: Verdict::NotTested, figure, detail });
     }
 
-    /// Reports a call that did not return.
+    /// Notes a call that did not return.
     fn end(&mut self, library: &Path, group: CheckGroup, output: &GroupOutput, failure: &WorkerFailure) {
         let message = &failure.report.message;
-        complain(format!("{}: {message}", library.display()));
         let law = self.present_law(library);
         let (check, stress_state) = output.begun.clone().unwrap_or(("loading".into(), "-".into()));
         let mut detail = match output.drawn {
@@ -234,23 +245,46 @@ impl Tally {
             None if check == "case's path" => message.clone(),
             None => format!("call {} of this check: {message}", failure.calls_of_check),
         };
-        if let Some(case) = isolated::replay(failure, &self.case) {
+        // what makes no sense, or what the case never does, may end the analysis
+        let is_senseless = group == CheckGroup::BadInput || output.drawn.is_some_and(|(_, is_far)| is_far);
+        let verdict = if is_senseless { Verdict::Warn } else { Verdict::Fail };
+        let cause = &failure.report.cause;
+        if let Some(known) = self.ended.iter_mut().find(|known| known.law == law && known.cause == *cause) {
+            known.count += 1;
+            if !known.later.contains(&check) {
+                known.later.push(check);
+            }
+            if verdict == Verdict::Fail {
+                known.row.verdict = verdict;
+            }
+            return;
+        }
+        // one is enough to begin with: the current folder is the user's
+        if let Some(case) = isolated::replay(failure, &self.case)
+            && self.judged.iter().all(|law| law.replays.is_empty())
+        {
             detail += &match keep(&format!("{case:#}\n")) {
                 Ok(path) => format!(" (replay case: {})", path.display()),
                 Err(error) => format!(" (no replay case could be written: {error})"),
             };
             self.judged[law].replays.push(case);
         }
-        // what makes no sense, or what the case never does, may end the analysis
-        let is_senseless = group == CheckGroup::BadInput || output.drawn.is_some_and(|(_, is_far)| is_far);
-        let verdict = if is_senseless { Verdict::Warn } else { Verdict::Fail };
-        self.add(law, CheckRow { check, stress_state, verdict, figure: "ended".into(), detail });
+        let row = CheckRow { check, stress_state, verdict, figure: "ended".into(), detail };
+        self.ended.push(Ended { law, cause: cause.clone(), row, later: Vec::new(), count: 0 });
     }
 
     /// Reports the rows that concern all groups, and the conclusion.
     fn conclude(mut self, plugin: &str) -> Judgement {
         if self.judged.is_empty() {
             complain(format!("{plugin}: no check reported a result"));
+        }
+        for Ended { law, mut row, later, count, .. } in std::mem::take(&mut self.ended) {
+            match count {
+                0 => {}
+                1 => row.detail += &format!("; likewise in another call ({})", later.join(", ")),
+                _ => row.detail += &format!("; likewise in {count} other calls ({})", later.join(", ")),
+            }
+            self.add(law, row);
         }
         for (law, row) in std::mem::take(&mut self.bounds) {
             if self.prints_rows {
