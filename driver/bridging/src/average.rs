@@ -48,7 +48,7 @@ impl Composite {
     }
 
     /// Fibres at one angle need no integral over it: rounding is cheap.
-    fn resolution(&self, directions: &Directions) -> Resolution {
+    pub(crate) fn resolution(&self, directions: &Directions) -> Resolution {
         match (directions.is_single(), self.rough) {
             (true, _) => Resolution::EXACT,
             (false, true) => Resolution::TABLE,

@@ -15,6 +15,7 @@ mod scatter;
 mod table;
 #[cfg(test)]
 mod test;
+mod work;
 
 pub use average::{Average, averages, averages_with_shares};
 pub use beam::{BeamLoad, LayeredBeam, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
@@ -31,6 +32,7 @@ pub use model_code::{Concrete, EurocodeClass, ModelCode2010, StrengthClass};
 pub use orientation::{Directions, Faces, Orientation, wall_zones};
 pub use scatter::{Beams, Scatter, quantile, scatter};
 pub use table::{Curve, Table};
+pub use work::{CrackStress, CrackTotals, CrackWork};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

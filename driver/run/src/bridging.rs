@@ -2,13 +2,14 @@
 
 use crate::columns::{self, BEAM, BRIDGING, Group};
 use crate::columns::{BeamRow, BridgingRow, ScatterRow};
-use crate::number::significant;
+use crate::number::{rounded, significant};
 use crate::program::About;
 use crate::signals::{self, Interrupt};
 use pullout_bridging::{
-    Average, BeamLoad, Beams, Bond, BridgingFibre, Composite, Curve, EurocodeClass, Fibre, Inclination, Invalid,
-    LayeredBeam, Matrix, ModelCode2010, NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides,
-    StrengthClass, Table, averages, averages_with_shares, quantile, scatter, wall_zones,
+    Average, BeamLoad, Beams, Bond, BridgingFibre, Composite, CrackTotals, CrackWork, Curve, EurocodeClass, Fibre,
+    Inclination, Invalid, LayeredBeam, Matrix, ModelCode2010, NotchedBeam, Orientation, Polyline, RESIDUAL_CMOD,
+    Residual, Scatter, SectionLaw, Sides, StrengthClass, Table, averages, averages_with_shares, quantile, scatter,
+    wall_zones,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -32,6 +33,8 @@ const NEGLIGIBLE_LOAD: f64 = 0.01;
 const FEW_OPENINGS: usize = 10;
 /// Part of σ_f beyond the largest angle of the curves that is worth a warning.
 const NOTICED_SHARE: f64 = 1e-3;
+/// Difference of work by straight lines between the rows, as a part of the whole work, that is worth a warning.
+const NOTICED_BY_ROWS: f64 = 0.01;
 /// Openings up to which the work is given, mm.
 const WORK_TO: [f64; 3] = [0.5, 2.5, 3.5];
 /// Quantiles that are given.
@@ -325,6 +328,9 @@ pub struct WorkToOpening {
     pub to: f64,
     /// N/mm.
     pub work: f64,
+    /// Estimate of its error, N/mm.
+    #[serde(default)]
+    pub error: f64,
 }
 
 /// Strengths of a notched beam, MPa.
@@ -517,6 +523,7 @@ fn run_here(program: &BridgingProgram, composite: &Composite) -> Result<Bridging
         .collect();
     let findings = findings(program, composite, &fibres).map_err(message)?;
     let mut results = BridgingResults { findings, ..BridgingResults::default() };
+    results.warnings.extend(few_rows(&rows, &results.findings.work));
     if let Some(geometry) = &program.beam {
         let openings = program.openings_of_beam();
         let fibres = averages_also_at(composite, fibres, &openings);
@@ -580,20 +587,9 @@ fn averages_also_at(composite: &Composite, known: Vec<Average>, openings: &[f64]
 }
 
 fn findings(program: &BridgingProgram, composite: &Composite, fibres: &[Average]) -> Result<Findings, Invalid> {
-    let law = composite.law(fibres);
-    let highest = |best: (f64, f64), point: (f64, f64)| if point.1 > best.1 { point } else { best };
-    let (w_peak, sigma_peak) = law.points().fold((0.0, 0.0), highest);
-    let (w_fibre_peak, sigma_fibre_peak) =
-        fibres.iter().map(|average| (average.opening, average.stress)).fold((0.0, 0.0), highest);
-    let points: Vec<(f64, f64)> = law.points().collect();
-    let work = |to: f64| {
-        let part = |ends: &[(f64, f64)]| {
-            let end = ends[1].0.min(to);
-            (end > ends[0].0).then(|| 0.5 * (end - ends[0].0) * (ends[0].1 + law.at(end)))
-        };
-        WorkToOpening { to, work: points.windows(2).filter_map(part).sum() }
-    };
     let last = program.openings.last().copied().unwrap_or_default();
+    let ends: Vec<f64> = WORK_TO.into_iter().filter(|to| *to < last).chain([last]).collect();
+    let CrackTotals { work, peak, fibre_peak } = composite.totals(&ends);
     let efficiency_by_zones = match &program.orientation {
         Orientation::Section { size, faces } => Some(wall_zones(*size, faces, program.fibre.length)?),
         _ => None,
@@ -608,13 +604,34 @@ fn findings(program: &BridgingProgram, composite: &Composite, fibres: &[Average]
         efficiency: composite.directions.efficiency,
         efficiency_by_zones,
         fibres_per_cm2: 100.0 * composite.fibres_per_area(),
-        sigma_peak,
-        w_peak,
-        sigma_fibre_peak,
-        w_fibre_peak,
-        work: WORK_TO.into_iter().filter(|to| *to < last).chain([last]).map(work).collect(),
-        error: if sigma_fibre_peak > 0.0 { greatest_error / sigma_fibre_peak } else { 0.0 },
+        sigma_peak: peak.stress,
+        w_peak: peak.opening,
+        sigma_fibre_peak: fibre_peak.stress,
+        w_fibre_peak: fibre_peak.opening,
+        work: work.into_iter().map(|CrackWork { to, work, error }| WorkToOpening { to, work, error }).collect(),
+        error: if fibre_peak.stress > 0.0 { greatest_error / fibre_peak.stress } else { 0.0 },
         ..Findings::default()
+    })
+}
+
+/// Warns of rows whose straight lines have another work than σ(w).
+fn few_rows(rows: &[BridgingRow], works: &[WorkToOpening]) -> Option<String> {
+    let law = Polyline::new(rows.iter().map(|row| (row.fibres.opening, row.fibres.stress + row.matrix)));
+    let of_rows = |to: f64| {
+        let within = law.points().filter(|point| point.0 < to).chain([(to, law.at(to))]).collect::<Vec<_>>();
+        within.windows(2).map(|ends| 0.5 * (ends[1].0 - ends[0].0) * (ends[0].1 + ends[1].1)).sum::<f64>()
+    };
+    let difference = |work: &WorkToOpening| (of_rows(work.to) - work.work).abs();
+    let worst = works.iter().max_by(|a, b| difference(a).total_cmp(&difference(b)))?;
+    (difference(worst) > NOTICED_BY_ROWS * works.last()?.work).then(|| {
+        format!(
+            "openings: straight lines between the {} openings have a work of {} N/mm up to {} mm, σ(w) has {} N/mm: give \
+             more openings, or \"spacing\": \"power2\", if tables or sums over the rows of bridging.csv are used",
+            rows.len(),
+            number(of_rows(worst.to)),
+            rounded(worst.to),
+            number(worst.work)
+        )
     })
 }
 

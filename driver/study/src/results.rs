@@ -9,6 +9,8 @@
 //! W = ∫ y dx, trapezoidal
 //! ```
 //!
+//! The work of a crack, ∫σ dw, is that of its summary where this has it up to x_c: there rows are no limit.
+//!
 //! Work that is given back where x turns counts with its sign: W of a closed cycle is its dissipation.
 
 use super::execution::{RunOutcome, is_refused};
@@ -115,6 +117,17 @@ impl RunResult {
             result.peak = Some(peak.load);
             result.slip_at_peak = Some(peak.slip).filter(|_| columns.x == "slip").or(result.slip_at_peak);
         }
+        // σ(w) is known between the rows of a crack as well
+        let crack = result.summary.as_ref().and_then(|summary| summary.bridging.as_ref());
+        let of_crack = crack.and_then(|crack| match columns.y.as_str() {
+            "sigma" => Some((crack.w_peak, crack.sigma_peak)),
+            "sigma_fibre" => Some((crack.w_fibre_peak, crack.sigma_fibre_peak)),
+            _ => None,
+        });
+        if let Some((opening, peak)) = of_crack {
+            result.peak = Some(peak);
+            result.slip_at_peak = Some(opening).filter(|_| columns.x == "w").or(result.slip_at_peak);
+        }
         result.end = finite().next_back().map(|(_, y)| y);
         result.reach = farthest(finite().map(|(x, _)| x));
         result
@@ -122,7 +135,18 @@ impl RunResult {
 
     /// Finds the integral along the curve up to an end, or along all of it.
     pub fn find_work(&mut self, columns: &Columns, to: Option<f64>) {
-        self.work = work(&self.curve(columns), to);
+        self.work = self.work_of_crack(columns, to).or_else(|| work(&self.curve(columns), to));
+    }
+
+    /// Returns the integral of σ(w), which rows do not limit, if the summary has it up to this end.
+    fn work_of_crack(&self, columns: &Columns, to: Option<f64>) -> Option<f64> {
+        let works =
+            &self.summary.as_ref()?.bridging.as_ref().filter(|_| [&columns.x, &columns.y] == ["w", "sigma"])?.work;
+        let known = match to {
+            Some(end) => works.iter().find(|work| is_near(work.to, end, end)),
+            None => works.last(),
+        };
+        known.map(|work| work.work)
     }
 
     /// Returns whether it came to its end.

@@ -10,6 +10,7 @@ mod scatter;
 mod shear_lag;
 mod spalling;
 mod table;
+mod work;
 
 use crate::*;
 

@@ -33,7 +33,7 @@ pub(crate) struct BridgingCase {
     /// w_a, the opening at which fibres begin to carry (default 0).
     #[schemars(range(min = 0.0))]
     pub activation: Option<f64>,
-    /// Openings at which σ(w) is written. The strengths of beams do not depend on them.
+    /// Openings at which σ(w) is written. Strengths of beams do not depend on them. Work and peaks depend on the last alone.
     pub openings: Option<Openings>,
     /// A notched beam in three-point bending (`{}`: that of EN 14651; default: none).
     pub beam: Option<NotchedBeam>,

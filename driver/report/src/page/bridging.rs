@@ -5,7 +5,7 @@ use super::{Account, comparison, status, warnings};
 use crate::plots::Picture;
 use crate::summary::Summary;
 use maud::{Markup, PreEscaped, html};
-use pullout_run::bridging::{BeamFindings, Findings, ScatterFindings, Spread};
+use pullout_run::bridging::{BeamFindings, Findings, ScatterFindings, Spread, WorkToOpening};
 use pullout_run::number::{rounded, significant};
 
 pub(super) fn body(account: &Account, summary: &Summary, findings: &Findings, pictures: &[Picture]) -> Markup {
@@ -84,9 +84,16 @@ fn crack(findings: &Findings) -> Markup {
             @for work in &findings.work {
                 (line(&format!("Work up to {} mm", rounded(work.to)), number(work.work), "N/mm"))
             }
-            (line("Greatest error of quadrature, relative to the peak", significant(findings.error, 2), ""))
+            (line("Greatest error of σ of the fibres, relative to the peak", significant(findings.error, 2), ""))
+            (line("Greatest error of the work, relative", significant(error_of_work(&findings.work), 2), ""))
         }
     }
+}
+
+/// The greatest estimated error of works as a part of each.
+fn error_of_work(works: &[WorkToOpening]) -> f64 {
+    let relative = |work: &WorkToOpening| if work.work > 0.0 { work.error / work.work } else { 0.0 };
+    works.iter().map(relative).fold(0.0, f64::max)
 }
 
 fn strengths(beam: &BeamFindings, scatter: Option<&ScatterFindings>) -> Markup {
