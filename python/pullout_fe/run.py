@@ -234,8 +234,16 @@ class Run:
         return list(self.summary["warnings"])
 
     def peak(self, column: str) -> Peak:
-        """Return the extremes of a column over all increments, written or not."""
+        """Return the extremes of a column over all increments, written or not.
+
+        A run of kind "bridging" has no increments: its greatest stresses and their openings are in ``summary["bridging"]``.
+        """
         peaks = self.summary["peaks"]
+        if "bridging" in self.summary:
+            raise KeyError(
+                "a run of kind 'bridging' has no peaks over increments: summary['bridging'] has 'sigma_peak' at 'w_peak' and "
+                "'sigma_fibre_peak' at 'w_fibre_peak'; of other columns take the greatest of the history"
+            )
         if column not in peaks:
             raise KeyError(f"{column!r} is not one of {', '.join(peaks)}" if peaks else "a run of this kind has no peaks: see its history")
         row = peaks[column]

@@ -313,8 +313,9 @@ def test_fibres_across_a_crack(tmp_path: Path) -> None:
     run, kept = po.run(case), po.run(case, out=tmp_path / "out")
     assert list(run.history) == list(kept.history) and {"w", "sigma", "cmod"} <= set(run.history)
     assert all(np.array_equal(run.history[name], kept.history[name], equal_nan=True) for name in run.history)
-    with pytest.raises(KeyError, match="no peaks"):
+    with pytest.raises(KeyError, match="sigma_peak"):
         run.peak("sigma")
+    assert run.summary["bridging"]["sigma_peak"] >= run.history["sigma"].max()
 
 
 def test_a_case_holds_what_its_file_had(tmp_path: Path) -> None:

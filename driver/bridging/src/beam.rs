@@ -200,7 +200,7 @@ pub struct BeamLoad {
 /// Strengths of EN 14651, MPa.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
-    /// f_L.
+    /// f_L; not a number if a test does not state it.
     pub limit: f64,
     /// f_R1 … f_R4.
     pub residual: [f64; 4],

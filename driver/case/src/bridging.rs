@@ -59,6 +59,9 @@ const SAME_ANGLE: f64 = 0.01;
 const KEYS: [&str; 2] = ["mesh.specimen.angle_deg", "mesh.specimen.embedded_length"];
 const KEYS_OF_PATH: [&str; 2] = ["mesh.specimen.fibres.0.rotate_deg", "mesh.specimen.fibres.0.embedded"];
 
+/// A hook that reaches this part of the load of all its hinges has them full at once.
+const ALL_FULL: f64 = 0.999;
+
 /// Usual ranges of some numbers; values outside are probably mistakes.
 const USUAL_SNUBBING: [f64; 2] = [0.0, 2.0];
 const USUAL_TENSILE_STRENGTH: [f64; 2] = [0.1, 30.0];
@@ -113,7 +116,12 @@ pub fn resolve(
     let matrix = matrix?;
     if reader.problems.is_empty() {
         warn_of_effect(reader, fibre.as_ref(), &matrix, scatter, beam.is_some());
+        if matrix.softening == Softening::None && case.matrix.fracture_energy.is_some() {
+            let why = "without \"softening\" the matrix carries nothing once it has cracked";
+            reader.warn_no_effect(&root.key("matrix").key("Gf"), why);
+        }
         warn_of_units(reader, fibre.as_ref(), &matrix, beam.as_ref());
+        note_hook(reader, fibre.as_ref());
     }
     let output = case.output.clone().unwrap_or_default();
     let program = fibre.zip(orientation).map(|((fibre, source), orientation)| {
@@ -208,6 +216,22 @@ fn warn_of_effect(
         if is_idle {
             reader.warn_no_effect(&Place::root().key(of).key(key), why);
         }
+    }
+}
+
+/// Notes a hook whose hinges are never all full at once.
+fn note_hook(reader: &mut Reader<'_>, fibre: Option<&(Fibre, LoadSource)>) {
+    let Some((fibre, LoadSource::Bond(Bond::Closed(Closed { hook: Some(hook), .. }), _))) = fibre else { return };
+    let [greatest, full] = hook.greatest_loads(fibre);
+    if greatest < ALL_FULL * full {
+        reader.highlight(format!(
+            "hook: at most {} N of the {} N of all hinges: each comes and goes over {} mm of slip, the arc of radius {} mm, and the \
+             first bend is straight before the others carry fully",
+            significant(greatest, 3),
+            significant(full, 3),
+            significant(hook.arc(), 3),
+            significant(hook.radius, 3),
+        ));
     }
 }
 

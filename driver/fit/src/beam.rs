@@ -13,6 +13,7 @@ use pullout_bridging::{
 use pullout_case::CsvFile;
 use pullout_run::bridging::{BridgingProgram, Curves, ForeignTables, LoadSource};
 use pullout_run::number::rounded;
+use std::array::from_fn;
 use std::path::Path;
 
 mod output;
@@ -36,8 +37,8 @@ pub struct BeamColumns {
     pub load_factor: f64,
 }
 
-/// Reads the test of a beam: the columns `cmod` and `load` (or those that are named), or strengths `f_L`, `f_R1` …
-/// `f_R4`, a row for each beam.
+/// Reads the test of a beam: the columns `cmod` and `load` (or those that are named), or strengths `f_R1` … `f_R4`, a row for each
+/// beam. `f_L` is read if it is there: nothing is fitted to it, it is reported with the strengths.
 ///
 /// # Errors
 /// One sentence for each thing that is wrong.
@@ -48,14 +49,18 @@ pub fn read_beam_test(path: &Path, columns: &BeamColumns) -> Result<MeasuredBeam
         csv.numbers(&places, false)
     };
     if columns.cmod.is_none() && columns.load.is_none() && csv.column(STRENGTHS[1]).is_ok() {
-        let rows = rows(&STRENGTHS)?;
+        let names = &STRENGTHS[usize::from(csv.column(STRENGTHS[0]).is_err())..];
+        let rows = rows(names)?;
         let wrong =
             rows.iter().enumerate().find_map(|(row, values)| Some((row, values.iter().position(|f| *f <= 0.0)?)));
         if let Some((row, k)) = wrong {
-            let message = format!("{} is {}: strengths are above 0", STRENGTHS[k], rows[row][k]);
+            let message = format!("{} is {}: strengths are above 0", names[k], rows[row][k]);
             return Err(csv.fault(csv.line(row), message));
         }
-        let beam = |row: &Vec<f64>| Residual { limit: row[0], residual: [1, 2, 3, 4].map(|k| row[k]) };
+        let beam = |row: &Vec<f64>| {
+            let (limit, residual) = row.split_at(row.len() - RESIDUAL_CMOD.len());
+            Residual { limit: limit.first().copied().unwrap_or(f64::NAN), residual: from_fn(|k| residual[k]) }
+        };
         return Ok(MeasuredBeam::Strengths(rows.iter().map(beam).collect()));
     }
     let names = [columns.cmod.as_deref().unwrap_or("cmod"), columns.load.as_deref().unwrap_or("load")];
@@ -77,6 +82,8 @@ pub struct BeamFit {
     pub fast: Polyline,
     /// σ(w), E and f_t by the hinge model.
     pub full: BridgingFit,
+    /// σ_m (1 − V_f) of the case at the openings of `full`, MPa: the matrix's part of σ(w).
+    pub matrix: Vec<f64>,
     /// σ(w) as the case has it, for a picture: to 3e-4.
     pub predicted: Polyline,
     /// The bond; or why it was not sought.
@@ -139,6 +146,7 @@ impl BeamFit {
             LoadSource::Simulated(_) => return Err(Invalid { place: "fibre.model".into(), rule: rule.into() }),
             _ => program.composite(&[])?,
         };
+        let matrix = full.openings.iter().map(|opening| composite.matrix_stress(*opening)).collect();
         let predicted = composite.roughly().law_to(end, POINTS);
         let bond = sought(program).and_then(|(names, start)| {
             let with = |values: &[f64]| with_bond(program, values).composite(&[]);
@@ -155,7 +163,7 @@ impl BeamFit {
             found.map(|fitted| FittedBond { names, fitted }).map_err(|error| error.to_string())
         });
         let tested = test.strengths(&geometry);
-        Ok(Self { geometry, fast, full, predicted, bond, tested, tables: program.tables })
+        Ok(Self { geometry, fast, full, matrix, predicted, bond, tested, tables: program.tables })
     }
 
     /// Warns of data in other units, and of a σ(w) that misses them.
@@ -184,15 +192,21 @@ impl BeamFit {
         cmods.map(|cmod| (cmod, beam.at(cmod).force)).collect()
     }
 
-    /// Name, unit and estimate of each number: E, f_t, σ at openings, those of the bond.
+    /// σ at openings without the matrix's part.
+    fn of_fibres(&self) -> impl Iterator<Item = Estimate> + '_ {
+        let totals = self.full.fitted.estimates[2..].iter().zip(&self.matrix);
+        totals.map(|(total, matrix)| Estimate { value: total.value - matrix, ..*total })
+    }
+
+    /// Name, unit and estimate of each number: E, f_t, σ at openings without the matrix's part, those of the bond.
     fn numbers(&self) -> Vec<(String, &'static str, Estimate)> {
         let stresses = self.full.openings.iter().map(|opening| (format!("sigma({})", rounded(*opening)), "MPa"));
         let names = [("E".to_owned(), "MPa"), ("f_t".to_owned(), "MPa")].into_iter().chain(stresses);
-        let of_law = names.zip(&self.full.fitted.estimates);
+        let of_law = names.zip(self.full.fitted.estimates[..2].iter().copied().chain(self.of_fibres()));
         let of_bond =
             |bond: &FittedBond| bond.names.iter().copied().zip(bond.fitted.estimates.clone()).collect::<Vec<_>>();
         let bond = self.bond.iter().flat_map(of_bond).map(|((name, unit), estimate)| (name.to_owned(), unit, estimate));
-        let of_law = of_law.map(|((name, unit), estimate)| (name, unit, *estimate));
+        let of_law = of_law.map(|((name, unit), estimate)| (name, unit, estimate));
         of_law.chain(bond).collect()
     }
 }

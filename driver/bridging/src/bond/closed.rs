@@ -92,6 +92,19 @@ impl Hook {
         if piece == 0 { cut } else { 2.0 * cut }
     }
 
+    /// Returns the greatest load of the hook of a fibre that is embedded beyond it, and the load of all hinges at their full moment, N.
+    /// The first is less if a bend is straight before others have slid by their arcs.
+    pub fn greatest_loads(&self, fibre: &Fibre) -> [f64; 2] {
+        let bends = Bends::new(self, fibre);
+        let loads = bends.kinks(f64::INFINITY).into_iter().map(|u| bends.load(u, f64::INFINITY));
+        [loads.fold(0.0, f64::max), bends.sum(bends.places.iter().map(|_| 1.0))]
+    }
+
+    /// Returns the arc of a bend, over which its hinge comes and goes, mm.
+    pub fn arc(&self) -> f64 {
+        self.radius * self.angle_deg.to_radians()
+    }
+
     /// μ cos β with β = (π − θ)/2, the angle between wire and reaction in a bend.
     fn pulley(&self) -> f64 {
         self.friction * (0.5 * (PI - self.angle_deg.to_radians())).cos()
@@ -172,7 +185,7 @@ impl Bends {
         };
         Self {
             places: hook.lengths.iter().scan(0.0, place).collect(),
-            arc: hook.radius * angle,
+            arc: hook.arc(),
             hinge: yield_stress * fibre.area() / (6.0 * angle.cos()),
             pulley: hook.pulley(),
         }
@@ -182,10 +195,12 @@ impl Bends {
     /// its hinge, and friction in proportion to the loads on both of its sides.
     fn load(&self, u: f64, embedded: f64) -> f64 {
         let passed = self.places.iter().filter(|place| **place < embedded && **place > u);
-        passed.fold(0.0, |load, place| {
-            let part = (u / self.arc).min((place - u) / self.arc).clamp(0.0, 1.0);
-            (load * (1.0 + self.pulley) + part * self.hinge) / (1.0 - self.pulley)
-        })
+        self.sum(passed.map(|place| (u / self.arc).min((place - u) / self.arc).clamp(0.0, 1.0)))
+    }
+
+    /// Returns the load of bends, from the end on, whose hinges carry these parts of their full moment.
+    fn sum(&self, parts: impl Iterator<Item = f64>) -> f64 {
+        parts.fold(0.0, |load, part| (load * (1.0 + self.pulley) + part * self.hinge) / (1.0 - self.pulley))
     }
 
     /// Slips by which the load has kinks, in order.

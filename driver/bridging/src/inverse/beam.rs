@@ -42,7 +42,7 @@ impl MeasuredBeam {
             Self::Curve(rows) => rows,
             Self::Strengths(beams) => {
                 let is_sound = |value: f64| value > 0.0 && value.is_finite();
-                let sound = |beam: &Residual| is_sound(beam.limit) && beam.residual.into_iter().all(is_sound);
+                let sound = |beam: &Residual| beam.residual.into_iter().all(is_sound);
                 let sound = !beams.is_empty() && beams.iter().all(sound);
                 return Invalid::unless(sound, "test".into(), "must have strengths above 0");
             }
@@ -71,14 +71,11 @@ impl MeasuredBeam {
         })
     }
 
-    /// The greatest flexural strength, MPa.
+    /// The greatest flexural strength that a fit compares, MPa.
     pub fn greatest_strength(&self, geometry: &NotchedBeam) -> f64 {
         match self {
             Self::Curve(rows) => geometry.flexural_strength(rows.iter().map(|row| row[1]).fold(0.0, f64::max)),
-            Self::Strengths(beams) => {
-                let Residual { limit, residual } = Residual::mean(beams);
-                residual.into_iter().fold(limit, f64::max)
-            }
+            Self::Strengths(beams) => Residual::mean(beams).residual.into_iter().fold(0.0, f64::max),
         }
     }
 }
@@ -143,7 +140,8 @@ fn parabola(x: &[f64], y: &[f64], at: f64) -> Option<(f64, f64)> {
 /// σ(w) with what is known of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BridgingFit {
-    /// E, f_t, then σ at `openings`, of strengths without the matrix's.
+    /// Estimates of E, f_t, then σ at `openings` with the matrix's. The parameters of strengths are the stresses that take over as
+    /// the matrix softens instead.
     pub fitted: Fitted,
     /// Openings, mm.
     pub openings: Vec<f64>,

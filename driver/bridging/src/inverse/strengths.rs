@@ -74,7 +74,7 @@ struct Found {
 }
 
 /// Finds the σ(w) whose beam has the strengths f_R1–4; of several beams it has their means. E and f_t are the matrix's:
-/// f_L belongs to the matrix and to fibres that have hardly begun to carry, and does not determine the law.
+/// f_L belongs to the matrix and to fibres that have hardly begun to carry: it has no part in this.
 pub(super) fn inverse_of_strengths(
     geometry: &NotchedBeam,
     matrix: &Matrix,
@@ -82,7 +82,7 @@ pub(super) fn inverse_of_strengths(
     shape: Shape,
 ) -> BridgingFit {
     let mean = Residual::mean(beams);
-    let scale = mean.residual.into_iter().fold(mean.limit, f64::max);
+    let scale = mean.residual.into_iter().fold(0.0, f64::max);
     let search = |knots: Vec<f64>| Search { geometry: *geometry, matrix: *matrix, knots, shape, scale };
     let search = match shape {
         Shape::Smooth => search(KNOTS.into()),
@@ -287,9 +287,13 @@ impl Search {
             part * others.iter().map(|one| (one[i] - middle[i]) * (one[j] - middle[j])).sum::<f64>()
         };
         let error = |k: usize| covariance(k, k).sqrt();
+        let law = self.matrix.relieved_by(&self.law(stresses));
         let unknown =
             [self.matrix.modulus, self.matrix.ft].map(|value| Estimate { value, standard_error: f64::INFINITY });
-        let sigma = (0..stresses.len()).map(|k| Estimate { value: stresses[k], standard_error: error(k) });
+        // the law takes this part of a stress
+        let relief = |k: usize| 1.0 - self.matrix.stress(self.knots[k]) / self.matrix.ft;
+        let sigma = (0..stresses.len())
+            .map(|k| Estimate { value: law.at(self.knots[k]), standard_error: relief(k) * error(k) });
         let estimates: Vec<Estimate> = unknown.into_iter().chain(sigma).collect();
         let correlation =
             DMatrix::from_fn(estimates.len(), estimates.len(), |i, j| match (i.checked_sub(2), j.checked_sub(2)) {
@@ -299,18 +303,18 @@ impl Search {
             });
         let band = several.then(|| {
             let at = |k: usize| others.iter().map(|one| one[k]).collect::<Vec<f64>>();
-            (0..stresses.len()).map(|k| BAND.map(|part| quantile(&at(k), part))).collect()
+            let of_law = |k: usize, stress: f64| self.matrix.stress(self.knots[k]) + relief(k) * stress;
+            (0..stresses.len()).map(|k| BAND.map(|part| of_law(k, quantile(&at(k), part)))).collect()
         });
         let root_mean_square = |rows: DVector<f64>| (rows.norm_squared() / rows.len().max(1) as f64).sqrt();
         let fitted = Fitted {
-            parameters: estimates.iter().map(|estimate| estimate.value).collect(),
+            parameters: [self.matrix.modulus, self.matrix.ft].into_iter().chain(stresses.iter().copied()).collect(),
             rms: root_mean_square(self.misfit(stresses, mean)) / self.scale,
             penalty: root_mean_square(choice.weight * self.penalties() * stresses) / self.scale,
             reached: *reached,
             estimates,
             correlation,
         };
-        let law = self.matrix.relieved_by(&self.law(stresses));
         BridgingFit { fitted, openings: self.knots.clone(), law, matrix: self.matrix, weight: choice.weight, band }
     }
 }

@@ -40,6 +40,31 @@ fn hinges_carry_what_the_formula_says() {
     }
 }
 
+/// Two bends at 2.12 and 5.07 mm with a radius of 1.8 mm have arcs of 1.414 mm. Between slips of 1.060 and 1.414 mm the sum of both
+/// parts is 1.5: without friction 348 · 0.75 = 261 N. With friction the second, which pulls over no other bend but adds last, counts by
+/// 1/(1 − m), the first by (1 + m)/(1 − m)²: 0.75 of all at equal parts, which is the greatest.
+#[test]
+fn wide_bends_are_never_full_at_once() {
+    for (friction, full) in [(0.0, 348.0), (0.2, 408.0), (0.5, 532.0)] {
+        let (fibre, bond) = hooked(0.9, 1160.0, friction);
+        let hook = Hook { lengths: vec![2.12, 2.95], radius: 1.8, ..bond.hook.clone().expect("a hook") };
+        let [greatest, all] = hook.greatest_loads(&fibre);
+        assert!((all - full).abs() < 0.75, "{friction}: {all}");
+        assert_relative_eq!(greatest, all * 0.5 * 2.12 / (1.8 * 0.25 * PI), max_relative = 1e-12);
+        // by slips of its own
+        let whole = bridging(fibre, &Closed { hook: Some(hook.clone()), ..bond.clone() }, Sides::One);
+        let load = |k: u32| {
+            let u = 5.0 * f64::from(k) / 5000.0;
+            whole.at(u, 25.0, 0.0).load - PI * 0.9 * TAU * (25.0 - u)
+        };
+        let highest = (1..5000).map(load).fold(0.0, f64::max);
+        assert_relative_eq!(highest, greatest, max_relative = 1e-3);
+        // the narrower bend of the other tests carries all
+        let [greatest, all] = Hook { radius: 1.0, ..hook }.greatest_loads(&fibre);
+        assert_relative_eq!(greatest, all, max_relative = 1e-12);
+    }
+}
+
 /// A third and a fourth bend go on in the same way.
 #[test]
 fn more_bends_carry_more() {

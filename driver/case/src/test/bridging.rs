@@ -375,6 +375,7 @@ fn numbers_without_effect_are_reported() {
         (&["fibre.rupture_f=0.3"][..], "$.fibre.rupture_f"),
         (&[r#"scatter={"strength_cv": 0.1}"#], "$.scatter.strength_cv"),
         (&["matrix.fc=40", "beam=null"], "$.matrix.fc"),
+        (&[r#"matrix={"E": 30000, "ft": 3, "Gf": 140}"#], "$.matrix.Gf"),
     ] {
         let warnings = |overrides: &[&str]| {
             let Ok(Case::Bridging(program)) = Bench::new().read(&case(), overrides) else { panic!("a case") };
@@ -383,6 +384,7 @@ fn numbers_without_effect_are_reported() {
         let messages = warnings(overrides);
         assert!(messages.len() == 1 && messages[0].starts_with(&format!("{what}: has no effect")), "{messages:?}");
         let used = [overrides, &["fibre.strength=1000", "beam={}"]].concat();
+        let used = if what.ends_with("Gf") { vec![r#"matrix={"E": 30000, "ft": 3}"#] } else { used };
         assert_eq!(warnings(&used), Vec::<String>::new(), "{used:?}");
     }
 }

@@ -35,8 +35,8 @@ pub fn write(
     let computed = fit.forces(measured.iter().map(|point| point.0));
     let curve = measured.iter().zip(&computed).map(|(&(cmod, load), &(_, computed))| [cmod, load, computed]);
     directory.write("curve.csv", table("cmod,load,computed", curve))?;
-    let stresses = fit.full.openings.iter().zip(&fit.full.fitted.estimates[2..]);
-    let row = |(&w, estimate): (&f64, &Estimate)| {
+    let stresses = fit.full.openings.iter().zip(fit.of_fibres());
+    let row = |(&w, estimate): (&f64, Estimate)| {
         [w, estimate.value, estimate.standard_error, fit.fast.at(w), fit.full.law.at(w)]
     };
     let sigma: Vec<[f64; 5]> = stresses.map(row).collect();
@@ -44,7 +44,8 @@ pub fn write(
     let sigma = match &fit.full.band {
         None => table(header, sigma),
         Some(band) => {
-            let rows = sigma.into_iter().zip(band).map(|([a, b, c, d, e], [low, high])| [a, b, c, d, e, *low, *high]);
+            let band = band.iter().zip(&fit.matrix).map(|(of_law, matrix)| of_law.map(|stress| stress - matrix));
+            let rows = sigma.into_iter().zip(band).map(|([a, b, c, d, e], [low, high])| [a, b, c, d, e, low, high]);
             table(&format!("{header},sigma_05,sigma_95"), rows)
         }
     };
@@ -104,10 +105,10 @@ fn classes(Residual { limit, residual: [f_r1, _, f_r3, _] }: Residual) -> [Optio
 fn strengths(tested: Residual) -> String {
     let number = |value: f64| significant(value, 4);
     let [model_code, eurocode] = classes(tested).map(|class| class.unwrap_or_else(|| "none".into()));
+    let limit = if tested.limit.is_nan() { String::new() } else { format!("f_L {} MPa, ", number(tested.limit)) };
     format!(
-        "test: f_L {} MPa, f_R1–4 {} MPa; as characteristic values these would be class {model_code} (Model Code 2010), {eurocode} (EN \
+        "test: {limit}f_R1–4 {} MPa; as characteristic values these would be class {model_code} (Model Code 2010), {eurocode} (EN \
          1992-1-1:2023)",
-        number(tested.limit),
         tested.residual.map(number).join(", ")
     )
 }

@@ -180,10 +180,11 @@ fn occasion(lop: i32) -> &'static str {
     }
 }
 
-/// Returns the message about an end after the done-mark. `None`: the end was the usual one, or hurried by a signal, and
-/// the results are complete.
-pub(super) fn after_the_end(cause: Cause, code: u8, recording: &Recording) -> Option<String> {
-    let is_hurried = matches!(cause, Cause::TimeLimit(_) | Cause::Interrupted(_)) && signals::received().is_some();
+/// Returns the message about an end after the done-mark. `None`: the end was the usual one, or hurried by a signal or without a
+/// library to wait for, and the results are complete.
+pub(super) fn after_the_end(cause: Cause, code: u8, recording: &Recording, need: &Need) -> Option<String> {
+    let is_hurried = matches!(cause, Cause::TimeLimit(_) | Cause::Interrupted(_))
+        && (signals::received().is_some() || need.libraries.is_empty());
     if is_hurried || cause == Cause::Exit(code.into()) {
         return None;
     }

@@ -44,9 +44,9 @@ impl Need {
         self.libraries.get(library).copied().unwrap_or(CALL_TIME_LIMIT)
     }
 
-    /// The longest time that anything may take, s.
+    /// The longest time that anything may take, s: without libraries nothing is limited.
     pub(crate) fn longest_time(&self) -> f64 {
-        self.libraries.values().copied().fold(0.0, f64::max)
+        self.libraries.values().copied().reduce(f64::max).unwrap_or(f64::INFINITY)
     }
 }
 

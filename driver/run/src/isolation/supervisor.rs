@@ -107,7 +107,7 @@ pub fn supervise(passage: &mut Passage, wishes: &Watch<'_>, need: &Need) -> io::
         Watched::Interrupted => Cause::Interrupted(GRACE.as_secs_f64()),
     };
     if let Some(code) = recording.done() {
-        if let Some(words) = after_the_end(cause, code, &recording) {
+        if let Some(words) = after_the_end(cause, code, &recording, need) {
             let _ = writeln!(io::stderr(), "{words}");
         }
         last_words.pass_on_all();

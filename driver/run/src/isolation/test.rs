@@ -145,6 +145,8 @@ fn one_law_of_a_specimen_isolates_all() {
     // of two limits for one library the longer one
     let need = case(&own, &own, json!([{ "law": foreign(20.0) }, { "law": foreign(30.0) }])).expect("isolated");
     assert_eq!(need.longest_time(), 30.0);
+    // a worker without libraries, as of a sweep of fibres across a crack, has no calls to wait for: it was ended 0 s after its results
+    assert_eq!(Need::default().longest_time(), f64::INFINITY);
 }
 
 #[test]

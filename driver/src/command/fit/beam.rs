@@ -8,8 +8,8 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub(in super::super) struct Beam {
-    /// The test: CSV with a header line. Columns are CMOD in mm and load in N, or the strengths f_L, f_R1 … f_R4 in
-    /// MPa; several beams are averaged and give a band of σ(w).
+    /// The test: CSV with a header line. Columns are CMOD in mm and load in N, or the strengths f_R1 … f_R4 in
+    /// MPa; several beams are averaged and give a band of σ(w). A column f_L is only reported.
     #[arg(value_name = "BEAM.csv")]
     test: PathBuf,
     /// Case of kind "bridging" with beam, matrix, fibre and dosage.
@@ -58,7 +58,7 @@ impl Beam {
             Shapes::Bilinear => Shape::Bilinear,
         };
         if shape != Shape::Smooth && matches!(test, MeasuredBeam::Curve(_)) {
-            let message = "--shape: needs strengths f_L, f_R1 … f_R4; a curve gives σ at its openings by itself";
+            let message = "--shape: needs strengths f_R1 … f_R4; a curve gives σ at its openings by itself";
             return Err(Refusal::input(format!("{}: {message}", self.test.display())));
         }
         let source = self.reading.source(&self.case);
