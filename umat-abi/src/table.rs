@@ -54,6 +54,15 @@ pub enum ConfigurationError {
         /// The number that breaks it.
         value: f64,
     },
+    /// A number that follows from the parameters is greater than another.
+    Exceeds {
+        /// The broken rule, as text.
+        rule: &'static str,
+        /// The greater number.
+        value: f64,
+        /// What it must not exceed.
+        limit: f64,
+    },
     /// A crack band is asked for, and CELENT is NULL, NaN, infinite or not positive.
     CharacteristicLengthMissing {
         /// Name of the fracture energy's parameter.
@@ -87,6 +96,7 @@ impl fmt::Display for ConfigurationError {
                 write!(f, "{parameter} = {value} is not one of the listed values")
             }
             Self::Inconsistent { rule, value } => write!(f, "{rule} (found {value})"),
+            Self::Exceeds { rule, value, limit } => write!(f, "{rule} ({value} > {limit})"),
             Self::CharacteristicLengthMissing { parameter } => write!(
                 f,
                 "{parameter} > 0 asks for a crack band, which needs the element's length (CELENT > 0), but this program \
@@ -110,6 +120,15 @@ impl std::error::Error for ConfigurationError {}
 #[inline(always)]
 pub fn require(holds: bool, rule: &'static str, value: f64) -> Result<(), ConfigurationError> {
     if holds { Ok(()) } else { Err(ConfigurationError::Inconsistent { rule, value }) }
+}
+
+/// Refuses parameters of which a number that follows is greater than another.
+///
+/// # Errors
+/// [`ConfigurationError::Exceeds`] unless the rule holds.
+#[inline(always)]
+pub fn require_at_most(holds: bool, rule: &'static str, value: f64, limit: f64) -> Result<(), ConfigurationError> {
+    if holds { Ok(()) } else { Err(ConfigurationError::Exceeds { rule, value, limit }) }
 }
 
 /// A struct that is read from PROPS.

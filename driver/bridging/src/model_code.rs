@@ -106,6 +106,26 @@ impl std::fmt::Display for EurocodeClass {
 /// Least and greatest f_ck of the Model Code's concretes, MPa, and what the mean strength has above it.
 const CHARACTERISTIC: [f64; 2] = [12.0, 120.0];
 const MEAN_ABOVE: f64 = 8.0;
+/// The classes: characteristic strengths of cylinders and of cubes, MPa.
+const CLASSES_OF_CONCRETE: [[u32; 2]; 17] = [
+    [12, 15],
+    [16, 20],
+    [20, 25],
+    [25, 30],
+    [30, 37],
+    [35, 45],
+    [40, 50],
+    [45, 55],
+    [50, 60],
+    [55, 67],
+    [60, 75],
+    [70, 85],
+    [80, 95],
+    [90, 105],
+    [100, 115],
+    [110, 130],
+    [120, 140],
+];
 /// Up to this f_ck f_t follows a power, MPa.
 const POWER_UP_TO: f64 = 50.0;
 
@@ -131,12 +151,18 @@ impl Concrete {
     /// # Errors
     /// A text that names none.
     pub fn of_class(name: &str) -> Result<Self, String> {
-        let number = name.strip_prefix('C').map(|rest| rest.split_once('/').unwrap_or((rest, "1")));
-        let strength = number.filter(|(_, cube)| cube.parse::<u32>().is_ok());
-        match strength.and_then(|(cylinder, _)| cylinder.parse::<u32>().ok()) {
-            Some(strength) => Self::of_mean(f64::from(strength) + MEAN_ABOVE),
-            None => Err("is no class like \"C40\" or \"C40/50\"".to_owned()),
+        let no_class = || "is no class like \"C40\" or \"C40/50\"".to_owned();
+        let number = |text: &str| text.parse::<u32>().map_err(|_| no_class());
+        let rest = name.strip_prefix('C').ok_or_else(no_class)?;
+        let (cylinder, cube) = rest.split_once('/').map_or((rest, None), |(cylinder, cube)| (cylinder, Some(cube)));
+        let (cylinder, cube) = (number(cylinder)?, cube.map(number).transpose()?);
+        if let Some(cube) = cube.filter(|&cube| !CLASSES_OF_CONCRETE.contains(&[cylinder, cube])) {
+            let with = |k: usize, strength: u32| CLASSES_OF_CONCRETE.iter().find(|class| class[k] == strength);
+            let near = with(0, cylinder).or_else(|| with(1, cube));
+            let near = near.map_or_else(String::new, |[cylinder, cube]| format!(": is it C{cylinder}/{cube}?"));
+            return Err(format!("C{cylinder}/{cube} is no class of the Model Code{near}"));
         }
+        Self::of_mean(f64::from(cylinder) + MEAN_ABOVE)
     }
 
     /// Makes that of a mean strength, MPa.

@@ -276,6 +276,12 @@ fn warn_of_units(
         given.push(("matrix.Gf", matrix.fracture_energy, "N/mm", [1e-3, 20.0]));
     }
     given.extend(matrix.fc.map(|fc| ("matrix.fc", fc, "MPa", [1.0, 400.0])));
+    if let Some(fc) = matrix.fc.filter(|&fc| fc < matrix.ft && matrix.ft <= USUAL_TENSILE_STRENGTH[1]) {
+        reader.warn(format!(
+            "matrix.ft = {} MPa is greater than matrix.fc = {} MPa: are they interchanged?",
+            matrix.ft, fc
+        ));
+    }
     for (what, value, unit, usual) in given {
         if !(usual[0]..=usual[1]).contains(&value) {
             reader.warn_unusual(what, value, unit, usual);

@@ -37,10 +37,10 @@ pub(super) struct RunArguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Continue the interrupted run in this result directory from its last checkpoint. Later rows and fields are
-    /// computed again, bit for bit the same. A checkpoint does not contain a library's own memory (SAVE, COMMON):
+    /// Continue the interrupted run in this result directory from its last checkpoint. The results go on there; `--out`
+    /// is not given. Later rows and fields are computed again, bit for bit the same. A checkpoint does not contain a library's own memory (SAVE, COMMON):
     /// pullout calls the library's UEXTERNALDB with LOP = 4.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "record_increments"])]
+    #[arg(long, value_name = "DIR", conflicts_with = "record_increments")]
     restart: Option<PathBuf>,
     /// Run again whenever a case, or one of its sources, libraries or data files, is saved. End with Ctrl-C.
     #[arg(long, conflicts_with_all = ["restart", "in_process"])]
@@ -110,9 +110,18 @@ impl Way {
 
 /// Runs cases, once all of them have been read without an error.
 pub(super) fn run(arguments: &RunArguments) -> u8 {
-    let RunArguments { cases, restart, reading, .. } = arguments;
+    let RunArguments { cases, out, restart, reading, .. } = arguments;
     if restart.is_some() && cases.len() > 1 {
         complain("--restart continues a single run: give one case");
+        return BAD_INPUT;
+    }
+    if let (Some(folder), Some(out)) = (restart, out)
+        && folder != out
+    {
+        let folder = folder.display();
+        complain(format!(
+            "--restart {folder} goes on in {folder}, where the interrupted run has its results: leave --out out"
+        ));
         return BAD_INPUT;
     }
     if restart.is_some() && reading.untrusted {

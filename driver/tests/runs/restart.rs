@@ -169,7 +169,7 @@ fn what_cannot_go_on_is_refused() {
     refused_with("made by another case", &["--restart", "out", "--set", "contact.law.props.k_e=401"]);
     refused_with("made by another case", &["--restart", "out", "--set", "controls.max_iterations=21"]);
     refused_with("checkpoint.bin: ", &["--restart", "nowhere"]);
-    refused_with("cannot be used with", &["--restart", "out", "--out", "elsewhere"]);
+    refused_with("--restart out goes on in out", &["--restart", "out", "--out", "elsewhere"]);
     refused_with("give one case", &["--restart", "out", "other.json"]);
     refused_with("run the case from its start", &["--restart", "out", "--untrusted"]);
     refused_with("--checkpoint-every", &["--checkpoint-every", "0", "--out", "elsewhere"]);

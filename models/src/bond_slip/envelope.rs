@@ -1,7 +1,7 @@
 //! The bond envelope τ(s): largest bond traction after the largest slip s (doc.md; thesis 6.23, 6.24).
 
 use umat_abi::law::ConfigurationError;
-use umat_abi::table::require;
+use umat_abi::table::{require, require_at_most};
 
 /// Rounding allowed where two slopes given by the user should be equal.
 const SLOPE_ROUNDING: f64 = 1e-9;
@@ -84,7 +84,8 @@ impl<'p> Envelope<'p> {
             return Err(ConfigurationError::Inconsistent { rule, value: 0.0 });
         };
         let within = first_traction <= elastic_stiffness * first_slip * (1.0 + SLOPE_ROUNDING);
-        require(first_slip == 0.0 || within, "the first segment must not be steeper than k_e", first_traction)?;
+        let rule = "the first segment must not be steeper than k_e, in MPa/mm";
+        require_at_most(first_slip == 0.0 || within, rule, first_traction / first_slip, elastic_stiffness)?;
         let (mut peak_slip, mut peak) = (first_slip, first_traction);
         let mut critical_slip = if first_traction < elastic_stiffness * first_slip * (1.0 - SLOPE_ROUNDING) {
             Some(0.0)
@@ -94,7 +95,8 @@ impl<'p> Envelope<'p> {
         for [g_i, tau_i, g_j, tau_j] in segments(points) {
             require(g_j > g_i, "the slips of the points must increase", g_j)?;
             let falling = tau_j * g_i <= tau_i * g_j * (1.0 + SLOPE_ROUNDING);
-            require(falling, "the secant stiffness traction/slip of the points must not grow", g_j)?;
+            let rule = "the secant stiffness traction/slip of the points must not grow, in MPa/mm";
+            require_at_most(falling, rule, tau_j / g_j, tau_i / g_i)?;
             if critical_slip.is_none() && elastic_stiffness * g_j >= tau_j {
                 let slope = (tau_j - tau_i) / (g_j - g_i);
                 critical_slip = Some((tau_i - slope * g_i) / (elastic_stiffness - slope));
@@ -112,7 +114,8 @@ impl<'p> Envelope<'p> {
 
     fn with_residual_below_peak(self) -> Result<Self, ConfigurationError> {
         let peak = self.strength(self.peak_slip).traction;
-        require(self.residual <= peak, "tau_res must not exceed the peak of the envelope", self.residual)?;
+        let rule = "tau_res must not exceed the peak of the envelope, in MPa";
+        require_at_most(self.residual <= peak, rule, self.residual, peak)?;
         Ok(self)
     }
 

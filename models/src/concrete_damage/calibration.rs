@@ -12,6 +12,7 @@ use crate::damage_law::DamageLaw;
 use crate::tensor::Elasticity;
 use umat_abi::law::{ConfigurationError, Law, out_of_bounds};
 use umat_abi::metadata::open_bounds;
+use umat_abi::table::require_at_most;
 
 /// A_t f_t²/E of the default set.
 const TENSILE_RATE: f64 = 1.926_101;
@@ -46,7 +47,7 @@ pub struct ConcreteProperties {
 /// PROPS of `concrete_damage` for a concrete, with B_c = [`COMPRESSIVE_EXPONENT`].
 ///
 /// # Errors
-/// A value out of bounds, or a ν for which no β in \[0, 1\] gives the biaxial strength.
+/// A value out of bounds, f_t above f_c, or a ν for which no β in \[0, 1\] gives the biaxial strength.
 pub fn properties(concrete: &ConcreteProperties) -> Result<[f64; 14], ConfigurationError> {
     properties_with_exponent(concrete, COMPRESSIVE_EXPONENT)
 }
@@ -73,6 +74,7 @@ pub fn properties_with_exponent(
             return Err(ConfigurationError::OutOfBounds { parameter, value, lower, upper, open_bounds });
         }
     }
+    require_at_most(ft <= fc, "f_t must not exceed f_c, in MPa", ft, fc)?;
     let table = ConcreteDamage::INFO.parameters;
     for (index, value) in [(0, e), (1, nu), (6, compressive_exponent)] {
         if !table[index].admits(value) {

@@ -69,5 +69,13 @@ fn concrete_of_a_class_has_the_values_of_the_model_code() {
     for name in ["40", "C", "C40/", "c40", "C40/x", "C4", "C500", "C-40", "C40.5"] {
         assert!(Concrete::of_class(name).is_err(), "{name}");
     }
+    // EN 206, table 12: cylinders and cubes go together
+    for (name, near) in [("C30/25", "C30/37"), ("C40/60", "C40/50"), ("C42/50", "C40/50"), ("C41/51", "no class")] {
+        let refused = Concrete::of_class(name).expect_err(name);
+        assert!(refused.contains(near), "{refused}");
+    }
+    for name in ["C12/15", "C30/37", "C55/67", "C90/105"] {
+        assert_eq!(Concrete::of_class(name), Concrete::of_class(name.split('/').next().expect("a cylinder")));
+    }
     assert!(Concrete::of_mean(5.0).is_err() && Concrete::of_mean(f64::NAN).is_err());
 }

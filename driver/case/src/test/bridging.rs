@@ -363,6 +363,10 @@ fn numbers_that_are_hardly_meant_are_warned_of() {
         assert!(warning.starts_with(what) && warning.ends_with("is it in units of N, mm, MPa?"), "{warning}");
     }
     assert_eq!(
+        warnings(&["matrix.ft=4.2", "matrix.fc=3.2"]),
+        ["matrix.ft = 4.2 MPa is greater than matrix.fc = 3.2 MPa: are they interchanged?"]
+    );
+    assert_eq!(
         warnings(&[r#"fibre.inclination={"type": "exp", "f": 20}"#]),
         ["fibre.inclination.f = 20 is outside the usual range, 0 to 2, of this number without a unit"]
     );

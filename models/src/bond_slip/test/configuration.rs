@@ -8,7 +8,7 @@ use umat_abi::law::{advance_contact, advance_sliding, read_parameters};
 fn broken_rule(props: &[f64]) -> Option<&'static str> {
     check_properties(&BondSlip::INFO, props).expect("within the table's bounds");
     match read_parameters::<BondSlipParameters<'_>>(&BondSlip::INFO, props) {
-        Err(ConfigurationError::Inconsistent { rule, .. }) => Some(rule),
+        Err(ConfigurationError::Inconsistent { rule, .. } | ConfigurationError::Exceeds { rule, .. }) => Some(rule),
         Err(error) => panic!("{error}"),
         Ok(_) => None,
     }
@@ -17,6 +17,15 @@ fn broken_rule(props: &[f64]) -> Option<&'static str> {
 fn refuses(props: &[f64], word: &str) {
     let rule = broken_rule(props).unwrap_or_else(|| panic!("accepted: {props:?}"));
     assert!(rule.contains(word), "{rule}");
+}
+
+/// The slope and k_e, not the traction of the point.
+#[test]
+fn a_first_segment_that_is_too_steep_is_reported_with_its_slope() {
+    let refused = Envelope::piecewise(400.0, &[[0.005, 3.0], [20.0, 2.0]], 0.0).expect_err("600 MPa/mm");
+    assert_eq!(refused.to_string(), "the first segment must not be steeper than k_e, in MPa/mm (600 > 400)");
+    let refused = Envelope::piecewise(400.0, &[[0.01, 2.0], [0.02, 5.0]], 0.0).expect_err("it grows");
+    assert!(refused.to_string().ends_with("(250 > 200)"), "{refused}");
 }
 
 #[test]

@@ -117,6 +117,9 @@ fn calibrated_concrete_has_the_strengths_asked_for() {
     assert_eq!(props[12..], [0.08, 0.0]);
     assert!(properties(&ConcreteProperties { compressive_strength: -30.0, ..concrete }).is_err());
     assert!(properties(&ConcreteProperties { poisson_ratio: 0.5, ..concrete }).is_err());
+    let interchanged = ConcreteProperties { tensile_strength: 42.0, compressive_strength: 3.2, ..concrete };
+    let refused = properties(&interchanged).expect_err("no concrete").to_string();
+    assert_eq!(refused, "f_t must not exceed f_c, in MPa (42 > 3.2)");
 }
 
 /// Uniaxial compression is E_c(D_c) ε whatever the cracks, and strengths do not depend on b.
