@@ -139,7 +139,7 @@ pub(crate) struct CommonCaseEntries {
 /// Entries of cases with steps that hold for all their steps.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub(crate) struct Course {
-    /// Initial temperature, everywhere (default 0).
+    /// Initial temperature, everywhere except in parts with a field (default 0).
     pub temperature: Option<f64>,
     /// Initial field variables, everywhere.
     pub predef: Option<Vec<f64>>,
@@ -231,7 +231,8 @@ pub(crate) struct ExpansionTable {
     pub temperatures: Option<Vec<f64>>,
     /// T0, to which the coefficients refer (default 0).
     pub zero_temperature: Option<f64>,
-    /// Ti, at which there is no thermal strain (default: the case's initial temperature).
+    /// Ti, at which there is no thermal strain. Default: the temperature at the start, in parts with a temperature field its
+    /// initial value, elsewhere that of the case.
     pub initial_temperature: Option<f64>,
 }
 

@@ -41,7 +41,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let material = &case.path.material;
     let message = "kind \"interface\" calls the entry point uinter or fric; use kind \"point\" for umat";
     let entry = plugin::contact_entry(reader, material.entry, &place, message);
-    let purpose = Use { level: Level::Point, entry, mode: None, length, initial_temperature: 0.0, normal: None };
+    let purpose = Use { level: Level::Point, entry, mode: None, length, normal: None };
     let plugin = plugin::resolve(reader, material, &place, purpose);
     let place = root.key("initial");
     let given = case.initial.clone().unwrap_or_default();

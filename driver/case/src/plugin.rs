@@ -2,7 +2,7 @@
 
 mod frame;
 
-pub use frame::frame_from_json;
+pub use frame::{begin_at, frame_from_json};
 
 use crate::concrete;
 use crate::document::{CalledAs, ConcreteStrength, EntryPoint, Material, Positive, PropValue, Props, Tangent};
@@ -38,8 +38,6 @@ pub struct Use {
     pub mode: Option<(Mode, Place)>,
     /// CELENT.
     pub length: Length,
-    /// The case's temperature at the start.
-    pub initial_temperature: f64,
     /// The host's normal law that goes with FRIC, if it is known, and its place in the case.
     pub normal: Option<(NormalLaw, Place)>,
 }

@@ -53,7 +53,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         let message = "kind \"point\" calls the entry point umat; use kind \"interface\" for uinter and fric";
         reader.problem(&place.key("entry"), message);
     }
-    let plugin = plugin::resolve(
+    let mut plugin = plugin::resolve(
         reader,
         material,
         &place,
@@ -62,10 +62,12 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
             entry: EntryPoint::Umat,
             mode: Some((mode, root.key("mode"))),
             length,
-            initial_temperature: case.course.temperature.unwrap_or_default(),
             normal: None,
         },
     );
+    if let Some(plugin) = &mut plugin {
+        plugin::begin_at(reader, plugin, material, fields::initial(&case.course).temperature, &place);
+    }
     let heat = case.path.output.as_ref().is_some_and(|output| output.heat == Some(true));
     if let Some(plugin) = &plugin {
         let silent = (!heat).then_some("\"output\": {\"heat\": true} shows what it adds to RPL");

@@ -199,14 +199,16 @@ pub const USUAL_STRENGTH_OF_WIRES: [f64; 2] = [50.0, 1e4];
 /// Returns the warning of a value that is hardly meant, a slip of units perhaps.
 pub fn outside_usual(what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2]) -> String {
     let [value, lower, upper] = [value, lower, upper].map(pullout_run::number::rounded);
-    if matches!(unit, "" | "-") {
-        return format!(
-            "{what} = {value} is outside the usual range, {lower} to {upper}, of this number without a unit"
-        );
-    }
-    format!(
-        "{what} = {value} {unit} is outside the usual range, {lower} to {upper} {unit}: is it in units of N, mm, MPa?"
-    )
+    let question = match unit {
+        "" | "-" => {
+            return format!(
+                "{what} = {value} is outside the usual range, {lower} to {upper}, of this number without a unit"
+            );
+        }
+        "1/K" => "is it per K (steel: 0.000012)?",
+        _ => "is it in units of N, mm, MPa?",
+    };
+    format!("{what} = {value} {unit} is outside the usual range, {lower} to {upper} {unit}: {question}")
 }
 
 /// Returns a file in a folder, links followed; `whose`: description of the folder.

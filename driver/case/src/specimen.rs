@@ -15,7 +15,7 @@ use pullout_run::columns;
 use pullout_run::program::About;
 use pullout_run::pullout::{PictureAt, PulloutProgram};
 use std::path::Path;
-use umat_abi::host::ExternalDatabases;
+use umat_abi::host::{ExternalDatabases, Plugin};
 
 mod bearing;
 mod boundary;
@@ -42,7 +42,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let ground = mesh::resolve(reader, case);
     let checked = ground.as_ref().and_then(|ground| mesh::checked(reader, ground));
     let scene = KnownMesh { ground: ground.as_ref(), mesh: checked.as_ref(), loose: &[] };
-    let parts = parts::resolve(reader, case, scene);
+    let has_field = scalar_field::parts(reader, case, scene);
+    let parts = parts::resolve(reader, case, scene, has_field.as_deref());
     let mut drives = Drives::default();
     let bearings = Bearings::new(case, scene, parts.as_ref().map(|parts| &parts.laws[..]));
     let contacts = contact::resolve(reader, case, scene, &bearings, &mut drives);
@@ -50,7 +51,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let mut loose = checked.as_ref().map(Mesh::free_nodes).unwrap_or_default();
     loose.retain(|&node| !couplings.iter().any(|coupling| coupling.nodes().any(|coupled| coupled == node)));
     let mut boundary = boundary::resolve(reader, case, KnownMesh { loose: &loose, ..scene }, drives);
-    let mut field = scalar_field::resolve(reader, case, scene, &mut boundary.drives);
+    let mut field = scalar_field::resolve(reader, case, scene, has_field, &mut boundary.drives);
     let initial_drives = initial_drives(reader, case, &mut boundary);
     let steps = steps::resolve(reader, case, &mut boundary);
     let fields = steps::fields(reader, case, &steps);
@@ -108,14 +109,14 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     for pair in &mut contacts {
         pair.master_bends = pair.master.iter().any(|edge| nlgeom[mesh.elements()[edge.element].part()]);
     }
-    if fields.ends.iter().any(|end| end.temperature != fields.initial.temperature) {
-        let of_contact = contacts.iter().map(|pair| match &pair.law {
+    let of_parts: Vec<&Plugin> = parts.laws.iter().map(|law| &law.plugin).collect();
+    let of_contact: Vec<&Plugin> = contacts
+        .iter()
+        .map(|pair| match &pair.law {
             ContactLaw::Uinter(law) | ContactLaw::Fric { law, .. } => &law.plugin,
-        });
-        if let Some(reason) = plugin::without_expansion(parts.laws.iter().map(|law| &law.plugin).chain(of_contact)) {
-            reader.warn_no_effect(&root.key("temperature"), reason);
-        }
-    }
+        })
+        .collect();
+    scalar_field::report_temperature(reader, case, &fields, field.as_ref(), [&of_parts, &of_contact]);
     if field.is_none() {
         let reason = Some("the case has no \"field\"");
         let mut reported = Vec::new();
@@ -155,7 +156,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let steps_of_run = vec![None; model.steps.len()];
     let recorded = increments::recorded(reader, case.course.increments.as_ref(), &steps_of_run, about.until.is_some());
     if reader.problems.is_empty() {
-        preflight::check(reader, &model);
+        let is_given = matches!(case.supports, Some(document::Supports::Given(_)));
+        preflight::check(reader, &model, ground.supports.first().filter(|_| is_given));
     }
     if reader.problems.is_empty() {
         // what UEXTERNALDB prepares is there within an analysis, and that begins once

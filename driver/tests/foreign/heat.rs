@@ -139,6 +139,18 @@ fn planted_errors_of_hetval_have_their_verdicts() {
     }
 }
 
+/// A law of others may have a source that determines the field, which is known in the run alone.
+#[test]
+fn a_steady_temperature_that_nothing_determines_is_no_body_that_is_free_to_move() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "elastic.f", &[]) else { return };
+    let case = bar(&library, 10.0, ("Q4", 4), json!({ "kind": "temperature" }), json!([{ "increments": 1 }]));
+    let case = desk.case("loose.json", &case);
+    let words = desk.pullout(["run".as_ref(), case.as_os_str()]).expect(1).stderr;
+    assert!(words.contains("singular") && words.contains("it is that of the field"), "{words}");
+    assert!(!words.contains("free to move"), "{words}");
+}
+
 /// A bar of quadrilaterals, or of those with midside nodes, that is at rest.
 fn bar(library: &Value, length: f64, (element, columns): (&str, u32), field: Value, steps: Value) -> Value {
     let material = json!({ "plugin": library, "props": [YOUNG, POISSON], "nstatv": 2 });

@@ -24,6 +24,7 @@ mod prints;
 #[path = "../program/mod.rs"]
 mod program;
 mod public;
+mod stress_free;
 mod umats;
 mod unflagged;
 mod utilities;

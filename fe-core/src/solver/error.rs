@@ -11,7 +11,7 @@ pub enum SolverError {
     #[error("the right side of equation {} is not finite", equation + 1)]
     RightSide { equation: usize },
     /// No unique solution.
-    #[error("the system is singular{}: is a body free to move?", equation.map_or(String::new(), |equation| format!(" at equation {}", equation + 1)))]
+    #[error("the system is singular{}", equation.map_or(String::new(), |equation| format!(" at equation {}", equation + 1)))]
     Singular { equation: Option<usize> },
     /// A matrix that must be positive definite is not.
     #[error("the matrix is not positive definite: no positive pivot at equation {}", equation + 1)]

@@ -39,7 +39,8 @@ pub(crate) struct PulloutCase {
     pub contact: Option<Contact>,
     /// Nodes that are pulled; default: those of the specimen.
     pub grip: Option<Grip>,
-    /// One of the specimen's named support conditions, or supports by name; default: those of the specimen.
+    /// One of the specimen's named support conditions, or supports by name, which replace all of the specimen's; default: those of the
+    /// specimen.
     pub supports: Option<Supports>,
     /// Loads by name; each is multiplied by its drive.
     pub loads: Option<BTreeMap<String, Load>>,

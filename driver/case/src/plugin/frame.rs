@@ -5,14 +5,14 @@ use crate::document::{
     AxialValues, EntryPoint, Expansion, ExpansionTable, Material, Orientation, Shrinkage, TabularValues,
 };
 use crate::problem::{Place, Problem};
-use crate::reader::Reader;
+use crate::reader::{Reader, UsedDefaults};
 use crate::structure;
 use pullout_run::program::Mode;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
-use umat_abi::host::{self, Course, Frame};
+use umat_abi::host::{self, Course, Frame, Plugin};
 
 /// Reads a frame for points of a mode as the members `expansion`, `shrinkage` and `orientation` of a case's material say it, whatever
 /// else `material` has; the temperature that nothing expands at is 0 unless they say it.
@@ -43,7 +43,6 @@ pub fn frame_from_json(material: &Value, mode: Mode) -> Result<Option<Arc<Frame>
         entry: EntryPoint::Umat,
         mode: Some((mode, place.clone())),
         length: Length::Unknown,
-        initial_temperature: 0.0,
         normal: None,
     };
     let frame = of(&mut reader, &material, &place, &purpose);
@@ -66,9 +65,7 @@ pub fn of(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: 
     }
     let mode = purpose.mode.as_ref().map(|(mode, _)| *mode);
     let axes = orientation.as_ref().and_then(|given| axes(reader, given, mode, &place.key("orientation")));
-    let expansion = expansion
-        .as_ref()
-        .and_then(|given| self::expansion(reader, given, purpose.initial_temperature, &place.key("expansion")));
+    let expansion = expansion.as_ref().and_then(|given| self::expansion(reader, given, &place.key("expansion")));
     let shrinkage = shrinkage.as_ref().and_then(|given| self::shrinkage(reader, given, &place.key("shrinkage")));
     let mut frame = Frame { axes, expansion, shrinkage };
     let mut courses = frame.expansion.iter().map(|expansion| &expansion.coefficients).chain(&frame.shrinkage);
@@ -130,12 +127,21 @@ fn axes(reader: &mut Reader<'_>, given: &Orientation, mode: Option<Mode>, place:
     Some([first, second, third])
 }
 
-fn expansion(
-    reader: &mut Reader<'_>,
-    given: &Expansion,
-    initial_temperature: f64,
-    place: &Place,
-) -> Option<host::Expansion> {
+/// Makes a material that expands free of thermal strain at the temperature at which its points start, unless it has an `initial_temperature`.
+pub fn begin_at(reader: &mut Reader<'_>, plugin: &mut Plugin, material: &Material, temperature: f64, place: &Place) {
+    let is_given = |given: &Expansion| matches!(given, Expansion::Table(table) if table.initial_temperature.is_some());
+    let Some(frame) = plugin.frame.as_mut().filter(|_| !material.expansion.as_ref().is_some_and(is_given)) else {
+        return;
+    };
+    if let Some(expansion) = &mut Arc::make_mut(frame).expansion {
+        expansion.initial_temperature = temperature;
+        let mut taken = UsedDefaults::default();
+        taken.note("initial_temperature", temperature);
+        reader.note_defaults(&place.key("expansion"), &taken.0);
+    }
+}
+
+fn expansion(reader: &mut Reader<'_>, given: &Expansion, place: &Place) -> Option<host::Expansion> {
     let table = match given {
         Expansion::Coefficients(alpha) => ExpansionTable {
             alpha: match alpha {
@@ -169,15 +175,42 @@ fn expansion(
             course(reader, temperatures, values, [place.key("temperatures"), place_of_alpha])?
         }
     };
+    let all: Vec<f64> = match &table.alpha {
+        TabularValues::Constant(alpha) => vec![*alpha],
+        TabularValues::List(values) => values.iter().flat_map(along_axes).collect(),
+    };
+    warn_unusual(reader, place, &all, "1/K", USUAL_EXPANSION);
     Some(host::Expansion {
         coefficients,
         zero_temperature: table.zero_temperature.unwrap_or(0.0),
-        initial_temperature: table.initial_temperature.unwrap_or(initial_temperature),
+        initial_temperature: table.initial_temperature.unwrap_or_default(),
     })
 }
 
 fn shrinkage(reader: &mut Reader<'_>, given: &Shrinkage, place: &Place) -> Option<Course> {
+    let all: Vec<f64> = given.strain.iter().flat_map(along_axes).collect();
+    warn_unusual(reader, &place.key("strain"), &all, "", USUAL_SHRINKAGE);
     course(reader, given.times.clone(), &given.strain, [place.key("times"), place.key("strain")])
+}
+
+/// Usual coefficients of expansion, 1/K: those of carbon fibres along their axes are below 0, those of soft polymers the greatest.
+const USUAL_EXPANSION: [f64; 2] = [-1e-4, 1e-3];
+/// Usual strains of what shrinks or swells.
+const USUAL_SHRINKAGE: [f64; 2] = [-0.5, 0.5];
+
+/// Warns of the first value that is outside a usual range.
+fn warn_unusual(reader: &mut Reader<'_>, place: &Place, values: &[f64], unit: &str, usual: [f64; 2]) {
+    if let Some(value) = values.iter().find(|value| !(usual[0]..=usual[1]).contains(*value)) {
+        reader.warn_unusual(place.in_words(), *value, unit, usual);
+    }
+}
+
+/// The values along the three axes.
+fn along_axes(value: &AxialValues) -> [f64; 3] {
+    match value {
+        AxialValues::Same(value) => [*value; 3],
+        AxialValues::Each(values) => *values,
+    }
 }
 
 fn course(
@@ -191,11 +224,7 @@ fn course(
             .problem(&of_values, format!("{} values given, {} needed, one for each place", values.len(), places.len()));
         return None;
     }
-    let values = values.iter().map(|value| match value {
-        AxialValues::Same(value) => [*value; 3],
-        AxialValues::Each(values) => *values,
-    });
-    let course = Course::new(places, values.collect());
+    let course = Course::new(places, values.iter().map(along_axes).collect());
     if course.is_none() {
         reader.problem(&of_places, "must be numbers that grow, at least one");
     }

@@ -214,7 +214,7 @@ impl Boundary {
             return;
         };
         if named.is_none() {
-            reader.note_defaults(&place, &[way.name.to_owned()]);
+            reader.note_defaults(&place, &[way.in_words()]);
         }
         for (set, directions) in &way.supports {
             let Some(nodes) = scene.node_set(reader, set, &place) else { continue };

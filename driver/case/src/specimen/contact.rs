@@ -421,8 +421,8 @@ fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<
     let place = place.key("normal");
     let normal = pair.normal;
     let beside = normal.filter(|_| entry == EntryPoint::Fric).map(|normal| (normal, place.clone()));
-    let (length, initial_temperature) = (Length::Unknown, 0.0);
-    let purpose = Use { level: Level::Specimen, entry, mode: None, length, initial_temperature, normal: beside };
+    let length = Length::Unknown;
+    let purpose = Use { level: Level::Specimen, entry, mode: None, length, normal: beside };
     let law = plugin::resolve(reader, material, &place_of_law, purpose).map(PluginLaw::from);
     match (entry, normal) {
         (EntryPoint::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal }),

@@ -9,6 +9,7 @@ use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::specimen::{PulledFibre, Specimen, SpecimenError};
 use fe_core::mesh::{Mesh, MeshDefinition, Part, gmsh};
 use pullout_run::input::{self, Input};
+use pullout_run::number::significant;
 use pullout_run::pullout::FibreAxis;
 use pullout_run::pullout::section::{EQUAL_AREA, EQUAL_INERTIA};
 use std::collections::{BTreeMap, BTreeSet};
@@ -71,8 +72,39 @@ pub struct DefaultSupports {
     pub supports: Vec<Held>,
 }
 
+impl DefaultSupports {
+    /// Its name with what it holds, for messages.
+    pub fn in_words(&self) -> String {
+        let held = self.supports.iter().map(|(set, directions)| {
+            let along = match directions {
+                [[_, 0.0]] => "x",
+                [[0.0, _]] => "y",
+                _ => "both",
+            };
+            if *set == self.name { along.to_owned() } else { format!("{set}: {along}") }
+        });
+        format!("{} ({})", self.name, held.collect::<Vec<_>>().join(", "))
+    }
+}
+
 /// A node set, and the directions in which it is held.
 pub type Held = (&'static str, &'static [[f64; 2]]);
+
+/// Slip over embedded length beyond which the slip is hardly meant: all fibres have left the block long before.
+const USUAL_SLIPS: f64 = 10.0;
+
+/// Warns of a slip that is many times the length of the fibre that is embedded most.
+fn warn_of_slip(reader: &mut Reader<'_>, slip: f64, definition: &MeshDefinition, fibres: &[PulledFibre]) {
+    let length = |fibre: &PulledFibre| {
+        let [[x, y], [of_tail, at_tail]] = [fibre.exit_node, fibre.tail_node].map(|node| definition.nodes[node]);
+        (x - of_tail).hypot(y - at_tail)
+    };
+    let embedded = fibres.iter().map(length).fold(0.0, f64::max);
+    if !fibres.is_empty() && slip > USUAL_SLIPS * embedded {
+        let [slip, embedded] = [slip, embedded].map(|length| significant(length, 4));
+        reader.warn(format!("steps: slip = {slip} mm is many times the embedded length, {embedded} mm: is it in mm?"));
+    }
+}
 
 /// Makes or reads the mesh.
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<MeshAndSets> {
@@ -81,8 +113,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<MeshAndSet
         document::MeshSource::Specimen(source) => {
             let place = place.key("specimen");
             let mut taken = UsedDefaults::default();
-            match generate(&source.specimen, thickness_of(case, MATRIX), super::steps::greatest_slip(case), &mut taken)
-            {
+            let slip = super::steps::greatest_slip(case);
+            match generate(&source.specimen, thickness_of(case, MATRIX), slip, &mut taken) {
                 Ok(mut ground) => {
                     let diameter = ground.diameter();
                     let Specimen { definition, fibres, notes, .. } = &mut ground.specimen;
@@ -107,6 +139,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<MeshAndSet
                             note_section(reader, fibre.diameter, part.thickness);
                         }
                     }
+                    warn_of_slip(reader, slip, definition, fibres);
                     notes.drain(..).for_each(|note| reader.note(note));
                     reader.note_defaults(&place, &taken.0);
                     Some(ground)

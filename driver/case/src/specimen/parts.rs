@@ -5,6 +5,7 @@ use super::mesh::called;
 use super::uniaxial;
 use crate::document::pullout as document;
 use crate::document::{EntryPoint, PulloutCase};
+use crate::fields;
 use crate::plugin::{self, Length, Level, Use};
 use crate::point::{check_count, components};
 use crate::problem::Place;
@@ -27,18 +28,22 @@ pub(crate) struct Parts {
     pub nlgeom: Vec<Option<bool>>,
 }
 
-/// `None` if a law is missing.
-pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) -> Option<Parts> {
+/// `None` if a law is missing. `has_field`: whether each part of the mesh has the scalar field, if the case has one.
+pub fn resolve(
+    reader: &mut Reader<'_>,
+    case: &PulloutCase,
+    scene: KnownMesh<'_>,
+    has_field: Option<&[bool]>,
+) -> Option<Parts> {
     let root = Place::root().key("parts");
     let given = &case.parts;
-    let initial_temperature = case.course.temperature.unwrap_or_default();
     let mut resolved = BTreeMap::new();
     for (name, part) in given {
         let place = root.key(name);
         // the first of the parts that it is said of
         let is_meant = |part: &str| called(part, |name| given.contains_key(name)) == name;
         let index = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| is_meant(&part.name)));
-        let law = law(reader, part, index.zip(scene.mesh), initial_temperature, &place);
+        let law = law(reader, part, index.zip(scene.mesh), &place);
         let average = part.average_dilatation;
         if let Some((index, mesh)) = index.zip(scene.mesh) {
             let mut taken = defaults(part, index, mesh);
@@ -59,9 +64,25 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>
         resolved.insert(name.as_str(), (law, average.unwrap_or(true), part.nlgeom));
     }
     let mut parts = Parts { laws: Vec::new(), average_dilatation: Vec::new(), nlgeom: Vec::new() };
-    for part in scene.mesh?.parts() {
-        let (law, average_dilatation, nlgeom) = resolved.get(called(&part.name, |name| given.contains_key(name)))?;
-        parts.laws.push(law.clone()?);
+    for (index, part) in scene.mesh?.parts().iter().enumerate() {
+        let name = called(&part.name, |name| given.contains_key(name));
+        let (law, average_dilatation, nlgeom) = resolved.get(name)?;
+        let mut law = law.clone()?;
+        let material = &given.get(name)?.material;
+        let place = root.key(name).key("material");
+        let field = case.field.as_ref().filter(|_| has_field.is_some_and(|parts| parts[index]));
+        let temperature = match field {
+            Some(field) if field.kind == document::FieldKind::PhaseField && material.expansion.is_some() => {
+                let message =
+                    "would expand with the phase field, which its law is given in place of a temperature: leave it out";
+                reader.problem(&place.key("expansion"), message);
+                return None;
+            }
+            Some(field) => field.initial.unwrap_or_default(),
+            None => fields::initial(&case.course).temperature,
+        };
+        plugin::begin_at(reader, &mut law.plugin, material, temperature, &place);
+        parts.laws.push(law);
         parts.average_dilatation.push(*average_dilatation);
         parts.nlgeom.push(*nlgeom);
     }
@@ -165,7 +186,6 @@ fn law(
     reader: &mut Reader<'_>,
     part: &document::Part,
     known: Option<(usize, &Mesh)>,
-    initial_temperature: f64,
     place: &Place,
 ) -> Option<PluginLaw> {
     let place_of_material = place.key("material");
@@ -178,8 +198,7 @@ fn law(
     }
     let mode = known.map(|(index, mesh)| (mode(mesh.parts()[index].model), place.key("model")));
     let length = known.map_or(Length::Unknown, |(index, mesh)| Length::OfElements(extreme_lengths(mesh, index)));
-    let purpose =
-        Use { level: Level::Specimen, entry: EntryPoint::Umat, mode, length, initial_temperature, normal: None };
+    let purpose = Use { level: Level::Specimen, entry: EntryPoint::Umat, mode, length, normal: None };
     let plugin = plugin::resolve(reader, material, &place_of_material, purpose)?;
     if let Some(statev0) = &material.statev0 {
         check_count(reader, statev0, &plugin, &place_of_material.key("statev0"));

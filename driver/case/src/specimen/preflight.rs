@@ -1,6 +1,7 @@
 //! Checks of a specimen as a whole: it may be impossible to compute although each of its parts is sound.
 
-use super::mesh::{COVER, MATRIX};
+use super::mesh::{COVER, DefaultSupports, MATRIX};
+use super::scalar_field::may_have_source;
 use crate::problem::Place;
 use crate::reader::Reader;
 use fe_core::mesh::preflight::{self, Body, Finding, RigidMode};
@@ -8,8 +9,8 @@ use fe_core::mesh::{Element, Mesh};
 use fe_core::model::{Model, Support};
 use std::collections::BTreeSet;
 
-/// Nodes that hang, and bodies that nothing holds.
-pub fn check(reader: &mut Reader<'_>, model: &Model) {
+/// Nodes that hang, and bodies that nothing holds. `replaced`: the supports of the specimen that those of the case replace.
+pub fn check(reader: &mut Reader<'_>, model: &Model, replaced: Option<&DefaultSupports>) {
     let joints = joints(model);
     let exempt: Vec<usize> = joints.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
     let behind = model.parts_behind();
@@ -34,19 +35,62 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
             reader.warn(format!("support '{}' {message}", support.name));
         }
     }
+    check_field(reader, model);
     let held = held(model.supports.iter());
     for group in groups(&model.mesh, &joints) {
         let free = preflight::rigid_body_freedom(&model.mesh, &group, &held);
         if !free.is_empty() {
             let modes: Vec<String> = free.iter().map(ToString::to_string).collect();
             let (body, modes) = (in_words(model, &group), modes.join(" and "));
-            let message = format!("{body} {modes}: no support holds it, nor anything that it touches");
+            let own = replaced.map_or_else(String::new, |own| {
+                format!("; \"supports\" of the case replace those of the specimen, {}", own.in_words())
+            });
+            let message = format!("{body} {modes}: no support holds it, nor anything that it touches{own}");
             reader.problem(&Place::root().key("supports"), message);
         } else if model.loads.is_empty() {
             warn_of_free_ride(reader, model, &group);
         }
     }
 }
+
+/// Values and fluxes where there is no field, and steady heat that no value determines.
+fn check_field(reader: &mut Reader<'_>, model: &Model) {
+    let Some(field) = &model.field else { return };
+    let root = Place::root().key("field");
+    let bodies = preflight::bodies_of(&model.mesh, |element| field.parts[element.part()]);
+    let has_field = |node: &usize| bodies.iter().any(|body| body.nodes.binary_search(node).is_ok());
+    for (index, fixed) in field.fixed.iter().enumerate() {
+        if !fixed.nodes.iter().any(has_field) {
+            reader.problem(&root.key("fixed").index(index), OUTSIDE);
+        }
+    }
+    for (index, flux) in field.fluxes.iter().enumerate() {
+        if !flux.edges.iter().any(|&edge| model.mesh.edge_nodes(edge).nodes().iter().all(has_field)) {
+            reader.problem(&root.key("fluxes").index(index), OUTSIDE);
+        }
+    }
+    // a source that falls with the field determines it as well
+    let is_of_routines = field.has_generation || field.transfer.is_some();
+    if field.is_phase_field() || field.capacity > 0.0 || is_of_routines {
+        return;
+    }
+    for body in bodies {
+        let is_fixed =
+            field.fixed.iter().flat_map(|fixed| &fixed.nodes).any(|node| body.nodes.binary_search(node).is_ok());
+        let mut laws = body.elements.iter().map(|&element| &model.laws[model.mesh.elements()[element].part()]);
+        if !is_fixed && !laws.any(may_have_source) {
+            let body = in_words(model, &body);
+            let message = format!(
+                "{body} has no fixed value, without which a steady temperature is not determined: fix the value of some nodes, or give \
+                 a \"capacity\""
+            );
+            reader.problem(&root.key("fixed"), message);
+        }
+    }
+}
+
+/// Says that fixed values or fluxes have no effect.
+const OUTSIDE: &str = "is where no part has the field: \"parts\" of the field names those that have it";
 
 /// A body by its first element.
 fn in_words(model: &Model, body: &Body) -> String {

@@ -6,16 +6,21 @@ use super::mesh::{MATRIX, called};
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
 use crate::document::pullout::{HeatRoutine, MeshSource};
+use crate::plugin;
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use fe_core::model::{CrackSurface, FieldCoupling, FieldKind, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField};
-use umat_abi::host::Library;
+use fe_core::model::{
+    CrackSurface, FieldCoupling, FieldKind, Fields, FixedValue, Flux, HeatTransfer, PluginLaw, ScalarField,
+};
+use pullout_run::isolation::is_shipped;
+use umat_abi::host::{Library, Plugin};
 
 /// The field of a case, without the cracks of the laws ([`with_cracks_of`]).
 pub fn resolve(
     reader: &mut Reader<'_>,
     case: &PulloutCase,
     scene: KnownMesh<'_>,
+    has_field: Option<Vec<bool>>,
     drives: &mut Drives,
 ) -> Option<ScalarField> {
     let place = Place::root().key("field");
@@ -48,12 +53,8 @@ pub fn resolve(
     let conductivity = given.conductivity.map_or(default.conductivity, Into::into);
     let capacity = given.capacity.map_or(default.capacity, Into::into);
     let tolerance = given.tolerance.map_or(default.tolerance, Into::into);
-    let is_specimen = matches!(case.mesh, MeshSource::Specimen(_));
-    let parts = parts(reader, given, scene, &place, is_specimen).unwrap_or(default.parts);
+    let parts = has_field.unwrap_or(default.parts);
     let initial = given.initial.unwrap_or(default.initial);
-    if case.course.temperature.is_some() {
-        reader.warn_no_effect(&Place::root().key("temperature"), "parts of the field have its values");
-    }
     let coupling = given.coupling.unwrap_or_default();
     if coupling == FieldCoupling::Full && matches!(kind, FieldKind::PhaseField(_)) {
         reader.warn(format!(
@@ -85,6 +86,16 @@ pub fn resolve(
 fn parameter(law: &PluginLaw, name: &str) -> Option<f64> {
     let place = law.law.as_ref()?.parameters.iter().position(|parameter| parameter.name == name)?;
     law.props.get(place).copied()
+}
+
+/// The cracks of a law with a phase field.
+fn surface(law: &PluginLaw) -> Option<CrackSurface> {
+    Some(CrackSurface { fracture_energy: parameter(law, "G_f")?, length: parameter(law, "l")? })
+}
+
+/// Returns whether a law may return RPL: shipped laws do not, except those with a phase field.
+pub fn may_have_source(law: &PluginLaw) -> bool {
+    !is_shipped(law.library.path()) || surface(law).is_some()
 }
 
 /// Decides which routines of heat are called: those that the case names, or those that the libraries of the parts have.
@@ -147,24 +158,55 @@ fn symbol(routine: HeatRoutine) -> &'static str {
     }
 }
 
+/// Warns of a temperature of the case that no law is given, or that changes nothing.
+pub fn report_temperature(
+    reader: &mut Reader<'_>,
+    case: &PulloutCase,
+    fields: &Fields,
+    field: Option<&ScalarField>,
+    [laws, of_contact]: [&[&Plugin]; 2],
+) {
+    let changes = fields.ends.iter().any(|end| end.temperature != fields.initial.temperature);
+    let of_parts = laws.iter().enumerate().filter(|(part, _)| field.is_none_or(|field| !field.parts[*part]));
+    let without_field: Vec<&Plugin> = of_parts.map(|(_, law)| *law).chain(of_contact.iter().copied()).collect();
+    let reason = match (field, plugin::without_expansion(without_field.iter().copied())) {
+        // contact is given the temperature of the case, but the shipped laws of it do not read it
+        (Some(field), None) if without_field.is_empty() => Some(reason_of_field(field)),
+        (Some(field), Some(_)) if without_field.len() == of_contact.len() => Some(reason_of_field(field)),
+        (_, reason) => reason.filter(|_| changes),
+    };
+    if let Some(reason) = reason.filter(|_| changes || case.course.temperature.is_some()) {
+        reader.warn_no_effect(&Place::root().key("temperature"), reason);
+    }
+}
+
+/// Why the temperature of a case has no effect on parts with a field.
+fn reason_of_field(field: &ScalarField) -> String {
+    let reason = if field.is_phase_field() {
+        "all parts have the phase field in place of a temperature"
+    } else {
+        "all parts have the temperature of \"field\", which starts at its \"initial\"; \"initial_temperature\" of an \
+         \"expansion\" is the temperature without thermal strain, if that is another one"
+    };
+    reason.to_owned()
+}
+
 fn drive(drives: &mut Drives, name: Option<&str>, place: &Place) -> Option<usize> {
     name.map(|name| drives.followed(name, &place.key("drive")))
 }
 
-/// Whether each part has the field; `None`: the case does not say. In a specimen the cover has it as the matrix, whose law is its own, and
+/// Whether each part has the field; `None`: there is no field, or the mesh is not known. In a specimen the cover has it as the matrix, whose law is its own, and
 /// a phase field is that of the matrix: nothing would hold it in the fibres.
-fn parts(
-    reader: &mut Reader<'_>,
-    given: &document::ScalarField,
-    scene: KnownMesh<'_>,
-    place: &Place,
-    is_specimen: bool,
-) -> Option<Vec<bool>> {
-    let place = place.key("parts");
+pub fn parts(reader: &mut Reader<'_>, case: &PulloutCase, scene: KnownMesh<'_>) -> Option<Vec<bool>> {
+    let given = case.field.as_ref()?;
+    let is_specimen = matches!(case.mesh, MeshSource::Specimen(_));
+    let place = Place::root().key("field").key("parts");
     let parts = scene.mesh?.parts();
     let has_matrix = is_specimen && parts.iter().any(|part| part.name == MATRIX);
     let is_of_matrix = has_matrix && matches!(given.kind, document::FieldKind::PhaseField);
-    let names = given.parts.clone().or_else(|| is_of_matrix.then(|| vec![MATRIX.to_owned()]))?;
+    let Some(names) = given.parts.clone().or_else(|| is_of_matrix.then(|| vec![MATRIX.to_owned()])) else {
+        return Some(vec![true; parts.len()]);
+    };
     let name_of = |part: &'_ str| -> String {
         if is_specimen { called(part, |name| names.iter().any(|one| one == name)).to_owned() } else { part.to_owned() }
     };
@@ -189,8 +231,6 @@ pub fn with_cracks_of(
     lengths: impl Fn(usize) -> f64,
 ) {
     let FieldKind::PhaseField(crack) = &mut field.kind else { return };
-    let surface =
-        |law: &PluginLaw| Some(CrackSurface { fracture_energy: parameter(law, "G_f")?, length: parameter(law, "l")? });
     let with_field = laws.iter().enumerate().filter(|(part, _)| field.parts[*part]);
     for (part, law) in with_field {
         let Some(of_law) = surface(law) else { continue };

@@ -200,6 +200,16 @@ fn a_slip_of_units_is_reported_with_the_usual_range() {
     assert!(in_gpa.len() == 1 && in_gpa[0].starts_with(expected), "{in_gpa:?}");
     let listed = warnings("linear_elastic", json!([31.8, 0.18]));
     assert_eq!(listed, in_gpa);
+    // a millionth per K, and microstrain
+    let mut expands = point_case();
+    expands["material"]["expansion"] = json!({ "alpha": [12, 12, 12], "initial_temperature": 0 });
+    expands["material"]["shrinkage"] = json!({ "times": [0, 1], "strain": [0, -300] });
+    let free = accepted(&expands).about.warnings;
+    for words in
+        ["material.expansion = 12 1/K is outside the usual range", "material.shrinkage.strain = −300 is outside"]
+    {
+        assert_eq!(free.iter().filter(|warning| warning.starts_with(words)).count(), 1, "{free:?}");
+    }
     let threshold = warnings("concrete_damage", json!({ "Y_t0": 192.6 }));
     assert!(threshold.len() == 1 && threshold[0].starts_with("material.props.Y_t0 = 192.6 MPa"), "{threshold:?}");
     assert!(

@@ -300,6 +300,12 @@ fn a_body_that_nothing_holds_is_named() {
         text.contains("$.supports: the body with element 1 (part 'matrix') can move along x and can move along y"),
         "{text}"
     );
+    // supports by name replace all that a specimen has
+    let mut case = specimen_case(json!({ "type": "plate_with_hole" }), &["plate"]);
+    accepted(&case, &[]);
+    case["supports"] = json!({ "symmetry_x": { "direction": "x" } });
+    let text = problems_of(&case, &[]);
+    assert!(text.ends_with("replace those of the specimen, standard (symmetry_x: x, symmetry_y: y)"), "{text}");
 }
 
 /// A minimal case on a specimen.
@@ -981,7 +987,65 @@ fn a_phase_field_in_full_coupling_is_warned_of() {
     };
     assert_eq!(warnings(r#"{"kind": "phase_field", "parts": ["matrix"], "coupling": "full"}"#), 1);
     assert_eq!(warnings(r#"{"kind": "phase_field", "parts": ["matrix"]}"#), 0);
-    assert_eq!(warnings(r#"{"kind": "temperature", "coupling": "full"}"#), 0);
+    assert_eq!(warnings(r#"{"kind": "temperature", "coupling": "full", "capacity": 1}"#), 0);
+}
+
+/// Parts expand from the temperature with which they begin: of the field, of the case, or their own.
+#[test]
+fn parts_are_free_of_thermal_strain_at_their_own_start() {
+    let mut case = inclined_case();
+    case["temperature"] = json!(7.0);
+    for part in ["matrix", "fibre"] {
+        case["parts"][part]["material"]["expansion"] = json!(1e-5);
+    }
+    let initial = |overrides: &[&str]| {
+        let model = accepted(&case, &[&["mesh.specimen.cover=true"], overrides].concat()).model;
+        let laws = model.mesh.parts().iter().zip(&model.laws).map(|(part, law)| {
+            let expansion = law.frame.as_ref().and_then(|frame| frame.expansion.as_ref()).expect("it expands");
+            (part.name.clone(), expansion.initial_temperature)
+        });
+        let laws: std::collections::BTreeMap<String, f64> = laws.collect();
+        ["fibre", "matrix", "cover"].map(|part| laws[part])
+    };
+    let field =
+        |parts: &str| format!(r#"field={{"kind": "temperature", "initial": 30, "capacity": 1, "parts": {parts}}}"#);
+    assert_eq!(initial(&[]), [7.0, 7.0, 7.0]);
+    assert_eq!(initial(&[&field("null")]), [30.0, 30.0, 30.0]);
+    assert_eq!(initial(&[&field(r#"["matrix"]"#)]), [7.0, 30.0, 30.0]);
+    // of one law in two parts
+    assert_eq!(initial(&[&field(r#"["cover"]"#)]), [7.0, 7.0, 30.0]);
+    let own = r#"parts.matrix.material.expansion={"alpha": 1e-5, "initial_temperature": -3}"#;
+    assert_eq!(initial(&[&field(r#"["matrix"]"#), own]), [7.0, -3.0, -3.0]);
+    let defaults = accepted(&case, &[&field(r#"["matrix"]"#)]).about.defaults;
+    for line in
+        ["fibre.material.expansion: initial_temperature = 7", "matrix.material.expansion: initial_temperature = 30"]
+    {
+        assert!(defaults.iter().any(|default| default.ends_with(line)), "{defaults:?}");
+    }
+    let warnings = |parts: &str| {
+        let all = accepted(&case, &[&field(parts)]).about.warnings;
+        all.iter().filter(|warning| warning.contains("$.temperature")).count()
+    };
+    assert_eq!([warnings("null"), warnings(r#"["matrix"]"#)], [1, 0], "the fibre has the temperature of the case");
+    let phase_field = problems_of(&case, &[r#"field={"kind": "phase_field"}"#]);
+    assert!(
+        phase_field.contains("$.parts.matrix.material.expansion: would expand with the phase field"),
+        "{phase_field}"
+    );
+}
+
+/// Heat that no value holds, and values where there is no field.
+#[test]
+fn a_steady_temperature_needs_a_value_in_each_body() {
+    let mut case = pullout_case();
+    case["field"] = json!({ "kind": "temperature", "fixed": [{ "nodes": "side", "value": 1 }] });
+    let loose = problems_of(&case, &[]);
+    assert!(loose.contains("$.field.fixed: the body with element") && loose.contains("(part 'fibre')"), "{loose}");
+    assert_eq!(loose.lines().count(), 1, "the matrix has one: {loose}");
+    accepted(&case, &["field.parts=[\"matrix\"]"]);
+    accepted(&case, &["field.capacity=1"]);
+    let elsewhere = problems_of(&case, &["field.parts=[\"fibre\"]", "field.capacity=1"]);
+    assert!(elsewhere.contains("$.field.fixed[0]: is where no part has the field"), "{elsewhere}");
 }
 
 #[test]
@@ -996,7 +1060,7 @@ fn a_cover_has_the_phase_field_of_the_matrix() {
     concrete.sort();
     assert_eq!(concrete, ["cover", "matrix"]);
     assert_eq!(parts(r#"{"kind": "phase_field"}"#).len(), 2, "nothing would hold it in the fibre");
-    assert_eq!(parts(r#"{"kind": "temperature"}"#).len(), 3);
+    assert_eq!(parts(r#"{"kind": "temperature", "capacity": 1}"#).len(), 3);
     assert_eq!(parts(r#"{"kind": "phase_field", "parts": ["cover"]}"#), ["cover"]);
 }
 
@@ -1411,6 +1475,12 @@ fn malformed_keys_of_hooked_fibres_are_reported_with_their_place() {
         let places: Vec<&str> = errors.problems.iter().filter_map(|p| p.place.as_ref()).map(|p| p.as_str()).collect();
         assert_eq!(places, [place], "{change}: {errors}");
     }
+    // m in place of mm
+    let slips = |slip: f64| {
+        let warnings = accepted(&case, &[&format!(r#"steps=[{{"slip": {slip}}}]"#)]).about.warnings;
+        warnings.iter().filter(|warning| warning.contains("many times the embedded length")).count()
+    };
+    assert_eq!([slips(30.0), slips(15_500.0)], [0, 1]);
     // strength in GPa, elongation in percent
     for (change, words) in
         [("parts.fibre.strength=1.16", "1.16 MPa"), ("parts.fibre.elongation=3", "parts.fibre.elongation = 3")]
@@ -1764,7 +1834,7 @@ fn all_that_a_plate_takes_by_default_is_listed() {
         [
             "mesh.specimen: width = 10, height = 10, radius = 1, grading = 10, element = Q8",
             "parts.plate: model = plane_strain, thickness = 1, nlgeom = false",
-            "supports: standard",
+            "supports: standard (symmetry_x: x, symmetry_y: y)",
             "steps: time = 1, increments.maximum = 0.02, increments.initial = 0.001, increments.minimum = 1·10⁻⁸",
             "controls: displacement_tolerance = 1·10⁻⁵, max_iterations = 20, max_cutbacks = 30, line_search = true, \
              locate_peak = true, relaxation_time = 0",

@@ -282,7 +282,13 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Mode
     }
     set_initial_states(laws, &mut blocks, &places)?;
     set_initial_stresses(mesh, laws, &mut blocks, &places)?;
-    blocks.iter_mut().for_each(|block| block.set_fields(&model.fields.initial, &model.fields.initial));
+    for block in &mut blocks {
+        let mut initial = model.fields.initial.clone();
+        if let Some(field) = model.field.as_ref().filter(|field| field.parts[block.body.index]) {
+            initial.temperature = field.initial;
+        }
+        block.set_fields(&initial, &initial);
+    }
     for (part, law) in laws.iter().enumerate() {
         let mut of_part = blocks.iter_mut().map(|block| &mut block.body).filter(|body| body.index == part);
         let Some(first) = of_part.next() else { continue };

@@ -11,7 +11,7 @@ mod test;
 
 pub use rigid::{RigidMode, rigid_body_freedom};
 
-use super::Mesh;
+use super::{Element, Mesh};
 
 /// A suspicious property of a mesh. Messages count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -89,8 +89,13 @@ pub fn findings(mesh: &Mesh, exempt: &[usize]) -> Vec<Finding> {
 
 /// The bodies of a mesh, in the order of their first elements.
 pub fn bodies(mesh: &Mesh) -> Vec<Body> {
+    bodies_of(mesh, |_| true)
+}
+
+/// The bodies that some elements of a mesh make, in the order of their first elements.
+pub fn bodies_of(mesh: &Mesh, is_meant: impl Fn(&Element) -> bool) -> Vec<Body> {
     let mut leader: Vec<usize> = (0..mesh.nodes().len()).collect();
-    for element in mesh.elements() {
+    for element in mesh.elements().iter().filter(|element| is_meant(element)) {
         let first = leader_of(&mut leader, element.nodes()[0]);
         for &node in &element.nodes()[1..] {
             let other = leader_of(&mut leader, node);
@@ -99,7 +104,7 @@ pub fn bodies(mesh: &Mesh) -> Vec<Body> {
     }
     let mut bodies: Vec<Body> = Vec::new();
     let mut body_of_leader = vec![None; mesh.nodes().len()];
-    for (index, element) in mesh.elements().iter().enumerate() {
+    for (index, element) in mesh.elements().iter().enumerate().filter(|(_, element)| is_meant(element)) {
         let body = *body_of_leader[leader_of(&mut leader, element.nodes()[0])].get_or_insert_with(|| {
             bodies.push(Body { nodes: Vec::new(), elements: Vec::new() });
             bodies.len() - 1

@@ -1,6 +1,9 @@
 //! The correction of an iteration, under direct and indirect control, and how much of it is applied.
 
-use super::{Attempt, Committed, Equilibrium, IncrementGoal, Leader, add_loads, largest, trouble, unsolvable};
+use super::{
+    Attempt, Committed, Equilibrium, FREE_BODY, FREE_FIELD, IncrementGoal, Leader, add_loads, largest, trouble,
+    unsolvable,
+};
 use crate::assembly::{Location, PointFailure};
 use crate::contact::PointIndex;
 use crate::field::Correction;
@@ -104,7 +107,7 @@ impl Equilibrium<'_> {
             Some(field) if field.is_full() => field.solve_full(right_side),
             _ => system.solve(right_side),
         });
-        solved.map_err(|error| unsolvable(&error))
+        solved.map_err(|error| unsolvable(&error, FREE_BODY))
     }
 
     /// Residual of a field that is solved together with the displacements; empty without one.
@@ -191,7 +194,7 @@ impl Equilibrium<'_> {
             let Self { solids, field: Some(field), observed, memory, .. } = self else { break };
             timed(&mut observed.times.solids, || solids.evaluate(&there, &context, Request::Stress, &mut forces))?;
             let response = field.response(correction, length, &trial.drives, solids);
-            let response = response.map_err(|error| unsolvable(&error))?;
+            let response = response.map_err(|error| unsolvable(&error, FREE_FIELD))?;
             if response.iter().all(|by| *by <= 0.0) {
                 // nothing loads so near: it has unloaded, or does not crack yet
                 length *= LARGER;

@@ -366,7 +366,7 @@ impl<'m> Equilibrium<'m> {
             }
             memory.statistics.field_passes += 1;
             let correction = timed(&mut observed.times.solution, || field.correction(&attempt.trial.drives, solids));
-            let mut correction = correction.map_err(|error| unsolvable(&error))?;
+            let mut correction = correction.map_err(|error| unsolvable(&error, FREE_FIELD))?;
             let Followed { share, force } = self.follow_field(attempt, &mut correction)?;
             let Self { field: Some(field), solids, .. } = self else { return Ok(true) };
             let (pass, part) = field.pass(correction, solids);
@@ -429,7 +429,7 @@ impl<'m> Equilibrium<'m> {
             let reason = "equilibrium is lost between the far field and the zone".into();
             return Err(trouble(Location::System, reason, CUT));
         }
-        self.set_zone(zone).map_err(|error| unsolvable(&error))?;
+        self.set_zone(zone).map_err(|error| unsolvable(&error, FREE_BODY))?;
         Ok(false)
     }
 
@@ -607,8 +607,18 @@ fn present_shares(model: &Model, solids: &Solids) -> Option<Shares> {
     is_any_released.then(|| Shares::new(&model.mesh, |element| solids.share(element)))
 }
 
-fn unsolvable(error: &SolverError) -> PointFailure {
-    trouble(Location::System, error.to_string(), CUT)
+/// What to look for where a system is singular: of displacements, of a field, of both.
+const FREE_BODY: &str = "is a body free to move?";
+const FREE_FIELD: &str = "it is that of the field: has each body a fixed value of a steady field?";
+const FREE_BODY_OR_FIELD: &str = "is a body free to move, or without a fixed value of a steady field?";
+
+/// A system without a solution; `question`: what to look for where it is singular.
+fn unsolvable(error: &SolverError, question: &str) -> PointFailure {
+    let reason = match error {
+        SolverError::Singular { .. } => format!("{error}: {question}"),
+        _ => error.to_string(),
+    };
+    trouble(Location::System, reason, CUT)
 }
 
 fn trouble(place: Location, reason: String, fraction: f64) -> PointFailure {

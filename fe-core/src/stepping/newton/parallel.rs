@@ -1,7 +1,7 @@
 //! An attempt parallel to one of another run ([`crate::stepping::Trail`]).
 
 use super::turn::{Handed, Turn};
-use super::{Attempt, Equilibrium, IncrementGoal, Leader, RoundEnd, largest, unsolvable};
+use super::{Attempt, Equilibrium, FREE_BODY, IncrementGoal, Leader, RoundEnd, largest, unsolvable};
 use crate::assembly::PointFailure;
 use crate::model::Model;
 use crate::stepping::constants::{GROWTH_ROUNDING, NEGLIGIBLE, PARALLEL_ROUGH_REMAINDER, ROUNDINGS};
@@ -128,7 +128,7 @@ impl Equilibrium<'_> {
         if round == 0
             && let Some(zone) = lead.guide.zone.as_ref().filter(|zone| **zone != self.zone)
         {
-            self.set_zone(zone.clone()).map_err(|error| unsolvable(&error))?;
+            self.set_zone(zone.clone()).map_err(|error| unsolvable(&error, FREE_BODY))?;
         }
         let Some(end) = lead.guide.rounds.get(round) else { return Ok(()) };
         let before = if round == 0 { lead.before } else { lead.guide.rounds.get(round - 1) };

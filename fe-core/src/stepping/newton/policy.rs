@@ -1,6 +1,6 @@
 //! Choice of the tangents and the factor of an iteration.
 
-use super::{Attempt, Equilibrium, unsolvable};
+use super::{Attempt, Equilibrium, FREE_BODY, FREE_BODY_OR_FIELD, unsolvable};
 use crate::assembly::solids::TangentChoice;
 use crate::assembly::{PointFailure, touching};
 use crate::field::Field;
@@ -112,6 +112,7 @@ impl Equilibrium<'_> {
         // without time the factor of displacements alone is needed
         memory.factorised = result.is_ok() && !field.as_ref().is_some_and(Field::is_full);
         memory.factor_is_elsewhere = contact.is_elsewhere();
-        result.map_err(|error| unsolvable(&error))
+        let question = if field.as_ref().is_some_and(Field::is_full) { FREE_BODY_OR_FIELD } else { FREE_BODY };
+        result.map_err(|error| unsolvable(&error, question))
     }
 }

@@ -17,14 +17,14 @@ pub(crate) struct ScalarField {
     pub conductivity: Option<Positive>,
     /// Capacity c per volume; without one the field is steady.
     pub capacity: Option<Positive>,
-    /// Value at the start (default 0).
+    /// Value at the start (default 0), at which an expansion gives no thermal strain.
     pub initial: Option<f64>,
     /// Routines that are called in addition to UMAT. HETVAL adds FLUX(1) to RPL and FLUX(2) to DRPLDT; UMATHT replaces
     /// conductivity and capacity (default: those that the libraries of its parts have).
     pub routines: Option<Vec<HeatRoutine>>,
     /// Parameters and density that UMATHT gets, the same for all parts.
     pub umatht: Option<Umatht>,
-    /// Values that node sets are kept at from the first increment on.
+    /// Values that node sets are kept at from the first increment on. A steady temperature needs one in each body.
     pub fixed: Option<Vec<FixedValue>>,
     /// Fluxes into the body through edge sets.
     pub fluxes: Option<Vec<Flux>>,
