@@ -302,7 +302,8 @@ impl Plugin {
                 Ok(call)
             };
             // each look costs a process: few of many calls
-            let looks = self.law.is_none() && self.evaluations.fetch_add(1, Ordering::Relaxed).wrapping_add(1).is_power_of_two();
+            let looks = self.law.is_none()
+                && self.evaluations.fetch_add(1, Ordering::Relaxed).wrapping_add(1).is_power_of_two();
             let looked_at = looks.then(|| inputs.farthest(count));
             let work = Work { inputs: &inputs, law: self.law.as_ref(), may_refuse, looked_at, make: &make };
             let mut rest = rows;
