@@ -125,7 +125,7 @@ pub(super) struct Guarded {
 
 #[derive(Debug)]
 enum Memory {
-    Canaries(Vec<f64>),
+    Canaries(#[allow(dead_code, reason = "owns what is written through a pointer")] Vec<f64>),
     Fenced(Watched),
 }
 
@@ -187,8 +187,12 @@ impl Guarded {
         self.outside = pattern;
         // SAFETY: one value stands in front.
         unsafe { self.first.sub(1).write(f64::from_bits(pattern)) };
-        match &mut self.memory {
-            Memory::Canaries(memory) => memory[1 + self.length..].fill(f64::from_bits(pattern)),
+        match &self.memory {
+            // SAFETY: so many values stand after it.
+            Memory::Canaries(_) => unsafe {
+                let after = self.first.add(self.length);
+                std::slice::from_raw_parts_mut(after, CANARIES + SLACK).fill(f64::from_bits(pattern));
+            },
             Memory::Fenced(watched) => watched.fill_after(pattern, pattern != CANARY),
         }
     }

@@ -16,6 +16,10 @@ const SAME: f64 = 1e-4;
 /// DSLIP = Δγ − Δτ/k. Nothing is said of other laws.
 pub(super) fn inelastic(subject: &mut Subject<'_>, sample: &[SampledState], ledger: &mut Ledger<'_>) {
     let CheckedEntryPoint::Fric(directions) = subject.entry else { return };
+    // a law with metadata has its own measure, which its page gives
+    if subject.described() {
+        return;
+    }
     ledger.begin("inelastic slip");
     let (mut looked_at, mut slipping) = (0, 0);
     let mut worst = (0.0_f64, String::new());

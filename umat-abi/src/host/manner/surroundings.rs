@@ -5,12 +5,13 @@ use super::super::call::UmatCall;
 use super::super::interface_call::{FricCall, UinterCall};
 use super::super::memory::{CANARY, same_bits};
 use crate::law::Request;
+use std::ops::DerefMut;
 
 /// Patterns of the trial calls, at the end that of all other calls.
 const PATTERNS: [u64; 3] = [0, 1e3_f64.to_bits(), CANARY];
 
 /// Returns whether the answers of trial calls differ in any bit.
-fn differ<const N: usize>(answers: [Option<Vec<f64>>; N]) -> bool {
+fn differ<const N: usize>(answers: [&Option<Vec<f64>>; N]) -> bool {
     answers.windows(2).any(|pair| match pair {
         [Some(a), Some(b)] => !same_bits(a, b),
         [a, b] => a.is_some() != b.is_some(),
@@ -25,28 +26,40 @@ macro_rules! surrounded {
             /// Makes the present call anew, each time as `prepare` makes it ready, with other numbers around the plugin's arrays;
             /// returns whether stress, states, energies or PNEWDT follow these. They are at the end those of a plain call.
             pub fn depends_on_surroundings(&mut self, mut prepare: impl FnMut(&mut Self)) -> bool {
-                differ(PATTERNS.map(|pattern| {
+                let answers = PATTERNS.map(|pattern| {
                     self.surround_all(pattern);
                     prepare(self);
                     self.trial()
-                }))
+                });
+                differ(answers.each_ref())
             }
 
-            /// Makes the present call anew, each time as `prepare` makes it ready, with twice the characteristic length and with this;
-            /// returns whether stress, states, energies or PNEWDT follow it. They are at the end those of a plain call.
+            /// Makes the present call anew, each time as `prepare` makes it ready, with this characteristic length, twice as much, and
+            /// this; returns whether stress, states, energies or PNEWDT follow it. They are at the end those of a plain call.
             pub fn depends_on_length(&mut self, mut prepare: impl FnMut(&mut Self)) -> bool {
                 let length = self.$length;
-                differ([2.0 * length, length].map(|length| {
+                let [before, twice, after] = [length, 2.0 * length, length].map(|length| {
                     self.$length = length;
                     prepare(self);
                     self.trial()
-                }))
+                });
+                // what differs from call to call says nothing
+                differ([&before, &twice]) && !differ([&before, &after])
             }
 
             /// Makes a call; returns what a run goes on with, `None` if it wrote outside its arrays.
             fn trial(&mut self) -> Option<Vec<f64>> {
                 let $this = &mut *self;
                 $make.is_ok().then(|| [self.stress(), self.statev(), &self.energies, &[self.pnewdt]].concat())
+            }
+
+            /// Makes the calls of a child process, which are no business of those who watch its parent.
+            pub fn leave_record(&mut self) {
+                DerefMut::deref_mut(self).leave_record();
+                let $outer = self;
+                if let Some(inner) = $inner {
+                    inner.leave_record();
+                }
             }
 
             fn surround_all(&mut self, pattern: u64) {
