@@ -371,7 +371,7 @@ fn strengths_of_a_case_give_its_law_and_its_friction() {
         if x < 1.0 { 3.0 * falls * (1.0 - 0.005) } else { 0.0 }
     };
     let [w_of_run, fibres_of_run] = ["w", "sigma_fibre"].map(|name| run.bridging.column(name));
-    let fibres: Vec<[f64; 2]> = w_of_run.iter().zip(fibres_of_run).map(|(w, sigma)| [*w, *sigma]).collect();
+    let fibres: Vec<[f64; 2]> = w_of_run.iter().zip(fibres_of_run).map(|(w, sigma)| [*w, sigma]).collect();
     for (folder, largest_error) in [("own", 0.08), ("of-curve", 0.05)] {
         let table = Table::read(&desk.path(&format!("{folder}/sigma.csv")));
         let numbers = json(&desk.path(&format!("{folder}/fit.json")))["numbers"].clone();
