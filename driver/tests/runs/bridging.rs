@@ -375,8 +375,8 @@ fn strengths_of_a_case_give_its_law_and_its_friction() {
     for (folder, largest_error) in [("own", 0.08), ("of-curve", 0.05)] {
         let table = Table::read(&desk.path(&format!("{folder}/sigma.csv")));
         let numbers = json(&desk.path(&format!("{folder}/fit.json")))["numbers"].clone();
-        let stresses = table.column("sigma").iter().zip(table.column("sigma_total"));
-        for (w, (sigma, total)) in table.column("w").iter().zip(stresses) {
+        let [openings, without, with] = ["w", "sigma", "sigma_total"].map(|name| table.column(name));
+        for ((w, sigma), total) in openings.iter().zip(&without).zip(&with) {
             assert!((total - sigma - matrix(*w)).abs() < 1e-9, "{folder}, {w}: {sigma}, {total}");
             assert_eq!(numbers[format!("sigma({w})")]["value"].as_f64(), Some(*sigma), "{folder}, {w}");
             let right = between(&fibres, *w);
