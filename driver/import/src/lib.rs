@@ -51,7 +51,7 @@ pub fn import(job: &Path, options: ImportOptions<'_>) -> Result<Imported, String
     }
     if let Some(name) = options.material {
         let material = model.material(name).map_err(|error| format!("{}: {error}", job.display()))?;
-        let mut left_out = Vec::new();
+        let mut left_out = material.left_out.clone();
         let document = material_block(material, options.plugin, &mut left_out);
         return Ok(Imported { document, left_out });
     }

@@ -83,6 +83,8 @@ pub(super) struct Material {
     pub(super) states: usize,
     /// *EXPANSION in the form of a case.
     pub(super) expansion: Option<Value>,
+    /// What is not imported of it, with places.
+    pub(super) left_out: Vec<String>,
     is_user: bool,
 }
 
@@ -204,6 +206,8 @@ pub(super) struct Model {
     orientations: BTreeMap<String, Axes>,
     /// Where an instance is moved.
     shifted: Option<LinePosition>,
+    /// The keywords belong to the last material.
+    is_in_material: bool,
     /// The present *STEP is left out.
     is_in_perturbation: bool,
     /// Where the first step that is left out begins.
@@ -218,9 +222,23 @@ impl Model {
     /// # Errors
     /// Why there can be no case of this job.
     pub(super) fn take(&mut self, keyword: &Keyword) -> Result<(), String> {
+        let count = self.left_out.len();
+        let is_understood = self.take_over(keyword)?;
+        self.is_in_material = match keyword.name.as_str() {
+            "MATERIAL" | "USER MATERIAL" | "DEPVAR" | "EXPANSION" => true,
+            _ => self.is_in_material && !is_understood,
+        };
+        if let Some(material) = self.materials.last_mut().filter(|_| self.is_in_material) {
+            material.left_out.extend_from_slice(&self.left_out[count..]);
+        }
+        Ok(())
+    }
+
+    /// Takes a keyword over; returns whether it is one that is understood.
+    fn take_over(&mut self, keyword: &Keyword) -> Result<bool, String> {
         let place = &keyword.place;
         if self.is_in_perturbation && !["AMPLITUDE", "STEP", "END STEP"].contains(&keyword.name.as_str()) {
-            return Ok(());
+            return Ok(true);
         }
         if keyword.name != "AMPLITUDE" {
             for option in not_understood(keyword) {
@@ -255,6 +273,7 @@ impl Model {
                 constants: Vec::new(),
                 states: 0,
                 expansion: None,
+                left_out: Vec::new(),
                 is_user: false,
             }),
             "EXPANSION" => self.expansion(keyword)?,
@@ -282,9 +301,12 @@ impl Model {
                 return Err(format!("{place}: *{name} makes it another problem than that of a material point"));
             }
             name if OF_NO_MATTER.contains(&name) => {}
-            name => self.left_out.push(format!("{place}: *{name}")),
+            name => {
+                self.left_out.push(format!("{place}: *{name}"));
+                return Ok(false);
+            }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Returns why there is nothing to run; `None` if there are steps.

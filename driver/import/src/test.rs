@@ -52,6 +52,14 @@ fn of_job(job: &str) -> Result<Imported, String> {
     Ok(Imported { left_out: imported.left_out.into_iter().map(without_folder).collect(), ..imported })
 }
 
+/// Imports a material of a job.
+fn material_of(job: &str, name: &str) -> Imported {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("job.inp");
+    std::fs::write(&file, job).expect("a job");
+    import(&file, ImportOptions { material: Some(name), plugin: Some("./libumat.so") }).expect("a material")
+}
+
 fn imported(history: &str) -> Imported {
     of_job(&format!("{BRICK}{history}")).expect("it can be imported")
 }
@@ -361,6 +369,24 @@ fn options_that_would_be_lost_are_listed() {
     let imported = imported(&twice);
     assert!(imported.left_out[0].starts_with(&line_of(&twice, "X1, 1, 30.")), "{:?}", imported.left_out);
     assert_eq!(imported.document["steps"][0]["target"]["s11"], 20.0);
+}
+
+/// What a material alone loses is listed too; what other materials and the job lose is not.
+#[test]
+fn what_a_material_loses_is_listed() {
+    let material =
+        |name: &str, lines: &str| format!("*MATERIAL, NAME={name}\n*USER MATERIAL, CONSTANTS=1\n1.\n{lines}");
+    let job = format!(
+        "{}{}*STEP\n*CONTROLS\n*END STEP\n",
+        material("A", "*DENSITY\n1.\n*DEPVAR, DELETE=1\n2\n"),
+        material("B", "*EXPANSION, TYPE=ANISO\n1.\n")
+    );
+    let ends = |name: &str| -> Vec<String> {
+        let left_out = material_of(&job, name).left_out;
+        left_out.iter().map(|line| line.rsplit("job.inp:").next().expect("a line").to_owned()).collect()
+    };
+    assert_eq!(ends("A"), ["4: *DENSITY", "6: DELETE of *DEPVAR"]);
+    assert_eq!(ends("B"), ["11: *EXPANSION that is neither ISO nor ORTHO over the temperature alone"]);
 }
 
 #[test]
