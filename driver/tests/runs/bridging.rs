@@ -372,7 +372,8 @@ fn strengths_of_a_case_give_its_law_and_its_friction() {
     };
     let [w_of_run, fibres_of_run] = ["w", "sigma_fibre"].map(|name| run.bridging.column(name));
     let fibres: Vec<[f64; 2]> = w_of_run.iter().zip(fibres_of_run).map(|(w, sigma)| [*w, sigma]).collect();
-    for (folder, largest_error) in [("own", 0.08), ("of-curve", 0.05)] {
+    // strengths, the first at a CMOD of 0.5 mm, hardly determine what happens before
+    for (folder, from, largest_error) in [("own", 0.2, 0.04), ("of-curve", 0.03, 0.05)] {
         let table = Table::read(&desk.path(&format!("{folder}/sigma.csv")));
         let numbers = json(&desk.path(&format!("{folder}/fit.json")))["numbers"].clone();
         let [openings, without, with] = ["w", "sigma", "sigma_total"].map(|name| table.column(name));
@@ -380,7 +381,7 @@ fn strengths_of_a_case_give_its_law_and_its_friction() {
             assert!((total - sigma - matrix(*w)).abs() < 1e-9, "{folder}, {w}: {sigma}, {total}");
             assert_eq!(numbers[format!("sigma({w})")]["value"].as_f64(), Some(*sigma), "{folder}, {w}");
             let right = between(&fibres, *w);
-            if *w >= 0.03 {
+            if *w >= from {
                 assert!((sigma - right).abs() < largest_error, "{folder}, {w}: {sigma} for {right}");
             }
         }

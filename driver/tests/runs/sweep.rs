@@ -592,6 +592,23 @@ fn a_signal_ends_the_work_without_a_word_of_exit_handlers() {
     assert_eq!(texts(&collected(&desk, &desk.path("store")), "status"), ["done"]);
 }
 
+/// The child of a sweep without plugins takes the time that it needs to end: it was ended 0 s after its results, with a warning of the
+/// exit handlers of a plugin.
+#[test]
+fn a_sweep_without_plugins_says_nothing_of_them() {
+    let desk = Desk::new();
+    let base = json!({ "kind": "bridging", "fibre": { "model": "closed", "diameter": 0.5, "length": 30, "E": 200_000, "tau": 3 },
+        "volume_fraction": 0.01, "matrix": { "E": 30_000, "ft": 3 } });
+    let sweep = json!({ "kind": "sweep", "base": base, "parameters": { "fibre.tau": [1, 2, 3], "volume_fraction": [0.005, 0.01, 0.02] },
+        "curve": { "x": "w", "y": "sigma" }, "quantities": { "peak": "peak" } });
+    desk.case("sweep.json", &sweep);
+    for store in ["a", "b", "c"] {
+        sweep_with(&desk, "plan", &["sweep.json", "--out", store], 0);
+        assert_eq!(sweep_with(&desk, "work", &["--quiet", store], 0), "");
+        assert_eq!(texts(&collected(&desk, &desk.path(store)), "status"), ["done"; 9]);
+    }
+}
+
 /// Arguments of a command of `sweep` with a folder.
 fn sweep_with(desk: &Desk, action: &str, more: &[&str], code: i32) -> String {
     let arguments = ["sweep", action].into_iter().chain(more.iter().copied());
