@@ -567,7 +567,7 @@ fn slips_of_units_and_defaults_are_reported_by_check() {
     assert!(outcome.stderr.contains("--ft 3500 is outside the usual range"), "{}", outcome.stderr);
     for (options, words) in [
         (&["--E", "31800", "--nu", "0.18", "--ft", "42", "--fc", "3.2"][..], "f_t must not exceed f_c"),
-        (&["--class", "C30/25"], "--class C30/25 is no class of the Model Code: is it C30/37?"),
+        (&["--class", "C30/25"][..], "--class C30/25 is no class of the Model Code: is it C30/37?"),
     ] {
         let outcome = desk.pullout(["props", "concrete_damage"].iter().chain(options)).expect(2);
         assert!(outcome.stdout.is_empty() && outcome.stderr.contains(words), "{}", outcome.stderr);
