@@ -13,7 +13,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use umat_abi::host::{
     self, ExternalDatabases, Found, Frame, InitialPoint, InitialStates, InitialStresses, Library, LoadError, Manner,
@@ -82,8 +81,6 @@ pub(crate) struct Plugin {
     analysis: Arc<Mutex<Analysis>>,
     /// Why calls with the components of a plane go through six instead, once trial calls have shown it.
     planes: Mutex<Vec<(StressState, Option<String>)>>,
-    /// Calls of [`Self::evaluate`] so far.
-    evaluations: AtomicU64,
     /// The frame that was read last, with the text and the mode that it is of.
     frame: Mutex<Option<LastFrame>>,
 }
@@ -109,7 +106,6 @@ impl Plugin {
                 has_stack: has_stack || isolation::is_shipped(&path),
                 analysis: Analysis::of(&library),
                 planes: Mutex::default(),
-                evaluations: AtomicU64::default(),
                 frame: Mutex::default(),
                 library,
             })
@@ -301,11 +297,7 @@ impl Plugin {
                 inputs.prepare(&mut call);
                 Ok(call)
             };
-            // each look costs a process: few of many calls
-            let looks = self.law.is_none()
-                && self.evaluations.fetch_add(1, Ordering::Relaxed).wrapping_add(1).is_power_of_two();
-            let looked_at = looks.then(|| inputs.farthest(count));
-            let work = Work { inputs: &inputs, law: self.law.as_ref(), may_refuse, looked_at, make: &make };
+            let work = Work { inputs: &inputs, law: self.law.as_ref(), may_refuse, make: &make };
             let mut rest = rows;
             let mut refused = Vec::new();
             loop {

@@ -2,7 +2,7 @@
 
 use crate::errors::{Exception, wrong};
 use pyo3::prelude::*;
-use umat_abi::host::{Heat, LawDescription, LoadError, UmatCall, Validation, compute_in_child, judge};
+use umat_abi::host::{Heat, LawDescription, LoadError, UmatCall, Validation, judge};
 use umat_abi::law::Request;
 
 /// A point that could not be updated: its index, the reason, and the fraction of the increment to try next.
@@ -166,12 +166,6 @@ impl<'a> Inputs<'a> {
         call.jstep[2] = i32::from(self.gradients[1].is_some());
     }
 
-    /// The point with the largest component of DSTRAN.
-    pub fn farthest(&self, count: usize) -> usize {
-        let size = |point: usize| self.dstrain.row(point).iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        (0..count).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0)
-    }
-
     /// PROPS of the first point.
     pub fn first_props(&self) -> &'a [f64] {
         self.props.row(0)
@@ -187,8 +181,6 @@ pub(crate) struct Work<'a> {
     pub law: Option<&'a LawDescription>,
     /// Whether a point that is given what no increment is right for is refused, and not an error.
     pub may_refuse: bool,
-    /// The point at which it is looked whether the answer depends on what the law reads outside its arrays, if at any.
-    pub looked_at: Option<usize>,
     /// Prepares calls with some PROPS.
     pub make: &'a (dyn Fn(&[f64]) -> Result<UmatCall, LoadError> + Sync),
 }
@@ -226,7 +218,7 @@ impl Rows<'_> {
     /// # Errors
     /// The library has no such entry point; a point's parameters are not admitted with its length.
     pub fn update(mut self, work: &Work<'_>) -> PyResult<Vec<Refused>> {
-        let Work { inputs, law, may_refuse, looked_at, make } = *work;
+        let Work { inputs, law, may_refuse, make } = *work;
         let count = self.count.max(1);
         let (components, nstatv) = (self.stress.len() / count, self.state.len() / count);
         let request = if self.tangent.is_some() { Request::StressAndTangent } else { Request::Stress };
@@ -265,12 +257,6 @@ impl Rows<'_> {
                 continue;
             }
             call.set_point(start, &self.state[states.clone()], energies);
-            if looked_at == Some(at)
-                && let Some(place) = read_outside(call, start, &self.state[states.clone()], energies)
-            {
-                let message = format!("point {at}: it {place}, and its answer depends on it");
-                return Err(Exception::Plugin.with(message));
-            }
             let outcome = call.call(request).and_then(|outcome| call.add_generated_heat().map(|()| outcome));
             let moduli = || request.wants_tangent().then(|| call.moduli_not_finite()).flatten();
             if let Err(failure) = judge(outcome, call.not_finite().or_else(moduli).or_else(|| call.heat_not_finite())) {
@@ -302,16 +288,4 @@ impl Rows<'_> {
         }
         Ok(refused)
     }
-}
-
-/// Makes trial calls of a point in child processes; returns what the law reads outside its arrays, if its answer depends on it. The
-/// call is left as it was.
-fn read_outside(call: &mut UmatCall, start: [&[f64]; 3], state: &[f64], energies: [f64; 3]) -> Option<String> {
-    let depends = compute_in_child(|| {
-        call.leave_record();
-        u64::from(call.depends_on_surroundings(|call| call.set_point(start, state, energies)))
-    });
-    let place = if depends.ok().flatten() == Some(1) { call.trespass_again() } else { None };
-    call.set_point(start, state, energies);
-    place.map(|place| place.to_string())
 }

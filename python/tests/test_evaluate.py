@@ -321,24 +321,3 @@ def test_a_forked_process_has_a_helper_of_its_own(umats: dict[str, Path]) -> Non
         os._exit(0 if law.evaluate(0.0, strain, props=[E]).stress[0, 0] == E * 1e-4 else 1)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
     assert law.evaluate(0.0, strain, props=[E]).stress[0, 0] == E * 1e-4
-
-
-@pytest.mark.parametrize("in_process", [False, True])
-def test_what_is_read_outside_an_array_and_only_compared_is_an_error(
-    in_process: bool, compile_fortran: Compile, tmp_path: Path
-) -> None:
-    """The yield stress stands after PROPS, where NaN is: no stress is larger than that."""
-    source = """@umat ntens
-  ddsdde = 0
-  do i = 1, ntens
-    ddsdde(i,i) = props(1)
-  end do
-  stress = stress + props(1)*dstran
-  if (stress(1) > props(nprops + 1)) stress(1) = props(nprops + 1)
-end subroutine
-"""
-    law = po.Law(compile_fortran(source, tmp_path / "outside.f90"), nstatv=0, in_process=in_process)
-    dstrain = np.zeros((2, 6))
-    dstrain[1, 0] = 1e-3
-    with pytest.raises(po.PluginError, match=r"point 1: it reads PROPS\(2\), which has 1 elements"):
-        law.evaluate(0.0, dstrain, props=[200e3])

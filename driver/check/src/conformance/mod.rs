@@ -183,9 +183,7 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
     }
     // SDVINI and the path of the case within one analysis that lasts as long as the check
     let mut databases = ExternalDatabases::begin([&plugin.library]);
-    if options.wants(CheckGroup::Memory) {
-        kept_properties(plugin, &props, options, &mut report);
-    }
+    let kept = if options.wants(CheckGroup::Memory) { kept_properties(plugin, &props, options) } else { None };
     let path =
         options.program.as_deref().map(|program| Arc::new(CasePath::of(program, options, &mut databases, &mut report)));
     let mut subjects = Vec::new();
@@ -202,6 +200,9 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
     }
     // a failure before the first increment is reported once: all other checks need the point before it
     subjects.retain_mut(|subject| begins(subject, options, &mut Ledger::new(&mut report, subject.label)));
+    if let Some((label, finding)) = kept.filter(|_| !subjects.is_empty()) {
+        properties::report(&finding, &mut Ledger::new(&mut report, label));
+    }
     for subject in &mut subjects {
         let label = subject.label;
         check_subject(subject, options, &mut databases, &mut Ledger::new(&mut report, label));
@@ -216,17 +217,12 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
 }
 
 /// Looks for what a law keeps of the PROPS of its first call, before this process makes any.
-fn kept_properties(plugin: &Plugin, props: &[f64], options: &Options, report: &mut Report) {
+fn kept_properties(plugin: &Plugin, props: &[f64], options: &Options) -> Option<(&'static str, properties::Finding)> {
     let program = options.program.as_deref();
     let of_case = program.map(case_path::entry);
-    let Some(entry) = of_case.or_else(|| entries(plugin.law.as_ref(), None, options).into_iter().next()) else {
-        return;
-    };
-    if let Ok(subject) = Subject::new(plugin, entry, props, options, None) {
-        let mut ledger = Ledger::new(report, subject.label);
-        ledger.begin("other PROPS");
-        properties::report(&properties::find(&subject, program), &mut ledger);
-    }
+    let entry = of_case.or_else(|| entries(plugin.law.as_ref(), None, options).into_iter().next())?;
+    let subject = Subject::new(plugin, entry, props, options, None).ok()?;
+    Some((subject.label, properties::find(&subject, program)))
 }
 
 /// Every entry point and set of components that the law claims.

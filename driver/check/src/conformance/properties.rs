@@ -100,8 +100,9 @@ fn digest(subject: &mut Subject<'_>, start: &Committed, output: Option<usize>) -
     all
 }
 
-/// Adds the row of the check that was begun.
+/// Adds the row.
 pub(super) fn report(finding: &Finding, ledger: &mut Ledger<'_>) {
+    ledger.begin("other PROPS");
     match finding {
         Finding::NothingSeen => ledger.skip("none of PROPS changes an answer at the start"),
         Finding::Independent(count) => ledger.add(Verdict::Pass, format!("{count} varied"), ""),
