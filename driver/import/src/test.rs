@@ -171,7 +171,7 @@ fn values_of_a_step_variation_jump() {
     }
     let ramped = visco.replace("*STEP", "*STEP, AMPLITUDE=RAMP");
     assert_eq!(steps(&ramped)[0]["target"]["e11"], 0.01);
-    // a support that is taken away leaves no stress behind
+    // a support that is taken away has no stress afterwards
     let away = step("*BOUNDARY, OP=NEW\nX0, 1\nY0, 2\nZ0, 3\n");
     let steps = steps(&(step(boundary) + &away.replace("*STEP", "*STEP, AMPLITUDE=STEP")));
     assert!(steps[1]["table"]["e11"].is_null() && steps[1]["constraints"].is_null(), "{}", steps[1]);
