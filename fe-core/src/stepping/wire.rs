@@ -49,7 +49,7 @@ impl Stretches {
         self.with_stresses(snapshot, &stress).map(|(_, record)| record).collect()
     }
 
-    /// Returns how much of what breaks it the wire bears that is nearest to breaking, at the committed state and at the end of an
+    /// Returns how much of what breaks it the wire carries that is nearest to breaking, at the committed state and at the end of an
     /// increment that converged: 1 where it breaks.
     pub(super) fn utilisations(&self, committed: &Snapshot<'_>, trial: &Snapshot<'_>) -> [f64; 2] {
         if !committed.model().measured.wires.iter().any(Wire::has_limits) {

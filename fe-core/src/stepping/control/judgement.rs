@@ -13,7 +13,7 @@ use crate::stepping::newton::{Converged, Leader};
 pub(in crate::stepping) struct Findings {
     /// |load| at its end.
     pub(in crate::stepping) load: f64,
-    /// How much of what breaks it the wire bears that is nearest to breaking, before the increment and at its end.
+    /// How much of what breaks it the wire carries that is nearest to breaking, before the increment and at its end.
     pub(in crate::stepping) wire_utilisations: [f64; 2],
     /// The largest growth of a contact point's slip, as a multiple of what is admissible.
     pub(in crate::stepping) slip_growth: f64,
