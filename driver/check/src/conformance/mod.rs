@@ -200,12 +200,10 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
     }
     // a failure before the first increment is reported once: all other checks need the point before it
     subjects.retain_mut(|subject| begins(subject, options, &mut Ledger::new(&mut report, subject.label)));
-    if let Some((label, finding)) = kept.filter(|_| !subjects.is_empty()) {
-        properties::report(&finding, &mut Ledger::new(&mut report, label));
-    }
     for subject in &mut subjects {
         let label = subject.label;
-        check_subject(subject, options, &mut databases, &mut Ledger::new(&mut report, label));
+        let kept = kept.as_ref().filter(|(of, _)| *of == label).map(|(_, finding)| finding);
+        check_subject(subject, kept, options, &mut databases, &mut Ledger::new(&mut report, label));
     }
     if options.wants(CheckGroup::Paths) {
         virgin::agreement_with_three_d(&mut subjects, &mut report);
@@ -259,9 +257,10 @@ fn begins(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>)
     has_answer
 }
 
-/// All checks of one entry point and stress state.
+/// All checks of one entry point and stress state. `kept`: what is known of PROPS that its law keeps.
 fn check_subject(
     subject: &mut Subject<'_>,
+    kept: Option<&properties::Finding>,
     options: &Options,
     databases: &mut ExternalDatabases,
     ledger: &mut Ledger<'_>,
@@ -304,6 +303,9 @@ fn check_subject(
         heat::check_transfer(subject, options.umatht_props.as_deref(), &sample, ledger);
     }
     if let Some(first) = &first {
+        if let Some(finding) = kept {
+            properties::report(finding, ledger);
+        }
         memory::unset_entries(subject, &sample, ledger);
         memory::inputs_untouched(subject, &sample, ledger);
         determinism::repeatability(subject, &sample, ledger);
