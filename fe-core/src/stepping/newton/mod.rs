@@ -612,7 +612,7 @@ const FREE_BODY: &str = "is a body free to move?";
 const FREE_FIELD: &str = "it is that of the field: has each body a fixed value of a steady field?";
 const FREE_BODY_OR_FIELD: &str = "is a body free to move, or without a fixed value of a steady field?";
 
-/// A system without a solution; `question`: what to look for where it is singular, exactly or but for rounding.
+/// A system without a solution; `question`: what to look for where it is singular, exactly or within rounding.
 fn unsolvable(error: &SolverError, question: &str) -> PointFailure {
     let reason = match error {
         SolverError::Singular { .. } | SolverError::Residual { .. } => format!("{error}: {question}"),
