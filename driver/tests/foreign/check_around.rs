@@ -18,7 +18,7 @@ fn checked(desk: &Desk, library: &Value, case: &Value, code: i32) -> Outcome {
 
 /// The row of a check.
 #[track_caller]
-fn row<'o>(outcome: &'o Outcome, check: &str) -> &'o str {
+pub(super) fn row<'o>(outcome: &'o Outcome, check: &str) -> &'o str {
     let mut rows = outcome.stdout.lines().filter(|line| line.get(6..).is_some_and(|rest| rest.starts_with(check)));
     rows.next().unwrap_or_else(|| panic!("no row '{check}' in\n{}", outcome.stdout))
 }

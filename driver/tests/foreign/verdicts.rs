@@ -1,5 +1,6 @@
 //! `pullout plugin check` on laws whose verdict was wrong: sound laws that were blamed, and errors that passed.
 
+use super::check_around::row;
 use super::point;
 use crate::program::{Desk, Outcome};
 use end_to_end_tests::{Tool, find};
@@ -33,13 +34,6 @@ pub(super) fn checked(desk: &Desk, case: &Value) -> Outcome {
     let outcome = desk.pullout(arguments);
     println!("{}", outcome.stdout);
     outcome
-}
-
-/// The row of a check.
-#[track_caller]
-fn row<'o>(outcome: &'o Outcome, check: &str) -> &'o str {
-    let mut rows = outcome.stdout.lines().filter(|line| line.get(6..).is_some_and(|rest| rest.starts_with(check)));
-    rows.next().unwrap_or_else(|| panic!("no row '{check}' in\n{}", outcome.stdout))
 }
 
 /// A linear law with stiffnesses 11, 22, 33, 12, 13, 23 and the shears; the entry of DDSDDE with the number PROPS(10) is

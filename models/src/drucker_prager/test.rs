@@ -5,7 +5,7 @@ use approx::assert_relative_eq;
 use battery::pages::{PARAMETERS, STATES};
 use battery::samples::drucker_prager::*;
 use battery::uniaxial::{BOTH_LATERAL, ONE_LATERAL, advance_free};
-use battery::{Point, Promises, Random, STRESS_STATES, Sample, battery};
+use battery::{Point, Promises, Random, STRESS_STATES, Sample, battery, check_no_second_flow};
 use umat_abi::law::{advance_values, parameters_of};
 
 fn root_j2(stress: &[f64; 6]) -> f64 {
@@ -39,17 +39,7 @@ battery!(
 /// An increment met again does not flow without friction, where no term of the yield function grows with the pressure.
 #[test]
 fn a_point_under_pressure_does_not_flow_twice() {
-    let mut random = Random::new(11);
-    for _ in 0..1000 {
-        let mut point = Point::<DruckerPrager>::virgin(&[E, NU, COHESION, 0.0, 0.0, 0.0], StressState::ThreeD);
-        let mean = random.between(-0.3, 0.3);
-        let mut strain = random.strain(StressState::ThreeD, 3e-3);
-        strain[..3].iter_mut().for_each(|component| *component += mean);
-        point.advance(&strain);
-        let state = point.state.clone();
-        point.advance(&strain);
-        assert_eq!(point.state, state, "{strain:?}");
-    }
+    check_no_second_flow::<DruckerPrager>(&[E, NU, COHESION, 0.0, 0.0, 0.0]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use approx::assert_relative_eq;
 use battery::pages::{PARAMETERS, STATES};
 use battery::samples::j2_plasticity::*;
 use battery::uniaxial::{BOTH_LATERAL, ONE_LATERAL, OUT_OF_PLANE, advance_free};
-use battery::{PATH_COUNTS, Point, Promises, Random, STRESS_STATES, Sample, battery};
+use battery::{PATH_COUNTS, Point, Promises, Random, STRESS_STATES, Sample, battery, check_no_second_flow};
 use umat_abi::law::{advance_values, parameters_of};
 
 const MU: f64 = E / (2.0 * (1.0 + NU));
@@ -95,17 +95,7 @@ fn shear_yields_at_yield_stress_over_root_three() {
 /// An increment met again does not flow, however large the volumetric strain whose rounding the deviator has.
 #[test]
 fn a_point_under_pressure_does_not_flow_twice() {
-    let mut random = Random::new(11);
-    for _ in 0..1000 {
-        let mut point = Point::<J2Plasticity>::virgin(&LINEAR, StressState::ThreeD);
-        let mean = random.between(-0.3, 0.3);
-        let mut strain = random.strain(StressState::ThreeD, 3e-3);
-        strain[..3].iter_mut().for_each(|component| *component += mean);
-        point.advance(&strain);
-        let state = point.state.clone();
-        point.advance(&strain);
-        assert_eq!(point.state, state, "{strain:?}");
-    }
+    check_no_second_flow::<J2Plasticity>(&LINEAR);
 }
 
 #[test]

@@ -127,3 +127,18 @@ pub fn check_virgin<L: Law>(sample: &Sample<'_>, stress_state: StressState, elas
         }
     }
 }
+
+/// Meets strains again that are plastic under large volumetric strains, whose rounding the deviator has: no state may move.
+pub fn check_no_second_flow<L: Law>(props: &[f64]) {
+    let mut random = Random::new(11);
+    for _ in 0..1000 {
+        let mut point = Point::<L>::virgin(props, StressState::ThreeD);
+        let mean = random.between(-0.3, 0.3);
+        let mut strain = random.strain(StressState::ThreeD, 3e-3);
+        strain[..3].iter_mut().for_each(|component| *component += mean);
+        point.advance(&strain);
+        let state = point.state.clone();
+        point.advance(&strain);
+        assert_eq!(point.state, state, "{strain:?}");
+    }
+}

@@ -21,7 +21,7 @@ mod tangent;
 pub mod uniaxial;
 
 pub use batch::BatchCall;
-pub use invariants::{check_invariants, check_rotation, check_virgin};
+pub use invariants::{check_invariants, check_no_second_flow, check_rotation, check_virgin};
 pub use path::{PATH_COUNTS, check_path_exactness, check_random_paths};
 pub use promises::Promises;
 pub use tangent::{check_tangents, tangent_error};

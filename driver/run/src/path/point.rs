@@ -884,7 +884,7 @@ impl Divisible for Runner<'_> {
         let largest = self.components.iter().fold(0.0_f64, |largest, &i| largest.max(state.stress[i].abs()));
         self.largest_stress = self.largest_stress.max(largest);
         self.largest_stress_of_step = self.largest_stress_of_step.max(largest);
-        let strain = self.finite.as_ref().map_or(&state.strain, |finite| &finite.strain);
+        let strain = &self.trial.strain;
         self.largest_strain = self.components.iter().fold(self.largest_strain, |most, &i| most.max(strain[i].abs()));
         self.moduli_not_finite = self.moduli_not_finite.or(self.trial.moduli_not_finite);
         self.refused = Refused::default();
