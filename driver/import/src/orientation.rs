@@ -1,15 +1,14 @@
 //! *ORIENTATION: local axes by coordinates and a further rotation.
 
 use super::keywords::Keyword;
+use nalgebra::{Rotation3, Unit, Vector3};
 use serde_json::{Value, json};
-
-type Vector = [f64; 3];
 
 /// Local axes of a material.
 #[derive(Clone, Debug)]
 pub(super) enum Axes {
     /// The first axis, and a vector in the plane of the first two.
-    Known([Vector; 2]),
+    Known([Vector3<f64>; 2]),
     /// They cannot be imported: the reason, with its line.
     Unknown(String),
 }
@@ -18,7 +17,7 @@ impl Axes {
     /// The axes in the form of a case.
     pub(super) fn for_case(&self) -> Option<Value> {
         match self {
-            Self::Known(vectors) => Some(json!(vectors)),
+            Self::Known(vectors) => Some(json!(vectors.map(<[f64; 3]>::from))),
             Self::Unknown(_) => None,
         }
     }
@@ -27,7 +26,7 @@ impl Axes {
     pub(super) fn is_oblique(&self) -> bool {
         const SMALL: f64 = 1e-9;
         let Self::Known([first, second]) = self else { return false };
-        let axes = [unit(*first), unit(cross(*first, *second))];
+        let axes = [first.normalize(), first.cross(second).normalize()];
         axes.iter().any(|axis| axis.iter().filter(|component| component.abs() > SMALL).count() > 1)
     }
 }
@@ -45,9 +44,9 @@ pub(super) fn read(keyword: &Keyword) -> Result<Axes, String> {
         return Ok(Axes::Unknown(format!("{place}: *ORIENTATION that is not rectangular by coordinates")));
     };
     let points = (0..9).map(|field| line.number(field)).collect::<Result<Vec<_>, _>>()?;
-    let from_origin = |first: usize| -> Vector { std::array::from_fn(|k| points[first + k] - points[6 + k]) };
+    let from_origin = |first: usize| Vector3::from_fn(|k, _| points[first + k] - points[6 + k]);
     let [a, b] = [from_origin(0), from_origin(3)];
-    if cross(a, b) == [0.0; 3] {
+    if a.cross(&b) == Vector3::zeros() {
         return Ok(Axes::Unknown(format!("{place}: *ORIENTATION whose points make no two axes")));
     }
     let Some(line) = keyword.data.get(1) else { return Ok(Axes::Known([a, b])) };
@@ -65,24 +64,8 @@ pub(super) fn read(keyword: &Keyword) -> Result<Axes, String> {
             return Ok(Axes::Unknown(format!("{place}: a further rotation of an *ORIENTATION about the axis {other}")));
         }
     };
-    let third = unit(cross(a, b));
-    let axes = [unit(a), cross(third, unit(a)), third];
-    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-    let (sine, cosine) = degrees.to_radians().sin_cos();
-    let mut turned = axes;
-    for k in 0..3 {
-        turned[next][k] = cosine * axes[next][k] + sine * axes[last][k];
-        turned[last][k] = cosine * axes[last][k] - sine * axes[next][k];
-    }
-    Ok(Axes::Known([turned[0], turned[1]]))
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// The vector of length 1; NaN for none.
-fn unit(a: Vector) -> Vector {
-    let length = a.iter().map(|component| component * component).sum::<f64>().sqrt();
-    a.map(|component| component / length)
+    let (first, third) = (a.normalize(), a.cross(&b).normalize());
+    let axes = [first, third.cross(&first), third];
+    let turn = Rotation3::from_axis_angle(&Unit::new_unchecked(axes[axis]), degrees.to_radians());
+    Ok(Axes::Known([turn * axes[0], turn * axes[1]]))
 }

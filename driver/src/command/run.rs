@@ -120,7 +120,7 @@ pub(super) fn run(arguments: &RunArguments) -> u8 {
     {
         let folder = folder.display();
         complain(format!(
-            "--restart {folder} goes on in {folder}, where the interrupted run has its results: leave --out out"
+            "--restart {folder} goes on in {folder}, where the interrupted run has its results: leave out --out"
         ));
         return BAD_INPUT;
     }
